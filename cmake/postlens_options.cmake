@@ -1,0 +1,35 @@
+# Compiler settings that every target of postlens shares, as the interface library postlens_options.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+endif()
+
+add_library(postlens_options INTERFACE)
+target_include_directories(postlens_options INTERFACE "${PROJECT_SOURCE_DIR}")
+target_compile_options(postlens_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Werror
+  # No fused multiply-add: the same bits from every instruction set that a kernel is compiled for.
+  -ffp-contract=off
+  # errno and traps are never read; without these sqrt and selects do not vectorise.
+  -fno-math-errno -fno-trapping-math)
+
+if(POSTLENS_SANITIZE)
+  target_compile_options(postlens_options INTERFACE
+    -fsanitize=${POSTLENS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(postlens_options INTERFACE -fsanitize=${POSTLENS_SANITIZE})
+  # Resolvers of multiversioned functions run before the sanitizers' run time is up.
+  target_compile_definitions(postlens_options INTERFACE POSTLENS_NO_MULTIVERSION)
+endif()
+
+# One library per folder: postlens_library(NAME sources... LINK libraries...)
+function(postlens_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINK;PRIVATE" ${ARGN})
+  add_library(postlens_${name} STATIC ${arg_SOURCES})
+  add_library(postlens::${name} ALIAS postlens_${name})
+  target_link_libraries(postlens_${name} PUBLIC postlens_options ${arg_LINK} PRIVATE ${arg_PRIVATE})
+endfunction()

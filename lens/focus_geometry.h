@@ -1,0 +1,42 @@
+// How far a record moves on the raster per metre of lens: the one place where mm, m and px meet.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+
+#include "lens/thin_lens.h"
+
+namespace postlens {
+
+enum class Framing {
+    keep,       ///< F changes the aperture only; the view stays as traced
+    lens,       ///< the film sits at F: the picture is cropped or zoomed
+    breathing,  ///< the film sits at V = F s / (s - F), as in the 1981 paper
+};
+
+/// What was traced.
+struct Film {
+    double distance_mm = 0;     ///< d
+    double pixel_pitch_mm = 0;  ///< > 0
+};
+
+/// A lens set to a focus distance in front of a film that was traced through a pinhole.
+/// A lens point q (m, raster axes) moves what has inverse depth 1/z' by `gain_px * (1/s - 1/z') * q` px.
+struct FocusGeometry {
+    double aperture_radius_m = 0;   ///< F / (2 n); 0 is a pinhole
+    double inverse_focus_per_m = 0;  ///< 1/s; 0 when focused at infinity
+    double gain_px = 0;             ///< d / pitch after framing, px
+    double zoom = 1;                ///< raster magnification about the picture's centre that framing asks for
+
+    /// Signed diameter, px: positive behind the focus. Finite for every inverse depth.
+    [[nodiscard]] double coc_diameter_px(double inverse_depth_per_m) const {
+        return 2 * aperture_radius_m * gain_px * (inverse_focus_per_m - inverse_depth_per_m);
+    }
+};
+
+/// Throws Error(wrong_arguments), with the reason, for F, n, s out of range: F > 0 finite, n > 0 (infinity: pinhole),
+/// s > 0 (infinity allowed), and s > F unless framing is `keep`.
+[[nodiscard]] FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
+                                           const Film& film);
+
+}  // namespace postlens

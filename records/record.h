@@ -1,0 +1,90 @@
+// The sample record: one node of the shading tree of one point sample.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace postlens {
+
+/// The bounce chain from the eye to a node: two bits a bounce, the first bounce in the lowest bits.
+/// 0 is the primary node (the surface that the eye ray hits).
+class NodePath {
+  public:
+    enum class Bounce : std::uint32_t { none = 0, reflected = 1, transmitted = 2 };
+    static constexpr int max_bounces = 16;
+
+    constexpr NodePath() = default;
+    constexpr explicit NodePath(std::uint32_t bits) : bits_(bits) {}
+
+    [[nodiscard]] constexpr std::uint32_t bits() const { return bits_; }
+    /// Bounces so far; 0 for the primary node.
+    [[nodiscard]] constexpr int depth() const {
+        int n = 0;
+        for (std::uint32_t b = bits_; b != 0; b >>= 2) ++n;
+        return n;
+    }
+    [[nodiscard]] constexpr Bounce bounce(int i) const { return static_cast<Bounce>((bits_ >> (2 * i)) & 3U); }
+    /// The last bounce: how this node was reached; `none` for the primary node.
+    [[nodiscard]] constexpr Bounce kind() const { return bits_ == 0 ? Bounce::none : bounce(depth() - 1); }
+    [[nodiscard]] constexpr NodePath child(Bounce b) const {
+        return NodePath(bits_ | (static_cast<std::uint32_t>(b) << (2 * depth())));
+    }
+    [[nodiscard]] constexpr NodePath parent() const {
+        return bits_ == 0 ? NodePath() : NodePath(bits_ & ~(3U << (2 * (depth() - 1))));
+    }
+    /// True where no bounce has the reserved value 3 and no gap precedes a bounce.
+    [[nodiscard]] constexpr bool valid() const {
+        for (std::uint32_t b = bits_; b != 0; b >>= 2) {
+            if ((b & 3U) == 0 || (b & 3U) == 3U) return false;
+        }
+        return true;
+    }
+    /// "primary", or the chain as letters, e.g. "RTT".
+    [[nodiscard]] std::string text() const;
+
+    friend constexpr bool operator==(NodePath, NodePath) = default;
+
+  private:
+    std::uint32_t bits_ = 0;
+};
+
+/// W = (dX/dp)^-1 dX/dq, unit 1/m, in raster axes (x right, y down): rows are the raster direction of the move,
+/// columns the lens direction. I / z' for what is seen directly or in a flat mirror. See docs/sample_file.md.
+struct Mat2 {
+    float xx = 0, xy = 0, yx = 0, yy = 0;
+    friend constexpr bool operator==(const Mat2&, const Mat2&) = default;
+    [[nodiscard]] static constexpr Mat2 isotropic(float v) { return {v, 0, 0, v}; }
+};
+
+/// One node. Colours are scene-linear radiance times the path's throughput: the nodes of a point sample add up.
+struct Record {
+    float x = 0, y = 0;  ///< raster position, px; pixel i covers [i, i+1)
+    float z = 0;         ///< z', m; +infinity where nothing was hit
+    float r = 0, g = 0, b = 0;
+    std::uint32_t id = 0;  ///< object; 0 for nothing
+    NodePath path;
+    std::uint32_t layer = 0;  ///< 0: visible from the pinhole
+    Mat2 w;
+    friend bool operator==(const Record&, const Record&) = default;
+};
+
+/// All the records of a run of whole pixel rows, pixel by pixel: rows [y_begin, y_end), columns [x_begin, x_end).
+/// The records of pixel (x, y) are [offsets[k], offsets[k + 1]) with k = (y - y_begin) * width() + (x - x_begin),
+/// in canonical order: by layer, y, x, path.
+struct RecordBand {
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+    std::vector<std::uint32_t> offsets{0};  ///< width() * height() + 1 entries
+    std::vector<Record> records;
+
+    [[nodiscard]] int width() const { return x_end - x_begin; }
+    [[nodiscard]] int height() const { return y_end - y_begin; }
+    [[nodiscard]] std::size_t pixel(int x, int y) const {
+        return static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width()) +
+               static_cast<std::size_t>(x - x_begin);
+    }
+};
+
+}  // namespace postlens

@@ -1,0 +1,86 @@
+// The sample file: OpenEXR, multi-part, written and read in bands of rows. Format: docs/sample_file.md.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "records/image.h"
+#include "records/record.h"
+#include "records/sample_header.h"
+
+namespace postlens {
+
+enum class RecordCompression { none, rle, zips };
+
+/// What one scanline of records holds, kept apart from the records so that it costs nothing to ask.
+struct ScanlineFacts {
+    std::uint32_t records = 0;
+    float nearest_z = std::numeric_limits<float>::infinity();  ///< finite z' only; infinity if none
+    float farthest_z = 0;                                      ///< finite z' only; 0 if none
+    std::uint64_t checksum = 0;
+};
+
+/// Writes bands in order, top to bottom, in bounded memory. Nothing appears at `path` before `finish()`.
+class SampleFileWriter {
+  public:
+    SampleFileWriter(const std::filesystem::path& path, const SampleHeader& header, RecordCompression compression);
+    ~SampleFileWriter();
+    SampleFileWriter(const SampleFileWriter&) = delete;
+    SampleFileWriter& operator=(const SampleFileWriter&) = delete;
+    SampleFileWriter(SampleFileWriter&&) = delete;
+    SampleFileWriter& operator=(SampleFileWriter&&) = delete;
+
+    /// The next rows of records: the first band begins at -overscan, the last ends at height + overscan + 1,
+    /// columns always [-overscan, width + overscan + 1). The pinhole picture (part 0) is computed from them here.
+    void write(const RecordBand& band);
+    /// Completes the file and puts it in place. Returns its size in bytes.
+    std::uint64_t finish();
+    /// The pinhole picture as it stands in part 0; complete after the last band.
+    [[nodiscard]] const Image& picture() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Reads a sample file. Every function throws Error(invalid_input), naming the file, for what is not a whole and
+/// undamaged sample file; counts and windows are checked before anything is allocated.
+class SampleFileReader {
+  public:
+    explicit SampleFileReader(const std::filesystem::path& path);
+    ~SampleFileReader();
+    SampleFileReader(const SampleFileReader&) = delete;
+    SampleFileReader& operator=(const SampleFileReader&) = delete;
+    SampleFileReader(SampleFileReader&&) = delete;
+    SampleFileReader& operator=(SampleFileReader&&) = delete;
+
+    [[nodiscard]] const SampleHeader& header() const;
+    /// One entry per record scanline, first at y = -overscan.
+    [[nodiscard]] std::span<const ScanlineFacts> scanlines() const;
+    [[nodiscard]] std::uint64_t record_count() const;
+    [[nodiscard]] std::uint64_t file_bytes() const;
+    /// The record rows: [-overscan, height + overscan + 1).
+    [[nodiscard]] int y_begin() const;
+    [[nodiscard]] int y_end() const;
+    /// The record columns: [-overscan, width + overscan + 1).
+    [[nodiscard]] int x_begin() const;
+    [[nodiscard]] int x_end() const;
+
+    /// Rows [y_begin, y_end) in canonical order. Checksums, ids of paths, positions and finiteness are verified.
+    /// A buffer given again is reused. Random access is allowed.
+    void read(int y_begin, int y_end, RecordBand& band) const;
+    /// Part 0 as stored.
+    [[nodiscard]] Image picture() const;
+    /// True where the file begins like a sample file (an OpenEXR file with postlens' version attribute).
+    [[nodiscard]] static bool is_sample_file(const std::filesystem::path& path);
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,56 @@
+// What a sample file says of the picture as a whole.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace postlens {
+
+enum class Projection { perspective, orthographic };
+
+/// Lens settings that the traced records (overscan, hidden layers) were sized for. Absent: any not asked for.
+struct SufficientRange {
+    std::optional<double> smallest_f_number;
+    std::optional<double> nearest_focus_m, farthest_focus_m;  ///< farthest may be infinite
+};
+
+struct SampleHeader {
+    static constexpr int current_version = 1;
+
+    int version = current_version;
+    int width = 0, height = 0;  ///< raster, px: pixel centres at (i + 0.5, j + 0.5), y downwards
+    int overscan_px = 0;        ///< further pixels on all four sides that have records too
+
+    Projection projection = Projection::perspective;
+    double film_distance_mm = 0;  ///< d, pinhole to film; perspective only
+    double pixel_pitch_mm = 0;    ///< on the film; for an orthographic camera the pixel's size in the scene
+    double focal_length_mm = 0;   ///< nominal F, what `focus` takes when none is asked for
+    std::optional<double> f_number;
+    std::optional<double> focus_m;  ///< may be infinite
+    std::optional<double> exposure_s;
+    glm::dmat4 world_from_camera{1};  ///< camera frame: x right, y up, looking along -z; metres
+    double time_s = 0;                ///< the instant of the trace
+
+    int subdivide_levels = 0;  ///< greatest depth of the recursive 2x2 subdivision of a pixel
+    double subdivide_threshold = 0;
+    int max_depth = 0;  ///< nodes along a path, the primary node counts 1
+    double min_contribution = 0;
+
+    std::string scene_name;
+    std::string scene_sha256;
+    std::map<std::uint32_t, std::string> object_names;  ///< without id 0
+    std::vector<std::uint32_t> moving_ids;
+    bool lights_move = false;
+    std::string motion_json;  ///< keyframed rigid motion of the moving ids and the camera; empty if none moves
+
+    bool has_w = false;       ///< false: no node is deeper than primary, W is I / z' everywhere
+    bool has_layers = false;  ///< false: every record is of layer 0
+    SufficientRange sufficient;
+};
+
+}  // namespace postlens
