@@ -1,36 +1,114 @@
 #include "core/output_file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
+#include <array>
+#include <cassert>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
+#include <fcntl.h>
+#include <string>
 #include <system_error>
+#include <unistd.h>
 #include <utility>
 
 #include "core/error.h"
 
 namespace postlens {
 namespace fs = std::filesystem;
+namespace {
 
-OutputFile::OutputFile(fs::path target) : target_(std::move(target)) {
-    std::error_code ec;
-    if (target_.filename().empty() || fs::is_directory(target_, ec)) {
-        fail(ExitCode::cannot_write, "{}: cannot write (got a folder; expected a file name)", target_.string());
+// The temporaries alive, for a signal handler. Whoever exchanges a pointer for null owns its text, so that
+// neither side reads what the other has freed. More files at once than slots are written all the same.
+constexpr std::size_t slot_count = 64;
+std::array<std::atomic<char*>, slot_count> g_temporaries{};
+static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");
+
+std::optional<std::size_t> list_temporary(const fs::path& path) {
+    char* text = ::strdup(path.c_str());
+    if (text == nullptr) return std::nullopt;
+    for (std::size_t i = 0; i < slot_count; ++i) {
+        char* expected = nullptr;
+        if (g_temporaries[i].compare_exchange_strong(expected, text)) return i;
     }
-    const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    std::free(text);
+    return std::nullopt;
+}
+
+void unlist_temporary(std::optional<std::size_t> slot) {
+    if (slot) std::free(g_temporaries[*slot].exchange(nullptr));
+}
+
+[[noreturn]] void fail_to_write(const fs::path& target, int error) {
+    fail(ExitCode::cannot_write, "{}: cannot write ({})", target.string(),
+         std::generic_category().message(error));
+}
+
+int open_retrying(const fs::path& path, int flags) {
+    int fd = -1;
+    do {
+        fd = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+    } while (fd < 0 && errno == EINTR);
+    return fd;
+}
+
+/// Zero, or the errno of what went wrong.
+int flush_to_disk(const fs::path& path, int flags) {
+    const int fd = open_retrying(path, flags);
+    if (fd < 0) return errno;
+    int result = -1;
+    do {
+        result = ::fsync(fd);
+    } while (result != 0 && errno == EINTR);
+    const int error = result == 0 ? 0 : errno;
+    ::close(fd);
+    // A file system without fsync has nothing to flush.
+    return error == EINVAL || error == ENOTSUP ? 0 : error;
+}
+
+fs::path folder_of(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+}  // namespace
+
+OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destination_(target_) {
+    std::error_code ec;
+    const fs::file_status status = fs::status(target_, ec);
+    if (target_.filename().empty() || fs::is_directory(status)) {
+        fail(ExitCode::cannot_write, "{}: cannot write (got a folder; expected a file name)",
+             target_.string());
+    }
+    if (fs::exists(status)) {
+        // The rename would put an ordinary file in the place of a device such as /dev/null.
+        if (!fs::is_regular_file(status)) {
+            fail(ExitCode::cannot_write, "{}: cannot write (got a device, pipe or socket; expected a file)",
+                 target_.string());
+        }
+        // The rename asks only the folder's permission; a file that its owner protected stays.
+        if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
+        if (fs::is_symlink(fs::symlink_status(target_, ec))) {
+            destination_ = fs::canonical(target_, ec);
+            if (ec) fail_to_write(target_, ec.value());
+        }
+    }
+    const fs::path folder = folder_of(destination_);
     if (!fs::is_directory(folder, ec)) {
         fail(ExitCode::cannot_write, "{}: cannot write (folder {} does not exist)", target_.string(),
              folder.string());
     }
-    // Keeping the ending last lets image writers choose the format; the pid keeps two runs apart.
-    temporary_ = folder / fmt::format(".{}.{}.part{}", target_.stem().string(), static_cast<int>(::getpid()),
-                                      target_.extension().string());
-    const int fd = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (fd < 0) {
-        fail(ExitCode::cannot_write, "{}: cannot write ({})", target_.string(), std::strerror(errno));
+    // Keeping the ending last lets image writers choose the format. The pid tells a reader of the folder
+    // whose file it is; the number keeps apart two files of one run, and runs whose pids are equal
+    // (containers).
+    const std::string stem = destination_.stem().string().substr(0, 200);
+    int fd = -1;
+    for (int number = 0; fd < 0; ++number) {
+        temporary_ = folder / fmt::format(".{}.{}-{}.part{}", stem, ::getpid(), number,
+                                          destination_.extension().string());
+        fd = open_retrying(temporary_, O_WRONLY | O_CREAT | O_EXCL);
+        if (fd < 0 && errno != EEXIST) fail_to_write(target_, errno);
     }
     ::close(fd);
+    slot_ = list_temporary(temporary_);
 }
 
 OutputFile::~OutputFile() {
@@ -38,20 +116,25 @@ OutputFile::~OutputFile() {
         std::error_code ec;
         fs::remove(temporary_, ec);
     }
+    unlist_temporary(slot_);
 }
 
 void OutputFile::commit() {
-    const int fd = ::open(temporary_.c_str(), O_RDONLY | O_CLOEXEC);
-    if (fd < 0 || ::fsync(fd) != 0) {
-        const int error = errno;
-        if (fd >= 0) ::close(fd);
-        fail(ExitCode::cannot_write, "{}: cannot write ({})", target_.string(), std::strerror(error));
-    }
-    ::close(fd);
+    assert(!committed_);
+    if (const int error = flush_to_disk(temporary_, O_RDONLY); error != 0) fail_to_write(target_, error);
     std::error_code ec;
-    fs::rename(temporary_, target_, ec);
-    if (ec) fail(ExitCode::cannot_write, "{}: cannot write ({})", target_.string(), ec.message());
+    fs::rename(temporary_, destination_, ec);
+    if (ec) fail_to_write(target_, ec.value());
     committed_ = true;
+    // Makes the new name outlive a power cut. The file is whole either way, and a folder that may be written
+    // but not read cannot be opened: no failure here is the user's concern.
+    static_cast<void>(flush_to_disk(folder_of(destination_), O_RDONLY | O_DIRECTORY));
+}
+
+void remove_all_temporaries() noexcept {
+    for (std::atomic<char*>& slot : g_temporaries) {
+        if (const char* path = slot.exchange(nullptr)) ::unlink(path);
+    }
 }
 
 }  // namespace postlens

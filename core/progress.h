@@ -8,10 +8,12 @@
 
 namespace postlens {
 
-/// Makes SIGINT, SIGTERM and SIGHUP set a flag instead of ending the process. A second signal ends it.
+/// Makes SIGINT, SIGTERM and SIGHUP set a flag instead of ending the process; a signal that the process was
+/// started to ignore (nohup, a background job of a script) stays ignored. A second signal ends the process by
+/// its default action, after removing what OutputFile has not yet committed.
 void install_interrupt_handler();
 
-/// True once a signal came. Safe from any thread.
+/// True once a signal came. Safe from any thread; costs one relaxed load of an atomic.
 [[nodiscard]] bool interrupted();
 
 /// Throws Error(interrupted) once a signal came. Long loops call it at least every 100 ms.
@@ -20,10 +22,14 @@ void throw_if_interrupted();
 /// For tests: sets or clears the flag as a signal would.
 void set_interrupted(bool value);
 
+/// "8 s", "3 min 05 s" or "2 h 07 min"; negative and undefined durations count as zero.
+[[nodiscard]] std::string duration_text(double duration_s);
+
 /// A bar with the time left on stderr, shown only on a terminal, after a second, and unless `quiet`.
 /// `advance` may be called from any thread.
 class Progress {
   public:
+    /// `total`: how many steps `advance` will count up to.
     Progress(std::string label, std::uint64_t total, bool quiet);
     ~Progress();
     Progress(const Progress&) = delete;

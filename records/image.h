@@ -17,23 +17,23 @@ struct Image {
     Image(int w, int h)
         : width(w), height(h), rgb(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 3, 0.0F) {}
     [[nodiscard]] float* pixel(int x, int y) {
-        return rgb.data() + (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                             static_cast<std::size_t>(x)) *
-                                3;
+        return rgb.data() +
+               (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
+                   3;
     }
     [[nodiscard]] const float* pixel(int x, int y) const { return const_cast<Image*>(this)->pixel(x, y); }
 };
 
-/// Writes by the target's ending: .exr float and scene-linear; .png (8 bit), .tif, .jpg with the sRGB transfer
-/// curve, clamped to 0..1. The file appears whole or not at all. Throws Error(cannot_write) on any failure and
-/// Error(wrong_arguments) for an ending that no writer knows.
+/// Writes by the target's ending: .exr float and scene-linear; .png (8 bit), .tif, .jpg with the sRGB
+/// transfer curve, clamped to 0..1. The file appears whole or not at all. Throws Error(cannot_write) on any
+/// failure and Error(wrong_arguments) for an ending that no writer knows.
 void write_image(const std::filesystem::path& path, const Image& image);
 
 /// Throws Error(wrong_arguments) where `write_image` would refuse the path, before any work is done.
 void check_image_path(const std::filesystem::path& path);
 
-/// Reads the first three channels (one channel: grey) of any file OpenImageIO knows; integer formats and formats
-/// tagged sRGB are made scene-linear. Throws Error(invalid_input).
+/// Reads the first three channels (one channel: grey) of any file OpenImageIO knows; integer formats and
+/// formats tagged sRGB are made scene-linear. Throws Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path);
 
 }  // namespace postlens

@@ -26,7 +26,9 @@ class NodePath {
         for (std::uint32_t b = bits_; b != 0; b >>= 2) ++n;
         return n;
     }
-    [[nodiscard]] constexpr Bounce bounce(int i) const { return static_cast<Bounce>((bits_ >> (2 * i)) & 3U); }
+    [[nodiscard]] constexpr Bounce bounce(int i) const {
+        return static_cast<Bounce>((bits_ >> (2 * i)) & 3U);
+    }
     /// The last bounce: how this node was reached; `none` for the primary node.
     [[nodiscard]] constexpr Bounce kind() const { return bits_ == 0 ? Bounce::none : bounce(depth() - 1); }
     [[nodiscard]] constexpr NodePath child(Bounce b) const {
@@ -51,15 +53,17 @@ class NodePath {
     std::uint32_t bits_ = 0;
 };
 
-/// W = (dX/dp)^-1 dX/dq, unit 1/m, in raster axes (x right, y down): rows are the raster direction of the move,
-/// columns the lens direction. I / z' for what is seen directly or in a flat mirror. See docs/sample_file.md.
+/// W = (dX/dp)^-1 dX/dq, unit 1/m, in raster axes (x right, y down): rows are the raster direction of the
+/// move, columns the lens direction. I / z' for what is seen directly or in a flat mirror. See
+/// docs/sample_file.md.
 struct Mat2 {
     float xx = 0, xy = 0, yx = 0, yy = 0;
     friend constexpr bool operator==(const Mat2&, const Mat2&) = default;
     [[nodiscard]] static constexpr Mat2 isotropic(float v) { return {v, 0, 0, v}; }
 };
 
-/// One node. Colours are scene-linear radiance times the path's throughput: the nodes of a point sample add up.
+/// One node. Colours are scene-linear radiance times the path's throughput: the nodes of a point sample add
+/// up.
 struct Record {
     float x = 0, y = 0;  ///< raster position, px; pixel i covers [i, i+1)
     float z = 0;         ///< z', m; +infinity where nothing was hit
@@ -71,9 +75,9 @@ struct Record {
     friend bool operator==(const Record&, const Record&) = default;
 };
 
-/// All the records of a run of whole pixel rows, pixel by pixel: rows [y_begin, y_end), columns [x_begin, x_end).
-/// The records of pixel (x, y) are [offsets[k], offsets[k + 1]) with k = (y - y_begin) * width() + (x - x_begin),
-/// in canonical order: by layer, y, x, path.
+/// All the records of a run of whole pixel rows, pixel by pixel: rows [y_begin, y_end), columns [x_begin,
+/// x_end). The records of pixel (x, y) are [offsets[k], offsets[k + 1]) with k = (y - y_begin) * width() + (x
+/// - x_begin), in canonical order: by layer, y, x, path.
 struct RecordBand {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint32_t> offsets{0};  ///< width() * height() + 1 entries

@@ -27,7 +27,8 @@ struct ScanlineFacts {
 /// Writes bands in order, top to bottom, in bounded memory. Nothing appears at `path` before `finish()`.
 class SampleFileWriter {
   public:
-    SampleFileWriter(const std::filesystem::path& path, const SampleHeader& header, RecordCompression compression);
+    SampleFileWriter(const std::filesystem::path& path, const SampleHeader& header,
+                     RecordCompression compression);
     ~SampleFileWriter();
     SampleFileWriter(const SampleFileWriter&) = delete;
     SampleFileWriter& operator=(const SampleFileWriter&) = delete;
@@ -35,7 +36,8 @@ class SampleFileWriter {
     SampleFileWriter& operator=(SampleFileWriter&&) = delete;
 
     /// The next rows of records: the first band begins at -overscan, the last ends at height + overscan + 1,
-    /// columns always [-overscan, width + overscan + 1). The pinhole picture (part 0) is computed from them here.
+    /// columns always [-overscan, width + overscan + 1). The pinhole picture (part 0) is computed from them
+    /// here.
     void write(const RecordBand& band);
     /// Completes the file and puts it in place. Returns its size in bytes.
     std::uint64_t finish();
@@ -47,8 +49,8 @@ class SampleFileWriter {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Reads a sample file. Every function throws Error(invalid_input), naming the file, for what is not a whole and
-/// undamaged sample file; counts and windows are checked before anything is allocated.
+/// Reads a sample file. Every function throws Error(invalid_input), naming the file, for what is not a whole
+/// and undamaged sample file; counts and windows are checked before anything is allocated.
 class SampleFileReader {
   public:
     explicit SampleFileReader(const std::filesystem::path& path);
@@ -70,8 +72,8 @@ class SampleFileReader {
     [[nodiscard]] int x_begin() const;
     [[nodiscard]] int x_end() const;
 
-    /// Rows [y_begin, y_end) in canonical order. Checksums, ids of paths, positions and finiteness are verified.
-    /// A buffer given again is reused. Random access is allowed.
+    /// Rows [y_begin, y_end) in canonical order. Checksums, ids of paths, positions and finiteness are
+    /// verified. A buffer given again is reused. Random access is allowed.
     void read(int y_begin, int y_end, RecordBand& band) const;
     /// Part 0 as stored.
     [[nodiscard]] Image picture() const;

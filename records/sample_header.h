@@ -46,7 +46,8 @@ struct SampleHeader {
     std::map<std::uint32_t, std::string> object_names;  ///< without id 0
     std::vector<std::uint32_t> moving_ids;
     bool lights_move = false;
-    std::string motion_json;  ///< keyframed rigid motion of the moving ids and the camera; empty if none moves
+    std::string
+        motion_json;  ///< keyframed rigid motion of the moving ids and the camera; empty if none moves
 
     bool has_w = false;       ///< false: no node is deeper than primary, W is I / z' everywhere
     bool has_layers = false;  ///< false: every record is of layer 0

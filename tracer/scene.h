@@ -86,6 +86,7 @@ struct Object {
     /// Keyframed motion applied after world_from_object is replaced: world = key(t) * motion_base. Empty: still.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
+    bool casts_shadows = true;  ///< false: light passes, e.g. for the glowing ball around a point light
 };
 
 struct Light {

@@ -9,15 +9,17 @@
 
 namespace postlens {
 
-/// A checker in object space, exact at cell borders: the cell of coordinate c is floor((c - offset) / size), borders
-/// belong to the higher cell.
+/// A checker in object space, exact at cell borders: the cell of coordinate c is floor((c - offset) / size),
+/// borders belong to the higher cell. The cells whose coordinates add up to an even number are `even`.
 struct Checker {
     int dimensions = 3;  ///< 3: object-space x, y, z; 2: u, v
-    glm::dvec3 size{1};  ///< cell edge; object-space metres, or (u, v)
+    glm::dvec3 size{1};  ///< cell edge; object-space metres, or (u, v); infinite: no borders along that axis
     glm::dvec3 offset{0};
     glm::dvec3 even{1}, odd{0};
 };
 
+/// A picture over the unit square of (u, v): u to the right, v upwards. u wraps round; v wraps round where
+/// `repeat.y` is not 1 and stops at the first and last row otherwise (a sphere's poles must not mix).
 struct ImageTexture {
     int width = 0, height = 0;
     std::vector<float> rgb;  ///< scene-linear, top row first
@@ -25,17 +27,23 @@ struct ImageTexture {
     bool nearest = false;    ///< false: bilinear
 };
 
+/// floor((c - offset) / size) without rounding error, for finite c and offset and size > 0 (infinite: 0).
+[[nodiscard]] double checker_cell(double c, double offset, double size);
+
 class Texture {
   public:
     explicit Texture(Checker checker);
     explicit Texture(ImageTexture image);
     /// object: the hit in object space, m. uv: of the hit. A pure function.
     [[nodiscard]] glm::dvec3 colour(const glm::dvec3& object, const glm::dvec2& uv) const;
+    /// The greatest channel value that `colour` can return; bounds what a surface can add.
+    [[nodiscard]] double maximum() const { return maximum_; }
 
   private:
     bool is_image_ = false;
     Checker checker_;
     ImageTexture image_;
+    double maximum_ = 0;
 };
 
 }  // namespace postlens

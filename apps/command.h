@@ -1,0 +1,84 @@
+// What a subcommand gets and gives back.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "focus/focus.h"
+#include "tracer/trace.h"
+
+namespace postlens {
+
+/// A warning as `--json` lists it; `share` of the pixels concerned, where that is known.
+struct Warning {
+    std::string code;
+    std::string text;
+    double share = 0;
+};
+
+struct CommandResult {
+    nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
+    std::string text;                                                ///< for people; may have several lines
+    std::vector<Warning> warnings;
+    ExitCode exit_code = ExitCode::ok;
+};
+
+struct TraceOptions {
+    std::string scene, output;
+    double metres_per_unit = 1;
+    TraceSettings settings;
+};
+
+/// Lens options shared by `focus` and `records`; absent: what the sample file names.
+struct LensOptions {
+    std::optional<double> focal_length_mm, f_number, focus_m;
+    std::optional<std::pair<double, double>> focus_at;
+    Framing framing = Framing::keep;
+};
+
+struct FocusOptions {
+    std::string input, output;
+    LensOptions lens;
+    FocusMethod method = FocusMethod::scatter;
+    DepthSpacing spacing = DepthSpacing::inverse;
+    DepthModel depth_model = DepthModel::ray_differentials;
+    std::optional<int> depths;
+    bool strict = false;
+};
+
+struct RecordsOptions {
+    std::string input;
+    std::pair<double, double> at;
+    LensOptions lens;
+};
+
+struct LensCommandOptions {
+    double focal_length_mm = 50, f_number = 8, focus_m = 1;
+    std::optional<double> depth_m;
+    double coc_limit_mm = 0.03;
+    double pixel_pitch_um = 18.75;  ///< 36 mm over 1920 px
+};
+
+[[nodiscard]] CommandResult run_trace(const TraceOptions& options);
+[[nodiscard]] CommandResult run_image(const std::string& input, const std::string& output);
+[[nodiscard]] CommandResult run_focus(const FocusOptions& options);
+[[nodiscard]] CommandResult run_records(const RecordsOptions& options);
+[[nodiscard]] CommandResult run_lens_coc(const LensCommandOptions& options);
+[[nodiscard]] CommandResult run_lens_dof(const LensCommandOptions& options);
+[[nodiscard]] CommandResult run_info(const std::string& input);
+
+/// Settings of the lens for this file: what was asked for, else what the file names. Throws Error(wrong_arguments)
+/// where neither says.
+struct ResolvedLens {
+    ThinLens lens;
+    double focus_m = 1;
+};
+[[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
+
+/// A number for JSON, which has no infinity: null.
+[[nodiscard]] nlohmann::ordered_json json_number(double value);
+
+}  // namespace postlens

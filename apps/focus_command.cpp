@@ -1,0 +1,88 @@
+#include <cmath>
+
+#include "apps/command.h"
+#include "records/pixel_samples.h"
+
+namespace postlens {
+namespace {
+
+const char* name(FocusMethod method) {
+    return method == FocusMethod::pinhole ? "pinhole" : "scatter";
+}
+
+double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named, const char* option) {
+    if (asked) return *asked;
+    if (named) return *named;
+    fail(ExitCode::wrong_arguments, "{}: missing (got nothing; expected a value, as the sample file names none)", option);
+}
+
+// What the trace was sized for, against what is asked now.
+void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, CommandResult& out) {
+    const SufficientRange& range = h.sufficient;
+    if (range.smallest_f_number && lens.lens.f_number < *range.smallest_f_number) {
+        out.warnings.push_back({"insufficient", fmt::format("the file was traced for f-numbers from {} on (got {})",
+                                                            *range.smallest_f_number, lens.lens.f_number)});
+    }
+    if (range.nearest_focus_m && range.farthest_focus_m &&
+        (lens.focus_m < *range.nearest_focus_m || lens.focus_m > *range.farthest_focus_m)) {
+        out.warnings.push_back({"insufficient", fmt::format("the file was traced for focus at {} to {} m (got {})",
+                                                            *range.nearest_focus_m, *range.farthest_focus_m, lens.focus_m)});
+    }
+}
+
+}  // namespace
+
+nlohmann::ordered_json json_number(double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file) {
+    const SampleHeader& h = file.header();
+    ResolvedLens out;
+    out.lens.focal_length_mm = options.focal_length_mm.value_or(h.focal_length_mm);
+    out.lens.f_number = asked_or_named(options.f_number, h.f_number, "--f-number");
+    out.focus_m = options.focus_at ? depth_at(file, options.focus_at->first, options.focus_at->second)
+                                   : asked_or_named(options.focus_m, h.focus_m, "--focus");
+    return out;
+}
+
+CommandResult run_focus(const FocusOptions& options) {
+    check_image_path(options.output);
+    const SampleFileReader file(options.input);
+    LensOptions lens_options = options.lens;
+    if (options.method == FocusMethod::pinhole) {
+        // A pinhole has no focus; what is not named must not be asked for.
+        lens_options.f_number = std::numeric_limits<double>::infinity();
+        if (!lens_options.focus_m && !lens_options.focus_at) lens_options.focus_m = file.header().focus_m.value_or(1.0);
+    }
+    const ResolvedLens lens = resolve_lens(lens_options, file);
+    const FocusResult result = focus_picture(file, {.lens = lens.lens,
+                                                    .focus_distance_m = lens.focus_m,
+                                                    .framing = options.lens.framing,
+                                                    .method = options.method,
+                                                    .spacing = options.spacing,
+                                                    .depth_model = options.depth_model,
+                                                    .depths = options.depths});
+    write_image(options.output, result.image);
+
+    CommandResult out;
+    check_sufficient(file.header(), lens, out);
+    for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
+    if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
+    out.json = {{"method", name(result.method)},
+                {"views", nullptr},
+                {"depths", result.depths},
+                {"predicted_db", nullptr},
+                {"retraced_share", 0.0},
+                {"focus_m", json_number(lens.focus_m)},
+                {"focal_length_mm", lens.lens.focal_length_mm},
+                {"f_number", json_number(lens.lens.f_number)},
+                {"largest_coc_px", json_number(result.largest_coc_px)}};
+    out.text = fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} depths, widest CoC {:.1f} px",
+                           options.output, result.image.width, result.image.height, name(result.method),
+                           lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m, result.depths,
+                           result.largest_coc_px);
+    return out;
+}
+
+}  // namespace postlens

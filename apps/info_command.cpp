@@ -1,0 +1,126 @@
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/command.h"
+
+namespace postlens {
+namespace {
+
+namespace fs = std::filesystem;
+
+CommandResult sample_file_info(const std::string& input) {
+    const SampleFileReader file(input);
+    const SampleHeader& h = file.header();
+    float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
+    for (const ScanlineFacts& s : file.scanlines()) {
+        nearest = std::min(nearest, s.nearest_z);
+        farthest = std::max(farthest, s.farthest_z);
+    }
+    const SufficientRange& range = h.sufficient;
+    nlohmann::ordered_json sufficient = {
+        {"f_number", range.smallest_f_number ? json_number(*range.smallest_f_number) : nullptr},
+        {"focus_m", range.nearest_focus_m
+                        ? nlohmann::ordered_json{json_number(*range.nearest_focus_m), json_number(*range.farthest_focus_m)}
+                        : nlohmann::ordered_json(nullptr)}};
+    nlohmann::ordered_json ids = nlohmann::ordered_json::object();
+    for (const auto& [id, name] : h.object_names) ids[std::to_string(id)] = name;
+    CommandResult out;
+    out.json = {{"kind", "samples"},
+                {"width", h.width},
+                {"height", h.height},
+                {"records", file.record_count()},
+                {"bytes", file.file_bytes()},
+                {"layers", h.has_layers ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(1)},
+                {"keys", 1},
+                {"ids", ids},
+                {"focal_length_mm", h.focal_length_mm},
+                {"film_distance_mm", h.film_distance_mm},
+                {"pixel_pitch_mm", h.pixel_pitch_mm},
+                {"f_number", h.f_number ? json_number(*h.f_number) : nullptr},
+                {"focus_m", h.focus_m ? json_number(*h.focus_m) : nullptr},
+                {"overscan_px", h.overscan_px},
+                {"nearest_m", json_number(static_cast<double>(nearest))},
+                {"farthest_m", farthest > 0 ? nlohmann::ordered_json(farthest) : nlohmann::ordered_json(nullptr)},
+                {"projection", h.projection == Projection::perspective ? "perspective" : "orthographic"},
+                {"time_s", h.time_s},
+                {"subdivide", h.subdivide_levels},
+                {"max_depth", h.max_depth},
+                {"refocus_matrices", h.has_w},
+                {"scene", h.scene_name},
+                {"scene_sha256", h.scene_sha256},
+                {"moving_ids", h.moving_ids},
+                {"sufficient", sufficient}};
+    out.text = fmt::format(
+        "{}: postlens samples, {}x{} px + {} px overscan, {} records, {:.1f} MB\n"
+        "scene {}; depths {:.4g} to {:.4g} m; {} objects; subdivision to level {}; paths of up to {} nodes\n"
+        "film distance {:.5g} mm, pixel pitch {:.5g} mm, F {:.5g} mm",
+        input, h.width, h.height, h.overscan_px, file.record_count(), static_cast<double>(file.file_bytes()) / 1e6,
+        h.scene_name, nearest, farthest, h.object_names.size(), h.subdivide_levels, h.max_depth, h.film_distance_mm,
+        h.pixel_pitch_mm, h.focal_length_mm);
+    return out;
+}
+
+CommandResult scene_info(const std::string& input) {
+    const Scene scene = read_scene(input);
+    std::size_t moving = 0;
+    for (const Object& o : scene.objects) moving += o.keys.empty() ? 0 : 1;
+    nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
+    for (const Camera& c : scene.cameras) cameras.push_back(c.name);
+    const CameraModel camera(find_camera(scene, ""), scene.time_s);
+    CommandResult out;
+    for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
+    out.json = {{"kind", "scene"},
+                {"width", camera.width},
+                {"height", camera.height},
+                {"name", scene.name},
+                {"objects", scene.objects.size()},
+                {"moving", moving},
+                {"materials", scene.materials.size()},
+                {"lights", scene.lights.size()},
+                {"cameras", cameras},
+                {"focal_length_mm", camera.film_distance_mm},
+                {"film_distance_mm", camera.film_distance_mm},
+                {"scene_sha256", scene.sha256}};
+    out.text = fmt::format("{}: scene {}, {} objects ({} moving), {} materials, {} lights, {} cameras; {}x{} px", input,
+                           scene.name, scene.objects.size(), moving, scene.materials.size(), scene.lights.size(),
+                           scene.cameras.size(), camera.width, camera.height);
+    return out;
+}
+
+CommandResult image_info(const std::string& input) {
+    const auto file = OIIO::ImageInput::open(input);
+    if (!file) {
+        (void)OIIO::geterror();
+        fail(ExitCode::invalid_input, "{}: not a file that postlens knows (expected a scene, a sample file or an image)", input);
+    }
+    const OIIO::ImageSpec& spec = file->spec();
+    CommandResult out;
+    out.json = {{"kind", "image"},
+                {"width", spec.width},
+                {"height", spec.height},
+                {"format", file->format_name()},
+                {"channels", spec.channelnames},
+                {"deep", spec.deep}};
+    out.text = fmt::format("{}: {} image, {}x{} px, {} channels{}", input, file->format_name(), spec.width, spec.height,
+                           spec.nchannels, spec.deep ? ", deep" : "");
+    return out;
+}
+
+}  // namespace
+
+CommandResult run_info(const std::string& input) {
+    std::error_code error;
+    if (fs::is_directory(input, error)) {
+        fail(ExitCode::invalid_input, "{}: cannot read (got a folder; expected a file)", input);
+    }
+    if (!fs::exists(input, error)) fail(ExitCode::invalid_input, "{}: cannot read (no such file)", input);
+    std::string ending = fs::path(input).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (ending == ".toml" || ending == ".nff") return scene_info(input);
+    if (SampleFileReader::is_sample_file(input)) return sample_file_info(input);
+    return image_info(input);
+}
+
+}  // namespace postlens

@@ -1,0 +1,73 @@
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "apps/cli.h"
+#include "core/progress.h"
+#include "core/threads.h"
+
+namespace {
+
+using postlens::CommandResult;
+using postlens::ExitCode;
+using postlens::ParsedCommand;
+
+void say(std::FILE* where, const std::string& text) {
+    if (!text.empty()) fmt::print(where, "{}{}", text, text.back() == '\n' ? "" : "\n");
+}
+
+void report(const CommandResult& result, const ParsedCommand& command, double seconds) {
+    if (command.json) {
+        nlohmann::ordered_json json = result.json;
+        json["seconds"] = seconds;
+        json["warnings"] = nlohmann::ordered_json::array();
+        for (const auto& w : result.warnings) json["warnings"].push_back({{"code", w.code}, {"share", w.share}, {"text", w.text}});
+        say(stdout, json.dump(2));
+    } else if (!command.quiet) {
+        say(stdout, result.text);
+    }
+    // With --json warnings are in the answer; a script's stderr stays for errors.
+    if (!command.json && !command.quiet) {
+        for (const auto& w : result.warnings) say(stderr, "postlens: warning: " + w.text);
+    }
+}
+
+int run(int argc, char** argv) {
+    const ParsedCommand command = postlens::parse_command_line({argv + 1, argv + argc});
+    if (!command.run) {
+        say(stdout, command.text);
+        return 0;
+    }
+    const postlens::ThreadLimit threads(command.threads);
+    const auto start = std::chrono::steady_clock::now();
+    const CommandResult result = command.run();
+    report(result, command, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    // What was asked for went to stdout; a full disk or a closed pipe there is a failure like any other.
+    if (std::fflush(stdout) != 0) postlens::fail(ExitCode::cannot_write, "standard output: cannot write");
+    return static_cast<int>(result.exit_code);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    postlens::install_interrupt_handler();
+    // Over a size limit or into a closed pipe: an error with a message, not a silent end.
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::signal(SIGPIPE, SIG_IGN);
+    try {
+        return run(argc, argv);
+    } catch (const postlens::Error& e) {
+        say(stderr, std::string("postlens: ") + e.what());
+        return static_cast<int>(e.code());
+    } catch (const std::bad_alloc&) {
+        say(stderr, "postlens: not enough memory");
+        return static_cast<int>(ExitCode::out_of_memory);
+    } catch (const std::exception& e) {
+        say(stderr, std::string("postlens: internal error: ") + e.what());
+        return static_cast<int>(ExitCode::invalid_input);
+    }
+}

@@ -1,0 +1,60 @@
+#include "apps/numbers.h"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+
+namespace postlens {
+namespace {
+
+template <typename Number>
+std::optional<Number> parsed(std::string_view text) {
+    if (text.starts_with('+')) text.remove_prefix(1);
+    Number value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
+template <typename Number>
+std::optional<std::pair<Number, Number>> parsed_pair(std::string_view text, std::string_view separators) {
+    const std::size_t at = text.find_first_of(separators);
+    if (at == std::string_view::npos) return std::nullopt;
+    const auto a = parsed<Number>(text.substr(0, at)), b = parsed<Number>(text.substr(at + 1));
+    if (!a || !b) return std::nullopt;
+    return std::pair{*a, *b};
+}
+
+}  // namespace
+
+double parse_number(std::string_view option, std::string_view text, bool infinite) {
+    const auto value = parsed<double>(text);
+    if (value && (std::isfinite(*value) || (infinite && *value == std::numeric_limits<double>::infinity()))) return *value;
+    fail(ExitCode::wrong_arguments, "{}: not a number (got {}; expected {})", option, text.empty() ? "nothing" : text,
+         infinite ? "a number or inf" : "a finite number");
+}
+
+int parse_whole(std::string_view option, std::string_view text) {
+    if (const auto value = parsed<int>(text)) return *value;
+    fail(ExitCode::wrong_arguments, "{}: not a whole number (got {}; expected e.g. 4)", option, text.empty() ? "nothing" : text);
+}
+
+std::pair<int, int> parse_size(std::string_view option, std::string_view text) {
+    if (const auto size = parsed_pair<int>(text, "xX")) return *size;
+    fail(ExitCode::wrong_arguments, "{}: not a size (got {}; expected WxH, e.g. 960x540)", option, text);
+}
+
+std::pair<double, double> parse_position(std::string_view option, std::string_view text) {
+    const auto p = parsed_pair<double>(text, ",");
+    if (p && std::isfinite(p->first) && std::isfinite(p->second)) return *p;
+    fail(ExitCode::wrong_arguments, "{}: not a position (got {}; expected X,Y in pixels, e.g. 480,270)", option, text);
+}
+
+double in_range(std::string_view option, double value, double low, bool including_low, const char* expected) {
+    if (value > low || (including_low && value == low)) return value;
+    fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected {})", option, value, expected);
+}
+
+}  // namespace postlens

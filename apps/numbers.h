@@ -1,0 +1,22 @@
+// Texts from the command line to numbers: the same rules for every option, in every locale.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace postlens {
+
+/// A finite number, or "inf" where `infinite` allows it. Throws Error(wrong_arguments) naming the option.
+[[nodiscard]] double parse_number(std::string_view option, std::string_view text, bool infinite = false);
+[[nodiscard]] int parse_whole(std::string_view option, std::string_view text);
+/// "960x540".
+[[nodiscard]] std::pair<int, int> parse_size(std::string_view option, std::string_view text);
+/// "12.5,34".
+[[nodiscard]] std::pair<double, double> parse_position(std::string_view option, std::string_view text);
+
+/// Checks low < value <= high (low itself allowed with `including_low`). Throws Error(wrong_arguments).
+double in_range(std::string_view option, double value, double low, bool including_low, const char* expected);
+
+}  // namespace postlens

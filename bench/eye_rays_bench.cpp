@@ -1,0 +1,248 @@
+// Eye rays beside a bare Embree loop over the same rays, and whole SPD pictures.
+//   eye_rays_bench --benchmark_enable_random_interleaving=true --benchmark_repetitions=5
+// The SPD scenes are looked for in $POSTLENS_SPD (a folder with balls.nff, tetra.nff, mount.nff).
+#include <benchmark/benchmark.h>
+#include <embree3/rtcore.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "core/threads.h"
+#include "tracer/camera_model.h"
+#include "tracer/corner_sampler.h"
+#include "tracer/ray_scene.h"
+#include "tracer/whitted.h"
+
+namespace postlens {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A bumpy ball of `triangles` triangles that fills most of the frame.
+Scene mesh_scene(int triangles) {
+    auto mesh = std::make_shared<Mesh>();
+    const int rings = static_cast<int>(std::sqrt(triangles / 4.0)), sectors = 2 * rings;
+    for (int i = 0; i <= rings; ++i) {
+        for (int k = 0; k <= sectors; ++k) {
+            const double a = 3.14159265358979 * i / rings, b = 2 * 3.14159265358979 * k / sectors;
+            const double r = 1 + 0.02 * std::sin(40 * a) * std::sin(40 * b);
+            mesh->positions.emplace_back(r * std::sin(a) * std::cos(b), r * std::sin(a) * std::sin(b), r * std::cos(a));
+        }
+    }
+    for (int i = 0; i < rings; ++i) {
+        for (int k = 0; k < sectors; ++k) {
+            const auto p = static_cast<unsigned>(i * (sectors + 1) + k), q = p + static_cast<unsigned>(sectors) + 1;
+            mesh->triangles.emplace_back(p, q, p + 1);
+            mesh->triangles.emplace_back(p + 1, q, q + 1);
+        }
+    }
+    Scene scene;
+    scene.name = "mesh";
+    scene.materials.emplace_back();
+    Object o;
+    o.id = 1;
+    o.shape = std::shared_ptr<const Mesh>(mesh);
+    scene.objects.push_back(o);
+    Camera c;
+    c.position = {0, 0, 4};
+    c.horizontal_fov_degrees = 45;
+    scene.cameras.push_back(c);
+    return scene;
+}
+
+struct Prepared {
+    explicit Prepared(Scene s, int width, int height)
+        : scene(std::move(s)), rays(scene, 0), camera(scene.cameras.at(0), 0, {.width = width, .height = height}) {}
+    Scene scene;
+    RayScene rays;
+    CameraModel camera;
+};
+
+fs::path spd(const std::string& name) {
+    const char* folder = std::getenv("POSTLENS_SPD");
+    return fs::path(folder != nullptr ? folder : ".") / (name + ".nff");
+}
+
+Prepared& prepared(const std::string& name, int width, int height) {
+    static std::map<std::string, std::unique_ptr<Prepared>> all;
+    auto& p = all[name + std::to_string(width)];
+    if (!p) p = std::make_unique<Prepared>(name == "mesh" ? mesh_scene(1'000'000) : read_scene(spd(name)), width, height);
+    return *p;
+}
+
+bool missing(benchmark::State& state, const std::string& name) {
+    if (name == "mesh" || fs::exists(spd(name))) return false;
+    state.SkipWithError("set POSTLENS_SPD to the folder of the SPD scenes");
+    return true;
+}
+
+constexpr int width = 1920, height = 1080, tile = 16;
+struct Tile {
+    int x, y;
+};
+std::vector<Tile> tiles() {
+    std::vector<Tile> out;
+    for (int y = 0; y <= height; y += tile) {
+        for (int x = 0; x <= width; x += tile) out.push_back({x, y});
+    }
+    return out;
+}
+
+// The corners of a tile in blocks of 4 x 4, as the tracer takes them.
+template <typename Visit>
+void corners(const Tile& t, const Visit& visit) {
+    for (int by = t.y; by < t.y + tile; by += 4) {
+        for (int bx = t.x; bx < t.x + tile; bx += 4) {
+            for (int i = 0; i < 16; ++i) visit(bx + i % 4, by + i / 4);
+        }
+    }
+}
+
+void report(benchmark::State& state, std::uint64_t hits) {
+    const auto rays = static_cast<double>(tiles().size() * tile * tile);
+    state.counters["rays/s"] = benchmark::Counter(rays, benchmark::Counter::kIsIterationInvariantRate);
+    state.counters["hit_share"] = static_cast<double>(hits) / rays;
+}
+
+// The least that Embree can be asked to do: make 16 rays, intersect, count hits.
+void BareEmbree(benchmark::State& state, const std::string& name) {
+    if (missing(state, name)) return;
+    const Prepared& p = prepared(name, width, height);
+    auto* scene = static_cast<RTCScene>(p.rays.native_handle());
+    const CameraModel& c = p.camera;
+    const glm::vec3 o(c.position), right(c.right), down(c.down), forward(c.forward);
+    const auto scale = static_cast<float>(c.pixel_pitch_mm / c.film_distance_mm);
+    const std::vector<Tile> all = tiles();
+    std::uint64_t hits = 0;
+    for (auto _ : state) {
+        std::atomic<std::uint64_t> sum{0};
+        parallel_for(all.size(), [&](std::size_t t) {
+            RTCIntersectContext context;
+            rtcInitIntersectContext(&context);
+            context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+            RTCRayHit16 r;
+            alignas(64) int valid[16];
+            std::uint64_t count = 0;
+            int i = 0;
+            corners(all[t], [&](int x, int y) {
+                const float px = (static_cast<float>(x) - 0.5F * width) * scale, py = (static_cast<float>(y) - 0.5F * height) * scale;
+                glm::vec3 d = forward + px * right + py * down;
+                d *= 1 / std::sqrt(glm::dot(d, d));
+                r.ray.org_x[i] = o.x, r.ray.org_y[i] = o.y, r.ray.org_z[i] = o.z;
+                r.ray.dir_x[i] = d.x, r.ray.dir_y[i] = d.y, r.ray.dir_z[i] = d.z;
+                r.ray.tnear[i] = 0, r.ray.tfar[i] = std::numeric_limits<float>::infinity();
+                r.ray.time[i] = 0, r.ray.mask[i] = ~0U, r.ray.id[i] = static_cast<unsigned>(i), r.ray.flags[i] = 0;
+                r.hit.geomID[i] = r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+                valid[i] = -1;
+                if (++i < 16) return;
+                i = 0;
+                // The callbacks of the scene's user geometries expect postlens' context, whose first part this is.
+                struct {
+                    RTCIntersectContext base;
+                    void* none[4];
+                } extended{context, {}};
+                rtcIntersect16(valid, scene, &extended.base, &r);
+                for (int k = 0; k < 16; ++k) count += r.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
+            });
+            sum += count;
+        });
+        hits = sum;
+    }
+    report(state, hits);
+}
+
+// The tracer's own eye rays: camera model in double, batches, hits kept.
+void EyeRays(benchmark::State& state, const std::string& name) {
+    if (missing(state, name)) return;
+    const Prepared& p = prepared(name, width, height);
+    const std::vector<Tile> all = tiles();
+    std::uint64_t hits = 0;
+    for (auto _ : state) {
+        std::atomic<std::uint64_t> sum{0};
+        parallel_for(all.size(), [&](std::size_t t) {
+            thread_local RayBatch batch;
+            batch.clear(false);
+            corners(all[t], [&](int x, int y) {
+                const CameraRay r = p.camera.ray(x, y);
+                batch.add(r.origin, r.direction, std::numeric_limits<float>::infinity());
+            });
+            p.rays.intersect(batch, true);
+            std::uint64_t count = 0;
+            for (int i = 0; i < batch.count; ++i) count += batch.hit[static_cast<std::size_t>(i)].valid() ? 1 : 0;
+            sum += count;
+        });
+        hits = sum;
+    }
+    report(state, hits);
+}
+
+// All of `trace` for primary hits but the file: records with normals, depth and colour.
+void EyeRecords(benchmark::State& state, const std::string& name) {
+    if (missing(state, name)) return;
+    const Prepared& p = prepared(name, width, height);
+    const WhittedTracer tracer(p.rays, p.camera, {.max_depth = 1});
+    const std::vector<Tile> all = tiles();
+    std::uint64_t hits = 0;
+    for (auto _ : state) {
+        std::atomic<std::uint64_t> sum{0};
+        parallel_for(all.size(), [&](std::size_t t) {
+            thread_local TracedSamples out;
+            thread_local std::vector<glm::dvec2> at;
+            at.clear();
+            corners(all[t], [&](int x, int y) { at.emplace_back(x, y); });
+            RayCounts counts;
+            tracer.trace(at, out, counts);
+            sum += counts.eye_hits;
+        });
+        hits = sum;
+    }
+    report(state, hits);
+}
+
+// A whole SPD picture, 513 x 513 corner rays, depth 5: reading, building, tracing; no file.
+void SpdPicture(benchmark::State& state, const std::string& name) {
+    if (missing(state, name)) return;
+    RayCounts counts;
+    for (auto _ : state) {
+        const Scene scene = read_scene(spd(name));
+        const RayScene rays(scene, 0);
+        const CameraModel camera(scene.cameras.at(0), 0, {.width = 512, .height = 512});
+        const WhittedTracer tracer(rays, camera, {.max_depth = 5, .min_contribution = 0});
+        counts = sample_corners(tracer, {0, 512, 0, 512}, {.levels = 0}, [](const RecordBand&) {});
+    }
+    const auto rays = static_cast<double>(counts.eye + counts.reflect + counts.refract + counts.shadow);
+    state.counters["rays/s"] = benchmark::Counter(rays, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void SpdTraceOnly(benchmark::State& state, const std::string& name) {
+    if (missing(state, name)) return;
+    const Prepared& p = prepared(name, 512, 512);
+    const WhittedTracer tracer(p.rays, p.camera, {.max_depth = 5, .min_contribution = 0});
+    RayCounts counts;
+    for (auto _ : state) {
+        counts = sample_corners(tracer, {0, 512, 0, 512}, {.levels = 0}, [](const RecordBand&) {});
+    }
+    const auto rays = static_cast<double>(counts.eye + counts.reflect + counts.refract + counts.shadow);
+    state.counters["rays/s"] = benchmark::Counter(rays, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+#define POSTLENS_BENCH(function, scene) BENCHMARK_CAPTURE(function, scene, #scene)->Unit(benchmark::kMillisecond)->UseRealTime()
+POSTLENS_BENCH(BareEmbree, mesh);
+POSTLENS_BENCH(EyeRays, mesh);
+POSTLENS_BENCH(EyeRecords, mesh);
+POSTLENS_BENCH(BareEmbree, balls);
+POSTLENS_BENCH(EyeRays, balls);
+POSTLENS_BENCH(EyeRecords, balls);
+POSTLENS_BENCH(SpdPicture, balls);
+POSTLENS_BENCH(SpdTraceOnly, balls);
+POSTLENS_BENCH(SpdPicture, tetra);
+POSTLENS_BENCH(SpdTraceOnly, tetra);
+POSTLENS_BENCH(SpdPicture, mount);
+POSTLENS_BENCH(SpdTraceOnly, mount);
+
+}  // namespace
+}  // namespace postlens

@@ -1,0 +1,97 @@
+#include "focus/depth_levels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace postlens {
+namespace {
+
+/// Just under a pixel of diameter between levels, so that no CoC is off by half a pixel.
+constexpr double step_diameter_px = 0.99;
+/// Levels per factor e of the CoC beyond even_diameter_px.
+constexpr double levels_per_e = 500;
+const double even_levels = std::floor(DepthLevels::even_diameter_px / step_diameter_px);
+
+double clamped_radius_px(double diameter_px) {
+    return std::clamp(std::abs(diameter_px) / 2, DepthLevels::smallest_radius_px, DepthLevels::largest_radius_px);
+}
+
+/// Equal steps of z' that keep the CoC's diameter, G / z' up to a constant, right to half a step_diameter_px at
+/// the near end, where it changes fastest.
+int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
+    // 1 / z - 1 / (z + h) = tolerance / G for half a step h at the nearest z.
+    const double room = 1 / nearest_m - step_diameter_px / 2 / coc_gain_px_m;
+    if (room <= 0) return 2;
+    const double half_step_m = 1 / room - nearest_m;
+    const double wanted = std::ceil((farthest_m - nearest_m) / (2 * half_step_m)) + 1;
+    return static_cast<int>(std::clamp(wanted, 2.0, static_cast<double>(DepthLevels::most_linear_levels)));
+}
+
+}  // namespace
+
+DepthLevels::DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
+                         std::optional<int> depths)
+    : geometry_(geometry), spacing_(spacing), around_focus_(!depths && spacing == DepthSpacing::inverse) {
+    if (depths && (*depths < 2 || *depths > most_depths)) {
+        fail(ExitCode::wrong_arguments, "number of depths is out of range (got {}; expected 2 to {})", *depths,
+             most_depths);
+    }
+    if (around_focus_) {
+        lay_around_focus();
+    } else {
+        lay_from_nearest(range, depths);
+    }
+}
+
+std::uint32_t DepthLevels::level_of_diameter(double diameter_px) const {
+    const double steps = std::min(std::abs(diameter_px), 2 * largest_radius_px) / step_diameter_px;
+    return static_cast<std::uint32_t>(
+        std::lround(steps <= even_levels ? steps : even_levels + levels_per_e * std::log(steps / even_levels)));
+}
+
+void DepthLevels::lay_around_focus() {
+    const std::uint32_t last = level_of_diameter(2 * largest_radius_px);
+    for (std::uint32_t i = 0; i <= last; ++i) {
+        const double steps = i <= even_levels ? i : even_levels * std::exp((i - even_levels) / levels_per_e);
+        radius_px_.push_back(clamped_radius_px(steps * step_diameter_px));
+    }
+}
+
+void DepthLevels::lay_from_nearest(const DepthRange& range, std::optional<int> depths) {
+    depths_ = depths.value_or(2);
+    if (range.nearest_m && range.farthest_m) {
+        const double nearest_m = *range.nearest_m, farthest_m = *range.farthest_m;
+        const double coc_gain_px_m = 2 * geometry_.aperture_radius_m * geometry_.gain_px;
+        const int k = depths ? *depths : linear_depths(coc_gain_px_m, nearest_m, farthest_m);
+        depths_ = k;
+        const bool linear = spacing_ == DepthSpacing::linear;
+        first_ = linear ? nearest_m : 1 / nearest_m;
+        step_ = ((linear ? farthest_m : 1 / farthest_m) - first_) / (k - 1);
+        finite_levels_ = step_ != 0 ? static_cast<std::uint32_t>(k) : 1;
+        for (std::uint32_t i = 0; i < finite_levels_; ++i) {
+            const double at = first_ + i * step_;
+            radius_px_.push_back(clamped_radius_px(geometry_.coc_diameter_px(linear ? 1 / at : at)));
+        }
+    }
+    infinite_level_ = static_cast<std::uint32_t>(radius_px_.size());
+    radius_px_.push_back(clamped_radius_px(geometry_.coc_diameter_px(0)));
+}
+
+std::optional<std::uint32_t> DepthLevels::level_of(double inverse_depth_per_m) const {
+    if (around_focus_) return level_of_diameter(geometry_.coc_diameter_px(inverse_depth_per_m));
+    if (inverse_depth_per_m == 0) return infinite_level_;
+    if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
+    const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
+    // What lies within half a step of the range belongs to its end; a primary sample always does.
+    if (finite_levels_ == 1) {
+        if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
+        return 0;
+    }
+    const double index = std::round((at - first_) / step_);
+    if (index < 0 || index >= finite_levels_) return std::nullopt;
+    return static_cast<std::uint32_t>(index);
+}
+
+}  // namespace postlens

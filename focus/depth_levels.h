@@ -1,0 +1,68 @@
+// The K impulse responses of 1981: which depths have one, and which one a sample uses.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lens/focus_geometry.h"
+
+namespace postlens {
+
+enum class DepthSpacing {
+    linear,   ///< equal steps in z', as in 1981
+    inverse,  ///< equal steps in 1/z', that is, equal steps of CoC
+};
+
+/// What finite z' occur in a file; absent where nothing was hit.
+struct DepthRange {
+    std::optional<double> nearest_m, farthest_m;
+};
+
+/// A set of levels. A sample uses the one whose depth is nearest to its own in the chosen spacing.
+///
+/// With K given: K equal steps from the nearest to the farthest finite z' and one level more for infinity
+/// [potmesil1981]. Without: inverse spacing puts levels around the focus, one pixel of CoC diameter apart, so
+/// that what is in focus is exactly sharp and equal CoCs before and behind it share a level; from a diameter of
+/// `even_diameter_px` on the steps grow with the CoC, to a 500th of it. Linear spacing takes as many levels as
+/// keep the CoC within half a pixel, but no more than `most_linear_levels`.
+class DepthLevels {
+  public:
+    static constexpr int most_depths = 4096;
+    static constexpr int most_linear_levels = 256;
+    static constexpr double even_diameter_px = 2048;
+    /// Radius at the depth in focus: not zero, so that it has an area, yet inside any pixel's quarter.
+    static constexpr double smallest_radius_px = 1e-4;
+    /// Beyond, a sample's share in any pixel is below 1e-10 and its distribution over the picture even.
+    static constexpr double largest_radius_px = 1e5;
+
+    /// Throws Error(wrong_arguments) for `depths` outside 2..most_depths.
+    DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
+                std::optional<int> depths);
+
+    /// The level for an inverse depth, 1/m: 0 is infinity; negative ones (images behind the lens) and others
+    /// outside the range may have none where K was given or the spacing is linear.
+    [[nodiscard]] std::optional<std::uint32_t> level_of(double inverse_depth_per_m) const;
+    /// Radii by level.
+    [[nodiscard]] const std::vector<double>& radius_px() const { return radius_px_; }
+    /// K, without the level for infinity; absent where the levels are those around the focus, of which a file
+    /// uses as many as it has CoCs.
+    [[nodiscard]] std::optional<int> depths() const { return depths_; }
+
+  private:
+    void lay_around_focus();
+    void lay_from_nearest(const DepthRange& range, std::optional<int> depths);
+    [[nodiscard]] std::uint32_t level_of_diameter(double diameter_px) const;
+
+    FocusGeometry geometry_;
+    DepthSpacing spacing_;
+    bool around_focus_;
+    double first_ = 0;  ///< 1/z' or z' of level 0
+    double step_ = 0;
+    std::uint32_t finite_levels_ = 0;
+    std::uint32_t infinite_level_ = 0;
+    std::vector<double> radius_px_;
+    std::optional<int> depths_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,182 @@
+#include "focus/kernel.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+/// Inner runs shorter than this become taps: two ends of a difference cost as much as a few taps. Measured with
+/// bench/scatter_bench.cpp; from 4 to 12 px there is little between them.
+constexpr int shortest_inner_px = 8;
+
+/// What stands for an ellipse without extent; small enough for the limit of a vanishing CoC.
+constexpr double smallest_ellipse_px = 1e-4;
+
+std::int32_t steps(double px) {
+    return static_cast<std::int32_t>(std::lround(px / KernelKey::ellipse_step_px));
+}
+
+}  // namespace
+
+Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach) {
+    const EllipseRows source(ellipse, phase_x, phase_y);
+    Kernel out;
+    out.inner = static_cast<float>(source.inner_share());
+    out.y_begin = std::max(source.y_begin(), -reach.y);
+    const int y_end = std::min(source.y_end(), reach.y);
+    CoverageSpan span;
+    for (int y = out.y_begin; y < y_end; ++y) {
+        source.row(y, span);
+        KernelRow row{.x_begin = std::max(span.x_begin, -reach.x),
+                      .inner_begin = std::clamp(span.inner_begin, -reach.x, reach.x),
+                      .inner_end = std::clamp(span.inner_end, -reach.x, reach.x),
+                      .x_end = std::min(span.x_end, reach.x),
+                      .tap = static_cast<std::uint32_t>(out.taps.size())};
+        // A row that lies beyond the reach as a whole keeps its place but holds nothing.
+        if (row.x_begin >= row.x_end) row.x_begin = row.inner_begin = row.inner_end = row.x_end = 0;
+        const auto left_taps = static_cast<std::size_t>(span.inner_begin - span.x_begin);
+        const bool all_taps = row.inner_end - row.inner_begin < shortest_inner_px;
+        double sum = 0;
+        for (int x = row.x_begin; x < row.x_end; ++x) {
+            const bool inner = x >= span.inner_begin && x < span.inner_end;
+            if (inner && !all_taps) {
+                x = row.inner_end - 1;
+                sum += static_cast<double>(out.inner) * (row.inner_end - row.inner_begin);
+                continue;
+            }
+            const double share =
+                inner ? source.inner_share()
+                : x < span.inner_begin
+                    ? span.edge_share[static_cast<std::size_t>(x - span.x_begin)]
+                    : span.edge_share[left_taps + static_cast<std::size_t>(x - span.inner_end)];
+            out.taps.push_back(static_cast<float>(share));
+            sum += static_cast<double>(out.taps.back());
+        }
+        if (all_taps) row.inner_begin = row.inner_end = row.x_end;
+        row.sum = static_cast<float>(sum);
+        out.x_begin = std::min(out.x_begin, row.x_begin);
+        out.x_end = std::max(out.x_end, row.x_end);
+        out.rows.push_back(row);
+    }
+    out.taps.shrink_to_fit();
+    return out;
+}
+
+KernelKey KernelKey::ellipse(const Ellipse& e) {
+    const double extent = std::max(e.half_width(), e.half_height);
+    const double shrink = std::min(1.0, largest_ellipse_px / extent);
+    return {.is_disc = false,
+            .half_height = steps(e.half_height * shrink),
+            .half_chord = steps(e.half_chord * shrink),
+            .top_displacement = steps(e.shear * e.half_height * shrink)};
+}
+
+std::uint64_t KernelKey::packed() const {
+    const auto field = [](std::int32_t value, std::int32_t offset, int shift) {
+        return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value + offset)) << shift;
+    };
+    const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
+    if (is_disc) return phases | static_cast<std::uint64_t>(level) << 12;
+    // 17 bits each hold 16000 px in steps of a quarter, with a sign.
+    return phases | field(half_height, 0, 12) | field(half_chord, 0, 29) | field(top_displacement, 1 << 16, 46) |
+           std::uint64_t{1} << 63;
+}
+
+KernelTable::KernelTable(std::vector<double> disc_radius_px, KernelReach reach)
+    : disc_radius_px_(std::move(disc_radius_px)),
+      reach_(reach),
+      disc_used_(std::make_unique<std::atomic<bool>[]>(disc_radius_px_.size())) {
+    keys_.reserve(disc_radius_px_.size());
+    for (std::uint32_t level = 0; level < disc_radius_px_.size(); ++level) keys_.push_back(KernelKey::disc(level));
+}
+
+std::uint32_t KernelTable::number_of(const KernelKey& key) {
+    if (key.is_disc && key.phase_x == 0 && key.phase_y == 0) {
+        use_disc(key.level);
+        return key.level;
+    }
+    const std::lock_guard lock(mutex_);
+    const auto [entry, is_new] =
+        number_of_key_.try_emplace(key.packed(), static_cast<std::uint32_t>(keys_.size()));
+    if (is_new) keys_.push_back(key);
+    return entry->second;
+}
+
+Ellipse KernelTable::outline(const KernelKey& key) const {
+    if (key.is_disc) return Ellipse::disc(disc_radius_px_[key.level]);
+    // What rounds to nothing keeps half a step, so that it has an area.
+    const auto size = [](std::int32_t n) { return n > 0 ? n * KernelKey::ellipse_step_px : KernelKey::ellipse_step_px / 2; };
+    if (key.half_height == 0 && key.half_chord == 0 && key.top_displacement == 0) return Ellipse::disc(smallest_ellipse_px);
+    const double half_height = size(key.half_height);
+    return {half_height, size(key.half_chord), key.top_displacement * KernelKey::ellipse_step_px / half_height};
+}
+
+std::size_t KernelTable::bytes_of(const KernelKey& key) const {
+    const Ellipse e = outline(key);
+    const double rows = std::min(2 * e.half_height + 2, 2.0 * reach_.y + 1);
+    const double outline_px = 4 * (e.half_height + e.half_width()) + 8;
+    return static_cast<std::size_t>(rows * sizeof(KernelRow) + outline_px * sizeof(float)) + sizeof(Kernel);
+}
+
+void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
+    std::size_t total = 0;
+    for (const auto& [packed, number] : number_of_key_) {
+        if (!keys_[number].is_disc) total += bytes_of(keys_[number]);
+    }
+    for (std::int32_t unit = 2; total > memory_limit_bytes && unit <= 1 << 12; unit *= 2) {
+        total = 0;
+        std::unordered_map<std::uint64_t, bool> seen;
+        for (const auto& [packed, number] : number_of_key_) {
+            KernelKey& key = keys_[number];
+            if (key.is_disc) continue;
+            for (std::int32_t* n : {&key.half_height, &key.half_chord, &key.top_displacement}) {
+                // Always the nearest multiple, halves away from zero: the same key whatever order it comes in.
+                *n = (*n < 0 ? -1 : 1) * ((std::abs(*n) + unit / 2) / unit) * unit;
+            }
+            if (seen.try_emplace(key.packed(), true).second) total += bytes_of(key);
+        }
+    }
+}
+
+void KernelTable::build(std::size_t memory_limit_bytes) {
+    coarsen_ellipses(memory_limit_bytes);
+    kernels_.resize(keys_.size());
+    kernel_of_.assign(keys_.size(), nullptr);
+    // Keys that coarsening made equal share the first one's kernel.
+    std::unordered_map<std::uint64_t, std::uint32_t> first_with_key;
+    std::vector<std::uint32_t> to_build;
+    for (std::uint32_t i = 0; i < keys_.size(); ++i) {
+        if (i < levels() && !disc_used_[i].load(std::memory_order_relaxed)) continue;
+        const auto [entry, is_new] = first_with_key.try_emplace(keys_[i].packed(), i);
+        kernel_of_[i] = &kernels_[entry->second];
+        if (is_new) to_build.push_back(i);
+    }
+    std::vector<bool> level_used(levels());
+    for (std::uint32_t i : to_build) {
+        if (keys_[i].is_disc) level_used[keys_[i].level] = true;
+    }
+    discs_used_ = static_cast<int>(std::count(level_used.begin(), level_used.end(), true));
+    parallel_for(
+        to_build.size(),
+        [&](std::size_t i) {
+            const KernelKey& key = keys_[to_build[i]];
+            kernels_[to_build[i]] = make_kernel(outline(key), static_cast<double>(key.phase_x) / KernelKey::phase_steps,
+                                                static_cast<double>(key.phase_y) / KernelKey::phase_steps, reach_);
+        },
+        4);
+}
+
+std::uint32_t KernelNumberCache::number_of(const KernelKey& key) {
+    const std::uint64_t packed = key.packed();
+    // Fibonacci hashing; the top 12 bits choose the entry.
+    Entry& entry = entries_[(packed * 0x9E3779B97F4A7C15U) >> 52];
+    if (entry.key != packed) entry = {packed, table_->number_of(key)};
+    return entry.number;
+}
+
+}  // namespace postlens

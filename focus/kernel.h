@@ -1,0 +1,121 @@
+// Impulse responses in the form that scattering wants, and the table that builds each one once.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "lens/ellipse_coverage.h"
+
+namespace postlens {
+
+/// One row of a kernel, columns relative to the whole coordinate that the splat is anchored at. Pixels of
+/// [inner_begin, inner_end) have the kernel's `inner` value; the others of [x_begin, x_end) have taps of their
+/// own, left ones first. inner_begin == inner_end == x_end where every pixel has its tap.
+struct KernelRow {
+    std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
+    std::uint32_t tap = 0;  ///< index of the row's first tap
+    float sum = 0;          ///< of all its values
+};
+
+/// How far a splat's anchor can lie from a pixel of the picture, px: kernels keep columns [-x, x) and rows [-y, y).
+struct KernelReach {
+    int x = 0, y = 0;
+};
+
+/// An impulse response on the pixel grid; its values add up to 1 where `KernelReach` does not cut it.
+struct Kernel {
+    int y_begin = 0;  ///< of rows.front(), relative to the anchor
+    float inner = 0;
+    std::vector<KernelRow> rows;
+    std::vector<float> taps;
+    int x_begin = 0, x_end = 0;  ///< columns over all rows
+
+    [[nodiscard]] int y_end() const { return y_begin + static_cast<int>(rows.size()); }
+};
+
+/// The kernel of an ellipse whose centre lies (phase_x, phase_y) px from the anchor. Rows and columns beyond
+/// `reach` are left out.
+[[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
+
+/// What a splat's kernel is: an outline and where its centre lies between the pixels.
+struct KernelKey {
+    /// Steps of phases: centres lie on a grid of 1/16 px.
+    static constexpr int phase_steps = 16;
+    /// Ellipses are told apart in steps of a quarter pixel: no outline is off by more than an eighth in either
+    /// axis.
+    static constexpr double ellipse_step_px = 0.25;
+    /// Ellipses reach no farther; beyond, they are scaled down as a whole.
+    static constexpr double largest_ellipse_px = 16000;
+
+    bool is_disc = true;
+    std::uint32_t level = 0;                                             ///< of a disc
+    std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
+    std::int32_t phase_x = 0, phase_y = 0;                               ///< in 1/phase_steps px, -16..16
+
+    [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
+    [[nodiscard]] static KernelKey ellipse(const Ellipse& e);
+    /// All fields in 64 bits.
+    [[nodiscard]] std::uint64_t packed() const;
+    friend bool operator==(const KernelKey&, const KernelKey&) = default;
+};
+
+/// Kernels by number. Numbers are given out by any thread at any time; `build` then makes all that were asked
+/// for. Which number a key gets depends on timing, what it stands for does not.
+class KernelTable {
+  public:
+    /// `disc_radius_px`: the radius of each level. Discs of level i with phase (0, 0) have the number i.
+    KernelTable(std::vector<double> disc_radius_px, KernelReach reach);
+
+    [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
+    /// Marks the phase (0, 0) disc of a level as needed.
+    void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
+    /// Makes the kernels, in parallel; to be called once, after the last number_of. Where those of ellipses would
+    /// take more than `memory_limit_bytes`, their steps are doubled until they fit.
+    void build(std::size_t memory_limit_bytes = std::size_t{512} << 20);
+
+    [[nodiscard]] const Kernel& operator[](std::uint32_t number) const { return *kernel_of_[number]; }
+    [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
+    [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
+    /// How many levels have a kernel, of any phase; after build.
+    [[nodiscard]] int discs_used() const { return discs_used_; }
+    /// The outline that a key stands for.
+    [[nodiscard]] Ellipse outline(const KernelKey& key) const;
+
+    /// What a kernel of this key takes, about.
+    [[nodiscard]] std::size_t bytes_of(const KernelKey& key) const;
+
+  private:
+    void coarsen_ellipses(std::size_t memory_limit_bytes);
+
+    std::vector<double> disc_radius_px_;
+    KernelReach reach_;
+    std::unique_ptr<std::atomic<bool>[]> disc_used_;
+    std::mutex mutex_;
+    std::unordered_map<std::uint64_t, std::uint32_t> number_of_key_;
+    std::vector<KernelKey> keys_;             ///< by number
+    std::vector<Kernel> kernels_;             ///< by number; empty where another one stands in
+    std::vector<const Kernel*> kernel_of_;    ///< by number
+    int discs_used_ = 0;
+};
+
+/// A direct-mapped memory of recent keys, so that a thread seldom asks the shared table.
+class KernelNumberCache {
+  public:
+    explicit KernelNumberCache(KernelTable& table) : table_(&table), entries_(4096) {}
+    [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
+
+  private:
+    struct Entry {
+        std::uint64_t key = ~std::uint64_t{0};
+        std::uint32_t number = 0;
+    };
+    KernelTable* table_;
+    std::vector<Entry> entries_;
+};
+
+}  // namespace postlens

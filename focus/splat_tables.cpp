@@ -1,0 +1,356 @@
+#include "focus/splat_tables.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+constexpr std::uint32_t no_level = ~std::uint32_t{0};
+/// Corner rows that one task takes in: find_point_samples looks at one row more on either side.
+constexpr int rows_per_task = 8;
+/// From this radius on a sample is one disc at its own place even where it has more weight in one of the pixels
+/// around it than in another; below, each pixel's part is placed inside that pixel, so that the picture of a
+/// vanishing CoC is the traced one.
+constexpr double one_disc_from_px = 2;
+/// Outlines closer than this to a circle's are taken for one, px.
+constexpr double round_within_px = 0.05;
+
+/// Steps of the phases that kernels of this radius come in, per px. A phase in between is shared out to its
+/// neighbours: that keeps the centroid and widens the response by a variance of at most 1/4 of a squared step,
+/// which changes an edge by (step / radius)^2 / 8 of its height: below 1e-4.
+int phases_per_px(double radius_px) {
+    if (radius_px <= 16) return 16;
+    return radius_px <= 256 ? 4 : 1;
+}
+
+/// Shorter runs cost less as splats of their own: a run pays for its whole reach, a splat for its outline.
+/// Measured with bench/scatter_bench.cpp.
+int shortest_run(double radius_px) {
+    return 8 + static_cast<int>(std::min(radius_px, 4096.0) / 4);
+}
+
+struct Phase {
+    std::int32_t x, y;
+    float weight;
+};
+
+/// At most four.
+struct Phases {
+    std::array<Phase, 4> items{};
+    std::size_t count = 0;
+
+    void add(std::int32_t x, std::int32_t y, float weight) {
+        for (std::size_t i = 0; i < count; ++i) {
+            if (items[i].x == x && items[i].y == y) {
+                items[i].weight += weight;
+                return;
+            }
+        }
+        items[count++] = {x, y, weight};
+    }
+};
+
+/// The phase nearest to a fraction of a pixel that is not on an edge of it and must not come to be.
+std::int32_t phase_inside(float fraction) {
+    return std::clamp(static_cast<std::int32_t>(std::lround(fraction * KernelKey::phase_steps)), 1,
+                      KernelKey::phase_steps - 1);
+}
+
+/// Where the response of a sample is placed, and with what weights.
+Phases phases_of(const PointSample& s, double radius_px) {
+    Phases out;
+    const float fx = s.x - std::floor(s.x), fy = s.y - std::floor(s.y);
+    const std::array<float, 4>& w = s.weight;
+    if (fx == 0 && fy == 0 && w[0] == w[1] && w[0] == w[2] && w[0] == w[3]) {
+        out.add(0, 0, s.total_weight());
+        return out;
+    }
+    if (radius_px >= one_disc_from_px) {
+        const int steps = phases_per_px(radius_px);
+        const int unit = KernelKey::phase_steps / steps;
+        const float x = fx * static_cast<float>(steps), y = fy * static_cast<float>(steps);
+        const float x0 = std::floor(x), y0 = std::floor(y);
+        for (int corner = 0; corner < 4; ++corner) {
+            const bool right = corner % 2 != 0, down = corner / 2 != 0;
+            const float share = (right ? x - x0 : 1 - (x - x0)) * (down ? y - y0 : 1 - (y - y0));
+            if (share == 0) continue;
+            out.add((static_cast<std::int32_t>(x0) + (right ? 1 : 0)) * unit,
+                    (static_cast<std::int32_t>(y0) + (down ? 1 : 0)) * unit, share * s.total_weight());
+        }
+        return out;
+    }
+    const bool one_pixel = fx != 0 && fy != 0;
+    const bool even = w[0] == w[1] && w[0] == w[2] && w[0] == w[3];
+    if (one_pixel || even) {
+        out.add(fx == 0 ? 0 : phase_inside(fx), fy == 0 ? 0 : phase_inside(fy), s.total_weight());
+        return out;
+    }
+    for (std::size_t q = 0; q < 4; ++q) {
+        if (w[q] == 0) continue;
+        // A quarter of the leaf's edge: the middle of the part of the leaf that the sample stands for.
+        const auto move = std::max<std::int32_t>(
+            1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
+        out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),
+                fy == 0 ? (q / 2 == 0 ? -move : move) : phase_inside(fy), w[q]);
+    }
+    return out;
+}
+
+/// A node's response: its key without phase, and its size.
+struct Response {
+    KernelKey key;
+    double radius_px = 0;        ///< of the kernel: half the longer side of its bounding box
+    double exact_radius_px = 0;  ///< of the CoC itself
+};
+
+}  // namespace
+
+/// Takes in one row of corners; everything it writes belongs to that row alone.
+class SplatTables::RowBuilder {
+  public:
+    explicit RowBuilder(SplatTables& tables) : t_(tables), cache_(tables.kernels_) {}
+
+    void build(const RecordBand& band, const PointSamples& samples, std::uint32_t begin, std::uint32_t end, int y);
+
+  private:
+    [[nodiscard]] Response response_to_depth(double inverse_depth_per_m) const;
+    [[nodiscard]] Response response_to_w(const Mat2& w) const;
+    [[nodiscard]] Response response_of(const Record& node, const Response& primary) const;
+    void add_sample(const PointSample& s, std::span<const Record> nodes);
+    void add_splats(const PointSample& s, const Response& response, const std::array<float, 3>& rgb, bool primary);
+    void note_radius(const PointSample& s, double radius_px);
+    void split_runs();
+
+    SplatTables& t_;
+    KernelNumberCache cache_;
+    std::vector<std::uint32_t> level_;  ///< of each corner of the row in the raster, else no_level
+    std::vector<Splat> splats_;
+    std::vector<SplatRun> runs_;
+    std::array<float*, 3> raster_{};
+    int y_ = 0;
+    double largest_radius_px_ = 0;
+    bool negative_ = false;
+};
+
+Response SplatTables::RowBuilder::response_to_depth(double inverse_depth_per_m) const {
+    Response out;
+    out.exact_radius_px = std::abs(t_.geometry_.coc_diameter_px(inverse_depth_per_m)) / 2;
+    if (const auto level = t_.levels_.level_of(inverse_depth_per_m)) {
+        out.key = KernelKey::disc(*level);
+        out.radius_px = t_.levels_.radius_px()[*level];
+        return out;
+    }
+    out.radius_px = std::max(out.exact_radius_px, DepthLevels::smallest_radius_px);
+    out.key = KernelKey::ellipse(Ellipse::disc(out.radius_px));
+    return out;
+}
+
+Response SplatTables::RowBuilder::response_to_w(const Mat2& w) const {
+    const double xx = w.xx, xy = w.xy, yx = w.yx, yy = w.yy;
+    const double scale = t_.geometry_.gain_px * t_.geometry_.aperture_radius_m;
+    if (std::max({std::abs(xx - yy), std::abs(xy), std::abs(yx)}) * scale < round_within_px) {
+        return response_to_depth((xx + yy) / 2);
+    }
+    // The node moves by gain (I/s - W) q for q on the aperture; glm's matrices go by columns.
+    const double s = t_.geometry_.inverse_focus_per_m;
+    const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
+    const Ellipse e = Ellipse::from_map(map, DepthLevels::smallest_radius_px);
+    Response out;
+    out.radius_px = std::max(e.half_height, e.half_width());
+    out.exact_radius_px = out.radius_px;
+    out.key = KernelKey::ellipse(e);
+    return out;
+}
+
+Response SplatTables::RowBuilder::response_of(const Record& node, const Response& primary) const {
+    switch (t_.model_) {
+        case DepthModel::first_hit: return primary;
+        case DepthModel::path: return response_to_depth(1 / static_cast<double>(node.z));
+        case DepthModel::ray_differentials: break;
+    }
+    return response_to_w(node.w);
+}
+
+void SplatTables::RowBuilder::note_radius(const PointSample& s, double radius_px) {
+    const auto r = static_cast<float>(std::min(radius_px, DepthLevels::largest_radius_px));
+    largest_radius_px_ = std::max(largest_radius_px_, radius_px);
+    const int x = static_cast<int>(s.x);
+    if (static_cast<float>(x) != s.x) return;
+    const auto column = static_cast<std::size_t>(x - t_.source_.x_begin);
+    const auto row = static_cast<std::size_t>(y_ - t_.source_.y_begin);
+    const auto raise = [r](float& to) { to = std::max(to, r); };
+    if (x == t_.source_.x_begin) raise(t_.border_.left[row]);
+    if (x == t_.source_.x_end - 1) raise(t_.border_.right[row]);
+    if (static_cast<float>(y_) != s.y) return;
+    if (y_ == t_.source_.y_begin) raise(t_.border_.top[column]);
+    if (y_ == t_.source_.y_end - 1) raise(t_.border_.bottom[column]);
+}
+
+void SplatTables::RowBuilder::add_splats(const PointSample& s, const Response& response,
+                                         const std::array<float, 3>& rgb, bool primary) {
+    const Phases phases = phases_of(s, response.radius_px);
+    for (std::size_t i = 0; i < phases.count; ++i) {
+        const Phase& p = phases.items[i];
+        KernelKey key = response.key;
+        key.phase_x = p.x;
+        key.phase_y = p.y;
+        splats_.push_back({static_cast<std::int32_t>(std::floor(s.x)), cache_.number_of(key), rgb[0] * p.weight,
+                           rgb[1] * p.weight, rgb[2] * p.weight, primary ? p.weight : 0.0F});
+    }
+}
+
+void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const Record> nodes) {
+    // Infinity has the inverse depth 0; a depth that is smaller than a float's least normal number is none.
+    const double z = std::max(static_cast<double>(nodes[0].z), 1e-37);
+    const Response primary = response_to_depth(1 / z);
+    note_radius(s, primary.exact_radius_px);
+    std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
+    for (const Record& node : nodes.subspan(1)) {
+        if (node.r == 0 && node.g == 0 && node.b == 0) continue;
+        negative_ |= node.r < 0 || node.g < 0 || node.b < 0;
+        const Response response = response_of(node, primary);
+        if (response.key == primary.key) {
+            rgb = {rgb[0] + node.r, rgb[1] + node.g, rgb[2] + node.b};
+            continue;
+        }
+        note_radius(s, response.exact_radius_px);
+        add_splats(s, response, {node.r, node.g, node.b}, false);
+    }
+    negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
+
+    const bool whole_corner = s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
+    if (whole_corner && primary.key.is_disc) {
+        const auto column = static_cast<std::size_t>(static_cast<int>(s.x) - t_.source_.x_begin);
+        level_[column] = primary.key.level;
+        for (std::size_t c = 0; c < 3; ++c) raster_[c][column] = rgb[c];
+        return;
+    }
+    if (s.total_weight() > 0) add_splats(s, primary, rgb, true);
+}
+
+void SplatTables::RowBuilder::split_runs() {
+    const std::size_t sparse = splats_.size();
+    for (std::size_t begin = 0; begin < level_.size();) {
+        const std::uint32_t level = level_[begin];
+        std::size_t end = begin + 1;
+        while (end < level_.size() && level_[end] == level) ++end;
+        const auto at = static_cast<std::int32_t>(begin) + t_.source_.x_begin;
+        if (level != no_level) {
+            t_.kernels_.use_disc(level);
+            if (static_cast<int>(end - begin) >= shortest_run(t_.kernels_.disc_radius_px(level))) {
+                runs_.push_back({at, static_cast<std::int32_t>(end) + t_.source_.x_begin, level});
+            } else {
+                for (std::size_t i = begin; i < end; ++i) {
+                    splats_.push_back({at + static_cast<std::int32_t>(i - begin), level, raster_[0][i],
+                                       raster_[1][i], raster_[2][i], 1.0F});
+                }
+            }
+        }
+        begin = end;
+    }
+    std::inplace_merge(splats_.begin(), splats_.begin() + static_cast<std::ptrdiff_t>(sparse), splats_.end(),
+                       [](const Splat& a, const Splat& b) { return a.x < b.x; });
+}
+
+void SplatTables::RowBuilder::build(const RecordBand& band, const PointSamples& samples, std::uint32_t begin,
+                                    std::uint32_t end, int y) {
+    const auto row = static_cast<std::size_t>(y - t_.source_.y_begin);
+    const auto width = static_cast<std::size_t>(t_.source_.width());
+    y_ = y;
+    largest_radius_px_ = 0;
+    negative_ = false;
+    level_.assign(width, no_level);
+    splats_.clear();
+    runs_.clear();
+    for (std::size_t c = 0; c < 3; ++c) raster_[c] = t_.raster_[c].data() + row * width;
+    for (std::uint32_t i = begin; i < end; ++i) {
+        const PointSample& s = samples.samples[i];
+        add_sample(s, std::span(band.records).subspan(s.first_record, s.record_count));
+    }
+    split_runs();
+    SplatRow& out = t_.rows_[row];
+    out.runs.assign(runs_.begin(), runs_.end());
+    out.splats.assign(splats_.begin(), splats_.end());
+    t_.row_largest_radius_px_[row] = largest_radius_px_;
+    t_.row_negative_[row] = negative_ ? 1 : 0;
+}
+
+namespace {
+
+KernelReach reach_of(const RasterWindow& source, const RasterWindow& picture) {
+    // One px more on either side for phases that lie beyond the anchor.
+    return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
+            std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
+}
+
+}  // namespace
+
+SplatTables::SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
+                         const DepthLevels& levels, DepthModel model)
+    : source_(source),
+      picture_(picture),
+      geometry_(geometry),
+      levels_(levels),
+      model_(model),
+      kernels_(levels.radius_px(), reach_of(source, picture)) {
+    const auto width = static_cast<std::size_t>(source.width());
+    const auto height = static_cast<std::size_t>(source.height());
+    for (auto& plane : raster_) plane.resize(width * height);
+    rows_.resize(height);
+    border_ = {std::vector<float>(width), std::vector<float>(width), std::vector<float>(height),
+               std::vector<float>(height)};
+    row_largest_radius_px_.resize(height);
+    row_negative_.resize(height);
+}
+
+void SplatTables::add_rows(const RecordBand& band, int y_begin, int y_end) {
+    const auto tasks = static_cast<std::size_t>((y_end - y_begin + rows_per_task - 1) / rows_per_task);
+    parallel_for(tasks, [&](std::size_t task) {
+        const int first = y_begin + static_cast<int>(task) * rows_per_task;
+        const int last = std::min(first + rows_per_task, y_end);
+        PointSamples samples;
+        find_point_samples(band, first, last, source_.y_begin, source_.y_end - 1, samples);
+        RowBuilder builder(*this);
+        for (int y = first; y < last; ++y) {
+            const std::size_t k = static_cast<std::size_t>(y - first) * static_cast<std::size_t>(band.width());
+            builder.build(band, samples, samples.offsets[k],
+                          samples.offsets[k + static_cast<std::size_t>(band.width())], y);
+        }
+    });
+}
+
+void SplatTables::finish() {
+    kernels_.build();
+    parallel_for(
+        rows_.size(),
+        [&](std::size_t i) {
+            SplatRow& row = rows_[i];
+            for (const SplatRun& run : row.runs) {
+                row.run_dy_begin = std::min(row.run_dy_begin, kernels_[run.kernel].y_begin);
+                row.run_dy_end = std::max(row.run_dy_end, kernels_[run.kernel].y_end());
+            }
+            for (const Splat& s : row.splats) {
+                const Kernel& k = kernels_[s.kernel];
+                row.splat_dy_begin = std::min(row.splat_dy_begin, k.y_begin);
+                row.splat_dy_end = std::max(row.splat_dy_end, k.y_end());
+                row.splat_dx_begin = std::min(row.splat_dx_begin, k.x_begin);
+                row.splat_dx_end = std::max(row.splat_dx_end, k.x_end);
+            }
+        },
+        16);
+}
+
+double SplatTables::largest_coc_px() const {
+    const auto largest = std::max_element(row_largest_radius_px_.begin(), row_largest_radius_px_.end());
+    return largest != row_largest_radius_px_.end() ? 2 * *largest : 0;
+}
+
+bool SplatTables::any_negative() const {
+    return std::find(row_negative_.begin(), row_negative_.end(), 1) != row_negative_.end();
+}
+
+}  // namespace postlens

@@ -1,0 +1,102 @@
+// Records turned into splats: what is scattered, sorted by source row, apart from how it is scattered.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "focus/depth_levels.h"
+#include "focus/kernel.h"
+#include "records/quadtree.h"
+#include "records/record.h"
+
+namespace postlens {
+
+enum class DepthModel {
+    ray_differentials,  ///< W of each node: what mirrors and glass show keeps its own optical depth
+    path,               ///< z' of each node: the path length of 1981
+    first_hit,          ///< z' of the primary node for all nodes of its sample: what tools without trees do
+};
+
+/// Half-open rectangle of whole coordinates, raster px.
+struct RasterWindow {
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+    [[nodiscard]] int width() const { return x_end - x_begin; }
+    [[nodiscard]] int height() const { return y_end - y_begin; }
+};
+
+/// A node of one point sample. Its colour is already times the sample's weight; `weight` itself is 0 for deeper
+/// nodes, as the normalisation counts point samples.
+struct Splat {
+    std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
+    std::uint32_t kernel = 0;
+    float r = 0, g = 0, b = 0, weight = 0;
+};
+
+/// Neighbouring corner samples [begin, end) of weight one that share a disc; their colours stand in the raster.
+struct SplatRun {
+    std::int32_t begin = 0, end = 0;
+    std::uint32_t kernel = 0;
+};
+
+struct SplatRow {
+    std::vector<SplatRun> runs;  ///< by column
+    std::vector<Splat> splats;   ///< by column
+    /// Rows that these may reach, relative to their own: kernel rows [dy_begin, dy_end).
+    int run_dy_begin = 0, run_dy_end = 0;
+    int splat_dy_begin = 0, splat_dy_end = 0;
+    /// Columns that a splat may reach from its anchor.
+    int splat_dx_begin = 0, splat_dx_end = 0;
+};
+
+/// Largest radius of the CoC, px, per corner along the outermost recorded rows and columns.
+struct BorderRadii {
+    std::vector<float> top, bottom;  ///< by column, first at x_begin
+    std::vector<float> left, right;  ///< by row, first at y_begin
+};
+
+/// Filled by bands of records in any order, each row once; then finished; then scattered.
+class SplatTables {
+  public:
+    /// `source`: the recorded corners. `picture`: the pixels that will be asked for.
+    SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
+                const DepthLevels& levels, DepthModel model);
+
+    /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
+    /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
+    void add_rows(const RecordBand& band, int y_begin, int y_end);
+    /// Makes the kernels; after the last row.
+    void finish();
+
+    [[nodiscard]] const RasterWindow& source() const { return source_; }
+    [[nodiscard]] const RasterWindow& picture() const { return picture_; }
+    [[nodiscard]] const SplatRow& row(int y) const { return rows_[static_cast<std::size_t>(y - source_.y_begin)]; }
+    /// Colour `channel` (0..2) of the corners of row y, first at x_begin; meaningful inside the row's runs.
+    [[nodiscard]] const float* raster_row(int channel, int y) const {
+        return raster_[channel].data() +
+               static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
+    }
+    [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
+    [[nodiscard]] const BorderRadii& border() const { return border_; }
+    /// Greatest diameter of the CoC among the nodes, px, as it is, not as its level has it.
+    [[nodiscard]] double largest_coc_px() const;
+    /// How many discs of different radius are in use.
+    [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
+    /// False where no colour is below zero: then no pixel may be.
+    [[nodiscard]] bool any_negative() const;
+
+  private:
+    class RowBuilder;
+
+    RasterWindow source_, picture_;
+    FocusGeometry geometry_;
+    DepthLevels levels_;
+    DepthModel model_;
+    KernelTable kernels_;
+    std::vector<float> raster_[3];
+    std::vector<SplatRow> rows_;
+    BorderRadii border_;
+    std::vector<double> row_largest_radius_px_;  ///< by row
+    std::vector<std::uint8_t> row_negative_;    ///< by row
+};
+
+}  // namespace postlens

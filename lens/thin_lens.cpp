@@ -1,0 +1,45 @@
+#include "lens/thin_lens.h"
+
+#include <cmath>
+
+namespace postlens {
+namespace {
+
+constexpr double metres_per_mm = 1e-3;
+
+/// 1/s - 1/z without cancellation where s and z are close, and defined where either is infinite; 1/m.
+double inverse_difference_per_m(double s_m, double z_m) {
+    if (std::isfinite(s_m) && std::isfinite(z_m)) return (z_m - s_m) / z_m / s_m;
+    return 1 / s_m - 1 / z_m;
+}
+
+}  // namespace
+
+double image_distance_mm(const ThinLens& lens, double focus_distance_m) {
+    return lens.focal_length_mm / (1 - lens.focal_length_mm * metres_per_mm / focus_distance_m);
+}
+
+double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m) {
+    // F^2 (z - s) / (n z (s - F)), divided through by z s so that both may be infinite [potmesil1981, eq. 3].
+    return image_distance_mm(lens, focus_distance_m) * lens.aperture_diameter_mm() * metres_per_mm *
+           inverse_difference_per_m(focus_distance_m, depth_m);
+}
+
+DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
+    const double focal_m = lens.focal_length_mm * metres_per_mm;
+    const double s = focus_distance_m;
+    // q = H - F. Dividing near and far by q keeps them defined for q infinite (a limit of 0: s alone is sharp).
+    const double q = lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
+    DepthOfField out;
+    out.hyperfocal_m = q + focal_m;
+    if (std::isinf(s)) {
+        out.near_m = q;
+        return out;
+    }
+    const double beyond_focal_m = s - focal_m;
+    out.near_m = q > 0 ? s / (1 + beyond_focal_m / q) : 0;
+    if (s < out.hyperfocal_m) out.far_m = s / (1 - beyond_focal_m / q);
+    return out;
+}
+
+}  // namespace postlens

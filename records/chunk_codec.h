@@ -1,0 +1,57 @@
+// The compressions of one OpenEXR chunk that sample files use: none, RLE and deflate.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+struct libdeflate_compressor;
+struct libdeflate_decompressor;
+
+namespace postlens {
+
+using Bytes = std::vector<std::uint8_t>;
+using ByteView = std::span<const std::uint8_t>;
+
+/// Values of OpenEXR's `compression` attribute.
+enum class ChunkCompression : std::uint8_t { none = 0, rle = 1, zips = 2, zip = 3 };
+
+/// Scanlines that share a chunk: 16 for zip, else 1.
+[[nodiscard]] int rows_per_chunk(ChunkCompression compression);
+
+/// Compresses and expands chunks as OpenEXR does: bytes at even and odd places apart, differences of
+/// neighbours, then run lengths or a zlib stream. Keeps scratch memory: one codec per thread.
+class ChunkCodec {
+  public:
+    ChunkCodec();
+    ~ChunkCodec();
+    ChunkCodec(const ChunkCodec&) = delete;
+    ChunkCodec& operator=(const ChunkCodec&) = delete;
+    ChunkCodec(ChunkCodec&&) = delete;
+    ChunkCodec& operator=(ChunkCodec&&) = delete;
+
+    /// The packed form, held in `packed`; `raw` itself where packing does not make it smaller, which is how
+    /// OpenEXR marks an unpacked chunk.
+    [[nodiscard]] ByteView compress(ChunkCompression compression, ByteView raw, Bytes& packed);
+
+    /// Expands into `raw`, filling it exactly. False where `packed` is damaged.
+    [[nodiscard]] bool decompress(ChunkCompression compression, ByteView packed, std::span<std::uint8_t> raw);
+
+  private:
+    struct FreeCompressor {
+        void operator()(libdeflate_compressor* c) const;
+    };
+    struct FreeDecompressor {
+        void operator()(libdeflate_decompressor* d) const;
+    };
+    std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor_;
+    std::unique_ptr<libdeflate_decompressor, FreeDecompressor> decompressor_;
+    Bytes apart_, scratch_;
+};
+
+/// Expands a zlib stream into `raw`, filling it exactly. False where it is damaged.
+[[nodiscard]] bool inflate_zlib(ByteView packed, std::span<std::uint8_t> raw);
+
+}  // namespace postlens

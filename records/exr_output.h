@@ -1,0 +1,54 @@
+// An OpenEXR multi-part file being written chunk by chunk: headers by the OpenEXR library, chunks by us.
+//
+// OpenEXR's interface to deep data wants one pointer per pixel and channel. Laying a scanline out as its
+// chunk stands in the file is quicker, all checks included (1920x1080, one record a pixel, two threads: RLE
+// written in 136 ms against 214 ms, read in 35 ms against 192 ms), lets any thread pack any scanline, and
+// keeps damaged files away from code that believes what they say.
+#pragma once
+
+#include <OpenEXR/ImfForward.h>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "records/chunk_codec.h"
+
+namespace postlens {
+
+class ExrOutput {
+  public:
+    /// Opens `path` (an existing file, cut to nothing) and writes the headers; `chunks[i]` is the number of
+    /// chunks of part i. `shown_name` stands in messages. Every function throws Error(cannot_write).
+    ExrOutput(const std::filesystem::path& path, std::string shown_name,
+              const std::vector<Imf::Header>& headers, const std::vector<std::size_t>& chunks);
+    ~ExrOutput();
+    ExrOutput(const ExrOutput&) = delete;
+    ExrOutput& operator=(const ExrOutput&) = delete;
+    ExrOutput(ExrOutput&&) = delete;
+    ExrOutput& operator=(ExrOutput&&) = delete;
+
+    /// The next chunk of a part of flat scanlines, the first of which is y.
+    void write_flat_chunk(int part, int y, ByteView data);
+    /// The next chunk of a part of deep scanlines.
+    void write_deep_chunk(int part, int y, ByteView counts, ByteView data, std::uint64_t unpacked_data_bytes);
+    /// Fills in the table of chunks and closes the file. Returns its size in bytes.
+    std::uint64_t finish();
+
+  private:
+    void append(ByteView bytes);
+    void flush();
+    void put(ByteView bytes);
+    void begin_chunk(int part);
+    [[noreturn]] void fail_with_errno() const;
+
+    std::string name_;
+    int fd_ = -1;
+    std::uint64_t position_ = 0;  ///< including what waits in `buffer_`
+    Bytes buffer_;
+    std::uint64_t table_position_ = 0;
+    std::vector<std::vector<std::uint64_t>> offsets_;  ///< per part, of the chunks written so far
+    std::vector<std::size_t> chunks_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,184 @@
+#include "records/image.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "core/error.h"
+#include "core/output_file.h"
+
+namespace postlens {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Format { exr, png, tiff, jpeg, unknown };
+
+Format format_of(const fs::path& path) {
+    std::string ending = path.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (ending == ".exr") return Format::exr;
+    if (ending == ".png") return Format::png;
+    if (ending == ".tif" || ending == ".tiff") return Format::tiff;
+    if (ending == ".jpg" || ending == ".jpeg") return Format::jpeg;
+    return Format::unknown;
+}
+
+/// OpenImageIO's messages may span lines; ours are one.
+std::string one_line(std::string text) {
+    while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.pop_back();
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text.empty() ? "no reason given" : text;
+}
+
+// [iec61966-2-1], the sRGB transfer curve.
+float srgb_from_linear(float v) {
+    if (!(v > 0)) return 0;  // NaN too
+    if (v >= 1) return 1;
+    return v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F;
+}
+
+float linear_from_srgb(float v) {
+    return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
+}
+
+/// RGB with alpha 1, as OpenEXR pictures are expected to have.
+std::vector<float> with_alpha(const Image& image) {
+    std::vector<float> rgba(image.rgb.size() / 3 * 4);
+    for (std::size_t i = 0; i < image.rgb.size() / 3; ++i) {
+        std::copy_n(image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
+                    rgba.begin() + static_cast<std::ptrdiff_t>(4 * i));
+        rgba[4 * i + 3] = 1;
+    }
+    return rgba;
+}
+
+/// Values of `Integer`, its greatest standing for 1.
+template <typename Integer>
+std::vector<Integer> encoded(const Image& image) {
+    constexpr float greatest = std::numeric_limits<Integer>::max();
+    std::vector<Integer> values(image.rgb.size());
+    std::transform(image.rgb.begin(), image.rgb.end(), values.begin(),
+                   [](float v) { return static_cast<Integer>(std::lround(srgb_from_linear(v) * greatest)); });
+    return values;
+}
+
+OIIO::ImageSpec spec_for(Format format, const Image& image) {
+    const auto type = format == Format::exr    ? OIIO::TypeDesc::FLOAT
+                      : format == Format::tiff ? OIIO::TypeDesc::UINT16
+                                               : OIIO::TypeDesc::UINT8;
+    OIIO::ImageSpec spec(image.width, image.height, format == Format::exr ? 4 : 3, type);
+    // Not for TIFF, where it asks for an EXIF directory, which OpenImageIO 2.4 cannot write to memory.
+    // Integer pixels are taken as sRGB without it.
+    if (format != Format::tiff) spec["oiio:ColorSpace"] = format == Format::exr ? "Linear" : "sRGB";
+    if (format == Format::exr) spec["compression"] = "zip";
+    if (format == Format::jpeg) spec["compression"] = "jpeg:95";
+    return spec;
+}
+
+bool write_pixels(OIIO::ImageOutput& out, Format format, const Image& image) {
+    switch (format) {
+        case Format::exr:
+            return out.write_image(OIIO::TypeDesc::FLOAT, with_alpha(image).data());
+        case Format::tiff:
+            return out.write_image(OIIO::TypeDesc::UINT16, encoded<std::uint16_t>(image).data());
+        default:
+            return out.write_image(OIIO::TypeDesc::UINT8, encoded<std::uint8_t>(image).data());
+    }
+}
+
+/// The whole file in memory: on a full disk OpenImageIO 2.4 reports success for PNG and TIFF and ends the
+/// process for JPEG, so it is not the one to write to the disk.
+std::vector<unsigned char> encode_file(const fs::path& path, Format format, const Image& image) {
+    OIIO::Filesystem::IOVecOutput memory;
+    const auto out = OIIO::ImageOutput::create(path.filename().string(), &memory);
+    if (!out)
+        fail(ExitCode::cannot_write, "{}: cannot write ({})", path.string(), one_line(OIIO::geterror()));
+    const bool ok = out->open(path.filename().string(), spec_for(format, image)) &&
+                    write_pixels(*out, format, image) && out->close();
+    if (!ok) fail(ExitCode::cannot_write, "{}: cannot write ({})", path.string(), one_line(out->geterror()));
+    return std::move(memory.buffer());
+}
+
+}  // namespace
+
+void check_image_path(const fs::path& path) {
+    if (format_of(path) == Format::unknown) {
+        fail(ExitCode::wrong_arguments,
+             "{}: unknown kind of image (got ending \"{}\"; expected exr, png, tif or jpg)", path.string(),
+             path.extension().string());
+    }
+}
+
+void write_image(const fs::path& path, const Image& image) {
+    check_image_path(path);
+    OutputFile file(path);  // refuses what cannot be written before the work is done
+    const std::vector<unsigned char> bytes = encode_file(path, format_of(path), image);
+    std::FILE* out = std::fopen(file.temporary_path().c_str(), "wb");
+    bool ok = out != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
+    int error = errno;
+    if (out != nullptr && std::fclose(out) != 0 && ok) {
+        ok = false;
+        error = errno;
+    }
+    if (!ok) fail(ExitCode::cannot_write, "{}: cannot write ({})", path.string(), std::strerror(error));
+    file.commit();
+}
+
+Image read_image(const fs::path& path) {
+    const std::string name = path.string();
+    std::error_code ec;
+    if (!fs::exists(path, ec)) fail(ExitCode::invalid_input, "{}: cannot read (no such file)", name);
+    if (!fs::is_regular_file(path, ec)) {
+        fail(ExitCode::invalid_input, "{}: cannot read (expected an image file)", name);
+    }
+    const auto in = OIIO::ImageInput::open(name);
+    if (!in) fail(ExitCode::invalid_input, "{}: cannot read ({})", name, one_line(OIIO::geterror()));
+    const OIIO::ImageSpec& spec = in->spec();
+    if (spec.deep)
+        fail(ExitCode::invalid_input, "{}: cannot read (got deep pixels; expected a flat image)", name);
+    if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1) {
+        fail(ExitCode::invalid_input, "{}: cannot read (got {}x{}x{} with {} channels; expected a picture)",
+             name, spec.width, spec.height, spec.depth, spec.nchannels);
+    }
+    // A damaged header must not ask for much memory. Deflate, the densest of the formats, packs 1 to 1032.
+    const std::uint64_t bytes = fs::file_size(path, ec);
+    const std::uint64_t needed =
+        static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height) * 3 * sizeof(float);
+    constexpr std::uint64_t unquestioned = 256U << 20U;
+    if (needed > unquestioned && needed / 4096 > bytes) {
+        fail(ExitCode::invalid_input, "{}: header is damaged (got {}x{} pixels in {} bytes)", name,
+             spec.width, spec.height, bytes);
+    }
+    const int channels = spec.nchannels >= 3 ? 3 : 1;
+    const bool is_float = spec.format == OIIO::TypeDesc::FLOAT || spec.format == OIIO::TypeDesc::HALF ||
+                          spec.format == OIIO::TypeDesc::DOUBLE;
+    const std::string colour_space = spec.get_string_attribute("oiio:ColorSpace");
+    const bool srgb = colour_space == "sRGB" || (!is_float && colour_space != "Linear");
+    Image image(spec.width, spec.height);
+    // Grey values go to the front and are spread out below.
+    if (!in->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, image.rgb.data())) {
+        fail(ExitCode::invalid_input, "{}: cannot read ({})", name, one_line(in->geterror()));
+    }
+    if (channels == 1) {
+        for (std::size_t i = image.rgb.size() / 3; i-- > 0;) {
+            const float grey = image.rgb[i];
+            image.rgb[3 * i] = image.rgb[3 * i + 1] = image.rgb[3 * i + 2] = grey;
+        }
+    }
+    if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
+    return image;
+}
+
+}  // namespace postlens

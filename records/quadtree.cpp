@@ -1,0 +1,226 @@
+#include "records/quadtree.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "core/error.h"
+#include "records/record_check.h"
+
+namespace postlens {
+namespace {
+
+/// Edge of a pixel in steps of positions, and of its smallest leaf.
+constexpr int pixel_steps = position_steps;
+
+/// A place in a pixel: steps from its upper-left corner, pixel_steps on the far edges.
+struct Place {
+    int u = 0, v = 0;
+};
+
+/// Calls leaf(u, v, size) for the leaves of the cell, in the order up-left, up-right, down-left, down-right:
+/// the fixed order of every sum. A cell is subdivided exactly where its centre sample exists.
+template <typename HasSample, typename Leaf>
+void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& leaf) {
+    const int half = size / 2;
+    if (half == 0 || !has_sample(Place{at.u + half, at.v + half})) {
+        leaf(at, size);
+        return;
+    }
+    for_each_leaf(at, half, has_sample, leaf);
+    for_each_leaf(Place{at.u + half, at.v}, half, has_sample, leaf);
+    for_each_leaf(Place{at.u, at.v + half}, half, has_sample, leaf);
+    for_each_leaf(Place{at.u + half, at.v + half}, half, has_sample, leaf);
+}
+
+[[noreturn]] void fail_missing(int x, int y, Place at) {
+    fail(ExitCode::invalid_input, "records: quadtree of pixel ({}, {}) lacks the sample at ({}, {})", x, y,
+         x + at.u / static_cast<double>(pixel_steps), y + at.v / static_cast<double>(pixel_steps));
+}
+
+/// Calls sample(first_record, count) for every point sample of layer 0 in pixel (x, y), sorted by (y, x).
+/// Throws where the pixel lacks its upper-left corner.
+template <typename OnSample>
+void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sample) {
+    const std::size_t k = band.pixel(x, y);
+    const std::uint32_t begin = band.offsets[k];
+    std::uint32_t end = band.offsets[k + 1];
+    const Record* records = band.records.data();
+    while (end > begin && records[end - 1].layer != 0) --end;
+    if (begin == end || records[begin].x != static_cast<float>(x) ||
+        records[begin].y != static_cast<float>(y)) {
+        fail_missing(x, y, {});
+    }
+    // The most frequent pixel has one sample; its nodes need no look at each.
+    if (records[begin].x == records[end - 1].x && records[begin].y == records[end - 1].y) {
+        on_sample(begin, end - begin);
+        return;
+    }
+    for (std::uint32_t first = begin; first < end;) {
+        std::uint32_t next = first + 1;
+        while (next < end && records[next].x == records[first].x && records[next].y == records[first].y)
+            ++next;
+        on_sample(first, next - first);
+        first = next;
+    }
+}
+
+/// The point samples of one pixel row: pixel x has samples [offsets[x - x_begin], offsets[x - x_begin + 1]).
+template <typename Sample>
+struct Row {
+    Sample* samples = nullptr;
+    const std::uint32_t* offsets = nullptr;
+};
+
+template <typename Sample>
+Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float y) {
+    Sample* begin = row.samples + row.offsets[column];
+    Sample* end = row.samples + row.offsets[column + 1];
+    Sample* found = std::lower_bound(
+        begin, end, y, [x](const auto& s, float key_y) { return s.y != key_y ? s.y < key_y : s.x < x; });
+    return found != end && found->x == x && found->y == y ? found : nullptr;
+}
+
+/// Calls leaf(corners, size_px) for each leaf of pixel (x, y), corners in the order up-left, up-right,
+/// down-left, down-right. `above` is the pixel's own row, `below` the next; a pixel with one sample is one
+/// leaf.
+template <typename Sample, typename OnLeaf>
+void for_each_leaf_of_pixel(const Row<Sample>& above, const Row<Sample>& below, int x, int y,
+                            std::size_t column, const OnLeaf& on_leaf) {
+    if (above.offsets[column + 1] - above.offsets[column] == 1) {
+        on_leaf(std::array<Sample*, 4>{above.samples + above.offsets[column],
+                                       above.samples + above.offsets[column + 1],
+                                       below.samples + below.offsets[column],
+                                       below.samples + below.offsets[column + 1]},
+                1.0F);
+        return;
+    }
+    const auto find = [&](Place at) {
+        const float sample_x = static_cast<float>(x) + static_cast<float>(at.u) / pixel_steps;
+        const float sample_y = static_cast<float>(y) + static_cast<float>(at.v) / pixel_steps;
+        return find_in_pixel(at.v == pixel_steps ? below : above, column + (at.u == pixel_steps ? 1U : 0U),
+                             sample_x, sample_y);
+    };
+    const auto need = [&](Place at) {
+        Sample* s = find(at);
+        if (s == nullptr) fail_missing(x, y, at);
+        return s;
+    };
+    for_each_leaf(
+        Place{}, pixel_steps, [&](Place at) { return find(at) != nullptr; },
+        [&](Place at, int size) {
+            on_leaf(std::array<Sample*, 4>{need(at), need({at.u + size, at.v}), need({at.u, at.v + size}),
+                                           need({at.u + size, at.v + size})},
+                    static_cast<float>(size) / pixel_steps);
+        });
+}
+
+void append_row(const RecordBand& band, int y, PointSamples& out) {
+    const Record* records = band.records.data();
+    for (int x = band.x_begin; x < band.x_end; ++x) {
+        for_each_sample(band, x, y, [&](std::uint32_t first, std::uint32_t count) {
+            out.samples.push_back({records[first].x, records[first].y, first, count, {}, {}});
+        });
+        out.offsets.push_back(static_cast<std::uint32_t>(out.samples.size()));
+    }
+}
+
+/// A point sample's colour, as the picture needs it.
+struct ColourSample {
+    float x, y;
+    double r, g, b;
+};
+
+struct ColourRow {
+    std::vector<ColourSample> samples;
+    std::vector<std::uint32_t> offsets{0};
+    [[nodiscard]] Row<const ColourSample> view() const { return {samples.data(), offsets.data()}; }
+};
+
+/// Pixels [x_begin, x_end) of row y. `top_edge_only`: no more than the row above needs.
+ColourRow colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, bool top_edge_only) {
+    ColourRow row;
+    row.samples.reserve(static_cast<std::size_t>(x_end - x_begin));
+    row.offsets.reserve(static_cast<std::size_t>(x_end - x_begin) + 1);
+    for (int x = x_begin; x < x_end; ++x) {
+        for_each_sample(band, x, y, [&](std::uint32_t first, std::uint32_t count) {
+            const Record* r = band.records.data() + first;
+            if (top_edge_only && r->y != static_cast<float>(y)) return;
+            ColourSample s{r->x, r->y, 0, 0, 0};
+            for (const Record* end = r + count; r != end; ++r) {
+                s.r += r->r;
+                s.g += r->g;
+                s.b += r->b;
+            }
+            row.samples.push_back(s);
+        });
+        row.offsets.push_back(static_cast<std::uint32_t>(row.samples.size()));
+    }
+    return row;
+}
+
+}  // namespace
+
+void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixel_y_begin, int pixel_y_end,
+                        PointSamples& out) {
+    assert(y_begin >= band.y_begin && y_end <= band.y_end && y_begin < y_end);
+    out.samples.clear();
+    out.offsets.assign(1, 0);
+    out.samples.reserve(static_cast<std::size_t>(y_end - y_begin) * static_cast<std::size_t>(band.width()));
+    for (int y = y_begin; y < y_end; ++y) append_row(band, y, out);
+
+    const int first_pixel_row = std::max(pixel_y_begin, y_begin - 1);
+    const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
+    if (first_pixel_row > last_pixel_row) return;
+
+    // The rows just outside: they shape the leaves, their own weights are not asked for.
+    PointSamples above, below;
+    above.offsets.assign(1, 0);
+    below.offsets.assign(1, 0);
+    if (first_pixel_row < y_begin) append_row(band, y_begin - 1, above);
+    if (last_pixel_row + 1 == y_end) append_row(band, y_end, below);
+
+    const auto width = static_cast<std::size_t>(band.width());
+    const auto row_at = [&](int y) -> Row<PointSample> {
+        if (y < y_begin) return {above.samples.data(), above.offsets.data()};
+        if (y >= y_end) return {below.samples.data(), below.offsets.data()};
+        return {out.samples.data(), out.offsets.data() + static_cast<std::size_t>(y - y_begin) * width};
+    };
+    for (int y = first_pixel_row; y <= last_pixel_row; ++y) {
+        const Row<PointSample> upper = row_at(y);
+        const Row<PointSample> lower = row_at(y + 1);
+        for (std::size_t column = 0; column + 1 < width; ++column) {
+            for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
+                                   [](const std::array<PointSample*, 4>& corners, float size) {
+                                       // Seen from its up-left corner a leaf lies down-right, and so on.
+                                       for (std::size_t c = 0; c < 4; ++c) {
+                                           corners[c]->weight[3 - c] = size * size / 4;
+                                           corners[c]->leaf_size[3 - c] = size;
+                                       }
+                                   });
+        }
+    }
+}
+
+void picture_row(const RecordBand& band, int y, int x_begin, int x_end, std::span<float> rgb) {
+    assert(y >= band.y_begin && y + 1 < band.y_end && x_begin >= band.x_begin && x_end < band.x_end);
+    assert(rgb.size() == static_cast<std::size_t>(x_end - x_begin) * 3);
+    const ColourRow upper = colours_of_row(band, y, x_begin, x_end + 1, false);
+    const ColourRow lower = colours_of_row(band, y + 1, x_begin, x_end + 1, true);
+    for (int x = x_begin; x < x_end; ++x) {
+        const auto column = static_cast<std::size_t>(x - x_begin);
+        double r = 0, g = 0, b = 0;
+        for_each_leaf_of_pixel(upper.view(), lower.view(), x, y, column,
+                               [&](const std::array<const ColourSample*, 4>& c, float size) {
+                                   const double weight =
+                                       static_cast<double>(size) * static_cast<double>(size) / 4;
+                                   r += weight * (c[0]->r + c[1]->r + c[2]->r + c[3]->r);
+                                   g += weight * (c[0]->g + c[1]->g + c[2]->g + c[3]->g);
+                                   b += weight * (c[0]->b + c[1]->b + c[2]->b + c[3]->b);
+                               });
+        rgb[3 * column] = static_cast<float>(r);
+        rgb[3 * column + 1] = static_cast<float>(g);
+        rgb[3 * column + 2] = static_cast<float>(b);
+    }
+}
+
+}  // namespace postlens

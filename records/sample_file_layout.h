@@ -1,0 +1,51 @@
+// The parts of a sample file: their names, channels and windows, and the rows of the small part `scanlines`.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "records/exr_input.h"
+#include "records/record_check.h"
+#include "records/sample_file.h"
+
+namespace postlens::layout {
+
+enum Part : int { picture_part, records_part, scanlines_part, part_count };
+inline constexpr std::array<const char*, part_count> part_names{"picture", "records", "scanlines"};
+inline constexpr std::array<const char*, part_count> part_types{"scanlineimage", "deepscanline",
+                                                                "scanlineimage"};
+/// What OpenEXR can state as the size of a chunk.
+inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
+
+/// Channels in file order, which is the order of their names as bytes.
+[[nodiscard]] std::vector<ExrChannel> channels_of(Part part, RecordChannels channels);
+
+[[nodiscard]] Window display_window(const SampleHeader& header);
+[[nodiscard]] Window data_window(Part part, const SampleHeader& header);
+[[nodiscard]] inline int rows_of(const Window& window) {
+    return window.y_max - window.y_min + 1;
+}
+[[nodiscard]] inline int columns_of(const Window& window) {
+    return window.x_max - window.x_min + 1;
+}
+[[nodiscard]] inline std::size_t chunks_of(int rows, ChunkCompression compression) {
+    const int step = rows_per_chunk(compression);
+    return static_cast<std::size_t>((rows + step - 1) / step);
+}
+
+/// A row of part `scanlines`: what its scanline of records holds, and the checksum of the picture's row (0
+/// outside the raster). As bytes it carries a check of its own, over y and all other fields.
+struct ScanlineRow {
+    static constexpr std::size_t byte_count = 32;
+    ScanlineFacts facts;
+    std::uint64_t picture_checksum = 0;
+
+    [[nodiscard]] std::array<std::uint8_t, byte_count> bytes(int y) const;
+    /// Nothing where the check fails.
+    [[nodiscard]] static std::optional<ScanlineRow> from_bytes(ByteView bytes, int y);
+};
+
+/// XXH3 (64 bit, seed 0) of a row of part `picture` before compression: all B, all G, all R as floats.
+[[nodiscard]] std::uint64_t picture_row_checksum(ByteView planes);
+
+}  // namespace postlens::layout

@@ -1,0 +1,363 @@
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <optional>
+#include <tbb/enumerable_thread_specific.h>
+#include <utility>
+
+#include "core/error.h"
+#include "core/threads.h"
+#include "records/record_scanline.h"
+#include "records/sample_file.h"
+#include "records/sample_file_header.h"
+#include "records/sample_header_names.h"
+
+namespace postlens {
+namespace {
+
+using namespace layout;
+
+/// A chunk may claim to expand to so much without further questions, and beyond that to this multiple of its
+/// packed size: a small file must not ask for much memory.
+constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
+constexpr std::uint64_t largest_expansion = 64;
+
+/// No zlib stream expands further. With one record a pixel at least, this bounds the raster by the file's
+/// size.
+constexpr std::uint64_t best_deflate_ratio = 1032;
+
+constexpr std::uint64_t flat_head_bytes = 12;  ///< part, y, size
+constexpr std::uint64_t deep_head_bytes = 32;  ///< part, y, sizes of counts, packed data, data
+
+template <typename T>
+T load(const std::uint8_t* from) {
+    T value;
+    std::memcpy(&value, from, sizeof(T));
+    return value;
+}
+
+/// Where the packed counts and data of a scanline of records lie.
+struct DeepChunk {
+    std::uint64_t counts_at = 0, counts_bytes = 0, data_bytes = 0;
+};
+
+/// Scratch of one thread.
+struct Workplace {
+    Workplace(int width, RecordChannels channels)
+        : bytes(width, channels), offsets(static_cast<std::size_t>(width) + 1) {}
+    ScanlineBytes bytes;
+    std::vector<std::uint32_t> offsets;
+    Bytes packed;
+    ChunkCodec codec;
+};
+
+}  // namespace
+
+struct SampleFileReader::Impl {
+    explicit Impl(const std::filesystem::path& path) : file(path) {
+        const ExrHeaders headers = read_exr_headers(file, part_count + 1);
+        header = sample_header_of(headers, file.name());
+        channels = {header.has_w, header.has_layers};
+        window = data_window(records_part, header);
+        workplaces.emplace(columns_of(window), channels);
+        codec = *headers.parts[records_part].compression();
+        picture_codec = *headers.parts[picture_part].compression();
+        read_chunk_tables(headers.end);
+        read_scanlines();
+    }
+
+    InputFile file;
+    SampleHeader header;
+    RecordChannels channels;
+    Window window;
+    ChunkCompression codec = ChunkCompression::none, picture_codec = ChunkCompression::none;
+    std::array<std::vector<std::uint64_t>, part_count> chunk_offsets;
+    std::vector<ScanlineFacts> facts;
+    std::vector<std::uint64_t> picture_checksums;  ///< per row of the raster
+    std::uint64_t record_count = 0;
+    /// Kept from read to read, so that small bands cost no allocations.
+    mutable std::optional<tbb::enumerable_thread_specific<Workplace>> workplaces;
+
+    [[noreturn]] void fail_damaged(int y, const char* what) const {
+        fail(ExitCode::invalid_input, "{}: damaged in scanline {} ({})", file.name(), y, what);
+    }
+    [[nodiscard]] std::size_t row_index(int y) const { return static_cast<std::size_t>(y - window.y_min); }
+
+    void read_chunk_tables(std::uint64_t at);
+    void read_scanlines();
+    /// Position and size of the data of a flat chunk whose first row is y, of at most `most_bytes`.
+    [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> flat_chunk(Part part, std::size_t index, int y,
+                                                                     std::uint64_t most_bytes) const;
+    [[nodiscard]] DeepChunk deep_chunk(int y) const;
+    void read_row(int y, const DeepChunk& chunk, std::uint32_t base, Workplace& work, RecordBand& band) const;
+    void check_row(int y, RecordBand& band) const;
+};
+
+void SampleFileReader::Impl::read_chunk_tables(std::uint64_t at) {
+    std::array<std::size_t, part_count> counts{};
+    counts[picture_part] = chunks_of(header.height, picture_codec);
+    counts[records_part] = chunks_of(rows_of(window), codec);
+    counts[scanlines_part] = counts[records_part];
+    const std::uint64_t least_bytes =
+        at + counts[picture_part] * (8 + flat_head_bytes) + counts[records_part] * (8 + deep_head_bytes) +
+        counts[scanlines_part] * (8 + flat_head_bytes + ScanlineRow::byte_count);
+    if (file.size() < least_bytes) {
+        fail(ExitCode::invalid_input, "{}: file is cut off (got {} bytes; expected more than {})",
+             file.name(), file.size(), least_bytes);
+    }
+    for (std::size_t part = 0; part < part_count; ++part) {
+        Bytes bytes(counts[part] * 8);
+        file.read_at(at, bytes);
+        at += bytes.size();
+        chunk_offsets[part].resize(counts[part]);
+        std::memcpy(chunk_offsets[part].data(), bytes.data(), bytes.size());
+    }
+}
+
+std::pair<std::uint64_t, std::uint64_t> SampleFileReader::Impl::flat_chunk(Part part, std::size_t index,
+                                                                           int y,
+                                                                           std::uint64_t most_bytes) const {
+    const std::uint64_t at = chunk_offsets[part][index];
+    std::array<std::uint8_t, flat_head_bytes> head;
+    file.read_at(at, head);
+    const auto size = load<std::int32_t>(head.data() + 8);
+    if (load<std::int32_t>(head.data()) != part || load<std::int32_t>(head.data() + 4) != y || size < 0 ||
+        static_cast<std::uint64_t>(size) > most_bytes) {
+        fail_damaged(y, "a chunk that does not belong there");
+    }
+    return {at + flat_head_bytes, static_cast<std::uint64_t>(size)};
+}
+
+void SampleFileReader::Impl::read_scanlines() {
+    facts.reserve(chunk_offsets[scanlines_part].size());
+    picture_checksums.resize(static_cast<std::size_t>(header.height));
+    const auto columns = static_cast<std::uint32_t>(columns_of(window));
+    for (int y = window.y_min; y <= window.y_max; ++y) {
+        const auto [at, size] = flat_chunk(scanlines_part, row_index(y), y, ScanlineRow::byte_count);
+        std::array<std::uint8_t, ScanlineRow::byte_count> bytes{};
+        if (size != bytes.size()) fail_damaged(y, "a row of part scanlines of another size");
+        file.read_at(at, bytes);
+        const auto row = ScanlineRow::from_bytes(bytes, y);
+        if (!row) fail_damaged(y, "row of part scanlines does not match its check");
+        if (row->facts.records < columns) fail_damaged(y, "fewer records than pixels");
+        facts.push_back(row->facts);
+        record_count += row->facts.records;
+        if (y >= 0 && y < header.height)
+            picture_checksums[static_cast<std::size_t>(y)] = row->picture_checksum;
+    }
+    if (record_count * bytes_per_record(channels) / best_deflate_ratio > file.size()) {
+        fail(ExitCode::invalid_input, "{}: file is damaged (got {} bytes for {} records)", file.name(),
+             file.size(), record_count);
+    }
+}
+
+DeepChunk SampleFileReader::Impl::deep_chunk(int y) const {
+    const std::uint64_t at = chunk_offsets[records_part][row_index(y)];
+    std::array<std::uint8_t, deep_head_bytes> head;
+    file.read_at(at, head);
+    DeepChunk chunk;
+    chunk.counts_at = at + deep_head_bytes;
+    chunk.counts_bytes = load<std::uint64_t>(head.data() + 8);
+    chunk.data_bytes = load<std::uint64_t>(head.data() + 16);
+    const auto unpacked_bytes = load<std::uint64_t>(head.data() + 24);
+    const std::uint64_t room = file.size() - chunk.counts_at;
+    const auto count_table_bytes = static_cast<std::uint64_t>(columns_of(window)) * 4;
+    if (load<std::int32_t>(head.data()) != records_part || load<std::int32_t>(head.data() + 4) != y) {
+        fail_damaged(y, "a chunk that does not belong there");
+    }
+    if (chunk.counts_bytes > std::min(room, count_table_bytes) ||
+        chunk.data_bytes > room - chunk.counts_bytes) {
+        fail_damaged(y, "its chunk reaches beyond the end of the file");
+    }
+    const std::uint64_t records = facts[row_index(y)].records;
+    if (unpacked_bytes != records * bytes_per_record(channels) || unpacked_bytes > largest_chunk_bytes ||
+        chunk.data_bytes > unpacked_bytes) {
+        fail_damaged(y, "its size does not match its number of records");
+    }
+    if (unpacked_bytes > std::max(unquestioned_bytes, largest_expansion * chunk.data_bytes)) {
+        fail_damaged(y, "it claims to expand beyond reason");
+    }
+    return chunk;
+}
+
+void SampleFileReader::Impl::read_row(int y, const DeepChunk& chunk, std::uint32_t base, Workplace& work,
+                                      RecordBand& band) const {
+    const ScanlineFacts& expected = facts[row_index(y)];
+    work.bytes.prepare(y, expected.records);
+    const auto fill = [&](std::uint64_t at, std::uint64_t packed_bytes, std::span<std::uint8_t> raw,
+                          const char* what) {
+        if (packed_bytes == raw.size()) {
+            file.read_at(at, raw);
+            return;
+        }
+        work.packed.resize(packed_bytes);
+        file.read_at(at, work.packed);
+        if (!work.codec.decompress(codec, work.packed, raw)) fail_damaged(y, what);
+    };
+    fill(chunk.counts_at, chunk.counts_bytes, work.bytes.counts(), "its sample counts do not expand");
+    fill(chunk.counts_at + chunk.counts_bytes, chunk.data_bytes, work.bytes.channel_data(),
+         "its records do not expand");
+    if (work.bytes.checksum() != expected.checksum) fail_damaged(y, "its checksum does not match");
+    if (!work.bytes.unpack_offsets(work.offsets)) fail_damaged(y, "its sample counts do not add up");
+    const auto records = std::span(band.records).subspan(base, expected.records);
+    if (!work.bytes.unpack_records(band.x_begin, work.offsets, records)) {
+        fail_damaged(y, "a position is not a multiple of 1/1024 px inside its pixel");
+    }
+    const std::size_t first = band.pixel(band.x_begin, y);
+    // The row's first and last entry, which it shares with its neighbours, are in place already.
+    for (std::size_t i = 1; i + 1 < work.offsets.size(); ++i)
+        band.offsets[first + i] = base + work.offsets[i];
+    check_row(y, band);
+}
+
+void SampleFileReader::Impl::check_row(int y, RecordBand& band) const {
+    const std::span<Record> records = band.records;
+    float nearest_z = std::numeric_limits<float>::infinity();
+    float farthest_z = 0;
+    for (int x = band.x_begin; x < band.x_end; ++x) {
+        const std::size_t k = band.pixel(x, y);
+        const auto pixel = records.subspan(band.offsets[k], band.offsets[k + 1] - band.offsets[k]);
+        if (!std::is_sorted(pixel.begin(), pixel.end(), canonical_before)) {
+            std::sort(pixel.begin(), pixel.end(), canonical_before);
+        }
+        if (const char* problem = problem_of_pixel(pixel, x, y, channels)) {
+            fail(ExitCode::invalid_input, "{}: invalid records in pixel ({}, {}): {}", file.name(), x, y,
+                 problem);
+        }
+        for (const Record& r : pixel) {
+            if (std::isinf(r.z)) continue;
+            nearest_z = std::min(nearest_z, r.z);
+            farthest_z = std::max(farthest_z, r.z);
+        }
+    }
+    const ScanlineFacts& expected = facts[row_index(y)];
+    if (nearest_z != expected.nearest_z || farthest_z != expected.farthest_z) {
+        fail_damaged(y, "its nearest and farthest z' are not as stated");
+    }
+}
+
+SampleFileReader::SampleFileReader(const std::filesystem::path& path) : impl_(std::make_unique<Impl>(path)) {}
+SampleFileReader::~SampleFileReader() = default;
+
+const SampleHeader& SampleFileReader::header() const {
+    return impl_->header;
+}
+std::span<const ScanlineFacts> SampleFileReader::scanlines() const {
+    return impl_->facts;
+}
+std::uint64_t SampleFileReader::record_count() const {
+    return impl_->record_count;
+}
+std::uint64_t SampleFileReader::file_bytes() const {
+    return impl_->file.size();
+}
+int SampleFileReader::y_begin() const {
+    return impl_->window.y_min;
+}
+int SampleFileReader::y_end() const {
+    return impl_->window.y_max + 1;
+}
+int SampleFileReader::x_begin() const {
+    return impl_->window.x_min;
+}
+int SampleFileReader::x_end() const {
+    return impl_->window.x_max + 1;
+}
+
+void SampleFileReader::read(int y_begin, int y_end, RecordBand& band) const {
+    const Impl& impl = *impl_;
+    if (y_begin < this->y_begin() || y_end > this->y_end() || y_begin > y_end) {
+        fail(ExitCode::invalid_input, "{}: no such rows (got {} to {}; expected {} to {})", impl.file.name(),
+             y_begin, y_end, this->y_begin(), this->y_end());
+    }
+    const auto rows = static_cast<std::size_t>(y_end - y_begin);
+    std::vector<DeepChunk> chunks(rows);
+    std::vector<std::uint32_t> bases(rows);
+    std::uint64_t total = 0;
+    for (std::size_t i = 0; i < rows; ++i) {
+        const int y = y_begin + static_cast<int>(i);
+        chunks[i] = impl.deep_chunk(y);
+        bases[i] = static_cast<std::uint32_t>(total);
+        total += impl.facts[impl.row_index(y)].records;
+        if (total > std::numeric_limits<std::uint32_t>::max()) {
+            fail(ExitCode::invalid_input, "{}: rows {} to {} hold more records than can be read at once",
+                 impl.file.name(), y_begin, y_end);
+        }
+    }
+    band.x_begin = x_begin();
+    band.x_end = x_end();
+    band.y_begin = y_begin;
+    band.y_end = y_end;
+    try {
+        band.offsets.resize(rows * static_cast<std::size_t>(band.width()) + 1);
+        for (std::size_t i = 0; i < rows; ++i)
+            band.offsets[i * static_cast<std::size_t>(band.width())] = bases[i];
+        band.offsets.back() = static_cast<std::uint32_t>(total);
+        band.records.resize(total);
+        parallel_for(rows, [&](std::size_t i) {
+            impl.read_row(y_begin + static_cast<int>(i), chunks[i], bases[i], impl.workplaces->local(), band);
+        });
+    } catch (const std::bad_alloc&) {
+        fail(ExitCode::out_of_memory, "{}: not enough memory for rows {} to {} (needs {} MB)",
+             impl.file.name(), y_begin, y_end, total * sizeof(Record) >> 20U);
+    }
+}
+
+Image SampleFileReader::picture() const {
+    const Impl& impl = *impl_;
+    const int width = impl.header.width;
+    const int height = impl.header.height;
+    const int step = rows_per_chunk(impl.picture_codec);
+    const std::size_t row_bytes = static_cast<std::size_t>(width) * 12;
+    Image image(width, height);
+    struct Work {
+        Bytes packed, planes;
+        ChunkCodec codec;
+    };
+    tbb::enumerable_thread_specific<Work> workplaces;
+    parallel_for(impl.chunk_offsets[picture_part].size(), [&](std::size_t block) {
+        Work& work = workplaces.local();
+        const int y_begin = static_cast<int>(block) * step;
+        const int y_end = std::min(y_begin + step, height);
+        work.planes.resize(row_bytes * static_cast<std::size_t>(y_end - y_begin));
+        const auto [at, size] = impl.flat_chunk(picture_part, block, y_begin, work.planes.size());
+        work.packed.resize(size);
+        impl.file.read_at(at, work.packed);
+        if (!work.codec.decompress(impl.picture_codec, work.packed, work.planes)) {
+            impl.fail_damaged(y_begin, "its picture does not expand");
+        }
+        for (int y = y_begin; y < y_end; ++y) {
+            const ByteView row =
+                ByteView(work.planes).subspan(static_cast<std::size_t>(y - y_begin) * row_bytes, row_bytes);
+            if (picture_row_checksum(row) != impl.picture_checksums[static_cast<std::size_t>(y)]) {
+                impl.fail_damaged(y, "its picture's checksum does not match");
+            }
+            const std::uint8_t* from = row.data();
+            for (const std::size_t channel : {2U, 1U, 0U}) {  // B, G, R
+                float* to = image.pixel(0, y) + channel;
+                for (int x = 0; x < width; ++x, to += 3, from += sizeof(float)) {
+                    *to = load<float>(from);
+                    if (!std::isfinite(*to))
+                        impl.fail_damaged(y, "its picture has a value that is not finite");
+                }
+            }
+        }
+    });
+    return image;
+}
+
+bool SampleFileReader::is_sample_file(const std::filesystem::path& path) {
+    try {
+        const InputFile file(path);
+        const ExrHeaders headers = read_exr_headers(file, 1);
+        return !headers.parts.empty() && headers.parts.front().get_int(attribute::version_name).has_value();
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+}  // namespace postlens

@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <xxhash.h>
+
+#include "core/error.h"
+#include "records/sample_file_header.h"
+
+namespace postlens {
+namespace {
+
+/// The bytes that the header's checksum is taken of; docs/sample_file.md lists the order.
+class HeaderBytes {
+  public:
+    template <typename T>
+    void number(T value) {
+        const auto* bytes = reinterpret_cast<const char*>(&value);
+        bytes_.append(bytes, sizeof value);
+    }
+    void optional(const std::optional<double>& value) {
+        number<std::uint8_t>(value ? 1 : 0);
+        if (value) number(*value);
+    }
+    void text(const std::string& value) {
+        number(static_cast<std::uint32_t>(value.size()));
+        bytes_ += value;
+    }
+    [[nodiscard]] std::string checksum() const {
+        return fmt::format("{:016x}", XXH3_64bits(bytes_.data(), bytes_.size()));
+    }
+
+  private:
+    std::string bytes_;
+};
+
+}  // namespace
+
+std::string header_checksum(const SampleHeader& h) {
+    HeaderBytes bytes;
+    for (const int v : {h.version, h.width, h.height, h.overscan_px, static_cast<int>(h.projection)})
+        bytes.number(v);
+    for (const double v : {h.film_distance_mm, h.pixel_pitch_mm, h.focal_length_mm}) bytes.number(v);
+    for (const auto& v : {h.f_number, h.focus_m, h.exposure_s}) bytes.optional(v);
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 4; ++row) bytes.number(h.world_from_camera[column][row]);
+    }
+    bytes.number(h.time_s);
+    bytes.number(h.subdivide_levels);
+    bytes.number(h.subdivide_threshold);
+    bytes.number(h.max_depth);
+    bytes.number(h.min_contribution);
+    bytes.text(h.scene_name);
+    bytes.text(h.scene_sha256);
+    bytes.number(static_cast<std::uint32_t>(h.object_names.size()));
+    for (const auto& [id, name] : h.object_names) {
+        bytes.number(id);
+        bytes.text(name);
+    }
+    bytes.number(static_cast<std::uint32_t>(h.moving_ids.size()));
+    for (const std::uint32_t id : h.moving_ids) bytes.number(id);
+    for (const bool v : {h.lights_move, h.has_w, h.has_layers}) bytes.number<std::uint8_t>(v ? 1 : 0);
+    bytes.text(h.motion_json);
+    bytes.optional(h.sufficient.smallest_f_number);
+    bytes.optional(h.sufficient.nearest_focus_m);
+    bytes.optional(h.sufficient.farthest_focus_m);
+    return bytes.checksum();
+}
+
+void check_sample_header(const SampleHeader& h, const std::string& file) {
+    const auto demand = [&](bool ok, const char* what, const auto& got, const char* expected) {
+        if (!ok)
+            fail(ExitCode::invalid_input, "{}: header: bad {} (got {}; expected {})", file, what, got,
+                 expected);
+    };
+    const auto demand_positive = [&](const std::optional<double>& value, const char* what) {
+        if (value) demand(*value > 0, what, *value, "greater than 0");
+    };
+    demand(h.version == SampleHeader::current_version, "format version", h.version, "1");
+    demand(h.width > 0 && h.width <= largest_extent_px, "width", h.width, "1 to 262144");
+    demand(h.height > 0 && h.height <= largest_extent_px, "height", h.height, "1 to 262144");
+    demand(h.overscan_px >= 0 && h.overscan_px <= largest_extent_px, "overscan", h.overscan_px,
+           "0 to 262144");
+    demand(h.subdivide_levels >= 0 && h.subdivide_levels <= 10, "subdivision levels", h.subdivide_levels,
+           "0 to 10");
+    // A float has 24 bits: what the pixel number takes is missing for the place inside the pixel.
+    const int extent = std::max(h.width, h.height) + h.overscan_px + 1;
+    demand(extent <= std::min(largest_extent_px, 1 << (24 - h.subdivide_levels)), "size with overscan",
+           extent, "at most 2^(24 - subdivision levels) and 262144");
+    demand(std::isfinite(h.pixel_pitch_mm) && h.pixel_pitch_mm > 0, "pixel pitch in mm", h.pixel_pitch_mm,
+           "greater than 0");
+    const bool perspective = h.projection == Projection::perspective;
+    demand(
+        std::isfinite(h.film_distance_mm) && (perspective ? h.film_distance_mm > 0 : h.film_distance_mm >= 0),
+        "film distance in mm", h.film_distance_mm, "greater than 0");
+    demand(std::isfinite(h.focal_length_mm) && h.focal_length_mm >= 0, "focal length in mm",
+           h.focal_length_mm, "0 or more");
+    demand_positive(h.f_number, "f-number");
+    demand_positive(h.focus_m, "focus distance in m");
+    demand_positive(h.sufficient.smallest_f_number, "smallest sufficient f-number");
+    demand_positive(h.sufficient.nearest_focus_m, "nearest sufficient focus distance in m");
+    demand_positive(h.sufficient.farthest_focus_m, "farthest sufficient focus distance in m");
+    if (h.exposure_s) {
+        demand(std::isfinite(*h.exposure_s) && *h.exposure_s >= 0, "exposure in s", *h.exposure_s,
+               "0 or more");
+    }
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 4; ++row) {
+            const double v = h.world_from_camera[column][row];
+            demand(std::isfinite(v), "camera matrix", v, "finite numbers");
+        }
+    }
+    const double determinant = glm::determinant(h.world_from_camera);
+    demand(std::isfinite(determinant) && determinant != 0, "camera matrix", "a singular one",
+           "one to invert");
+    demand(std::isfinite(h.time_s), "frame time in s", h.time_s, "a finite number");
+    demand(std::isfinite(h.subdivide_threshold) && h.subdivide_threshold >= 0, "subdivision threshold",
+           h.subdivide_threshold, "0 or more");
+    demand(h.max_depth >= 0 && h.max_depth <= NodePath::max_bounces + 1, "depth of the shading tree",
+           h.max_depth, "0 to 17");
+    demand(std::isfinite(h.min_contribution) && h.min_contribution >= 0, "smallest contribution",
+           h.min_contribution, "0 or more");
+    demand(!h.object_names.contains(0), "object name", "one for id 0", "none, as 0 is nothing");
+    demand(h.motion_json.empty() || nlohmann::json::accept(h.motion_json), "motion", "other text", "JSON");
+}
+
+}  // namespace postlens

@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Fails, and says where, when a C++ file of the project is not formatted as .clang-format says.
+#
+#   scripts/check_format.sh [--fix]
+#
+#   --fix  format the files instead
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+case ${1:-} in
+    '') mode=(--dry-run -Werror) ;;
+    --fix) mode=(-i) ;;
+    *) echo "check_format.sh: unknown argument (got $1; expected --fix)" >&2 && exit 2 ;;
+esac
+mapfile -d '' files < <(git ls-files -z --cached --others --exclude-standard -- '*.h' '*.cpp')
+if ((${#files[@]} == 0)); then
+    echo "check_format.sh: found no C++ files" >&2
+    exit 1
+fi
+clang-format "${mode[@]}" -- "${files[@]}"
+echo "format: ${#files[@]} files"

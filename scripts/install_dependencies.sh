@@ -1,0 +1,90 @@
+#!/usr/bin/env bash
+# Installs the Debian 12 packages that postlens is built and checked with, those of them that are missing.
+# A machine that has them needs neither a network nor root.
+#
+#   scripts/install_dependencies.sh [--for build|checks] [--list]
+#
+#   --for build   what building, running and testing need
+#   --for checks  that and the tools of scripts/test.sh's checks (default)
+#   --list        print the packages and install nothing
+set -euo pipefail
+
+# cmake/postlens_dependencies.cmake asks for these libraries; scripts/check_dependencies.sh holds the two together.
+build_packages=(
+    cmake g++ ninja-build pkg-config ccache
+    libembree-dev libtbb-dev libglm-dev libfmt-dev
+    libopenexr-dev libimath-dev
+    # The CMake package of libopenimageio-dev refuses to load unless the programs of openimageio-tools are there.
+    libopenimageio-dev openimageio-tools
+    libopencv-dev
+    libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
+    libxxhash-dev libdeflate-dev libssl-dev
+    libgtest-dev libgmock-dev libbenchmark-dev
+)
+check_packages=(git clang-format clang-tidy)
+
+purpose=checks
+list_only=false
+while (($# > 0)); do
+    case $1 in
+        --for) purpose=${2:-} && shift ;;
+        --list) list_only=true ;;
+        -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0" && exit 0 ;;
+        *) echo "install_dependencies.sh: unknown argument (got $1; expected --for or --list)" >&2 && exit 2 ;;
+    esac
+    shift || true
+done
+case $purpose in
+    build) packages=("${build_packages[@]}") ;;
+    checks) packages=("${build_packages[@]}" "${check_packages[@]}") ;;
+    *) echo "install_dependencies.sh: unknown purpose (got '$purpose'; expected build or checks)" >&2 && exit 2 ;;
+esac
+if $list_only; then
+    printf '%s\n' "${packages[@]}"
+    exit 0
+fi
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    echo "install_dependencies.sh: this is no Debian system, nothing was installed; needed are what Debian 12 calls:" >&2
+    echo "  ${packages[*]}" >&2
+    exit 0
+fi
+
+installed=$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null || true)
+missing=()
+for package in "${packages[@]}"; do
+    grep -qx "$package installed" <<<"$installed" || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then
+    exit 0
+fi
+
+as_root=()
+if ((EUID != 0)); then
+    if ! command -v sudo >/dev/null; then
+        echo "install_dependencies.sh: missing packages, and neither root nor sudo to install them. As root, run:" >&2
+        echo "  apt-get install --no-install-recommends ${missing[*]}" >&2
+        exit 1
+    fi
+    as_root=(sudo)
+fi
+apt_get() {
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3 "$@" \
+        </dev/null
+}
+install_missing() {
+    apt_get install -y --no-install-recommends "${missing[@]}"
+}
+
+echo "Installing ${missing[*]}"
+# The package lists are fetched where a package is in none of them, and where they name files that the servers
+# no longer hold.
+lists_know_all=true
+for package in "${missing[@]}"; do
+    apt-cache show --no-all-versions "$package" >/dev/null 2>&1 || lists_know_all=false
+done
+if $lists_know_all && install_missing; then
+    exit 0
+fi
+apt_get update
+install_missing

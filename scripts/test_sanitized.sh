@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Builds with a sanitizer and runs the tests with it; a finding fails the test that it is in.
+#
+#   scripts/test_sanitized.sh asan|tsan [CTEST_OPTION...]
+#
+#   asan          AddressSanitizer and UndefinedBehaviorSanitizer
+#   tsan          ThreadSanitizer
+#   CTEST_OPTION  such as -R NAME, to run some of the tests
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+preset=${1:-}
+case $preset in
+    asan | tsan) shift ;;
+    *) echo "test_sanitized.sh: unknown sanitizer (got '$preset'; expected asan or tsan)" >&2 && exit 2 ;;
+esac
+scripts/build.sh --for checks "$preset"
+export ASAN_OPTIONS=strict_string_checks=1:detect_stack_use_after_return=1
+export UBSAN_OPTIONS=print_stacktrace=1
+ctest --test-dir "build/$preset" --parallel "$(nproc)" --output-on-failure --no-tests=error "$@"

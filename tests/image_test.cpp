@@ -1,0 +1,179 @@
+#include "records/image.h"
+
+#include <OpenImageIO/imageio.h>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <limits>
+#include <string>
+#include <sys/resource.h>
+
+#include "core/error.h"
+#include "tests/temporary_folder.h"
+
+namespace postlens {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+Image ramp(int width, int height) {
+    Image image(width, height);
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            float* p = image.pixel(x, y);
+            p[0] = static_cast<float>(x) / static_cast<float>(width - 1);
+            p[1] = static_cast<float>(y) / static_cast<float>(height - 1);
+            p[2] = 0.3F;
+        }
+    }
+    return image;
+}
+
+/// The exit code and text of what `body` throws.
+template <typename Body>
+std::pair<ExitCode, std::string> error_of(const Body& body) {
+    try {
+        body();
+    } catch (const Error& e) {
+        return {e.code(), e.what()};
+    }
+    return {ExitCode::ok, ""};
+}
+
+TEST(Image, ExrKeepsEveryBit) {
+    const TemporaryFolder folder;
+    Image image = ramp(37, 11);
+    image.pixel(3, 4)[0] = -1.5F;
+    image.pixel(5, 4)[1] = 60000.25F;
+    image.pixel(6, 4)[2] = 1e-30F;
+    write_image(folder.path() / "a.exr", image);
+    const Image back = read_image(folder.path() / "a.exr");
+    EXPECT_EQ(back.width, 37);
+    EXPECT_EQ(back.height, 11);
+    EXPECT_EQ(back.rgb, image.rgb);
+    EXPECT_EQ(folder.file_count(), 1U);
+}
+
+TEST(Image, ExrHasAnOpaqueAlpha) {
+    const TemporaryFolder folder;
+    write_image(folder.path() / "a.exr", ramp(4, 4));
+    const auto in = OIIO::ImageInput::open((folder.path() / "a.exr").string());
+    ASSERT_TRUE(in);
+    EXPECT_EQ(in->spec().nchannels, 4);
+    EXPECT_EQ(in->spec().alpha_channel, 3);
+    std::vector<float> rgba(4 * 4 * 4);
+    ASSERT_TRUE(in->read_image(0, 0, 0, 4, OIIO::TypeDesc::FLOAT, rgba.data()));
+    for (std::size_t i = 3; i < rgba.size(); i += 4) EXPECT_EQ(rgba[i], 1.0F);
+}
+
+double encode_srgb(double v) {
+    return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
+}
+
+/// Largest difference after the transfer curve, which is where an integer format rounds.
+double encoded_error(const Image& a, const Image& b) {
+    double worst = 0;
+    for (std::size_t i = 0; i < a.rgb.size(); ++i) {
+        const double x = std::clamp(static_cast<double>(a.rgb[i]), 0.0, 1.0);
+        worst = std::max(worst, std::abs(encode_srgb(x) - encode_srgb(static_cast<double>(b.rgb[i]))));
+    }
+    return worst;
+}
+
+TEST(Image, IntegerFormatsUseTheSrgbCurveAndRoundToTheNearestStep) {
+    const TemporaryFolder folder;
+    const Image image = ramp(64, 64);
+    const auto round_trip = [&](const char* name) {
+        write_image(folder.path() / name, image);
+        return encoded_error(image, read_image(folder.path() / name));
+    };
+    EXPECT_LE(round_trip("a.png"), 0.5 / 255 + 1e-6);
+    EXPECT_LE(round_trip("a.tif"), 0.5 / 65535 + 1e-6);
+    EXPECT_LE(round_trip("a.PNG"), 0.5 / 255 + 1e-6);
+    EXPECT_LE(round_trip("a.jpg"), 0.1);  // lossy: quality 95, colour at half resolution
+}
+
+TEST(Image, PngHoldsTheExpectedBytes) {
+    const TemporaryFolder folder;
+    Image image(5, 1);
+    const std::array<float, 5> values{0.0F, 0.5F, 1.0F, 7.0F, -3.0F};
+    for (int x = 0; x < 5; ++x) image.pixel(x, 0)[0] = values[static_cast<std::size_t>(x)];
+    image.pixel(0, 0)[1] = std::numeric_limits<float>::quiet_NaN();
+    write_image(folder.path() / "a.png", image);
+    const auto in = OIIO::ImageInput::open((folder.path() / "a.png").string());
+    ASSERT_TRUE(in);
+    std::array<std::uint8_t, 15> bytes{};
+    ASSERT_TRUE(in->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, bytes.data()));
+    EXPECT_EQ(bytes[0], 0);
+    EXPECT_EQ(bytes[1], 0);    // NaN
+    EXPECT_EQ(bytes[3], 188);  // 0.5 linear
+    EXPECT_EQ(bytes[6], 255);
+    EXPECT_EQ(bytes[9], 255);
+    EXPECT_EQ(bytes[12], 0);
+}
+
+TEST(Image, GreyBecomesRgb) {
+    const TemporaryFolder folder;
+    const std::string name = (folder.path() / "grey.exr").string();
+    const auto out = OIIO::ImageOutput::create(name);
+    ASSERT_TRUE(out);
+    const std::array<float, 3> grey{0.25F, 2.0F, -1.0F};
+    ASSERT_TRUE(out->open(name, OIIO::ImageSpec(3, 1, 1, OIIO::TypeDesc::FLOAT)));
+    ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, grey.data()) && out->close());
+    const Image image = read_image(name);
+    EXPECT_EQ(image.rgb, (std::vector<float>{0.25F, 0.25F, 0.25F, 2, 2, 2, -1, -1, -1}));
+}
+
+TEST(Image, UnknownEndingsAreWrongArguments) {
+    const TemporaryFolder folder;
+    for (const char* name : {"a.bmp", "a", "a.exr.gz"}) {
+        EXPECT_EQ(error_of([&] { check_image_path(folder.path() / name); }).first, ExitCode::wrong_arguments);
+        EXPECT_EQ(error_of([&] { write_image(folder.path() / name, Image(2, 2)); }).first,
+                  ExitCode::wrong_arguments);
+    }
+    EXPECT_EQ(folder.file_count(), 0U);
+}
+
+TEST(Image, WritingWhereNothingCanBeWrittenSaysSo) {
+    const TemporaryFolder folder;
+    fs::create_directory(folder.path() / "folder.exr");
+    for (const fs::path& path : {folder.path() / "missing" / "a.exr", folder.path() / "folder.exr",
+                                 fs::path("/proc/postlens_cannot_write.exr")}) {
+        const auto [code, text] = error_of([&] { write_image(path, Image(2, 2)); });
+        EXPECT_EQ(code, ExitCode::cannot_write);
+        EXPECT_EQ(text.rfind(path.string(), 0), 0U) << text;
+        EXPECT_EQ(text.find('\n'), std::string::npos);
+    }
+}
+
+TEST(Image, AFullDiskIsAnErrorAndLeavesNothing) {
+    const TemporaryFolder folder;
+    Image noise(200, 200);
+    std::uint32_t state = 1;
+    for (float& v : noise.rgb) v = static_cast<float>(state = state * 1664525U + 1013904223U) / 4e9F;
+    for (const char* name : {"a.exr", "a.png", "a.tif", "a.jpg"}) {
+        const auto [code, text] = error_of([&] {
+            const test::FileSizeLimit limit(4096);
+            write_image(folder.path() / name, noise);
+        });
+        EXPECT_EQ(code, ExitCode::cannot_write) << name;
+        EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+    }
+    EXPECT_EQ(folder.file_count(), 0U);
+}
+
+TEST(Image, UnreadableFilesAreInvalidInput) {
+    const TemporaryFolder folder;
+    std::ofstream(folder.path() / "text.exr") << "not a picture";
+    std::ofstream(folder.path() / "empty.png");
+    for (const char* name : {"text.exr", "empty.png", "missing.exr", "."}) {
+        const auto [code, text] = error_of([&] { (void)read_image(folder.path() / name); });
+        EXPECT_EQ(code, ExitCode::invalid_input) << name;
+        EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+    }
+}
+
+}  // namespace
+}  // namespace postlens

@@ -1,0 +1,89 @@
+#include "tracer/file_digest.h"
+
+#include <array>
+#include <cerrno>
+#include <fmt/format.h>
+#include <fstream>
+#include <new>
+#include <openssl/evp.h>
+#include <system_error>
+#include <vector>
+
+#include "core/error.h"
+
+namespace postlens {
+
+struct Sha256::Impl {
+    EVP_MD_CTX* context = nullptr;
+    ~Impl() { EVP_MD_CTX_free(context); }
+};
+
+Sha256::Sha256() : impl_(std::make_unique<Impl>()) {
+    impl_->context = EVP_MD_CTX_new();
+    if (impl_->context == nullptr || EVP_DigestInit_ex(impl_->context, EVP_sha256(), nullptr) != 1) {
+        throw std::bad_alloc();
+    }
+}
+
+Sha256::~Sha256() = default;
+
+void Sha256::add(std::string_view bytes) {
+    if (EVP_DigestUpdate(impl_->context, bytes.data(), bytes.size()) != 1) throw std::bad_alloc();
+}
+
+std::string Sha256::hex() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned int length = 0;
+    if (EVP_DigestFinal_ex(impl_->context, digest.data(), &length) != 1) throw std::bad_alloc();
+    std::string text;
+    for (unsigned int i = 0; i < length; ++i) text += fmt::format("{:02x}", digest[i]);
+    return text;
+}
+
+std::uintmax_t check_regular_file(const std::filesystem::path& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (!std::filesystem::exists(status)) {
+        fail(ExitCode::invalid_input, "{}: cannot be read: {}", path.string(),
+             error && error.value() != ENOENT ? error.message() : "no such file");
+    }
+    if (std::filesystem::is_directory(status)) {
+        fail(ExitCode::invalid_input, "{}: cannot be read (got a folder; expected a file)", path.string());
+    }
+    if (!std::filesystem::is_regular_file(status)) {
+        fail(ExitCode::invalid_input, "{}: cannot be read (got a device or pipe; expected a file)",
+             path.string());
+    }
+    const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+    if (error) fail(ExitCode::invalid_input, "{}: cannot be read: {}", path.string(), error.message());
+    return bytes;
+}
+
+std::string read_text_file(const std::filesystem::path& path, std::uintmax_t largest_bytes) {
+    const std::uintmax_t bytes = check_regular_file(path);
+    if (bytes > largest_bytes) {
+        fail(ExitCode::invalid_input, "{}: too large (got {} bytes; expected at most {})", path.string(),
+             bytes, largest_bytes);
+    }
+    std::ifstream file(path, std::ios::binary);
+    std::string text(static_cast<std::size_t>(bytes), '\0');
+    if (!file || !file.read(text.data(), static_cast<std::streamsize>(bytes))) {
+        fail(ExitCode::invalid_input, "{}: cannot be read", path.string());
+    }
+    return text;
+}
+
+std::string sha256_of_file(const std::filesystem::path& path) {
+    check_regular_file(path);
+    std::ifstream file(path, std::ios::binary);
+    if (!file) fail(ExitCode::invalid_input, "{}: cannot be read", path.string());
+    Sha256 digest;
+    std::vector<char> chunk(std::size_t{1} << 20);
+    while (file.read(chunk.data(), static_cast<std::streamsize>(chunk.size())) || file.gcount() > 0) {
+        digest.add({chunk.data(), static_cast<std::size_t>(file.gcount())});
+    }
+    if (file.bad()) fail(ExitCode::invalid_input, "{}: cannot be read", path.string());
+    return digest.hex();
+}
+
+}  // namespace postlens

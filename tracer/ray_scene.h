@@ -1,0 +1,102 @@
+// A scene at one instant, ready for rays: Embree finds what is hit, in float; the hit itself is then solved again in
+// double, so that normals, mirrors and ray differentials are exact at any scale.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "tracer/scene.h"
+
+namespace postlens {
+
+/// Which primitive was hit. A ray that starts on a surface carries it, so that it does not hit the same point again.
+struct HitKey {
+    static constexpr std::uint32_t none = 0xFFFFFFFFU;
+    std::uint32_t geometry = none, primitive = none, instance = none;
+    friend constexpr bool operator==(const HitKey&, const HitKey&) = default;
+    [[nodiscard]] bool valid() const { return geometry != none; }
+};
+
+/// A batch of rays, structure of arrays, in groups of 16 that should lie close together.
+class RayBatch {
+  public:
+    static constexpr int group = 16;
+    int count = 0;  ///< rays in use
+    std::vector<float> ox, oy, oz, dx, dy, dz, t_far;
+    bool has_sources = false;    ///< false: no ray of the batch leaves a surface
+    std::vector<HitKey> source;  ///< the surface each ray leaves
+    // Results.
+    std::vector<HitKey> hit;  ///< geometry == none: nothing hit
+    std::vector<float> t;     ///< in units of the direction's length
+    // Results of `occlude`: what share of the light passes, per channel.
+    std::vector<glm::dvec3> transmittance;
+
+    void clear(bool with_sources) {
+        count = 0;
+        has_sources = with_sources;
+    }
+    void add(const glm::dvec3& o, const glm::dvec3& d, float far, const HitKey& from = {}) {
+        const auto i = static_cast<std::size_t>(count);
+        if (i == ox.size()) grow();
+        ox[i] = static_cast<float>(o.x);
+        oy[i] = static_cast<float>(o.y);
+        oz[i] = static_cast<float>(o.z);
+        dx[i] = static_cast<float>(d.x);
+        dy[i] = static_cast<float>(d.y);
+        dz[i] = static_cast<float>(d.z);
+        t_far[i] = far;
+        source[i] = from;
+        ++count;
+    }
+
+  private:
+    void grow();
+};
+
+/// The surface at a hit, in world space.
+struct SurfacePoint {
+    double t = 0;  ///< distance along the (unit) ray, m
+    glm::dvec3 position{0};
+    glm::dvec3 geometric_normal{0, 0, 1};  ///< unit, outward
+    glm::dvec3 normal{0, 0, 1};            ///< unit, outward; interpolated on smooth meshes
+    glm::dmat3 shape_operator{0};          ///< d(normal) = shape_operator * d(position), 1/m
+    glm::dvec3 object_position{0};         ///< in the object's own space, for textures
+    glm::dvec2 uv{0};
+    std::uint32_t object = 0;  ///< index into Scene::objects
+};
+
+class RayScene {
+  public:
+    /// Keeps a reference to `scene`. Throws Error(interrupted) when the user interrupts the build.
+    RayScene(const Scene& scene, double time_s);
+    ~RayScene();
+    RayScene(const RayScene&) = delete;
+    RayScene& operator=(const RayScene&) = delete;
+    RayScene(RayScene&&) = delete;
+    RayScene& operator=(RayScene&&) = delete;
+
+    /// Nearest hit of every ray. `coherent`: the rays of a group run nearly side by side.
+    void intersect(RayBatch& rays, bool coherent) const;
+    /// What share of light passes each ray's segment: opaque surfaces stop it, transmitting ones colour it once per
+    /// crossing (Whitted's straight shadow rays).
+    void occlude(RayBatch& rays) const;
+    /// The hit solved in double for the ray o + t d, |d| = 1, near the t that `intersect` found.
+    [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t) const;
+    /// How far to move a ray's origin off a surface at `p`, m: above float's rounding there, far below all else.
+    [[nodiscard]] static double offset(const glm::dvec3& p);
+
+    [[nodiscard]] const Scene& scene() const;
+    /// The instant that this is the scene of.
+    [[nodiscard]] double time_s() const;
+    /// Embree's own handle, for benchmarks that compare with a bare loop (RTCScene).
+    [[nodiscard]] void* native_handle() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace postlens

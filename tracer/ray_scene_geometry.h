@@ -1,0 +1,92 @@
+// What Embree's callbacks see: the sets of analytic shapes, and what travels with a batch of rays. Only ray_scene*.cpp
+// and analytic_packets.cpp include this.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "tracer/analytic_shape.h"
+#include "tracer/ray_scene.h"
+
+namespace postlens {
+
+/// How an object treats light that is on its way to a surface. Transmission is kept as -log2 in fixed point: sums of
+/// integers are the same in any order, and Embree promises none.
+struct ObjectShadow {
+    bool casts = true;
+    bool transmits = false;
+    std::array<std::int64_t, 3> log_transmission{};
+};
+inline constexpr std::int64_t log_opaque = std::int64_t{1} << 50;
+[[nodiscard]] std::int64_t fixed_log(double transmission);
+[[nodiscard]] double from_fixed_log(std::int64_t sum);
+
+/// Travels with every ray query. `base` must stay first: Embree hands its address to the callbacks.
+struct RayContext {
+    RTCIntersectContext base{};
+    const HitKey* sources = nullptr;  ///< by ray id; null: no ray leaves a surface
+    const ObjectShadow* shadows = nullptr;                  ///< by object
+    const std::uint32_t* object_of_geometry = nullptr;      ///< by geometry id of the top scene; meshes, instances
+    std::array<std::int64_t, 3>* log_transmission = nullptr;  ///< by ray id; sums
+};
+
+/// Spheres that a similarity placed: structure of arrays for packets of rays.
+struct SphereSet {
+    std::vector<glm::vec3> centre;
+    std::vector<float> radius;
+    std::vector<glm::dvec3> exact_centre;
+    std::vector<double> exact_radius;
+    std::vector<std::uint32_t> object;
+
+    void add(const glm::dvec3& c, double r, std::uint32_t of) {
+        centre.emplace_back(c);
+        radius.push_back(static_cast<float>(r));
+        exact_centre.push_back(c);
+        exact_radius.push_back(r);
+        object.push_back(of);
+    }
+};
+
+/// Every other analytic shape, each behind an affine map.
+struct AnalyticSet {
+    struct Item {
+        AnalyticShape shape;
+        glm::dmat4 local_from_world{1};
+        glm::dmat4 object_from_local{1};
+        std::uint32_t object = 0;
+        // The same map for float rays: local = linear * (p - pivot) + shift, so that far from the origin the
+        // difference is taken before the rounding matters.
+        glm::mat3 linear{1};
+        glm::vec3 pivot{0}, shift{0};
+    };
+    std::vector<Item> items;
+    std::vector<glm::vec3> lower, upper;  ///< world bounds
+};
+
+/// Creates the user geometries with their callbacks; the sets must outlive them.
+[[nodiscard]] RTCGeometry sphere_geometry(RTCDevice device, SphereSet& set);
+[[nodiscard]] RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set);
+
+/// Filters for triangles: leave out the ray's own source; let light through what transmits or casts no shadow.
+void filter_source(const RTCFilterFunctionNArguments* args);
+void filter_shadow(const RTCFilterFunctionNArguments* args);
+
+/// One crossing of light with an object: true where it stops there.
+[[nodiscard]] inline bool stops_light(const RayContext& context, std::uint32_t object, unsigned ray_id, int crossed) {
+    const ObjectShadow& s = context.shadows[object];
+    if (!s.casts) return false;
+    if (!s.transmits) return true;
+    auto& sum = context.log_transmission[ray_id];
+    bool dark = true;
+    for (std::size_t c = 0; c < 3; ++c) {
+        sum[c] = std::min(sum[c] + crossed * s.log_transmission[c], log_opaque);
+        dark = dark && sum[c] >= log_opaque;
+    }
+    return dark;
+}
+
+}  // namespace postlens

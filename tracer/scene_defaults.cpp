@@ -1,0 +1,93 @@
+#include "tracer/scene_defaults.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "tracer/scene_text.h"
+#include "tracer/shape_bounds.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec3;
+
+// The box around all finite objects at rest; empty where there are only planes.
+Bounds finite_bounds(const Scene& scene, const std::filesystem::path& path) {
+    Bounds all;
+    for (const Object& object : scene.objects) {
+        if (std::holds_alternative<Plane>(object.shape)) continue;
+        const Bounds box = shape_bounds(object.shape, object.world_from_object);
+        const dvec3 reach = glm::max(glm::abs(box.min), glm::abs(box.max));
+        if (!(std::max({reach.x, reach.y, reach.z}) <= largest_length_m)) {
+            fail(ExitCode::invalid_input,
+                 "{}: object '{}' reaches too far (expected at most {} m from the origin)", path.string(),
+                 object.name, largest_length_m);
+        }
+        all.add(box);
+    }
+    return all;
+}
+
+Camera framing_camera(const Bounds& box) {
+    Camera camera;
+    camera.name = "made camera";
+    camera.focal_length_mm = 50;
+    dvec3 centre(0);
+    double radius = 1;
+    if (!box.empty()) {
+        centre = 0.5 * (box.min + box.max);
+        radius = std::max(0.5 * glm::length(box.max - box.min), smallest_extent_m);
+    }
+    // The sphere around the box fits the narrower side of the film.
+    const double film_height_mm = camera.film_width_mm * camera.height / camera.width;
+    const double half_angle = std::atan(0.5 * film_height_mm / *camera.focal_length_mm);
+    // From the right and above: a floor is not seen edge-on, and the front faces get different light.
+    const dvec3 from = glm::normalize(dvec3(0.3, 0.4, 1));
+    camera.position = centre + radius / std::sin(half_angle) * from;
+    camera.look_at = centre;
+    return camera;
+}
+
+Light eye_light(const Camera& camera, double time_s, double intensity) {
+    const glm::dmat4 moved = transform_at(camera.keys, time_s);
+    Light light;
+    light.name = "made light";
+    light.intensity = dvec3(intensity);
+    light.position = dvec3(moved * glm::dvec4(camera.position, 1));
+    light.direction = glm::normalize(glm::dmat3(moved) * (camera.look_at - camera.position));
+    if (camera.projection == Camera::Projection::orthographic) light.kind = Light::Kind::directional;
+    return light;
+}
+
+}  // namespace
+
+bool answers_to_lights(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
+        return m.diffuse + m.diffuse_transmission + m.specular != dvec3(0);
+    });
+}
+
+void complete_scene(Scene& scene, const std::filesystem::path& path, bool wants_light,
+                    double light_intensity) {
+    if (scene.objects.empty()) {
+        fail(ExitCode::invalid_input,
+             "{}: the scene has no objects (expected at least one that is not hidden)", path.string());
+    }
+    const Bounds box = finite_bounds(scene, path);
+    if (scene.cameras.empty()) {
+        const Camera camera = framing_camera(box);
+        scene.notes.push_back(fmt::format(
+            "no camera in the scene: made one of 50 mm at ({:.4g}, {:.4g}, {:.4g}) m that frames everything",
+            camera.position.x, camera.position.y, camera.position.z));
+        scene.cameras.push_back(camera);
+    }
+    if (scene.lights.empty() && wants_light) {
+        scene.lights.push_back(eye_light(scene.cameras.front(), scene.time_s, light_intensity));
+        scene.notes.push_back(
+            fmt::format("no light in the scene: made one of intensity {:.4g} at the eye", light_intensity));
+    }
+}
+
+}  // namespace postlens

@@ -1,0 +1,78 @@
+#include "tracer/scene_text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <limits>
+#include <system_error>
+#include <vector>
+
+namespace postlens {
+namespace {
+
+// Optimal string alignment: edit distance with swaps of neighbouring letters.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::array<std::vector<std::size_t>, 3> rows;
+    for (auto& row : rows) row.resize(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) rows[0][j] = j;
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        auto& row = rows[i % 3];
+        const auto& above = rows[(i + 2) % 3];
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            row[j] =
+                std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (a[i - 1] == b[j - 1] ? 0U : 1U)});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+                row[j] = std::min(row[j], rows[(i + 1) % 3][j - 2] + 1);
+            }
+        }
+    }
+    return rows[a.size() % 3][b.size()];
+}
+
+}  // namespace
+
+std::optional<double> parse_number(std::string_view text) {
+    if (text.starts_with('+')) {
+        text.remove_prefix(1);
+        if (text.starts_with('-') || text.starts_with('+')) return std::nullopt;
+    }
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc::invalid_argument || end != text.data() + text.size()) return std::nullopt;
+    if (error == std::errc::result_out_of_range) {
+        // Too small counts as zero, too large as infinite; from_chars leaves the value as it was for both.
+        const std::size_t e = text.find_first_of("eE");
+        const bool tiny = e != std::string_view::npos && text.substr(e + 1).starts_with('-');
+        return tiny ? 0.0 : std::numeric_limits<double>::infinity();
+    }
+    return value;
+}
+
+std::string excerpt(std::string_view text) {
+    constexpr std::size_t longest = 40;
+    std::string out = "'";
+    for (const char c : text.substr(0, longest)) {
+        const auto byte = static_cast<unsigned char>(c);
+        out += byte < 0x20 || byte >= 0x7F ? '?' : c;
+    }
+    if (text.size() > longest) out += "...";
+    return out + "'";
+}
+
+std::string_view nearest_word(std::string_view word, std::span<const std::string_view> candidates) {
+    std::string_view best;
+    std::size_t best_distance = std::numeric_limits<std::size_t>::max();
+    for (const std::string_view candidate : candidates) {
+        // A word longer than any key cannot be near; cut it so that a hostile one costs nothing.
+        const std::size_t distance = edit_distance(word.substr(0, 256), candidate.substr(0, 256));
+        if (distance < best_distance) {
+            best_distance = distance;
+            best = candidate;
+        }
+    }
+    return best;
+}
+
+}  // namespace postlens

@@ -1,0 +1,30 @@
+// Text in scene files: numbers without regard to the locale, and excerpts that are safe to show.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace postlens {
+
+/// Largest length that a scene may hold, m: squares of it and their products stay far inside float's range.
+inline constexpr double largest_length_m = 1e12;
+/// Smallest extent of a shape, m.
+inline constexpr double smallest_extent_m = 1e-12;
+/// Largest colour, intensity or coefficient that a scene may hold.
+inline constexpr double largest_colour = 1e12;
+
+/// The whole of `text` as a decimal number ("1", "-.5", "+2e-3"); infinite or NaN where it says so or
+/// overflows. Empty where it is not a number.
+[[nodiscard]] std::optional<double> parse_number(std::string_view text);
+
+/// At most 40 characters of text from a file, unprintable ones replaced, in single quotes.
+[[nodiscard]] std::string excerpt(std::string_view text);
+
+/// The candidate with the fewest insertions, deletions, replacements and swaps of neighbours to `word`; the
+/// first of equals. Empty where there are no candidates.
+[[nodiscard]] std::string_view nearest_word(std::string_view word,
+                                            std::span<const std::string_view> candidates);
+
+}  // namespace postlens

@@ -1,0 +1,30 @@
+// Boxes around shapes.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <limits>
+
+#include "tracer/scene.h"
+
+namespace postlens {
+
+struct Bounds {
+    glm::dvec3 min{std::numeric_limits<double>::infinity()};
+    glm::dvec3 max{-std::numeric_limits<double>::infinity()};
+
+    [[nodiscard]] bool empty() const { return !(min.x <= max.x && min.y <= max.y && min.z <= max.z); }
+    void add(const glm::dvec3& p) {
+        min = glm::min(min, p);
+        max = glm::max(max, p);
+    }
+    void add(const Bounds& other) {
+        min = glm::min(min, other.min);
+        max = glm::max(max, other.max);
+    }
+};
+
+/// Axis-aligned box around the shape in the world, m; tight but for a turned mesh's rounding. A plane's box
+/// is infinite on all axes, an empty mesh's is empty.
+[[nodiscard]] Bounds shape_bounds(const Shape& shape, const glm::dmat4& world_from_object);
+
+}  // namespace postlens

@@ -1,0 +1,92 @@
+#include "tracer/texture.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+namespace postlens {
+namespace {
+
+glm::dvec3 checker_colour(const Checker& checker, const glm::dvec3& p) {
+    double sum = 0;
+    for (int axis = 0; axis < checker.dimensions; ++axis) {
+        sum += checker_cell(p[axis], checker.offset[axis], checker.size[axis]);
+    }
+    return sum - 2 * std::floor(sum / 2) == 0 ? checker.even : checker.odd;
+}
+
+glm::dvec3 texel(const ImageTexture& image, int column, int row) {
+    const std::size_t at = 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
+                                static_cast<std::size_t>(column));
+    return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
+}
+
+// Share of a tile in [0, 1]; the comparison also catches NaN.
+double tile_share(double c) {
+    const double share = c - std::floor(c);
+    return share >= 0 ? std::min(share, 1.0) : 0.0;
+}
+
+int wrapped(int i, int count, bool wrap) {
+    if (!wrap) return std::clamp(i, 0, count - 1);
+    return i < 0 ? i + count : i >= count ? i - count : i;
+}
+
+glm::dvec3 image_colour(const ImageTexture& image, const glm::dvec2& uv) {
+    const bool wrap_v = image.repeat.y != 1;
+    const double u = tile_share(uv.x * image.repeat.x);
+    const double v = wrap_v ? tile_share(uv.y * image.repeat.y) : uv.y >= 0 ? std::min(uv.y, 1.0) : 0.0;
+    const double x = u * image.width, y = (1 - v) * image.height;
+    if (image.nearest) {
+        return texel(image, std::min(static_cast<int>(x), image.width - 1),
+                     std::min(static_cast<int>(y), image.height - 1));
+    }
+    // Texel centres lie at halves.
+    const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
+    const double a = x - 0.5 - left, b = y - 0.5 - top;
+    const int column = static_cast<int>(left), row = static_cast<int>(top);
+    const int c0 = wrapped(column, image.width, true), c1 = wrapped(column + 1, image.width, true);
+    const int r0 = wrapped(row, image.height, wrap_v), r1 = wrapped(row + 1, image.height, wrap_v);
+    return glm::mix(glm::mix(texel(image, c0, r0), texel(image, c1, r0), a),
+                    glm::mix(texel(image, c0, r1), texel(image, c1, r1), a), b);
+}
+
+}  // namespace
+
+double checker_cell(double c, double offset, double size) {
+    if (std::isinf(size)) return 0;
+    const double d = c - offset;
+    const double quotient = d / size;
+    const double cell = std::floor(quotient);
+    // Rounding can carry the quotient over a border only from very near it; there the remainder decides. Its
+    // sign is exact: fma rounds once, and what the subtraction lost comes back as `lost` (Knuth's two-sum).
+    const double border = std::round(quotient);
+    if (std::abs(quotient - border) > 1e-9 * std::max(1.0, std::abs(quotient))) return cell;
+    const double part = d - c;
+    const double lost = (c - (d - part)) - (offset + part);
+    const double remainder = std::fma(-border, size, d);
+    const bool below = remainder == 0 ? lost < 0 : remainder + lost < 0;
+    return below ? border - 1 : border;
+}
+
+Texture::Texture(Checker checker) : checker_(checker) {
+    assert(checker.dimensions == 2 || checker.dimensions == 3);
+    for (int channel = 0; channel < 3; ++channel) {
+        maximum_ = std::max({maximum_, checker.even[channel], checker.odd[channel]});
+    }
+}
+
+Texture::Texture(ImageTexture image) : is_image_(true), image_(std::move(image)) {
+    assert(image_.width > 0 && image_.height > 0);
+    assert(image_.rgb.size() ==
+           3 * static_cast<std::size_t>(image_.width) * static_cast<std::size_t>(image_.height));
+    for (const float value : image_.rgb) maximum_ = std::max(maximum_, static_cast<double>(value));
+}
+
+glm::dvec3 Texture::colour(const glm::dvec3& object, const glm::dvec2& uv) const {
+    if (is_image_) return image_colour(image_, uv);
+    return checker_colour(checker_, checker_.dimensions == 3 ? object : glm::dvec3(uv, 0));
+}
+
+}  // namespace postlens

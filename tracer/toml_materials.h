@@ -1,0 +1,34 @@
+// The [[texture]] and [[material]] tables of a .toml scene.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tracer/scene.h"
+#include "tracer/toml_reader.h"
+
+namespace postlens {
+
+/// A file that a scene refers to: as the scene writes it, and where it is.
+struct ReferredFile {
+    std::string as_written;
+    std::filesystem::path path;
+};
+
+using TexturesByName = std::map<std::string, std::shared_ptr<const Texture>, std::less<>>;
+
+/// Image files are looked up from the scene's folder, and only within it. Each is added to `files`.
+[[nodiscard]] TexturesByName read_textures(const TomlTable& root, const std::filesystem::path& scene_path,
+                                           double metres_per_unit, std::vector<ReferredFile>& files);
+
+[[nodiscard]] std::vector<Material> read_materials(const TomlTable& root, const TexturesByName& textures);
+
+/// Error text for a name that is not among the known ones.
+[[nodiscard]] std::string unknown_name(std::string_view kind, std::string_view got,
+                                       const std::vector<std::string_view>& known);
+
+}  // namespace postlens

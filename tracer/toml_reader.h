@@ -1,0 +1,109 @@
+// Typed reading of TOML tables: every error has its line and column, every unknown key its nearest known one.
+// Only the toml_*.cpp of this folder include this.
+#pragma once
+
+#include <filesystem>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <toml++/toml.h>
+#include <vector>
+
+#include "core/error.h"
+
+namespace postlens {
+
+/// What a number may be. NaN never is.
+struct NumberRange {
+    double min = -std::numeric_limits<double>::max();
+    double max = std::numeric_limits<double>::max();
+    bool may_be_infinite = false;  ///< +inf is legal although it is above max
+    bool excludes_min = false;     ///< min itself is not legal
+};
+
+/// A table of a TOML file together with where it stands and what it is called in errors.
+class TomlTable {
+  public:
+    /// `what` is how errors call it, e.g. "object 'ball'".
+    TomlTable(const std::string& file, const toml::table& table, std::string what)
+        : file_(&file), table_(&table), what_(std::move(what)) {}
+
+    [[nodiscard]] const std::string& what() const { return what_; }
+    void rename(std::string what) { what_ = std::move(what); }
+
+    /// Refuses, with the nearest known key, the first key that is in none of the lists.
+    void allow_only(std::initializer_list<std::span<const std::string_view>> known) const;
+    [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
+
+    // Each is empty where the key is absent and throws where its value has the wrong type or range.
+    [[nodiscard]] std::optional<double> number(std::string_view key, const NumberRange& range = {}) const;
+    [[nodiscard]] std::optional<int> integer(std::string_view key, int min, int max) const;
+    [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
+    /// Printable text of 1 to 255 bytes.
+    [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
+    /// Index of the text in `choices`; the error of another one names the nearest.
+    [[nodiscard]] std::optional<std::size_t> choice(std::string_view key,
+                                                    std::span<const std::string_view> choices) const;
+    [[nodiscard]] std::optional<glm::dvec3> vec3(std::string_view key, const NumberRange& range = {}) const;
+    /// Exactly `count` numbers.
+    [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count,
+                                                             const NumberRange& range = {}) const;
+    [[nodiscard]] bool is_array(std::string_view key) const;
+    /// A number stands for three equal ones.
+    [[nodiscard]] std::optional<glm::dvec3> number_or_vec3(std::string_view key,
+                                                           const NumberRange& range = {}) const;
+    /// An array of arrays of numbers, e.g. points; every row has min_columns to max_columns of them.
+    [[nodiscard]] std::optional<std::vector<std::vector<double>>> rows(std::string_view key,
+                                                                       std::size_t min_columns,
+                                                                       std::size_t max_columns,
+                                                                       const NumberRange& range = {}) const;
+    /// A text or an array of texts.
+    [[nodiscard]] std::optional<std::vector<std::string>> texts(std::string_view key) const;
+    [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
+    /// An array of tables ([[key]] or [{...}, ...]); `what` is followed by their number. Empty where absent.
+    [[nodiscard]] std::vector<TomlTable> tables(std::string_view key, std::string_view what) const;
+
+    /// The value of a key that must be there: required(t.number("radius_m"), "radius_m").
+    template <typename T>
+    [[nodiscard]] T required(std::optional<T> value, std::string_view key) const {
+        if (!value) fail_here("has no '{}' (expected one)", key);
+        return *std::move(value);
+    }
+    /// Refuses two keys that say the same thing.
+    void refuse_both(std::string_view a, std::string_view b) const;
+
+    /// "FILE:LINE:COLUMN: WHAT: ...", at the value of `key`.
+    template <typename... Args>
+    [[noreturn]] void fail_at(std::string_view key, fmt::format_string<Args...> format,
+                              Args&&... args) const {
+        fail_at_node(*table_->get(key), fmt::format(format, std::forward<Args>(args)...));
+    }
+    /// The same at the table itself.
+    template <typename... Args>
+    [[noreturn]] void fail_here(fmt::format_string<Args...> format, Args&&... args) const {
+        fail_at_node(*table_, fmt::format(format, std::forward<Args>(args)...));
+    }
+    /// "FILE:LINE:COLUMN" of the key's value, for texts that are not errors.
+    [[nodiscard]] std::string place(std::string_view key) const;
+
+  private:
+    [[noreturn]] void fail_at_node(const toml::node& node, const std::string& text) const;
+    [[nodiscard]] double number_of(const toml::node& node, std::string_view key,
+                                   const NumberRange& range) const;
+    [[nodiscard]] std::string text_of(const toml::node& node, std::string_view key) const;
+    [[nodiscard]] std::vector<double> numbers_of(const toml::node& node, std::string_view key,
+                                                 std::size_t count, const NumberRange& range) const;
+    [[nodiscard]] const toml::array& array_of(const toml::node& node, std::string_view key,
+                                              std::string_view of) const;
+
+    const std::string* file_;
+    const toml::table* table_;
+    std::string what_;
+};
+
+}  // namespace postlens

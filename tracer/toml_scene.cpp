@@ -1,0 +1,90 @@
+#include "tracer/toml_scene.h"
+
+#include <array>
+
+#include "tracer/file_digest.h"
+#include "tracer/scene_defaults.h"
+#include "tracer/scene_text.h"
+#include "tracer/toml_materials.h"
+#include "tracer/toml_objects.h"
+#include "tracer/toml_reader.h"
+#include "tracer/toml_transform.h"
+#include "tracer/toml_views.h"
+
+namespace postlens {
+namespace {
+
+using Name = std::string_view;
+
+// The parser's own words, on one line.
+std::string one_line(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        out += byte < 0x20 || byte >= 0x7F ? '?' : c;
+    }
+    return out;
+}
+
+toml::table parse(const std::string& text, const std::string& file) {
+    try {
+        return toml::parse(text, file);
+    } catch (const toml::parse_error& error) {
+        const auto& at = error.source().begin;
+        fail(ExitCode::invalid_input, "{}:{}:{}: not valid TOML: {}", file, at.line, at.column,
+             one_line(error.description()));
+    }
+}
+
+void read_settings(const TomlTable& root, Scene& scene) {
+    const auto found = root.table("scene");
+    if (!found) return;
+    TomlTable t = *found;
+    t.rename("[scene]");
+    static constexpr std::array<Name, 4> known{"name", "background", "ambient_light", "time_s"};
+    t.allow_only({known});
+    constexpr NumberRange colour{.min = 0, .max = largest_colour};
+    scene.name = t.text("name").value_or(scene.name);
+    scene.background = t.number_or_vec3("background", colour).value_or(scene.background);
+    scene.ambient_light = t.number_or_vec3("ambient_light", colour).value_or(scene.ambient_light);
+    scene.time_s = t.number("time_s", {.min = -1e9, .max = 1e9}).value_or(scene.time_s);
+}
+
+std::string sha256_of(const std::string& text, const std::vector<ReferredFile>& files) {
+    Sha256 digest;
+    digest.add(text);
+    for (const ReferredFile& file : files) {
+        digest.add(file.as_written);
+        digest.add(" ");
+        digest.add(sha256_of_file(file.path));
+        digest.add("\n");
+    }
+    return digest.hex();
+}
+
+}  // namespace
+
+Scene read_toml_scene(const std::filesystem::path& path, const SceneReadOptions& options) {
+    const std::string file = path.string();
+    const std::string text = read_text_file(path, largest_toml_bytes);
+    const toml::table document = parse(text, file);
+    const TomlTable root(file, document, "scene file");
+    static constexpr std::array<Name, 6> known{"scene", "camera", "light", "material", "texture", "object"};
+    root.allow_only({known});
+
+    Scene scene;
+    scene.name = path.stem().string();
+    read_settings(root, scene);
+    std::vector<ReferredFile> files;
+    const TexturesByName textures = read_textures(root, path, options.metres_per_unit, files);
+    scene.materials = read_materials(root, textures);
+    read_objects(root, options.metres_per_unit, scene);
+    scene.cameras = read_cameras(root, options.metres_per_unit);
+    scene.lights = read_lights(root, options.metres_per_unit);
+    scene.sha256 = sha256_of(text, files);
+    // `light = []` says that darkness is meant.
+    complete_scene(scene, path, answers_to_lights(scene) && !root.has("light"), 1);
+    return scene;
+}
+
+}  // namespace postlens

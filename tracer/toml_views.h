@@ -1,0 +1,15 @@
+// The [[camera]] and [[light]] tables of a .toml scene.
+#pragma once
+
+#include <vector>
+
+#include "tracer/scene.h"
+#include "tracer/toml_reader.h"
+
+namespace postlens {
+
+[[nodiscard]] std::vector<Camera> read_cameras(const TomlTable& root, double metres_per_unit);
+
+[[nodiscard]] std::vector<Light> read_lights(const TomlTable& root, double metres_per_unit);
+
+}  // namespace postlens

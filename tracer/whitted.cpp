@@ -1,0 +1,386 @@
+#include "tracer/whitted.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "tracer/ray_differentials.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec3;
+
+double largest(const dvec3& v) {
+    return std::max({v.x, v.y, v.z});
+}
+
+// A ray of the current generation. `origin` is exact; the packet's origin is moved off the surface.
+struct PathRay {
+    dvec3 origin, direction, throughput;
+    double length;    // of the path so far, m
+    double cos_axis;  // between the eye ray and the optical axis
+    std::uint32_t sample;
+    std::uint32_t differentials;  // index; unused where W is not asked for
+    NodePath path;
+    HitKey source;
+};
+
+// A light's contribution to a node, before what stands in between is known.
+struct Shadow {
+    std::uint32_t node;
+    dvec3 radiance;
+};
+
+struct Node {
+    Record record;
+    dvec3 radiance;
+    dvec3 throughput;
+    std::uint32_t sample;
+};
+
+// A light at the instant of the trace.
+struct PlacedLight {
+    const Light* light;
+    dvec3 position, direction;
+    double cos_outer, cos_inner;
+};
+
+// Buffers of one thread, kept from batch to batch.
+struct Workspace {
+    std::vector<PathRay> rays, next_rays;
+    std::vector<RayDifferentials> differentials, next_differentials;
+    std::vector<Node> nodes;
+    std::vector<std::vector<Shadow>> shadows;    // per light
+    std::vector<RayBatch> shadow_rays;           // per light
+    RayBatch batch, next_batch;
+    std::vector<std::uint32_t> order;
+};
+
+// The surface as the ray sees it: normals turned against the ray.
+struct Facing {
+    dvec3 normal, geometric_normal;
+    glm::dmat3 shape_operator;
+    bool entering;
+};
+
+Facing face(const SurfacePoint& s, const dvec3& direction) {
+    const bool entering = glm::dot(direction, s.geometric_normal) < 0;
+    const double sign = entering ? 1 : -1;
+    Facing f{sign * s.normal, sign * s.geometric_normal, sign * s.shape_operator, entering};
+    if (glm::dot(direction, f.normal) >= 0) {
+        // An interpolated normal that looks away from the eye has no mirror direction; the facet's own has.
+        f.normal = f.geometric_normal;
+        f.shape_operator = glm::dmat3(0);
+    }
+    return f;
+}
+
+}  // namespace
+
+struct WhittedTracer::Impl {
+    Impl(const RayScene& s, const CameraModel& c, const WhittedSettings& w) : rays(s), camera(c), settings(w) {}
+
+    const RayScene& rays;
+    const CameraModel& camera;
+    WhittedSettings settings;
+    std::vector<PlacedLight> lights;
+    bool deeper_nodes = false;
+    bool refocus = false;
+    std::vector<double> bound;  // by nodes left below: the most radiance that a subtree can have
+
+    void place_lights(double time_s);
+    void bound_contributions();
+    void start(std::span<const glm::dvec2> positions, Workspace& w) const;
+    void generation(Workspace& w, RayCounts& counts) const;
+    void miss(const PathRay& ray, Workspace& w) const;
+    void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w, RayCounts& counts) const;
+    void light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key, const Material& m,
+               const dvec3& colour, Workspace& w, RayCounts& counts) const;
+    void spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key, const Material& m,
+               Workspace& w, RayCounts& counts) const;
+    void child(const PathRay& parent, const SurfacePoint& s, const HitKey& key, const dvec3& direction,
+               const dvec3& off, const dvec3& throughput, NodePath::Bounce bounce, Workspace& w) const;
+    void resolve_shadows(Workspace& w) const;
+};
+
+void WhittedTracer::Impl::place_lights(double time_s) {
+    for (const Light& l : rays.scene().lights) {
+        const glm::dmat4 m = l.keys.empty() ? glm::dmat4(1) : transform_at(l.keys, time_s);
+        const auto cosine = [](double full_degrees) { return std::cos(full_degrees * std::numbers::pi / 360); };
+        lights.push_back({&l, dvec3(m * glm::dvec4(l.position, 1)), glm::normalize(dvec3(m * glm::dvec4(l.direction, 0))),
+                          cosine(l.cone_degrees), cosine(std::min(l.cone_soft_degrees, l.cone_degrees))});
+    }
+}
+
+void WhittedTracer::Impl::bound_contributions() {
+    const Scene& scene = rays.scene();
+    dvec3 lit(0);
+    for (const Light& l : scene.lights) {
+        // With attenuation alone by distance the radiance near the light has no bound.
+        lit += l.intensity * (l.attenuation.x > 0 ? 1 / l.attenuation.x : std::numeric_limits<double>::infinity());
+    }
+    double local = largest(scene.background), passed_on = 0;
+    for (const Material& m : scene.materials) {
+        const double colour = m.colour_texture ? m.colour_texture->maximum() : 1;
+        const double glow = m.emission_texture ? m.emission_texture->maximum() : 1;
+        local = std::max(local, largest(m.emission * glow + m.ambient * colour * scene.ambient_light +
+                                        lit * (colour * (m.diffuse + m.diffuse_transmission) + m.specular)));
+        passed_on = std::max(passed_on, largest(m.reflection + m.transmission));
+        deeper_nodes = deeper_nodes || m.reflection != dvec3(0) || m.transmission != dvec3(0);
+    }
+    bound.assign(static_cast<std::size_t>(settings.max_depth) + 1, 0);
+    for (std::size_t k = 1; k < bound.size(); ++k) bound[k] = local + passed_on * bound[k - 1];
+    deeper_nodes = deeper_nodes && settings.max_depth > 1;
+}
+
+void WhittedTracer::Impl::start(std::span<const glm::dvec2> positions, Workspace& w) const {
+    w.rays.clear();
+    w.nodes.clear();
+    w.differentials.clear();
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const CameraRay eye = camera.ray(positions[i].x, positions[i].y);
+        w.rays.push_back({eye.origin, eye.direction, dvec3(1), 0, eye.cos_axis, static_cast<std::uint32_t>(i), 0, NodePath(), {}});
+    }
+    w.batch.clear(false);
+    for (const PathRay& r : w.rays) w.batch.add(r.origin, r.direction, std::numeric_limits<float>::infinity());
+}
+
+void WhittedTracer::Impl::miss(const PathRay& ray, Workspace& w) const {
+    Record r;
+    r.path = ray.path;
+    r.z = std::numeric_limits<float>::infinity();
+    if (refocus && ray.path.bits() != 0) r.w = refocus_matrix_at_infinity(w.differentials[ray.differentials]);
+    w.nodes.push_back({r, rays.scene().background, ray.throughput, ray.sample});
+}
+
+void WhittedTracer::Impl::hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
+                              RayCounts& counts) const {
+    const Scene& scene = rays.scene();
+    const Object& object = scene.objects[s.object];
+    const Material& m = scene.materials[object.material];
+    const Facing f = face(s, ray.direction);
+    Record r;
+    r.path = ray.path;
+    r.id = object.id;
+    r.z = static_cast<float>((ray.length + s.t) * ray.cos_axis);
+    if (ray.path.bits() == 0) {
+        r.w = Mat2::isotropic(1 / r.z);
+    } else if (refocus) {
+        RayDifferentials& d = w.differentials[ray.differentials];
+        transfer(d, ray.direction, s.t, f.geometric_normal);
+        r.w = refocus_matrix(d);
+    }
+    const dvec3 colour = m.colour_texture ? m.colour_texture->colour(s.object_position, s.uv) : dvec3(1);
+    dvec3 radiance = m.ambient * colour * scene.ambient_light;
+    radiance += m.emission_texture ? m.emission * m.emission_texture->colour(s.object_position, s.uv) : m.emission;
+    w.nodes.push_back({r, radiance, ray.throughput, ray.sample});
+    light(ray, s, f, key, m, colour, w, counts);
+    spawn(ray, s, f, key, m, w, counts);
+}
+
+void WhittedTracer::Impl::light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
+                                const Material& m, const dvec3& colour, Workspace& w, RayCounts& counts) const {
+    const auto node = static_cast<std::uint32_t>(w.nodes.size() - 1);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const PlacedLight& placed = lights[i];
+        const Light& l = *placed.light;
+        const bool directional = l.kind == Light::Kind::directional;
+        dvec3 to_light = directional ? -placed.direction : placed.position - s.position;
+        const double distance = glm::length(to_light);
+        if (!(distance > 0)) continue;
+        to_light /= distance;
+        const double n_l = glm::dot(f.normal, to_light);
+        const bool front = n_l > 0;
+        if (n_l == 0 || (!front && m.diffuse_transmission == dvec3(0))) continue;
+        dvec3 intensity = l.intensity;
+        if (!directional) {
+            intensity /= l.attenuation.x + distance * (l.attenuation.y + distance * l.attenuation.z);
+        }
+        if (l.kind == Light::Kind::spot) {
+            const double c = -glm::dot(to_light, placed.direction);
+            if (c <= placed.cos_outer) continue;
+            if (c < placed.cos_inner) {
+                const double t = (c - placed.cos_outer) / (placed.cos_inner - placed.cos_outer);
+                intensity *= t * t * (3 - 2 * t);
+            }
+        }
+        dvec3 reflected = (front ? m.diffuse : m.diffuse_transmission) * colour * std::abs(n_l);
+        if (front && m.specular != dvec3(0)) {
+            // R . V with R the mirror image of L and V towards the eye.
+            const double r_v = -glm::dot(2 * n_l * f.normal - to_light, ray.direction);
+            if (r_v > 0) reflected += m.specular * std::pow(r_v, m.shininess);
+        }
+        const dvec3 radiance = intensity * reflected;
+        if (radiance == dvec3(0)) continue;
+        if (!l.casts_shadows) {
+            w.nodes.back().radiance += radiance;
+            continue;
+        }
+        // The shadow ray leaves on the light's side of the true surface.
+        const double side = glm::dot(f.geometric_normal, to_light) >= 0 ? 1 : -1;
+        const dvec3 origin = s.position + (side * RayScene::offset(s.position)) * f.geometric_normal;
+        ++counts.shadow;
+        w.shadows[i].push_back({node, radiance});
+        if (directional) {
+            w.shadow_rays[i].add(origin, to_light, std::numeric_limits<float>::infinity(), key);
+        } else {
+            // Up to just before the light, so that a lamp's own surface may hold the light's point.
+            w.shadow_rays[i].add(origin, placed.position - origin, 1 - 1e-6F, key);
+        }
+    }
+}
+
+void WhittedTracer::Impl::child(const PathRay& parent, const SurfacePoint& s, const HitKey& key, const dvec3& direction,
+                                const dvec3& off, const dvec3& throughput, NodePath::Bounce bounce, Workspace& w) const {
+    w.next_rays.push_back({s.position, direction, throughput, parent.length + s.t, parent.cos_axis, parent.sample,
+                           static_cast<std::uint32_t>(w.next_differentials.size()), parent.path.child(bounce), key});
+    w.next_batch.add(s.position + RayScene::offset(s.position) * off, direction, std::numeric_limits<float>::infinity(), key);
+}
+
+void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
+                                const Material& m, Workspace& w, RayCounts& counts) const {
+    const int left = settings.max_depth - 1 - ray.path.depth();
+    if (left < 1) return;
+    const auto worth = [&](const dvec3& throughput) {
+        return largest(throughput) > 0 && largest(throughput) * bound[static_cast<std::size_t>(left)] >= settings.min_contribution;
+    };
+    dvec3 reflected = ray.throughput * m.reflection;
+    const dvec3 transmitted = ray.throughput * m.transmission;
+    const double d_n = glm::dot(ray.direction, f.normal);
+    const double eta = f.entering ? 1 / m.ior : m.ior;
+    const double k = 1 - eta * eta * (1 - d_n * d_n);
+    bool refracts = transmitted != dvec3(0);
+    if (refracts && k <= 0) {
+        reflected += transmitted;  // total internal reflection carries what would have passed
+        refracts = false;
+    }
+    refracts = refracts && worth(transmitted);
+    const bool reflects = worth(reflected);
+    if (!reflects && !refracts) return;
+
+    RayDifferentials here;
+    if (refocus) {
+        if (ray.path.bits() == 0) {
+            here = eye_differentials(camera, {ray.origin, ray.direction, ray.cos_axis});
+            transfer(here, ray.direction, s.t, f.geometric_normal);
+        } else {
+            here = w.differentials[ray.differentials];
+        }
+    }
+    if (reflects) {
+        dvec3 direction = ray.direction - 2 * d_n * f.normal;
+        dvec3 normal = f.normal;
+        glm::dmat3 shape_operator = f.shape_operator;
+        if (glm::dot(direction, f.geometric_normal) <= 0) {
+            // An interpolated normal sent the ray into the surface; the facet's own normal cannot.
+            normal = f.geometric_normal;
+            shape_operator = glm::dmat3(0);
+            direction = glm::reflect(ray.direction, normal);
+        }
+        ++counts.reflect;
+        child(ray, s, key, glm::normalize(direction), f.geometric_normal, reflected, NodePath::Bounce::reflected, w);
+        if (refocus) {
+            w.next_differentials.push_back(here);
+            reflect(w.next_differentials.back(), ray.direction, normal, shape_operator);
+        }
+    }
+    if (refracts) {
+        const dvec3 direction = eta * ray.direction + (-eta * d_n - std::sqrt(k)) * f.normal;
+        ++counts.refract;
+        child(ray, s, key, glm::normalize(direction), -f.geometric_normal, transmitted, NodePath::Bounce::transmitted, w);
+        if (refocus) {
+            w.next_differentials.push_back(here);
+            refract(w.next_differentials.back(), ray.direction, f.normal, f.shape_operator, eta);
+        }
+    }
+}
+
+void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        RayBatch& batch = w.shadow_rays[i];
+        if (batch.count == 0) continue;
+        rays.occlude(batch);
+        for (std::size_t k = 0; k < w.shadows[i].size(); ++k) {
+            const Shadow& shadow = w.shadows[i][k];
+            w.nodes[shadow.node].radiance += shadow.radiance * batch.transmittance[k];
+        }
+    }
+}
+
+void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
+    rays.intersect(w.batch, w.rays.front().path.bits() == 0);
+    w.next_batch.clear(true);
+    w.next_rays.clear();
+    w.next_differentials.clear();
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        w.shadows[i].clear();
+        w.shadow_rays[i].clear(true);
+    }
+    for (std::size_t i = 0; i < w.rays.size(); ++i) {
+        const PathRay& ray = w.rays[i];
+        const HitKey key = w.batch.hit[i];
+        if (!key.valid()) {
+            miss(ray, w);
+            continue;
+        }
+        if (ray.path.bits() == 0) ++counts.eye_hits;
+        hit(ray, rays.surface(key, ray.origin, ray.direction, static_cast<double>(w.batch.t[i])), key, w, counts);
+    }
+    resolve_shadows(w);
+    std::swap(w.batch, w.next_batch);
+    w.rays.swap(w.next_rays);
+    w.differentials.swap(w.next_differentials);
+}
+
+WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings)
+    : impl_(std::make_unique<Impl>(scene, camera, settings)) {
+    impl_->settings.max_depth = std::clamp(settings.max_depth, 1, NodePath::max_bounces + 1);
+    impl_->bound_contributions();
+    impl_->place_lights(scene.time_s());
+    impl_->refocus = settings.refocus_matrices && impl_->deeper_nodes && camera.projection == Camera::Projection::perspective;
+}
+
+WhittedTracer::~WhittedTracer() = default;
+
+bool WhittedTracer::has_deeper_nodes() const {
+    return impl_->deeper_nodes;
+}
+
+void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const {
+    thread_local Workspace w;
+    w.shadows.resize(impl_->lights.size());
+    w.shadow_rays.resize(impl_->lights.size());
+    impl_->start(positions, w);
+    counts.eye += positions.size();
+    while (!w.rays.empty()) impl_->generation(w, counts);
+
+    // Nodes come generation by generation; records go sample by sample, by path.
+    out.offsets.assign(positions.size() + 1, 0);
+    for (const Node& n : w.nodes) ++out.offsets[n.sample + 1];
+    for (std::size_t i = 1; i < out.offsets.size(); ++i) out.offsets[i] += out.offsets[i - 1];
+    out.records.resize(w.nodes.size());
+    std::vector<std::uint32_t>& next = w.order;
+    next.assign(out.offsets.begin(), out.offsets.end() - 1);
+    for (const Node& n : w.nodes) {
+        Record& r = out.records[next[n.sample]++];
+        r = n.record;
+        const dvec3 c = n.radiance * n.throughput;
+        r.x = static_cast<float>(positions[n.sample].x);
+        r.y = static_cast<float>(positions[n.sample].y);
+        r.r = static_cast<float>(c.x);
+        r.g = static_cast<float>(c.y);
+        r.b = static_cast<float>(c.z);
+    }
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const auto first = out.records.begin() + out.offsets[i], last = out.records.begin() + out.offsets[i + 1];
+        if (last - first > 2) {
+            std::sort(first, last, [](const Record& a, const Record& b) { return a.path.bits() < b.path.bits(); });
+        }
+    }
+}
+
+}  // namespace postlens

@@ -1,0 +1,63 @@
+// Whitted's recursive ray tracing [whitted1980], breadth first over a batch of point samples: rays of one generation
+// travel in packets, and every node of every shading tree comes out as a record.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "records/record.h"
+#include "tracer/camera_model.h"
+#include "tracer/ray_scene.h"
+
+namespace postlens {
+
+struct WhittedSettings {
+    int max_depth = 5;               ///< nodes along a path, the primary node counts 1; 1 to NodePath::max_bounces + 1
+    double min_contribution = 1e-3;  ///< radiance; subtrees that cannot add as much are not traced
+    bool refocus_matrices = true;    ///< compute W of deeper nodes (perspective cameras only)
+};
+
+/// Rays traced, as the SPD counts them.
+struct RayCounts {
+    std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0;
+    RayCounts& operator+=(const RayCounts& o) {
+        eye += o.eye;
+        eye_hits += o.eye_hits;
+        reflect += o.reflect;
+        refract += o.refract;
+        shadow += o.shadow;
+        return *this;
+    }
+};
+
+/// Records of a batch: sample i has records [offsets[i], offsets[i + 1]), sorted by path, the primary first.
+struct TracedSamples {
+    std::vector<Record> records;
+    std::vector<std::uint32_t> offsets;
+};
+
+class WhittedTracer {
+  public:
+    /// Keeps references to scene and camera.
+    WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings);
+    ~WhittedTracer();
+    WhittedTracer(const WhittedTracer&) = delete;
+    WhittedTracer& operator=(const WhittedTracer&) = delete;
+    WhittedTracer(WhittedTracer&&) = delete;
+    WhittedTracer& operator=(WhittedTracer&&) = delete;
+
+    /// Traces point samples at raster positions, px; groups of 16 that lie close together go fastest. Thread-safe.
+    void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
+
+    /// True where some material reflects or transmits, so that nodes deeper than primary can exist.
+    [[nodiscard]] bool has_deeper_nodes() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace postlens
