@@ -66,7 +66,8 @@ PointScatter::PointScatter(const SplatTables& tables, const RasterWindow& rows)
 
 bool PointScatter::run() {
     const RasterWindow& source = tables_.source();
-    for (int y = source.y_begin; y < source.y_end; ++y) {
+    const int last_row = std::min(source.y_end, rows_.y_end - tables_.splat_dy_begin());
+    for (int y = std::max(source.y_begin, rows_.y_begin - tables_.splat_dy_end()); y < last_row; ++y) {
         const SplatRow& row = tables_.row(y);
         if (row.splats.empty() || y + row.splat_dy_end <= rows_.y_begin || y + row.splat_dy_begin >= rows_.y_end) {
             continue;

@@ -1,6 +1,7 @@
 #include "focus/run_scatter.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/multiversion.h"
 
@@ -9,6 +10,9 @@ namespace {
 
 /// Float sums hold this many source rows before they go to double: rounding stays below 1e-6 of the sum.
 constexpr int source_rows_per_flush = 32;
+/// Source rows that are filtered strip by strip together: meanwhile the sums of one strip and channel, for radii up
+/// to 64 px, stay in the first-level cache.
+constexpr int source_rows_per_group = 8;
 
 /// Four vectors of eight make a strip: few enough for registers, enough to hide the loop around them.
 constexpr int lanes = 8;
@@ -95,163 +99,186 @@ void add_and_clear(double* total, float* partial, std::size_t count) {
     }
 }
 
+POSTLENS_MULTIVERSION
+void move_and_clear(double* total, float* partial, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        total[i] = static_cast<double>(partial[i]);
+        partial[i] = 0;
+    }
+}
+
 int floor_div(int a, int b) {
     return a >= 0 ? a / b : -((-a + b - 1) / b);
 }
 
 }  // namespace
 
-/// Where a run's line lies: it covers whatever the strips may look at.
-struct RunScatter::Line {
-    int begin, end;       ///< columns
-    int from, to;         ///< those of the run
-    bool needs_running;   ///< its kernel has an inside
-    [[nodiscard]] std::size_t length() const { return static_cast<std::size_t>(end - begin); }
-    [[nodiscard]] std::size_t before() const { return static_cast<std::size_t>(from - begin); }
-    [[nodiscard]] std::size_t inside() const { return static_cast<std::size_t>(to - from); }
+struct RunScatter::LaidRun {
+    const KernelRow* row_0;  ///< kernel row of dy = 0
+    const float* taps;
+    double inner;
+    RowRange down, up;
+    int y, strip_begin, strip_end;
+    int full_begin, full_end;  ///< strips of which every pixel gets whole kernel rows
+    int line_begin;            ///< column of the lines' first value
+    int from, to;              ///< columns of the run within the lines
+    /// By channel: the colours, in the raster itself where that will do, else from lines_; and where in running_ their
+    /// sums begin.
+    std::array<const float*, 4> in_raster;
+    std::array<std::size_t, 4> line_at, running_at;
+    [[nodiscard]] bool has_inside() const { return row_0->inner_begin != row_0->inner_end; }
 };
 
-RunScatter::RunScatter(const SplatTables& tables, const RasterWindow& block)
-    : tables_(tables),
-      block_(block),
-      strips_((block.width() + strip_width - 1) / strip_width),
-      rows_(block.height()),
-      touched_begin_(rows_),
-      touched_end_(0) {}
+RunScatter::RunScatter(const SplatTables& tables) : tables_(tables) {}
+RunScatter::~RunScatter() = default;
+RunScatter::RunScatter(RunScatter&&) noexcept = default;
 
-void RunScatter::flush() {
-    if (touched_begin_ >= touched_end_) return;
-    const std::size_t count = static_cast<std::size_t>(touched_end_ - touched_begin_) * strip_width;
+void RunScatter::flush_rows(int begin, int end, bool fresh) {
+    if (begin >= end) return;
+    const std::size_t count = static_cast<std::size_t>(end - begin) * strip_width;
     for (int channel = 0; channel < 4; ++channel) {
         for (int strip = 0; strip < strips_; ++strip) {
-            const std::size_t at = index(channel, strip, touched_begin_);
-            add_and_clear(total_.data() + at, partial_.data() + at, count);
+            const std::size_t at = index(channel, strip, begin);
+            (fresh ? move_and_clear : add_and_clear)(total_.data() + at, partial_.data() + at, count);
         }
     }
+}
+
+void RunScatter::flush() {
+    // Rows that were skipped so far are moved as well: as zeros.
+    const int end = std::max(touched_end_, fresh_from_);
+    flush_rows(touched_begin_, fresh_from_, false);
+    flush_rows(fresh_from_, end, true);
+    fresh_from_ = end;
     touched_begin_ = rows_;
     touched_end_ = 0;
 }
 
-bool RunScatter::run() {
+bool RunScatter::run(const RasterWindow& block) {
+    block_ = block;
+    strips_ = (block.width() + strip_width - 1) / strip_width;
+    rows_ = block.height();
+    touched_begin_ = rows_;
+    touched_end_ = fresh_from_ = 0;
+    bool any = false;
     int rows_added = 0;
     const RasterWindow& source = tables_.source();
-    for (int y = source.y_begin; y < source.y_end; ++y) {
+    const int last = std::min(source.y_end, block_.y_end - tables_.run_dy_begin());
+    for (int y = std::max(source.y_begin, block_.y_begin - tables_.run_dy_end()); y < last; ++y) {
         const SplatRow& row = tables_.row(y);
         const int begin = std::max(y + row.run_dy_begin, block_.y_begin);
         const int end = std::min(y + row.run_dy_end, block_.y_end);
         if (row.runs.empty() || begin >= end) continue;
-        if (partial_.empty()) {
+        if (partial_.size() < index(4, 0, 0)) {
             partial_.resize(index(4, 0, 0));
             total_.resize(partial_.size());
         }
+        any = true;
         touched_begin_ = std::min(touched_begin_, begin - block_.y_begin);
         touched_end_ = std::max(touched_end_, end - block_.y_begin);
-        for (const SplatRun& run : row.runs) add_run(run, y);
-        if (++rows_added == source_rows_per_flush) {
-            flush();
-            rows_added = 0;
-        }
+        for (const SplatRun& run : row.runs) lay_run(run, y);
+        ++rows_added;
+        if (rows_added % source_rows_per_group == 0) filter_laid_runs();
+        if (rows_added % source_rows_per_flush == 0) flush();
     }
+    if (!any) return false;
+    filter_laid_runs();
+    touched_end_ = rows_;
     flush();
-    return !partial_.empty();
+    return true;
 }
 
-void RunScatter::lay_colours(const Line& line, int y) {
-    const std::size_t length = line.length(), before = line.before(), inside = line.inside();
-    std::array<const float*, 3> source{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        source[c] = tables_.raster_row(static_cast<int>(c), y) + (line.from - tables_.source().x_begin);
-        if (line_[c].size() < length) line_[c].resize(length);
-        float* to = line_[c].data();
-        std::fill_n(to, before, 0.0F);
-        std::copy_n(source[c], inside, to + before);
-        std::fill_n(to + before + inside, length - before - inside, 0.0F);
-    }
-    if (!line.needs_running) return;
-    std::array<double*, 3> running{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        if (running_[c].size() < length + 1) running_[c].resize(length + 1);
-        std::fill_n(running_[c].data(), before, 0.0);
-        running[c] = running_[c].data() + before;
-    }
-    // Three chains of additions at once: each alone would wait for itself.
-    double r = 0, g = 0, b = 0;
-    for (std::size_t i = 0; i < inside; ++i) {
-        running[0][i] = r;
-        running[1][i] = g;
-        running[2][i] = b;
-        r += static_cast<double>(source[0][i]);
-        g += static_cast<double>(source[1][i]);
-        b += static_cast<double>(source[2][i]);
-    }
-    const std::size_t rest = length + 1 - before - inside;
-    std::fill_n(running[0] + inside, rest, r);
-    std::fill_n(running[1] + inside, rest, g);
-    std::fill_n(running[2] + inside, rest, b);
-}
-
-void RunScatter::lay_ones(const Line& line) {
-    const std::size_t length = line.length(), before = line.before(), inside = line.inside();
-    line_[3].assign(length, 0.0F);
-    std::fill_n(line_[3].data() + before, inside, 1.0F);
-    if (!line.needs_running) return;
-    running_[3].assign(length + 1, 0.0);
-    for (std::size_t i = before; i < length + 1; ++i) {
-        running_[3][i] = static_cast<double>(std::min(i - before, inside));
-    }
-}
-
-void RunScatter::add_run(const SplatRun& run, int y) {
+void RunScatter::lay_run(const SplatRun& run, int y) {
     const Kernel& kernel = tables_.kernels()[run.kernel];
     const int reach = kernel.x_end;
-    const int strip_begin = std::max(0, floor_div(run.begin - reach - block_.x_begin, strip_width));
-    const int strip_end = std::min(strips_, floor_div(run.end + reach - 1 - block_.x_begin, strip_width) + 1);
-    // Kernel rows by dy >= 0; row -1 - dy is the same.
     const int rows = kernel.y_end();
-    const RowRange down{std::clamp(block_.y_begin - y, 0, rows), std::clamp(block_.y_end - y, 0, rows)};
-    const RowRange up{std::clamp(y - block_.y_end, 0, rows), std::clamp(y - block_.y_begin, 0, rows)};
-    if ((down.begin == down.end && up.begin == up.end) || strip_begin >= strip_end) return;
+    LaidRun laid{};
+    // Kernel rows by dy >= 0; row -1 - dy is the same.
+    laid.row_0 = kernel.rows.data() - kernel.y_begin;
+    laid.taps = kernel.taps.data();
+    laid.inner = static_cast<double>(kernel.inner);
+    laid.y = y;
+    laid.down = {std::clamp(block_.y_begin - y, 0, rows), std::clamp(block_.y_end - y, 0, rows)};
+    laid.up = {std::clamp(y - block_.y_end, 0, rows), std::clamp(y - block_.y_begin, 0, rows)};
+    const auto strip_of = [&](int x) { return floor_div(x - block_.x_begin, strip_width); };
+    laid.strip_begin = std::max(0, strip_of(run.begin - reach));
+    laid.strip_end = std::min(strips_, strip_of(run.end + reach - 1) + 1);
+    if (laid.strip_begin >= laid.strip_end) return;
+    if (laid.down.begin == laid.down.end && laid.up.begin == laid.up.end) return;
+    laid.full_begin = std::clamp(strip_of(run.begin + reach + strip_width - 1), laid.strip_begin, laid.strip_end);
+    laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
-    const KernelRow* row_0 = kernel.rows.data() - kernel.y_begin;
-    Line line{.begin = block_.x_begin + strip_begin * strip_width - reach - 1,
-              .end = block_.x_begin + strip_end * strip_width + reach + 1,
-              .from = 0,
-              .to = 0,
-              .needs_running = row_0->inner_begin != row_0->inner_end};
-    line.from = std::clamp(run.begin, line.begin, line.end);
-    line.to = std::clamp(run.end, line.begin, line.end);
-    lay_colours(line, y);
-    StripFilter f{.rows = row_0,
-                  .taps = kernel.taps.data(),
-                  .inner = static_cast<double>(kernel.inner),
-                  .line = nullptr,
-                  .running = nullptr};
-    const auto filter = [&](std::size_t channel, int strip, float* down_to) {
-        const auto offset = static_cast<std::size_t>(block_.x_begin + strip * strip_width - line.begin);
-        f.line = line_[channel].data() + offset;
-        f.running = line.needs_running ? running_[channel].data() + offset : nullptr;
-        filter_strip(f, down_to, down, down_to - strip_width, up);
-    };
-    const auto place = [&](int channel, int strip) {
-        return partial_.data() + index(channel, strip, 0) + (y - block_.y_begin) * strip_width;
-    };
-    for (int channel = 0; channel < 3; ++channel) {
-        for (int strip = strip_begin; strip < strip_end; ++strip) {
-            filter(static_cast<std::size_t>(channel), strip, place(channel, strip));
+    // A line covers whatever its strips may look at.
+    laid.line_begin = block_.x_begin + laid.strip_begin * strip_width - reach - 1;
+    const int line_end = block_.x_begin + laid.strip_end * strip_width + reach + 1;
+    laid.from = std::clamp(run.begin, laid.line_begin, line_end);
+    laid.to = std::clamp(run.end, laid.line_begin, line_end);
+    const bool all_full = laid.full_begin == laid.strip_begin && laid.full_end == laid.strip_end;
+    for (int channel = 0; channel < (all_full ? 3 : 4); ++channel) lay_line(laid, channel, line_end);
+    laid_.push_back(laid);
+}
+
+void RunScatter::lay_line(LaidRun& laid, int channel, int line_end) {
+    const auto c = static_cast<std::size_t>(channel);
+    const auto length = static_cast<std::size_t>(line_end - laid.line_begin);
+    const auto before = static_cast<std::size_t>(laid.from - laid.line_begin);
+    const auto inside = static_cast<std::size_t>(laid.to - laid.from);
+    const float* source =
+        channel < 3 ? tables_.raster_row(channel, laid.y) + (laid.from - tables_.source().x_begin) : nullptr;
+    if (inside == length && source != nullptr) {
+        laid.in_raster[c] = source;
+    } else {
+        laid.line_at[c] = lines_used_;
+        lines_used_ += length;
+        if (lines_.size() < lines_used_) lines_.resize(2 * lines_used_);
+        float* line = lines_.data() + laid.line_at[c];
+        std::fill_n(line, before, 0.0F);
+        if (source != nullptr) {
+            std::copy_n(source, inside, line + before);
+        } else {
+            std::fill_n(line + before, inside, 1.0F);
+        }
+        std::fill_n(line + before + inside, length - before - inside, 0.0F);
+    }
+    if (!laid.has_inside()) return;
+    laid.running_at[c] = running_used_;
+    running_used_ += length + 1;
+    if (running_.size() < running_used_) running_.resize(2 * running_used_);
+    double* running = running_.data() + laid.running_at[c];
+    std::fill_n(running, before, 0.0);
+    double sum = 0;
+    for (std::size_t i = 0; i < inside; ++i) {
+        running[before + i] = sum;
+        sum += source != nullptr ? static_cast<double>(source[i]) : 1.0;
+    }
+    std::fill(running + before + inside, running + length + 1, sum);
+}
+
+void RunScatter::filter_laid_runs() {
+    for (int channel = 0; channel < 4; ++channel) {
+        const auto c = static_cast<std::size_t>(channel);
+        for (int strip = 0; strip < strips_; ++strip) {
+            for (const LaidRun& laid : laid_) {
+                if (strip < laid.strip_begin || strip >= laid.strip_end) continue;
+                float* down = partial_.data() + index(channel, strip, 0) + (laid.y - block_.y_begin) * strip_width;
+                float* up = down - strip_width;
+                if (channel == 3 && strip >= laid.full_begin && strip < laid.full_end) {
+                    add_row_sums(laid.row_0, down, laid.down, up, laid.up);
+                    continue;
+                }
+                const auto offset = static_cast<std::size_t>(block_.x_begin + strip * strip_width - laid.line_begin);
+                const float* line = laid.in_raster[c] != nullptr ? laid.in_raster[c] : lines_.data() + laid.line_at[c];
+                filter_strip({.rows = laid.row_0,
+                              .taps = laid.taps,
+                              .inner = laid.inner,
+                              .line = line + offset,
+                              .running = running_.data() + laid.running_at[c] + offset},
+                             down, laid.down, up, laid.up);
+            }
         }
     }
-    bool ones_laid = false;
-    for (int strip = strip_begin; strip < strip_end; ++strip) {
-        const int x = block_.x_begin + strip * strip_width;
-        float* down_to = place(3, strip);
-        if (run.begin <= x - reach && run.end >= x + strip_width + reach) {
-            add_row_sums(row_0, down_to, down, down_to - strip_width, up);
-            continue;
-        }
-        if (!ones_laid) lay_ones(line);
-        ones_laid = true;
-        filter(3, strip, down_to);
-    }
+    laid_.clear();
+    lines_used_ = running_used_ = 0;
 }
 
 }  // namespace postlens

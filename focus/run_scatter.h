@@ -1,7 +1,6 @@
 // Scattering runs of corner samples that share a disc: rows of neighbours at once, with vector arithmetic.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "focus/splat_tables.h"
@@ -17,13 +16,18 @@ namespace postlens {
 class RunScatter {
   public:
     /// Pixels of a vector, and so of a strip of the block.
-    static constexpr int strip_width = 32;
+    static constexpr int strip_width = 64;
 
-    /// The block lies in tables.picture().
-    RunScatter(const SplatTables& tables, const RasterWindow& block);
+    explicit RunScatter(const SplatTables& tables);
+    ~RunScatter();
+    RunScatter(RunScatter&&) noexcept;
+    RunScatter(const RunScatter&) = delete;
+    RunScatter& operator=(const RunScatter&) = delete;
+    RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Adds all runs that reach the block. False where none does: then all sums are zero.
-    bool run();
+    /// Adds all runs that reach the block, a part of tables.picture(), to sums that start from zero. False where none
+    /// does: then there are no sums. Buffers are kept from block to block.
+    bool run(const RasterWindow& block);
 
     /// Sums `channel` (0..2 colour, 3 weight) of the strip's pixels in row y, strip_width of them; what lies beyond
     /// the block has no meaning.
@@ -39,20 +43,26 @@ class RunScatter {
                 static_cast<std::size_t>(row)) *
                strip_width;
     }
-    struct Line;
-    void add_run(const SplatRun& run, int y);
-    void lay_colours(const Line& line, int y);
-    void lay_ones(const Line& line);
+    /// A run made ready for filtering.
+    struct LaidRun;
+    void lay_run(const SplatRun& run, int y);
+    void lay_line(LaidRun& laid, int channel, int line_end);
+    void filter_laid_runs();
     void flush();
+    void flush_rows(int begin, int end, bool fresh);
 
     const SplatTables& tables_;
     RasterWindow block_;
-    int strips_, rows_;
-    std::vector<float> partial_;  ///< of the last few source rows; strip by strip, so that a strip's rows are neighbours
+    int strips_ = 0, rows_ = 0;
+    /// Sums of the last few source rows; strip by strip, so that the rows of a strip are neighbours.
+    std::vector<float> partial_;
     std::vector<double> total_;
-    int touched_begin_, touched_end_;  ///< rows of the block that partial_ has something for
-    std::array<std::vector<float>, 4> line_;      ///< the run's colours and its extent, zero around it
-    std::array<std::vector<double>, 4> running_;  ///< running sums of line_
+    int touched_begin_ = 0, touched_end_ = 0;  ///< rows of the block that partial_ has something for
+    int fresh_from_ = 0;                       ///< rows of the block from here on have nothing in total_ yet
+    std::vector<LaidRun> laid_;
+    std::vector<float> lines_;     ///< colours of the laid runs, zero around them
+    std::vector<double> running_;  ///< running sums of lines
+    std::size_t lines_used_ = 0, running_used_ = 0;
 };
 
 }  // namespace postlens

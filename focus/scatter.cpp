@@ -1,6 +1,9 @@
 #include "focus/scatter.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
+#include <tbb/enumerable_thread_specific.h>
 #include <vector>
 
 #include "core/multiversion.h"
@@ -14,76 +17,66 @@ namespace {
 // What is being added to fits the second-level cache: twice the radius in rows of 16 B a pixel. Taller blocks
 // share more filtered rows, wider ones more running sums; smaller ones keep more threads busy. Found with
 // bench/scatter_bench.cpp.
-constexpr int block_width = 128;
+constexpr int block_width = 256;
 constexpr int block_height = 256;
 /// PointScatter keeps 64 B a pixel and looks at every splat once for so many rows.
 constexpr int point_rows = 8;
 
 constexpr int strip_width = RunScatter::strip_width;
 
-/// Sums of a strip of pixels, channel by channel.
-struct Sums {
-    double of[4][strip_width];
-};
+/// Sums of a strip of pixels, channel by channel; strip_width of each.
+using Sums = std::array<const double*, 4>;
 
 POSTLENS_MULTIVERSION
-void normalise(const Sums& sums, bool may_be_negative, float (&rgb)[3][strip_width]) {
+void normalise(const Sums& sums, bool may_be_negative, float* __restrict rgb) {
+    const double* __restrict r = sums[0];
+    const double* __restrict g = sums[1];
+    const double* __restrict b = sums[2];
+    const double* __restrict weight = sums[3];
+    // Differences of sums leave the last bits of what was subtracted, which may lie below zero.
+    const double least = may_be_negative ? -std::numeric_limits<double>::infinity() : 0;
     for (int i = 0; i < strip_width; ++i) {
-        const double weight = sums.of[3][i];
-        const double scale = weight > smallest_weight ? 1 / weight : 0;
-        for (int c = 0; c < 3; ++c) {
-            const double value = sums.of[c][i] * scale;
-            // Differences of sums leave the last bits of what was subtracted.
-            rgb[c][i] = static_cast<float>(may_be_negative || value > 0 ? value : 0);
-        }
+        const double scale = weight[i] > smallest_weight ? 1 / weight[i] : 0;
+        rgb[3 * i] = static_cast<float>(std::max(r[i] * scale, least));
+        rgb[3 * i + 1] = static_cast<float>(std::max(g[i] * scale, least));
+        rgb[3 * i + 2] = static_cast<float>(std::max(b[i] * scale, least));
     }
 }
 
-/// Rows [y_begin, y_end) of a block, at most point_rows.
-class RowsOfBlock {
-  public:
-    RowsOfBlock(const SplatTables& tables, const RunScatter* runs, const RasterWindow& rows)
-        : tables_(tables), runs_(runs), rows_(rows), points_(tables, rows), any_points_(points_.run()) {}
-
-    void store(Image& image) const {
-        const RasterWindow& picture = tables_.picture();
-        const bool may_be_negative = false;
-        for (int y = rows_.y_begin; y < rows_.y_end; ++y) {
-            for (int x = rows_.x_begin; x < rows_.x_end; x += strip_width) {
-                const int width = std::min(strip_width, rows_.x_end - x);
-                float rgb[3][strip_width];
-                normalise(sums_of(x, y, width), may_be_negative, rgb);
-                float* out = image.pixel(x - picture.x_begin, y - picture.y_begin);
-                for (int i = 0; i < width; ++i) {
-                    for (int c = 0; c < 3; ++c) out[3 * i + c] = rgb[c][i];
+/// Brings together what runs and single splats have left in a few rows of a block. `runs` and `points` are absent
+/// where nothing of theirs arrives.
+void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter* points, const RasterWindow& rows,
+                Image& image) {
+    static constexpr std::array<double, strip_width> nothing{};
+    const RasterWindow& picture = tables.picture();
+    for (int y = rows.y_begin; y < rows.y_end; ++y) {
+        for (int x = rows.x_begin; x < rows.x_end; x += strip_width) {
+            const int width = std::min(strip_width, rows.x_end - x);
+            Sums sums{};
+            for (int c = 0; c < 4; ++c) {
+                sums[static_cast<std::size_t>(c)] =
+                    runs != nullptr ? runs->sums(c, (x - rows.x_begin) / strip_width, y) : nothing.data();
+            }
+            std::array<std::array<double, strip_width>, 4> both;
+            if (points != nullptr) {
+                const double* from = points->sums(y) + 4 * (x - rows.x_begin);
+                for (std::size_t c = 0; c < 4; ++c) {
+                    both[c].fill(0);
+                    for (std::size_t i = 0; i < static_cast<std::size_t>(width); ++i) both[c][i] = sums[c][i] + from[4 * i + c];
+                    sums[c] = both[c].data();
                 }
             }
-        }
-    }
-
-  private:
-    [[nodiscard]] Sums sums_of(int x, int y, int width) const {
-        Sums sums{};
-        if (runs_ != nullptr) {
-            for (int c = 0; c < 4; ++c) {
-                std::copy_n(runs_->sums(c, (x - rows_.x_begin) / strip_width, y), strip_width, sums.of[c]);
+            float* out = image.pixel(x - picture.x_begin, y - picture.y_begin);
+            if (width == strip_width) {
+                normalise(sums, tables.any_negative(), out);
+            } else {
+                std::array<float, 3 * strip_width> rgb;
+                normalise(sums, tables.any_negative(), rgb.data());
+                std::copy_n(rgb.data(), 3 * width, out);
             }
         }
-        if (any_points_) {
-            const double* points = points_.sums(y) + 4 * (x - rows_.x_begin);
-            for (int i = 0; i < width; ++i) {
-                for (int c = 0; c < 4; ++c) sums.of[c][i] += points[4 * i + c];
-            }
-        }
-        return sums;
     }
-
-    const SplatTables& tables_;
-    const RunScatter* runs_;
-    RasterWindow rows_;
-    PointScatter points_;
-    bool any_points_;
-};
+}
 
 }  // namespace
 
@@ -92,6 +85,7 @@ void scatter(const SplatTables& tables, Image& image) {
     if (image.width != picture.width() || image.height != picture.height()) {
         image = Image(picture.width(), picture.height());
     }
+    tbb::enumerable_thread_specific<RunScatter> run_scatters([&] { return RunScatter(tables); });
     const int columns = (picture.width() + block_width - 1) / block_width;
     const int rows = (picture.height() + block_height - 1) / block_height;
     parallel_for(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t i) {
@@ -99,11 +93,13 @@ void scatter(const SplatTables& tables, Image& image) {
         const int y = picture.y_begin + static_cast<int>(i) / columns * block_height;
         const RasterWindow block{x, std::min(x + block_width, picture.x_end), y,
                                  std::min(y + block_height, picture.y_end)};
-        RunScatter runs(tables, block);
-        const bool any_runs = runs.run();
+        RunScatter& runs = run_scatters.local();
+        const bool any_runs = runs.run(block);
         for (int first = block.y_begin; first < block.y_end; first += point_rows) {
             const RasterWindow part{block.x_begin, block.x_end, first, std::min(first + point_rows, block.y_end)};
-            RowsOfBlock(tables, any_runs ? &runs : nullptr, part).store(image);
+            PointScatter points(tables, part);
+            const bool any_points = points.run();
+            store_rows(tables, any_runs ? &runs : nullptr, any_points ? &points : nullptr, part, image);
         }
     });
 }

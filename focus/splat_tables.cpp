@@ -342,15 +342,18 @@ void SplatTables::finish() {
             }
         },
         16);
+    for (const SplatRow& row : rows_) {
+        run_dy_begin_ = std::min(run_dy_begin_, row.run_dy_begin);
+        run_dy_end_ = std::max(run_dy_end_, row.run_dy_end);
+        splat_dy_begin_ = std::min(splat_dy_begin_, row.splat_dy_begin);
+        splat_dy_end_ = std::max(splat_dy_end_, row.splat_dy_end);
+    }
+    any_negative_ = std::find(row_negative_.begin(), row_negative_.end(), 1) != row_negative_.end();
 }
 
 double SplatTables::largest_coc_px() const {
     const auto largest = std::max_element(row_largest_radius_px_.begin(), row_largest_radius_px_.end());
     return largest != row_largest_radius_px_.end() ? 2 * *largest : 0;
-}
-
-bool SplatTables::any_negative() const {
-    return std::find(row_negative_.begin(), row_negative_.end(), 1) != row_negative_.end();
 }
 
 }  // namespace postlens

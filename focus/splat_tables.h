@@ -75,6 +75,11 @@ class SplatTables {
         return raster_[channel].data() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
+    /// Rows that runs and splats may reach from their own, over all rows.
+    [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
+    [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
+    [[nodiscard]] int splat_dy_begin() const { return splat_dy_begin_; }
+    [[nodiscard]] int splat_dy_end() const { return splat_dy_end_; }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     /// Greatest diameter of the CoC among the nodes, px, as it is, not as its level has it.
@@ -82,7 +87,7 @@ class SplatTables {
     /// How many discs of different radius are in use.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
     /// False where no colour is below zero: then no pixel may be.
-    [[nodiscard]] bool any_negative() const;
+    [[nodiscard]] bool any_negative() const { return any_negative_; }
 
   private:
     class RowBuilder;
@@ -97,6 +102,8 @@ class SplatTables {
     BorderRadii border_;
     std::vector<double> row_largest_radius_px_;  ///< by row
     std::vector<std::uint8_t> row_negative_;    ///< by row
+    bool any_negative_ = false;
+    int run_dy_begin_ = 0, run_dy_end_ = 0, splat_dy_begin_ = 0, splat_dy_end_ = 0;
 };
 
 }  // namespace postlens

@@ -16,6 +16,7 @@
 
 #include "core/error.h"
 #include "core/output_file.h"
+#include "core/threads.h"
 
 namespace postlens {
 namespace {
@@ -69,8 +70,13 @@ template <typename Integer>
 std::vector<Integer> encoded(const Image& image) {
     constexpr float greatest = std::numeric_limits<Integer>::max();
     std::vector<Integer> values(image.rgb.size());
-    std::transform(image.rgb.begin(), image.rgb.end(), values.begin(),
-                   [](float v) { return static_cast<Integer>(std::lround(srgb_from_linear(v) * greatest)); });
+    const std::size_t row_values = static_cast<std::size_t>(image.width) * 3;
+    parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t y) {
+        const float* from = image.rgb.data() + y * row_values;
+        std::transform(from, from + row_values, values.data() + y * row_values, [](float v) {
+            return static_cast<Integer>(std::lround(srgb_from_linear(v) * greatest));
+        });
+    });
     return values;
 }
 
@@ -82,7 +88,8 @@ OIIO::ImageSpec spec_for(Format format, const Image& image) {
     // Not for TIFF, where it asks for an EXIF directory, which OpenImageIO 2.4 cannot write to memory.
     // Integer pixels are taken as sRGB without it.
     if (format != Format::tiff) spec["oiio:ColorSpace"] = format == Format::exr ? "Linear" : "sRGB";
-    if (format == Format::exr) spec["compression"] = "zip";
+    // A noisy 1920x1080 picture: RLE 0.17 s and 29 MB, ZIP 0.47 s and 24 MB.
+    if (format == Format::exr) spec["compression"] = "rle";
     if (format == Format::jpeg) spec["compression"] = "jpeg:95";
     return spec;
 }

@@ -466,10 +466,10 @@ TEST_F(TomlText, EveryLengthFollowsTheUnit) {
         {2, 0, 0});
     const Scene s = read(ball + "repeat = { count = 2, step_m = [100, 0, 0] }\n", centimetres);
     expect_near(at(s.objects.at(1).world_from_object, {}), {1, 0, 0});
-    const Mesh& m = *std::get<std::shared_ptr<const Mesh>>(
+    const Object triangle =
         object("shape = 'mesh'\npositions_m = [[0, 0, 0], [100, 0, 0], [0, 100, 0]]\nfaces = [[0, 1, 2]]\n",
-               centimetres)
-            .shape);
+               centimetres);
+    const Mesh& m = *std::get<std::shared_ptr<const Mesh>>(triangle.shape);
     EXPECT_EQ(m.positions.at(1), glm::vec3(1, 0, 0));
 }
 

@@ -43,19 +43,24 @@ void transfer(RayDifferentials& differentials, const dvec3& direction, double t,
     }
 }
 
-void reflect(RayDifferentials& differentials, const dvec3& direction, const dvec3& normal,
-             const glm::dmat3& shape_operator) {
+RayDifferentials reflect(const RayDifferentials& differentials, const dvec3& direction, const dvec3& normal,
+                         const glm::dmat3& shape_operator) {
+    RayDifferentials out;
+    out.point = differentials.point;
     const double dn = glm::dot(direction, normal);
     for (std::size_t i = 0; i < 4; ++i) {
         const dvec3 dd = differentials.direction[i];
         const dvec3 d_normal = shape_operator * differentials.point[i];
         const double d_dn = glm::dot(dd, normal) + glm::dot(direction, d_normal);
-        differentials.direction[i] = dd - 2.0 * (d_dn * normal + dn * d_normal);
+        out.direction[i] = dd - 2.0 * (d_dn * normal + dn * d_normal);
     }
+    return out;
 }
 
-void refract(RayDifferentials& differentials, const dvec3& direction, const dvec3& normal,
-             const glm::dmat3& shape_operator, double eta) {
+RayDifferentials refract(const RayDifferentials& differentials, const dvec3& direction, const dvec3& normal,
+                         const glm::dmat3& shape_operator, double eta) {
+    RayDifferentials out;
+    out.point = differentials.point;
     // D' = eta D + mu N, mu = eta c - sqrt(k), c = -D . N, k = 1 - eta^2 (1 - c^2).
     const double c = -glm::dot(direction, normal);
     const double root = std::sqrt(1 - eta * eta * (1 - c * c));
@@ -65,8 +70,9 @@ void refract(RayDifferentials& differentials, const dvec3& direction, const dvec
         const dvec3 d_normal = shape_operator * differentials.point[i];
         const double dc = -(glm::dot(dd, normal) + glm::dot(direction, d_normal));
         const double d_mu = eta * dc - eta * eta * c * dc / root;
-        differentials.direction[i] = eta * dd + d_mu * normal + mu * d_normal;
+        out.direction[i] = eta * dd + d_mu * normal + mu * d_normal;
     }
+    return out;
 }
 
 Mat2 refocus_matrix(const RayDifferentials& d) {

@@ -25,12 +25,12 @@ struct RayDifferentials {
 void transfer(RayDifferentials& differentials, const glm::dvec3& direction, double t, const glm::dvec3& normal);
 
 /// Mirrored at a surface whose unit normal is `normal` and changes by `shape_operator` per metre.
-void reflect(RayDifferentials& differentials, const glm::dvec3& direction, const glm::dvec3& normal,
-             const glm::dmat3& shape_operator);
+[[nodiscard]] RayDifferentials reflect(const RayDifferentials& differentials, const glm::dvec3& direction,
+                                       const glm::dvec3& normal, const glm::dmat3& shape_operator);
 
 /// Refracted: `eta` = index before / index behind, `normal` against the ray. Not for total internal reflection.
-void refract(RayDifferentials& differentials, const glm::dvec3& direction, const glm::dvec3& normal,
-             const glm::dmat3& shape_operator, double eta);
+[[nodiscard]] RayDifferentials refract(const RayDifferentials& differentials, const glm::dvec3& direction,
+                                       const glm::dvec3& normal, const glm::dmat3& shape_operator, double eta);
 
 /// W = (dX/dp)^-1 dX/dq of the point the differentials describe, 1/m, raster axes. At a fold, where dX/dp has no
 /// inverse, a matrix of huge finite entries.

@@ -54,9 +54,16 @@ struct MeshGeometry {
     std::shared_ptr<const Mesh> mesh;
     std::vector<glm::vec3> positions;  // as Embree has them: world space if baked, else object space
     std::vector<glm::uvec3> triangles;
-    dmat4 space_from_object{1};  // what was baked in
-    std::uint32_t object = 0;    // of a baked mesh
+    std::uint32_t object = 0;  // of a baked mesh
     RTCScene scene = nullptr;    // of a shared one
+};
+// One triangle in world space, with the gradients of its barycentric coordinates b1 and b2 over its plane.
+struct TriangleFrame {
+    const MeshGeometry* mesh;
+    std::uint32_t object;
+    glm::uvec3 corners;
+    dvec3 a, cross, gradient1, gradient2;
+    double area2;
 };
 struct InstanceGeometry {
     std::uint32_t object = 0;
@@ -99,6 +106,7 @@ struct RayScene::Impl {
     std::vector<MeshGeometry> meshes;
     std::vector<InstanceGeometry> instances;
     std::vector<dmat4> object_from_world;    // per object
+    std::vector<bool> mirrored;              // per object
     std::vector<ObjectShadow> shadows;       // per object
     bool all_opaque = true;                  // no object lets light through
 
@@ -156,8 +164,10 @@ struct RayScene::Impl {
     [[nodiscard]] SurfacePoint sphere_surface(std::uint32_t primitive, const dvec3& o, const dvec3& d, double t) const;
     [[nodiscard]] SurfacePoint analytic_surface(const AnalyticSet::Item& item, const dvec3& o, const dvec3& d,
                                                 double t) const;
-    [[nodiscard]] SurfacePoint mesh_surface(const MeshGeometry& mesh, std::uint32_t primitive, std::uint32_t object,
-                                            const dmat4& world_from_space, const dvec3& o, const dvec3& d) const;
+    [[nodiscard]] TriangleFrame triangle(const HitKey& key) const;
+    [[nodiscard]] std::array<dvec3, 3> vertex_normals(const TriangleFrame& f) const;
+    [[nodiscard]] SurfacePoint mesh_surface(const HitKey& key, const dvec3& o, const dvec3& d) const;
+    [[nodiscard]] dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
     [[nodiscard]] bool textured(std::uint32_t object) const {
         const Material& m = scene->materials[scene->objects[object].material];
         return m.colour_texture != nullptr || m.emission_texture != nullptr;
@@ -187,7 +197,7 @@ void RayScene::Impl::add_analytic(const PlacedShape& placed, const dmat4& world_
 void RayScene::Impl::add_mesh(const std::shared_ptr<const Mesh>& mesh, const dmat4& world_from_object,
                               std::uint32_t object, bool share, std::map<const Mesh*, std::size_t>& shared) {
     if (!share) {
-        MeshGeometry g{mesh, mesh->positions, mesh->triangles, world_from_object, object};
+        MeshGeometry g{mesh, mesh->positions, mesh->triangles, object};
         for (glm::vec3& p : g.positions) p = glm::vec3(dvec3(world_from_object * glm::dvec4(dvec3(p), 1)));
         attach(triangles_of(g), {Kind::mesh, meshes.size()}, object);
         meshes.push_back(std::move(g));
@@ -195,7 +205,7 @@ void RayScene::Impl::add_mesh(const std::shared_ptr<const Mesh>& mesh, const dma
     }
     if (!shared.contains(mesh.get())) {
         shared[mesh.get()] = meshes.size();
-        meshes.push_back({mesh, mesh->positions, mesh->triangles, dmat4(1), object});
+        meshes.push_back({mesh, mesh->positions, mesh->triangles, object});
         RTCScene s = rtcNewScene(device);
         mesh_scenes.push_back(s);
         meshes.back().scene = s;
@@ -225,6 +235,7 @@ void RayScene::Impl::add_objects() {
         const dmat4 world_from_object =
             object.keys.empty() ? object.world_from_object : transform_at(object.keys, time_s) * object.motion_base;
         object_from_world.push_back(glm::inverse(world_from_object));
+        mirrored.push_back(glm::determinant(dmat3(world_from_object)) < 0);
         shadows.push_back(shadow_of(*scene, object));
         all_opaque = all_opaque && shadows.back().casts && !shadows.back().transmits;
         if (const auto placed = place_shape(object.shape)) {
@@ -252,7 +263,6 @@ SurfacePoint RayScene::Impl::sphere_surface(std::uint32_t primitive, const dvec3
     const dvec3 n = glm::normalize(l + (s.t - tc) * d);
     s.position = c + r * n;
     s.geometric_normal = s.normal = n;
-    s.shape_operator = (dmat3(1) - glm::outerProduct(n, n)) / r;
     if (textured(s.object)) {
         s.object_position = dvec3(object_from_world[s.object] * glm::dvec4(s.position, 1));
         const auto& shape = std::get<Sphere>(scene->objects[s.object].shape);
@@ -270,70 +280,99 @@ SurfacePoint RayScene::Impl::analytic_surface(const AnalyticSet::Item& item, con
     SurfacePoint s;
     s.object = item.object;
     s.t = t;  // kept where float saw a silhouette that double just misses
-    int part = 0;
     double best = std::numeric_limits<double>::infinity();
     for (int k = 0; k < found.count; ++k) {
         if (std::abs(found.t[k] - t) >= best) continue;
         best = std::abs(found.t[k] - t);
         s.t = found.t[k];
-        part = found.part[k];
+        s.part = found.part[k];
     }
     s.position = o + s.t * d;
     const dvec3 local = lo + s.t * ld;
-    const LocalGeometry g = local_geometry(item.shape, part, local);
-    // Normals go over as covectors; the shape operator as d(normalised covector) along world moves.
-    const dvec3 covector = glm::transpose(linear) * g.normal;
-    const double length = glm::length(covector);
-    s.geometric_normal = s.normal = covector / length;
-    s.shape_operator = (dmat3(1) - glm::outerProduct(s.normal, s.normal)) * glm::transpose(linear) * g.shape_operator *
-                       linear / length;
+    const LocalGeometry g = local_geometry(item.shape, s.part, local);
+    s.geometric_normal = s.normal = glm::normalize(glm::transpose(linear) * g.normal);  // normals go over as covectors
     s.uv = g.uv;
     s.object_position = dvec3(item.object_from_local * glm::dvec4(local, 1));
     return s;
 }
 
-SurfacePoint RayScene::Impl::mesh_surface(const MeshGeometry& mesh, std::uint32_t primitive, std::uint32_t object,
-                                          const dmat4& world_from_space, const dvec3& o, const dvec3& d) const {
-    const glm::uvec3 tri = mesh.triangles[primitive];
+TriangleFrame RayScene::Impl::triangle(const HitKey& key) const {
+    TriangleFrame f;
+    const bool instanced = key.instance != HitKey::none;
+    const Entry& entry = entries[instanced ? key.instance : key.geometry];
+    f.mesh = &meshes[instanced ? instances[entry.index].mesh : entry.index];
+    f.object = instanced ? instances[entry.index].object : f.mesh->object;
+    f.corners = f.mesh->triangles[key.primitive];
     const auto world = [&](std::uint32_t i) {
-        return dvec3(world_from_space * glm::dvec4(dvec3(mesh.positions[i]), 1));
+        const dvec3 p(f.mesh->positions[i]);
+        return instanced ? dvec3(instances[entry.index].world_from_object * glm::dvec4(p, 1)) : p;
     };
-    const dvec3 a = world(tri.x), e1 = world(tri.y) - a, e2 = world(tri.z) - a;
-    const dvec3 cross = glm::cross(e1, e2);
-    const double area2 = glm::dot(cross, cross);
+    f.a = world(f.corners.x);
+    const dvec3 e1 = world(f.corners.y) - f.a, e2 = world(f.corners.z) - f.a;
+    f.cross = glm::cross(e1, e2);
+    f.area2 = glm::dot(f.cross, f.cross);
+    f.gradient1 = glm::cross(e2, f.cross) / f.area2;
+    f.gradient2 = glm::cross(f.cross, e1) / f.area2;
+    return f;
+}
+
+std::array<dvec3, 3> RayScene::Impl::vertex_normals(const TriangleFrame& f) const {
+    const auto& normals = f.mesh->mesh->normals;
+    const dmat3 covariant = glm::transpose(dmat3(object_from_world[f.object]));
+    return {covariant * dvec3(normals[f.corners.x]), covariant * dvec3(normals[f.corners.y]),
+            covariant * dvec3(normals[f.corners.z])};
+}
+
+SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, const dvec3& d) const {
+    const TriangleFrame f = triangle(key);
     SurfacePoint s;
-    s.object = object;
-    s.t = glm::dot(a - o, cross) / glm::dot(d, cross);
+    s.object = f.object;
+    s.t = glm::dot(f.a - o, f.cross) / glm::dot(d, f.cross);
     s.position = o + s.t * d;
-    // Gradients of the barycentric coordinates b1, b2 over the triangle's plane.
-    const dvec3 g1 = glm::cross(e2, cross) / area2, g2 = glm::cross(cross, e1) / area2;
-    const dvec3 from_a = s.position - a;
-    const double b1 = glm::dot(from_a, g1), b2 = glm::dot(from_a, g2), b0 = 1 - b1 - b2;
+    const dvec3 from_a = s.position - f.a;
+    const double b1 = glm::dot(from_a, f.gradient1), b2 = glm::dot(from_a, f.gradient2), b0 = 1 - b1 - b2;
     // A mirroring transform turns the winding over; the outside stays where the mesh has it.
-    const dmat4& object_space = object_from_world[object];
-    const double side = glm::determinant(dmat3(object_space)) < 0 ? -1 : 1;
-    s.geometric_normal = s.normal = side * cross / std::sqrt(area2);
-    if (!mesh.mesh->normals.empty()) {
-        const auto& normals = mesh.mesh->normals;
-        const dmat3 covariant = glm::transpose(dmat3(object_space));
-        const dvec3 n0 = covariant * dvec3(normals[tri.x]), n1 = covariant * dvec3(normals[tri.y]),
-                    n2 = covariant * dvec3(normals[tri.z]);
-        const dvec3 sum = b0 * n0 + b1 * n1 + b2 * n2;
+    s.geometric_normal = s.normal = (mirrored[f.object] ? -1 : 1) / std::sqrt(f.area2) * f.cross;
+    if (!f.mesh->mesh->normals.empty()) {
+        const auto n = vertex_normals(f);
+        const dvec3 sum = b0 * n[0] + b1 * n[1] + b2 * n[2];
         const double length = glm::length(sum);
         if (length > 0) {
             s.normal = sum / length;
             // Vertex normals say which side is out only as far as the winding agrees.
             if (glm::dot(s.normal, s.geometric_normal) < 0) s.geometric_normal = -s.geometric_normal;
-            s.shape_operator = (dmat3(1) - glm::outerProduct(s.normal, s.normal)) *
-                               (glm::outerProduct(n1 - n0, g1) + glm::outerProduct(n2 - n0, g2)) / length;
         }
     }
-    s.object_position = dvec3(object_space * glm::dvec4(s.position, 1));
-    if (!mesh.mesh->uvs.empty()) {
-        const auto& uv = mesh.mesh->uvs;
-        s.uv = b0 * glm::dvec2(uv[tri.x]) + b1 * glm::dvec2(uv[tri.y]) + b2 * glm::dvec2(uv[tri.z]);
+    if (textured(s.object)) {
+        s.object_position = dvec3(object_from_world[s.object] * glm::dvec4(s.position, 1));
+        const auto& uv = f.mesh->mesh->uvs;
+        if (!uv.empty()) {
+            s.uv = b0 * glm::dvec2(uv[f.corners.x]) + b1 * glm::dvec2(uv[f.corners.y]) + b2 * glm::dvec2(uv[f.corners.z]);
+        }
     }
     return s;
+}
+
+dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) const {
+    const dmat3 across = dmat3(1) - glm::outerProduct(at.normal, at.normal);
+    const Entry& entry = entries[key.instance == HitKey::none ? key.geometry : key.instance];
+    if (entry.kind == Kind::spheres) return across / spheres.exact_radius[key.primitive];
+    if (entry.kind == Kind::analytic) {
+        // d(normalised covector) along moves in the world.
+        const AnalyticSet::Item& item = analytic.items[key.primitive];
+        const dmat3 linear(item.local_from_world);
+        const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));
+        const LocalGeometry g = local_geometry(item.shape, at.part, local);
+        return across * glm::transpose(linear) * g.shape_operator * linear / glm::length(glm::transpose(linear) * g.normal);
+    }
+    const TriangleFrame f = triangle(key);
+    if (f.mesh->mesh->normals.empty()) return dmat3(0);
+    const auto n = vertex_normals(f);
+    const dvec3 from_a = at.position - f.a;
+    const double b1 = glm::dot(from_a, f.gradient1), b2 = glm::dot(from_a, f.gradient2);
+    const double length = glm::length((1 - b1 - b2) * n[0] + b1 * n[1] + b2 * n[2]);
+    if (!(length > 0)) return dmat3(0);
+    return across * (glm::outerProduct(n[1] - n[0], f.gradient1) + glm::outerProduct(n[2] - n[0], f.gradient2)) / length;
 }
 
 RayScene::RayScene(const Scene& scene, double time_s) : impl_(std::make_unique<Impl>(scene)) {
@@ -455,23 +494,14 @@ void RayScene::occlude(RayBatch& rays) const {
 }
 
 SurfacePoint RayScene::surface(const HitKey& key, const dvec3& o, const dvec3& d, double t) const {
-    const std::uint32_t top = key.instance == HitKey::none ? key.geometry : key.instance;
-    const Impl::Entry& entry = impl_->entries[top];
-    switch (entry.kind) {
-        case Impl::Kind::spheres:
-            return impl_->sphere_surface(key.primitive, o, d, t);
-        case Impl::Kind::analytic:
-            return impl_->analytic_surface(impl_->analytic.items[key.primitive], o, d, t);
-        case Impl::Kind::mesh: {
-            const MeshGeometry& mesh = impl_->meshes[entry.index];
-            return impl_->mesh_surface(mesh, key.primitive, mesh.object, dmat4(1), o, d);
-        }
-        case Impl::Kind::instance:
-            break;
-    }
-    const InstanceGeometry& instance = impl_->instances[entry.index];
-    return impl_->mesh_surface(impl_->meshes[instance.mesh], key.primitive, instance.object, instance.world_from_object,
-                               o, d);
+    const Impl::Entry& entry = impl_->entries[key.instance == HitKey::none ? key.geometry : key.instance];
+    if (entry.kind == Impl::Kind::spheres) return impl_->sphere_surface(key.primitive, o, d, t);
+    if (entry.kind == Impl::Kind::analytic) return impl_->analytic_surface(impl_->analytic.items[key.primitive], o, d, t);
+    return impl_->mesh_surface(key, o, d);
+}
+
+dmat3 RayScene::shape_operator(const HitKey& key, const SurfacePoint& at) const {
+    return impl_->shape_operator(key, at);
 }
 
 }  // namespace postlens

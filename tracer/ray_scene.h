@@ -62,10 +62,10 @@ struct SurfacePoint {
     glm::dvec3 position{0};
     glm::dvec3 geometric_normal{0, 0, 1};  ///< unit, outward
     glm::dvec3 normal{0, 0, 1};            ///< unit, outward; interpolated on smooth meshes
-    glm::dmat3 shape_operator{0};          ///< d(normal) = shape_operator * d(position), 1/m
     glm::dvec3 object_position{0};         ///< in the object's own space, for textures
     glm::dvec2 uv{0};
     std::uint32_t object = 0;  ///< index into Scene::objects
+    int part = 0;              ///< of an analytic shape: face or cap
 };
 
 class RayScene {
@@ -85,6 +85,8 @@ class RayScene {
     void occlude(RayBatch& rays) const;
     /// The hit solved in double for the ray o + t d, |d| = 1, near the t that `intersect` found.
     [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t) const;
+    /// How the outward unit normal of that hit changes: d(normal) = shape_operator * d(position), 1/m.
+    [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
     /// How far to move a ray's origin off a surface at `p`, m: above float's rounding there, far below all else.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 

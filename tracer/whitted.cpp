@@ -49,13 +49,26 @@ struct PlacedLight {
     double cos_outer, cos_inner;
 };
 
+// Items that are filled in place, field by field, and kept for reuse: building them elsewhere and copying them in
+// cost more than the shading.
+template <typename T>
+struct Pool {
+    std::vector<T> items;
+    std::size_t count = 0;
+    T& add() {
+        if (count == items.size()) items.resize(std::max<std::size_t>(256, 2 * count));
+        return items[count++];
+    }
+    [[nodiscard]] T& operator[](std::size_t i) { return items[i]; }
+};
+
 // Buffers of one thread, kept from batch to batch.
 struct Workspace {
-    std::vector<PathRay> rays, next_rays;
-    std::vector<RayDifferentials> differentials, next_differentials;
-    std::vector<Node> nodes;
-    std::vector<std::vector<Shadow>> shadows;    // per light
-    std::vector<RayBatch> shadow_rays;           // per light
+    Pool<PathRay> rays, next_rays;
+    Pool<RayDifferentials> differentials, next_differentials;
+    Pool<Node> nodes;
+    std::vector<Pool<Shadow>> shadows;    // per light
+    std::vector<RayBatch> shadow_rays;    // per light
     RayBatch batch, next_batch;
     std::vector<std::uint32_t> order;
 };
@@ -63,20 +76,46 @@ struct Workspace {
 // The surface as the ray sees it: normals turned against the ray.
 struct Facing {
     dvec3 normal, geometric_normal;
-    glm::dmat3 shape_operator;
-    bool entering;
+    double sign;            // of the turn
+    bool smooth;            // false: the facet's own normal stands in for the interpolated one
+    [[nodiscard]] bool entering() const { return sign > 0; }
 };
 
 Facing face(const SurfacePoint& s, const dvec3& direction) {
-    const bool entering = glm::dot(direction, s.geometric_normal) < 0;
-    const double sign = entering ? 1 : -1;
-    Facing f{sign * s.normal, sign * s.geometric_normal, sign * s.shape_operator, entering};
+    const double sign = glm::dot(direction, s.geometric_normal) < 0 ? 1 : -1;
+    Facing f{sign * s.normal, sign * s.geometric_normal, sign, true};
     if (glm::dot(direction, f.normal) >= 0) {
         // An interpolated normal that looks away from the eye has no mirror direction; the facet's own has.
         f.normal = f.geometric_normal;
-        f.shape_operator = glm::dmat3(0);
+        f.smooth = false;
     }
     return f;
+}
+
+// Nodes come generation by generation; records go sample by sample, by path.
+void collect(std::span<const glm::dvec2> positions, Workspace& w, TracedSamples& out) {
+    out.offsets.assign(positions.size() + 1, 0);
+    for (std::size_t i = 0; i < w.nodes.count; ++i) ++out.offsets[w.nodes[i].sample + 1];
+    for (std::size_t i = 1; i < out.offsets.size(); ++i) out.offsets[i] += out.offsets[i - 1];
+    out.records.resize(w.nodes.count);
+    std::vector<std::uint32_t>& next = w.order;
+    next.assign(out.offsets.begin(), out.offsets.end() - 1);
+    for (std::size_t i = 0; i < w.nodes.count; ++i) {
+        Node& n = w.nodes[i];
+        const dvec3 c = n.radiance * n.throughput;
+        n.record.x = static_cast<float>(positions[n.sample].x);
+        n.record.y = static_cast<float>(positions[n.sample].y);
+        n.record.r = static_cast<float>(c.x);
+        n.record.g = static_cast<float>(c.y);
+        n.record.b = static_cast<float>(c.z);
+        out.records[next[n.sample]++] = n.record;
+    }
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const auto first = out.records.begin() + out.offsets[i], last = out.records.begin() + out.offsets[i + 1];
+        if (last - first > 2) {
+            std::sort(first, last, [](const Record& a, const Record& b) { return a.path.bits() < b.path.bits(); });
+        }
+    }
 }
 
 }  // namespace
@@ -96,6 +135,7 @@ struct WhittedTracer::Impl {
     void bound_contributions();
     void start(std::span<const glm::dvec2> positions, Workspace& w) const;
     void generation(Workspace& w, RayCounts& counts) const;
+    [[nodiscard]] static Node& add_node(const PathRay& ray, Workspace& w);
     void miss(const PathRay& ray, Workspace& w) const;
     void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w, RayCounts& counts) const;
     void light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key, const Material& m,
@@ -138,23 +178,39 @@ void WhittedTracer::Impl::bound_contributions() {
 }
 
 void WhittedTracer::Impl::start(std::span<const glm::dvec2> positions, Workspace& w) const {
-    w.rays.clear();
-    w.nodes.clear();
-    w.differentials.clear();
+    w.rays.count = w.nodes.count = w.differentials.count = 0;
+    w.batch.clear(false);
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const CameraRay eye = camera.ray(positions[i].x, positions[i].y);
-        w.rays.push_back({eye.origin, eye.direction, dvec3(1), 0, eye.cos_axis, static_cast<std::uint32_t>(i), 0, NodePath(), {}});
+        PathRay& r = w.rays.add();
+        r.origin = eye.origin;
+        r.direction = eye.direction;
+        r.throughput = dvec3(1);
+        r.length = 0;
+        r.cos_axis = eye.cos_axis;
+        r.sample = static_cast<std::uint32_t>(i);
+        r.path = NodePath();
+        w.batch.add(eye.origin, eye.direction, std::numeric_limits<float>::infinity());
     }
-    w.batch.clear(false);
-    for (const PathRay& r : w.rays) w.batch.add(r.origin, r.direction, std::numeric_limits<float>::infinity());
+}
+
+// The next node, all but its depth, id, W and radiance.
+Node& WhittedTracer::Impl::add_node(const PathRay& ray, Workspace& w) {
+    Node& n = w.nodes.add();
+    n.record.path = ray.path;
+    n.record.layer = 0;
+    n.throughput = ray.throughput;
+    n.sample = ray.sample;
+    return n;
 }
 
 void WhittedTracer::Impl::miss(const PathRay& ray, Workspace& w) const {
-    Record r;
-    r.path = ray.path;
-    r.z = std::numeric_limits<float>::infinity();
-    if (refocus && ray.path.bits() != 0) r.w = refocus_matrix_at_infinity(w.differentials[ray.differentials]);
-    w.nodes.push_back({r, rays.scene().background, ray.throughput, ray.sample});
+    Node& n = add_node(ray, w);
+    n.record.id = 0;
+    n.record.z = std::numeric_limits<float>::infinity();
+    const bool deeper = refocus && ray.path.bits() != 0;
+    n.record.w = deeper ? refocus_matrix_at_infinity(w.differentials[ray.differentials]) : Mat2();
+    n.radiance = rays.scene().background;
 }
 
 void WhittedTracer::Impl::hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
@@ -163,28 +219,26 @@ void WhittedTracer::Impl::hit(const PathRay& ray, const SurfacePoint& s, const H
     const Object& object = scene.objects[s.object];
     const Material& m = scene.materials[object.material];
     const Facing f = face(s, ray.direction);
-    Record r;
-    r.path = ray.path;
-    r.id = object.id;
-    r.z = static_cast<float>((ray.length + s.t) * ray.cos_axis);
-    if (ray.path.bits() == 0) {
-        r.w = Mat2::isotropic(1 / r.z);
-    } else if (refocus) {
+    Node& n = add_node(ray, w);
+    n.record.id = object.id;
+    n.record.z = static_cast<float>((ray.length + s.t) * ray.cos_axis);
+    if (ray.path.bits() != 0 && refocus) {
         RayDifferentials& d = w.differentials[ray.differentials];
         transfer(d, ray.direction, s.t, f.geometric_normal);
-        r.w = refocus_matrix(d);
+        n.record.w = refocus_matrix(d);
+    } else {
+        n.record.w = Mat2::isotropic(1 / n.record.z);
     }
     const dvec3 colour = m.colour_texture ? m.colour_texture->colour(s.object_position, s.uv) : dvec3(1);
-    dvec3 radiance = m.ambient * colour * scene.ambient_light;
-    radiance += m.emission_texture ? m.emission * m.emission_texture->colour(s.object_position, s.uv) : m.emission;
-    w.nodes.push_back({r, radiance, ray.throughput, ray.sample});
+    n.radiance = m.ambient * colour * scene.ambient_light;
+    n.radiance += m.emission_texture ? m.emission * m.emission_texture->colour(s.object_position, s.uv) : m.emission;
     light(ray, s, f, key, m, colour, w, counts);
     spawn(ray, s, f, key, m, w, counts);
 }
 
 void WhittedTracer::Impl::light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
                                 const Material& m, const dvec3& colour, Workspace& w, RayCounts& counts) const {
-    const auto node = static_cast<std::uint32_t>(w.nodes.size() - 1);
+    const auto node = static_cast<std::uint32_t>(w.nodes.count - 1);
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const PlacedLight& placed = lights[i];
         const Light& l = *placed.light;
@@ -217,14 +271,16 @@ void WhittedTracer::Impl::light(const PathRay& ray, const SurfacePoint& s, const
         const dvec3 radiance = intensity * reflected;
         if (radiance == dvec3(0)) continue;
         if (!l.casts_shadows) {
-            w.nodes.back().radiance += radiance;
+            w.nodes[node].radiance += radiance;
             continue;
         }
         // The shadow ray leaves on the light's side of the true surface.
         const double side = glm::dot(f.geometric_normal, to_light) >= 0 ? 1 : -1;
         const dvec3 origin = s.position + (side * RayScene::offset(s.position)) * f.geometric_normal;
         ++counts.shadow;
-        w.shadows[i].push_back({node, radiance});
+        Shadow& shadow = w.shadows[i].add();
+        shadow.node = node;
+        shadow.radiance = radiance;
         if (directional) {
             w.shadow_rays[i].add(origin, to_light, std::numeric_limits<float>::infinity(), key);
         } else {
@@ -236,8 +292,15 @@ void WhittedTracer::Impl::light(const PathRay& ray, const SurfacePoint& s, const
 
 void WhittedTracer::Impl::child(const PathRay& parent, const SurfacePoint& s, const HitKey& key, const dvec3& direction,
                                 const dvec3& off, const dvec3& throughput, NodePath::Bounce bounce, Workspace& w) const {
-    w.next_rays.push_back({s.position, direction, throughput, parent.length + s.t, parent.cos_axis, parent.sample,
-                           static_cast<std::uint32_t>(w.next_differentials.size()), parent.path.child(bounce), key});
+    PathRay& r = w.next_rays.add();
+    r.origin = s.position;
+    r.direction = direction;
+    r.throughput = throughput;
+    r.length = parent.length + s.t;
+    r.cos_axis = parent.cos_axis;
+    r.sample = parent.sample;
+    r.differentials = static_cast<std::uint32_t>(w.next_differentials.count);
+    r.path = parent.path.child(bounce);
     w.next_batch.add(s.position + RayScene::offset(s.position) * off, direction, std::numeric_limits<float>::infinity(), key);
 }
 
@@ -251,7 +314,7 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
     dvec3 reflected = ray.throughput * m.reflection;
     const dvec3 transmitted = ray.throughput * m.transmission;
     const double d_n = glm::dot(ray.direction, f.normal);
-    const double eta = f.entering ? 1 / m.ior : m.ior;
+    const double eta = f.entering() ? 1 / m.ior : m.ior;
     const double k = 1 - eta * eta * (1 - d_n * d_n);
     bool refracts = transmitted != dvec3(0);
     if (refracts && k <= 0) {
@@ -262,40 +325,37 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
     const bool reflects = worth(reflected);
     if (!reflects && !refracts) return;
 
-    RayDifferentials here;
+    const RayDifferentials* here = nullptr;
+    RayDifferentials at_eye;
+    glm::dmat3 shape_operator(0);
     if (refocus) {
         if (ray.path.bits() == 0) {
-            here = eye_differentials(camera, {ray.origin, ray.direction, ray.cos_axis});
-            transfer(here, ray.direction, s.t, f.geometric_normal);
+            at_eye = eye_differentials(camera, {ray.origin, ray.direction, ray.cos_axis});
+            transfer(at_eye, ray.direction, s.t, f.geometric_normal);
+            here = &at_eye;
         } else {
-            here = w.differentials[ray.differentials];
+            here = &w.differentials[ray.differentials];
         }
+        if (f.smooth) shape_operator = f.sign * rays.shape_operator(key, s);
     }
     if (reflects) {
         dvec3 direction = ray.direction - 2 * d_n * f.normal;
-        dvec3 normal = f.normal;
-        glm::dmat3 shape_operator = f.shape_operator;
-        if (glm::dot(direction, f.geometric_normal) <= 0) {
-            // An interpolated normal sent the ray into the surface; the facet's own normal cannot.
-            normal = f.geometric_normal;
-            shape_operator = glm::dmat3(0);
-            direction = glm::reflect(ray.direction, normal);
-        }
+        const bool inwards = glm::dot(direction, f.geometric_normal) <= 0;
+        // An interpolated normal may send the ray into the surface; the facet's own normal cannot.
+        if (inwards) direction = glm::reflect(ray.direction, f.geometric_normal);
         ++counts.reflect;
         child(ray, s, key, glm::normalize(direction), f.geometric_normal, reflected, NodePath::Bounce::reflected, w);
-        if (refocus) {
-            w.next_differentials.push_back(here);
-            reflect(w.next_differentials.back(), ray.direction, normal, shape_operator);
+        if (refocus && inwards) {
+            w.next_differentials.add() = reflect(*here, ray.direction, f.geometric_normal, glm::dmat3(0));
+        } else if (refocus) {
+            w.next_differentials.add() = reflect(*here, ray.direction, f.normal, shape_operator);
         }
     }
     if (refracts) {
         const dvec3 direction = eta * ray.direction + (-eta * d_n - std::sqrt(k)) * f.normal;
         ++counts.refract;
         child(ray, s, key, glm::normalize(direction), -f.geometric_normal, transmitted, NodePath::Bounce::transmitted, w);
-        if (refocus) {
-            w.next_differentials.push_back(here);
-            refract(w.next_differentials.back(), ray.direction, f.normal, f.shape_operator, eta);
-        }
+        if (refocus) w.next_differentials.add() = refract(*here, ray.direction, f.normal, shape_operator, eta);
     }
 }
 
@@ -304,7 +364,7 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
         RayBatch& batch = w.shadow_rays[i];
         if (batch.count == 0) continue;
         rays.occlude(batch);
-        for (std::size_t k = 0; k < w.shadows[i].size(); ++k) {
+        for (std::size_t k = 0; k < w.shadows[i].count; ++k) {
             const Shadow& shadow = w.shadows[i][k];
             w.nodes[shadow.node].radiance += shadow.radiance * batch.transmittance[k];
         }
@@ -312,15 +372,14 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
 }
 
 void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
-    rays.intersect(w.batch, w.rays.front().path.bits() == 0);
+    rays.intersect(w.batch, w.rays[0].path.bits() == 0);
     w.next_batch.clear(true);
-    w.next_rays.clear();
-    w.next_differentials.clear();
+    w.next_rays.count = w.next_differentials.count = 0;
     for (std::size_t i = 0; i < lights.size(); ++i) {
-        w.shadows[i].clear();
+        w.shadows[i].count = 0;
         w.shadow_rays[i].clear(true);
     }
-    for (std::size_t i = 0; i < w.rays.size(); ++i) {
+    for (std::size_t i = 0; i < w.rays.count; ++i) {
         const PathRay& ray = w.rays[i];
         const HitKey key = w.batch.hit[i];
         if (!key.valid()) {
@@ -332,8 +391,8 @@ void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
     }
     resolve_shadows(w);
     std::swap(w.batch, w.next_batch);
-    w.rays.swap(w.next_rays);
-    w.differentials.swap(w.next_differentials);
+    std::swap(w.rays, w.next_rays);
+    std::swap(w.differentials, w.next_differentials);
 }
 
 WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings)
@@ -356,31 +415,9 @@ void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& 
     w.shadow_rays.resize(impl_->lights.size());
     impl_->start(positions, w);
     counts.eye += positions.size();
-    while (!w.rays.empty()) impl_->generation(w, counts);
+    while (w.rays.count > 0) impl_->generation(w, counts);
 
-    // Nodes come generation by generation; records go sample by sample, by path.
-    out.offsets.assign(positions.size() + 1, 0);
-    for (const Node& n : w.nodes) ++out.offsets[n.sample + 1];
-    for (std::size_t i = 1; i < out.offsets.size(); ++i) out.offsets[i] += out.offsets[i - 1];
-    out.records.resize(w.nodes.size());
-    std::vector<std::uint32_t>& next = w.order;
-    next.assign(out.offsets.begin(), out.offsets.end() - 1);
-    for (const Node& n : w.nodes) {
-        Record& r = out.records[next[n.sample]++];
-        r = n.record;
-        const dvec3 c = n.radiance * n.throughput;
-        r.x = static_cast<float>(positions[n.sample].x);
-        r.y = static_cast<float>(positions[n.sample].y);
-        r.r = static_cast<float>(c.x);
-        r.g = static_cast<float>(c.y);
-        r.b = static_cast<float>(c.z);
-    }
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-        const auto first = out.records.begin() + out.offsets[i], last = out.records.begin() + out.offsets[i + 1];
-        if (last - first > 2) {
-            std::sort(first, last, [](const Record& a, const Record& b) { return a.path.bits() < b.path.bits(); });
-        }
-    }
+    collect(positions, w, out);
 }
 
 }  // namespace postlens

@@ -1,0 +1,261 @@
+// The command as people type it: what it prints, its exit codes, and what is left on disk when something goes wrong.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/error.h"
+#include "records/image.h"
+#include "records/sample_file.h"
+#include "tests/temporary_folder.h"
+
+namespace postlens::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Run {
+    int exit_code = -1;
+    std::string out, err;
+};
+
+std::string text_of(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string quoted(const std::string& word) {
+    std::string out = "'";
+    for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
+
+class Cli : public testing::Test {
+  protected:
+    Run run(const std::vector<std::string>& words, const std::string& before = "") {
+        std::string command = before + quoted(POSTLENS_BINARY);
+        for (const std::string& w : words) command += " " + quoted(w);
+        const fs::path out = folder_.path() / ".out", err = folder_.path() / ".err";
+        command += " >" + quoted(out.string()) + " 2>" + quoted(err.string()) + " </dev/null";
+        const int status = std::system(command.c_str());
+        Run r{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text_of(out), text_of(err)};
+        fs::remove(out);
+        fs::remove(err);
+        return r;
+    }
+    // Refused: this exit code, one line that begins as it should, and nothing on disk.
+    void refused(const std::vector<std::string>& words, ExitCode code, const std::string& part) {
+        const std::size_t before = folder_.file_count();
+        const Run r = run(words);
+        std::string all;
+        for (const auto& w : words) all += " " + w;
+        EXPECT_EQ(r.exit_code, static_cast<int>(code)) << all << "\n" << r.err;
+        EXPECT_EQ(r.err.rfind("postlens: ", 0), 0U) << all << "\n" << r.err;
+        EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << all << "\n" << r.err;
+        EXPECT_NE(r.err.find(part), std::string::npos) << all << "\n" << r.err;
+        EXPECT_EQ(folder_.file_count(), before) << all;
+    }
+    std::string in(const std::string& name) { return (folder_.path() / name).string(); }
+    std::string scene() { return std::string(POSTLENS_TEST_DATA) + "/nff/balls_s2.nff"; }
+    std::string traced() {
+        const std::string path = in("frame.exr");
+        const Run r = run({"trace", scene(), "-o", path, "--size", "96x96", "--metres-per-unit", "0.1", "--quiet"});
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        return path;
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(Cli, HelpNamesEverySubcommandWithUnits) {
+    const Run r = run({"--help"});
+    EXPECT_EQ(r.exit_code, 0);
+    for (const char* sub : {"trace", "image", "records", "focus", "lens", "info"}) {
+        EXPECT_NE(r.out.find(sub), std::string::npos) << sub;
+        const Run h = run({sub, "--help"});
+        EXPECT_EQ(h.exit_code, 0) << sub;
+        EXPECT_FALSE(h.out.empty());
+    }
+    EXPECT_NE(run({"focus", "--help"}).out.find("MM"), std::string::npos);
+    EXPECT_EQ(run({"--version"}).exit_code, 0);
+}
+
+TEST_F(Cli, TraceThenFocusThreeTimes) {
+    const Run t = run({"trace", scene(), "-o", in("b.exr"), "--size", "96x96", "--metres-per-unit", "0.1", "--json"});
+    ASSERT_EQ(t.exit_code, 0) << t.err;
+    const json trace = json::parse(t.out);
+    EXPECT_GT(trace.at("records"), 97 * 97);
+    EXPECT_EQ(trace.at("bytes"), fs::file_size(in("b.exr")));
+    EXPECT_GT(trace.at("rays").at("shadow"), 0);
+    EXPECT_GE(trace.at("seconds"), 0.0);
+    std::vector<std::string> pictures;
+    for (const char* s : {"0.2", "0.3", "inf"}) {
+        const std::string out = in(std::string("f") + s + ".exr");
+        const Run f = run({"focus", in("b.exr"), "-o", out, "--focal-length", "50", "--f-number", "2", "--focus", s, "--json"});
+        ASSERT_EQ(f.exit_code, 0) << f.err;
+        const json j = json::parse(f.out);
+        EXPECT_EQ(j.at("method"), "scatter");
+        EXPECT_EQ(j.at("f_number"), 2.0);
+        EXPECT_EQ(j.at("focal_length_mm"), 50.0);
+        EXPECT_EQ(j.at("focus_m").is_null(), std::string(s) == "inf");
+        pictures.push_back(text_of(out));
+    }
+    EXPECT_NE(pictures[0], pictures[1]);
+    EXPECT_NE(pictures[1], pictures[2]);
+}
+
+TEST_F(Cli, ImagePinholeAndInfiniteFNumberAreOnePicture) {
+    const std::string frame = traced();
+    EXPECT_EQ(run({"image", frame, "-o", in("a.exr")}).exit_code, 0);
+    EXPECT_EQ(run({"focus", frame, "-o", in("b.exr"), "--method", "pinhole"}).exit_code, 0);
+    EXPECT_EQ(run({"focus", frame, "-o", in("c.exr"), "--f-number", "inf", "--focus", "3"}).exit_code, 0);
+    const Image a = read_image(in("a.exr")), b = read_image(in("b.exr")), c = read_image(in("c.exr"));
+    EXPECT_EQ(a.rgb, b.rgb);
+    EXPECT_EQ(a.rgb, c.rgb);
+    EXPECT_EQ(a.rgb, SampleFileReader(frame).picture().rgb);
+}
+
+TEST_F(Cli, RecordsAndInfoTellWhatIsThere) {
+    const std::string frame = traced();
+    const Run r = run({"records", frame, "--at", "48,60", "--f-number", "2", "--focus", "0.3", "--json"});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const json samples = json::parse(r.out).at("samples");
+    double weight = 0;
+    for (const json& s : samples) weight += s.at("weight").get<double>();
+    EXPECT_NEAR(weight, 1, 1e-6);
+    EXPECT_EQ(samples[0].at("nodes")[0].at("path"), "primary");
+    EXPECT_TRUE(samples[0].at("nodes")[0].contains("coc_px"));
+    const json info = json::parse(run({"info", frame, "--json"}).out);
+    EXPECT_EQ(info.at("kind"), "samples");
+    EXPECT_EQ(info.at("width"), 96);
+    EXPECT_EQ(json::parse(run({"info", scene(), "--json"}).out).at("kind"), "scene");
+    EXPECT_EQ(run({"image", frame, "-o", in("a.png")}).exit_code, 0);
+    EXPECT_EQ(json::parse(run({"info", in("a.png"), "--json"}).out).at("kind"), "image");
+    EXPECT_EQ(run({"focus", frame, "-o", in("at.png"), "--f-number", "2", "--focus-at", "48,60"}).exit_code, 0);
+}
+
+TEST_F(Cli, LensNumbers) {
+    const json coc = json::parse(run({"lens", "coc", "--focal-length", "50", "--f-number", "2", "--focus", "2", "--depth", "4", "--json"}).out);
+    // F^2 (z - s) / (n z (s - F)) = 2500 * 2 / (2 * 4 * 1950) mm.
+    EXPECT_NEAR(coc.at("coc_mm"), 2500.0 * 2000 / (2 * 4000 * 1950.0), 1e-12);
+    EXPECT_NEAR(coc.at("coc_px"), coc.at("coc_mm").get<double>() * 1000 / 18.75, 1e-9);
+    const json dof = json::parse(run({"lens", "dof", "--focal-length", "28", "--f-number", "8", "--focus", "4", "--coc-limit", "0.03", "--json"}).out);
+    EXPECT_TRUE(dof.at("far_m").is_null());
+    EXPECT_NEAR(dof.at("near_m"), 1.80512, 1e-5);
+}
+
+TEST_F(Cli, WrongArgumentsAreTwo) {
+    const std::string frame = traced();
+    const ExitCode two = ExitCode::wrong_arguments;
+    refused({}, two, "subcommand");
+    refused({"nonsense"}, two, "nonsense");
+    refused({"trace"}, two, "scene");
+    refused({"trace", scene()}, two, "--output");
+    refused({"trace", scene(), "-o", in("x.exr"), "--size", "0x5"}, two, "--size");
+    refused({"trace", scene(), "-o", in("x.exr"), "--size", "5"}, two, "WxH");
+    refused({"trace", scene(), "-o", in("x.exr"), "--size", "99999999x5"}, two, "--size");
+    refused({"trace", scene(), "-o", in("x.exr"), "--subdivide", "99"}, two, "--subdivide");
+    refused({"trace", scene(), "-o", in("x.exr"), "--threshold", "nan"}, two, "--threshold");
+    refused({"trace", scene(), "-o", in("x.exr"), "--overscan", "-4"}, two, "--overscan");
+    refused({"trace", scene(), "-o", in("x.exr"), "--metres-per-unit", "0"}, two, "metres");
+    refused({"trace", scene(), "-o", in("x.exr"), "--focal-length", "1e999"}, two, "--focal-length");
+    refused({"trace", scene(), "-o", in("x.exr"), "--threads", "-1"}, two, "--threads");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "0", "--focus", "1"}, two, "f-number");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "-2", "--focus", "1"}, two, "f-number");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "nan", "--focus", "1"}, two, "--f-number");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "0"}, two, "focus");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "1", "--focal-length", "0"}, two, "focal");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2"}, two, "--focus");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "0.01", "--breathing"}, two, "focus");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "1", "--method", "magic"}, two, "scatter");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "1", "--depths", "1"}, two, "depths");
+    refused({"focus", frame, "-o", in("x.xyz"), "--f-number", "2", "--focus", "1"}, two, "x.xyz");
+    refused({"records", frame, "--at", "1e9,0"}, two, "--at");
+    refused({"records", frame, "--at", "5000,0"}, two, "--at");
+    refused({"lens", "coc", "--focal-length", "50", "--f-number", "2", "--focus", "0.04", "--depth", "1"}, two, "--focus");
+}
+
+TEST_F(Cli, UnreadableInputIsThree) {
+    const ExitCode three = ExitCode::invalid_input;
+    const std::string frame = traced();
+    refused({"trace", in("none.toml"), "-o", in("x.exr")}, three, "none.toml");
+    refused({"trace", in("."), "-o", in("x.exr")}, three, "");
+    refused({"focus", in("none.exr"), "-o", in("x.png"), "--f-number", "2", "--focus", "1"}, three, "none.exr");
+    refused({"focus", in("."), "-o", in("x.png"), "--f-number", "2", "--focus", "1"}, three, "");
+    refused({"image", scene(), "-o", in("x.png")}, three, "balls_s2.nff");
+    refused({"info", in("none")}, three, "none");
+    std::ofstream(in("empty.exr")).close();
+    refused({"image", in("empty.exr"), "-o", in("x.png")}, three, "empty.exr");
+    const std::string whole = text_of(frame);
+    for (const double share : {0.01, 0.3, 0.6, 0.999}) {
+        std::ofstream(in("cut.exr"), std::ios::binary) << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
+        refused({"image", in("cut.exr"), "-o", in("x.png")}, three, "cut.exr");
+    }
+    std::string flipped = whole;
+    flipped[flipped.size() / 2] = static_cast<char>(flipped[flipped.size() / 2] ^ 0x10);
+    std::ofstream(in("flip.exr"), std::ios::binary) << flipped;
+    refused({"image", in("flip.exr"), "-o", in("x.png")}, three, "flip.exr");
+}
+
+TEST_F(Cli, UnwritableOutputIsFour) {
+    const ExitCode four = ExitCode::cannot_write;
+    const std::string frame = traced();
+    refused({"trace", scene(), "-o", in("no/such/x.exr"), "--size", "8x8"}, four, "x.exr");
+    refused({"image", frame, "-o", in("no/such/x.png")}, four, "x.png");
+    fs::create_directory(folder_.path() / "folder.png");
+    refused({"image", frame, "-o", in("folder.png")}, four, "folder.png");
+    // As on a full disk: no file may grow beyond 20 kB. An older file stays as it was.
+    std::ofstream(in("old.exr")) << "old";
+    const Run r = run({"trace", scene(), "-o", in("old.exr")}, "ulimit -f 20; ");
+    EXPECT_EQ(r.exit_code, 4) << r.err;
+    EXPECT_EQ(text_of(in("old.exr")), "old");
+    EXPECT_EQ(folder_.file_count(), 2U);
+}
+
+TEST_F(Cli, StrictTurnsAShortfallIntoSix) {
+    const std::string frame = traced();
+    const std::vector<std::string> words{"focus", frame, "-o", in("x.exr"), "--f-number", "1", "--focus", "0.4", "--json"};
+    const Run lax = run(words);
+    EXPECT_EQ(lax.exit_code, 0) << lax.err;
+    EXPECT_FALSE(json::parse(lax.out).at("warnings").empty());
+    auto strict = words;
+    strict.emplace_back("--strict");
+    EXPECT_EQ(run(strict).exit_code, 6);
+    EXPECT_TRUE(fs::exists(in("x.exr")));
+}
+
+TEST_F(Cli, CtrlCStopsWithinASecondAndLeavesNothing) {
+    const std::string scene_file = std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml";
+    const std::string out = in("big.exr");
+    const pid_t child = ::fork();
+    if (child == 0) {
+        ::execl(POSTLENS_BINARY, POSTLENS_BINARY, "trace", scene_file.c_str(), "-o", out.c_str(), "--size", "7680x4320", "--quiet", nullptr);
+        ::_exit(127);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    ASSERT_EQ(::kill(child, SIGINT), 0);
+    const auto start = std::chrono::steady_clock::now();
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 130);
+    // A second on a quiet machine; sanitizers and a loaded one get more.
+    EXPECT_LT(seconds, 5);
+    EXPECT_EQ(folder_.file_count(), 0U);
+}
+
+}  // namespace
+}  // namespace postlens::test
