@@ -203,7 +203,8 @@ void EyeRecords(benchmark::State& state, const std::string& name) {
     report(state, hits);
 }
 
-// A whole SPD picture, 513 x 513 corner rays, depth 5: reading, building, tracing; no file.
+// A whole SPD picture, 513 x 513 corner rays, depth 5: reading, building, tracing; no file and no W, which a picture
+// does not need. SpdTraceOnly leaves reading and building out and computes W, as `trace` does.
 void SpdPicture(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     RayCounts counts;
@@ -211,7 +212,7 @@ void SpdPicture(benchmark::State& state, const std::string& name) {
         const Scene scene = read_scene(spd(name));
         const RayScene rays(scene, 0);
         const CameraModel camera(scene.cameras.at(0), 0, {.width = 512, .height = 512});
-        const WhittedTracer tracer(rays, camera, {.max_depth = 5, .min_contribution = 0});
+        const WhittedTracer tracer(rays, camera, {.max_depth = 5, .min_contribution = 0, .refocus_matrices = false});
         counts = sample_corners(tracer, {0, 512, 0, 512}, {.levels = 0}, [](const RecordBand&) {});
     }
     const auto rays = static_cast<double>(counts.eye + counts.reflect + counts.refract + counts.shadow);

@@ -14,6 +14,12 @@ enum class DepthSpacing {
     inverse,  ///< equal steps in 1/z', that is, equal steps of CoC
 };
 
+enum class DepthModel {
+    ray_differentials,  ///< W of each node: what mirrors and glass show keeps its own optical depth
+    path,               ///< z' of each node: the path length of 1981
+    first_hit,          ///< z' of the primary node for all nodes of its sample: what tools without trees do
+};
+
 /// What finite z' occur in a file; absent where nothing was hit.
 struct DepthRange {
     std::optional<double> nearest_m, farthest_m;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "focus/depth_levels.h"
 #include "lens/focus_geometry.h"
 #include "records/image.h"
 #include "records/sample_file.h"
@@ -13,15 +14,6 @@
 namespace postlens {
 
 enum class FocusMethod { pinhole, scatter };
-enum class DepthSpacing {
-    linear,   ///< equal steps in z', as in 1981
-    inverse,  ///< equal steps in 1/z', that is, equal steps of CoC
-};
-enum class DepthModel {
-    ray_differentials,  ///< W of each node: what mirrors and glass show keeps its own optical depth
-    path,               ///< z' of each node: the path length of 1981
-    first_hit,          ///< z' of the primary node for all nodes of its sample: what tools without trees do
-};
 
 struct FocusSettings {
     ThinLens lens;  ///< f_number infinity: pinhole
@@ -30,13 +22,13 @@ struct FocusSettings {
     FocusMethod method = FocusMethod::scatter;
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
-    /// Number of impulse responses over the finite depths, >= 2. Absent: chosen so that the CoC's diameter is
-    /// quantised by less than half a pixel.
+    /// Number of impulse responses over the finite depths, 2..DepthLevels::most_depths. Absent: chosen so that the
+    /// CoC's diameter is quantised by less than half a pixel (see DepthLevels).
     std::optional<int> depths;
 };
 
 struct FocusWarning {
-    std::string code;
+    std::string code;  ///< "overscan": the records end before what the border needs
     double share = 0;  ///< of the pixels concerned
     std::string text;
 };
@@ -44,8 +36,9 @@ struct FocusWarning {
 struct FocusResult {
     Image image;
     FocusMethod method = FocusMethod::scatter;  ///< what was used: `pinhole` for a zero aperture
-    int depths = 0;                             ///< impulse responses used; 0 for pinhole
-    double largest_coc_px = 0;                  ///< greatest diameter among the records
+    /// Impulse responses: as many as were asked for, else discs of different radius in use; 0 for pinhole.
+    int depths = 0;
+    double largest_coc_px = 0;  ///< greatest diameter among the records, px of the image
     std::vector<FocusWarning> warnings;
 };
 

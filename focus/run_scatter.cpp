@@ -25,9 +25,8 @@ typedef double DoublesAnywhere __attribute__((vector_size(lanes * sizeof(double)
 struct StripFilter {
     const KernelRow* rows;  ///< of dy = 0, 1, ...
     const float* taps;
-    double inner;
     const float* line;      ///< source colour at the strip's first pixel
-    const double* running;  ///< sum of source colours before the strip's first pixel
+    const double* running;  ///< sum of source colours before the strip's first pixel, times the inner share
 };
 
 /// Source rows above and below that get the same: dy in [begin, end) with a place to write.
@@ -52,9 +51,9 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
             const double* high = f.running - row.inner_begin + 1;
             const double* low = f.running - row.inner_end + 1;
             for (int v = 0; v < vectors; ++v) {
-                const DoublesAnywhere sum = *reinterpret_cast<const DoublesAnywhere*>(high + v * lanes) -
-                                            *reinterpret_cast<const DoublesAnywhere*>(low + v * lanes);
-                inside[v] = __builtin_convertvector(sum * f.inner, Floats);
+                inside[v] = __builtin_convertvector(*reinterpret_cast<const DoublesAnywhere*>(high + v * lanes) -
+                                                        *reinterpret_cast<const DoublesAnywhere*>(low + v * lanes),
+                                                    Floats);
             }
         }
         Floats sum[vectors];
@@ -126,7 +125,6 @@ struct RunScatter::LaidRun {
     /// sums begin.
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
-    [[nodiscard]] bool has_inside() const { return row_0->inner_begin != row_0->inner_end; }
 };
 
 RunScatter::RunScatter(const SplatTables& tables) : tables_(tables) {}
@@ -214,7 +212,9 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     laid.from = std::clamp(run.begin, laid.line_begin, line_end);
     laid.to = std::clamp(run.end, laid.line_begin, line_end);
     const bool all_full = laid.full_begin == laid.strip_begin && laid.full_end == laid.strip_end;
-    for (int channel = 0; channel < (all_full ? 3 : 4); ++channel) lay_line(laid, channel, line_end);
+    const int channels = all_full ? 3 : 4;
+    for (int channel = 0; channel < channels; ++channel) lay_line(laid, channel, line_end);
+    if (laid.row_0->inner_begin != laid.row_0->inner_end) lay_running_sums(laid, channels, line_end);
     laid_.push_back(laid);
 }
 
@@ -240,18 +240,40 @@ void RunScatter::lay_line(LaidRun& laid, int channel, int line_end) {
         }
         std::fill_n(line + before + inside, length - before - inside, 0.0F);
     }
-    if (!laid.has_inside()) return;
-    laid.running_at[c] = running_used_;
-    running_used_ += length + 1;
+}
+
+void RunScatter::lay_running_sums(LaidRun& laid, int channels, int line_end) {
+    const auto length = static_cast<std::size_t>(line_end - laid.line_begin) + 1;
+    const auto before = static_cast<std::size_t>(laid.from - laid.line_begin);
+    const auto inside = static_cast<std::size_t>(laid.to - laid.from);
+    const std::size_t begin = running_used_;
+    running_used_ += 4 * length;
     if (running_.size() < running_used_) running_.resize(2 * running_used_);
-    double* running = running_.data() + laid.running_at[c];
-    std::fill_n(running, before, 0.0);
-    double sum = 0;
-    for (std::size_t i = 0; i < inside; ++i) {
-        running[before + i] = sum;
-        sum += source != nullptr ? static_cast<double>(source[i]) : 1.0;
+    std::array<double*, 4> running{};
+    std::array<const float*, 3> source{};
+    for (std::size_t c = 0; c < 4; ++c) {
+        laid.running_at[c] = begin + c * length;
+        std::fill_n(running_.data() + laid.running_at[c], before, 0.0);
+        running[c] = running_.data() + laid.running_at[c] + before;
+        if (c < 3) source[c] = tables_.raster_row(static_cast<int>(c), laid.y) + (laid.from - tables_.source().x_begin);
     }
-    std::fill(running + before + inside, running + length + 1, sum);
+    // Three chains of additions side by side: each alone would wait for itself.
+    double r = 0, g = 0, b = 0;
+    for (std::size_t i = 0; i < inside; ++i) {
+        running[0][i] = r;
+        running[1][i] = g;
+        running[2][i] = b;
+        r += laid.inner * static_cast<double>(source[0][i]);
+        g += laid.inner * static_cast<double>(source[1][i]);
+        b += laid.inner * static_cast<double>(source[2][i]);
+    }
+    const std::size_t after = length - before - inside;
+    std::fill_n(running[0] + inside, after, r);
+    std::fill_n(running[1] + inside, after, g);
+    std::fill_n(running[2] + inside, after, b);
+    if (channels < 4) return;
+    for (std::size_t i = 0; i < inside; ++i) running[3][i] = laid.inner * static_cast<double>(i);
+    std::fill_n(running[3] + inside, after, laid.inner * static_cast<double>(inside));
 }
 
 void RunScatter::filter_laid_runs() {
@@ -270,7 +292,6 @@ void RunScatter::filter_laid_runs() {
                 const float* line = laid.in_raster[c] != nullptr ? laid.in_raster[c] : lines_.data() + laid.line_at[c];
                 filter_strip({.rows = laid.row_0,
                               .taps = laid.taps,
-                              .inner = laid.inner,
                               .line = line + offset,
                               .running = running_.data() + laid.running_at[c] + offset},
                              down, laid.down, up, laid.up);

@@ -47,6 +47,7 @@ class RunScatter {
     struct LaidRun;
     void lay_run(const SplatRun& run, int y);
     void lay_line(LaidRun& laid, int channel, int line_end);
+    void lay_running_sums(LaidRun& laid, int channels, int line_end);
     void filter_laid_runs();
     void flush();
     void flush_rows(int begin, int end, bool fresh);

@@ -11,12 +11,6 @@
 
 namespace postlens {
 
-enum class DepthModel {
-    ray_differentials,  ///< W of each node: what mirrors and glass show keeps its own optical depth
-    path,               ///< z' of each node: the path length of 1981
-    first_hit,          ///< z' of the primary node for all nodes of its sample: what tools without trees do
-};
-
 /// Half-open rectangle of whole coordinates, raster px.
 struct RasterWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;

@@ -16,10 +16,10 @@ using Key = std::uint64_t;  // y << 32 | x
 
 // What of a point sample decides about subdivision, and where its records lie.
 struct Sample {
-    std::uint32_t x, y;  // grid units
-    std::uint32_t chunk, first, count;
-    std::uint32_t id;
-    float r, g, b;
+    std::uint32_t x = 0, y = 0;  // grid units
+    std::uint32_t chunk = 0, first = 0, count = 0;
+    std::uint32_t id = 0;
+    float r = 0, g = 0, b = 0;
 };
 
 struct Cell {
@@ -50,43 +50,61 @@ class BandSampler {
     }
 
   private:
-    [[nodiscard]] Key key(std::uint32_t x, std::uint32_t y) const { return (static_cast<Key>(y) << 32) | x; }
+    [[nodiscard]] static Key key(std::uint32_t x, std::uint32_t y) { return (static_cast<Key>(y) << 32) | x; }
     [[nodiscard]] std::uint32_t grid_y(int y) const { return static_cast<std::uint32_t>(y - window_.y_begin) * unit_; }
-    [[nodiscard]] glm::dvec2 position(std::uint32_t x, std::uint32_t y) const {
-        return {window_.x_begin + static_cast<double>(x) / unit_, window_.y_begin + static_cast<double>(y) / unit_};
+    [[nodiscard]] std::uint32_t to_pixels(std::uint32_t grid) const { return grid >> settings_.levels; }
+    [[nodiscard]] glm::dvec2 position(Key k) const {
+        return {window_.x_begin + static_cast<double>(static_cast<std::uint32_t>(k)) / unit_,
+                window_.y_begin + static_cast<double>(k >> 32) / unit_};
     }
-    [[nodiscard]] std::uint32_t corner(int column, int row) const {
-        return corners_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column)];
+    [[nodiscard]] std::size_t corner_index(int column, int row) const {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+    }
+    [[nodiscard]] std::uint32_t corner(int column, int row) const { return corners_[corner_index(column, row)]; }
+
+    // Traces `batches` batches and appends their samples in order. `fill(i, keys)` names the points of batch i, of which
+    // there are `sizes[i]`; `traced(index, sample)` is told each. Both are called from any thread.
+    template <typename Fill, typename Traced>
+    void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced) {
+        const std::size_t first_chunk = used_chunks_, batches = sizes.size();
+        used_chunks_ += batches;
+        if (chunks_.size() < used_chunks_) chunks_.resize(used_chunks_);
+        std::vector<std::uint32_t> first_sample(batches);
+        auto count = static_cast<std::uint32_t>(samples_.size());
+        for (std::size_t i = 0; i < batches; ++i) {
+            first_sample[i] = count;
+            count += sizes[i];
+        }
+        samples_.resize(count);
+        std::vector<RayCounts> spent(batches);
+        parallel_for(batches, [&](std::size_t i) {
+            thread_local std::vector<Key> keys;
+            thread_local std::vector<glm::dvec2> positions;
+            keys.clear();
+            fill(i, keys);
+            positions.clear();
+            for (const Key k : keys) positions.push_back(position(k));
+            TracedSamples& chunk = chunks_[first_chunk + i];
+            tracer_.trace(positions, chunk, spent[i]);
+            for (std::uint32_t k = 0; k < sizes[i]; ++k) {
+                Sample& s = samples_[first_sample[i] + k];
+                s = summary(keys[k], chunk, static_cast<std::uint32_t>(first_chunk + i), k);
+                traced(first_sample[i] + k, s);
+            }
+        });
+        for (const RayCounts& c : spent) counts += c;
     }
 
-    // Traces batches of grid points; appends them to samples_ in the order given.
-    void trace(const std::vector<std::vector<Key>>& batches) {
-        const std::size_t first_chunk = chunks_.size();
-        chunks_.resize(first_chunk + batches.size());
-        std::vector<RayCounts> spent(batches.size());
-        parallel_for(batches.size(), [&](std::size_t i) {
-            std::vector<glm::dvec2> positions;
-            positions.reserve(batches[i].size());
-            for (const Key k : batches[i]) {
-                positions.push_back(position(static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(k >> 32)));
-            }
-            tracer_.trace(positions, chunks_[first_chunk + i], spent[i]);
-        });
-        for (std::size_t i = 0; i < batches.size(); ++i) {
-            counts += spent[i];
-            const TracedSamples& t = chunks_[first_chunk + i];
-            for (std::size_t k = 0; k < batches[i].size(); ++k) {
-                Sample s{static_cast<std::uint32_t>(batches[i][k]), static_cast<std::uint32_t>(batches[i][k] >> 32),
-                         static_cast<std::uint32_t>(first_chunk + i), t.offsets[k], t.offsets[k + 1] - t.offsets[k], 0, 0, 0, 0};
-                s.id = t.records[s.first].id;
-                for (std::uint32_t n = s.first; n < s.first + s.count; ++n) {
-                    s.r += t.records[n].r;
-                    s.g += t.records[n].g;
-                    s.b += t.records[n].b;
-                }
-                samples_.push_back(s);
-            }
+    [[nodiscard]] static Sample summary(Key k, const TracedSamples& chunk, std::uint32_t chunk_index, std::uint32_t at) {
+        const std::uint32_t first = chunk.offsets[at], end = chunk.offsets[at + 1];
+        Sample s{static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(k >> 32), chunk_index, first, end - first,
+                 chunk.records[first].id, 0, 0, 0};
+        for (std::uint32_t n = first; n < end; ++n) {
+            s.r += chunk.records[n].r;
+            s.g += chunk.records[n].g;
+            s.b += chunk.records[n].b;
         }
+        return s;
     }
 
     // All corners of the band; the first row was traced with the band above unless there is none.
@@ -94,40 +112,44 @@ class BandSampler {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns_), 0);
         found_.clear();
-        if (first) {
-            samples_.clear();
-            chunks_.clear();
-        }
         for (std::uint32_t i = 0; i < samples_.size(); ++i) place(i, y_begin);  // carried over
 
-        std::vector<std::vector<Key>> batches;
-        for (int ty = first_row; ty < rows; ty += tile) {
-            for (int tx = 0; tx < columns_; tx += tile) {
-                std::vector<Key> batch;
-                // Packets of 16 rays are blocks of 4 x 4 corners.
-                for (int by = ty; by < std::min(ty + tile, rows); by += 4) {
-                    for (int bx = tx; bx < std::min(tx + tile, columns_); bx += 4) {
-                        for (int y = by; y < std::min(by + 4, rows); ++y) {
-                            for (int x = bx; x < std::min(bx + 4, columns_); ++x) {
-                                batch.push_back(key(static_cast<std::uint32_t>(x) * unit_, grid_y(y_begin + y)));
-                            }
+        struct Tile {
+            int x, y, x_end, y_end;
+        };
+        std::vector<Tile> tiles;
+        std::vector<std::uint32_t> sizes;
+        for (int y = first_row; y < rows; y += tile) {
+            for (int x = 0; x < columns_; x += tile) {
+                tiles.push_back({x, y, std::min(x + tile, columns_), std::min(y + tile, rows)});
+                sizes.push_back(static_cast<std::uint32_t>((tiles.back().x_end - x) * (tiles.back().y_end - y)));
+            }
+        }
+        const auto fill = [&](std::size_t i, std::vector<Key>& keys) {
+            const Tile& t = tiles[i];
+            // Packets of 16 rays are blocks of 4 x 4 corners.
+            for (int by = t.y; by < t.y_end; by += 4) {
+                for (int bx = t.x; bx < t.x_end; bx += 4) {
+                    for (int y = by; y < std::min(by + 4, t.y_end); ++y) {
+                        for (int x = bx; x < std::min(bx + 4, t.x_end); ++x) {
+                            keys.push_back(key(static_cast<std::uint32_t>(x) * unit_, grid_y(y_begin + y)));
                         }
                     }
                 }
-                batches.push_back(std::move(batch));
             }
-        }
-        const auto before = static_cast<std::uint32_t>(samples_.size());
-        trace(batches);
-        for (auto i = before; i < samples_.size(); ++i) place(i, y_begin);
+        };
+        trace(sizes, fill, [&](std::uint32_t index, const Sample& s) {
+            const std::size_t row = to_pixels(s.y - grid_y(y_begin));
+            corners_[row * static_cast<std::size_t>(columns_) + to_pixels(s.x)] = index;
+        });
     }
 
     // Makes a sample findable: corners by row and column, others by key.
     void place(std::uint32_t i, int y_begin) {
         const Sample& s = samples_[i];
         if (s.x % unit_ == 0 && s.y % unit_ == 0) {
-            const std::size_t row = (s.y - grid_y(y_begin)) / unit_;
-            corners_[row * static_cast<std::size_t>(columns_) + s.x / unit_] = i;
+            const std::size_t row = to_pixels(s.y - grid_y(y_begin));
+            corners_[row * static_cast<std::size_t>(columns_) + to_pixels(s.x)] = i;
         } else {
             found_.emplace(key(s.x, s.y), i);
         }
@@ -185,13 +207,16 @@ class BandSampler {
         }
         std::sort(wanted.begin(), wanted.end());
         wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
-        std::vector<std::vector<Key>> batches;
+        std::vector<std::uint32_t> sizes;
         for (std::size_t i = 0; i < wanted.size(); i += batch_size) {
-            const auto end = std::min(i + batch_size, wanted.size());
-            batches.emplace_back(wanted.begin() + static_cast<std::ptrdiff_t>(i), wanted.begin() + static_cast<std::ptrdiff_t>(end));
+            sizes.push_back(static_cast<std::uint32_t>(std::min(batch_size, wanted.size() - i)));
         }
+        const auto fill = [&](std::size_t i, std::vector<Key>& keys) {
+            const auto first = wanted.begin() + static_cast<std::ptrdiff_t>(i * batch_size);
+            keys.assign(first, first + sizes[i]);
+        };
         auto i = static_cast<std::uint32_t>(samples_.size());
-        trace(batches);
+        trace(sizes, fill, [](std::uint32_t, const Sample&) {});
         for (; i < samples_.size(); ++i) found_.emplace(key(samples_[i].x, samples_[i].y), i);
     }
 
@@ -217,11 +242,12 @@ class BandSampler {
         out.y_end = y_end;
         const std::uint32_t end = grid_y(y_end);
         const auto pixel_of = [&](const Sample& s) {
-            return static_cast<std::size_t>((s.y - grid_y(y_begin)) / unit_) * static_cast<std::size_t>(columns_) + s.x / unit_;
+            return static_cast<std::size_t>(to_pixels(s.y - grid_y(y_begin))) * static_cast<std::size_t>(columns_) + to_pixels(s.x);
         };
         const std::size_t pixels = static_cast<std::size_t>(y_end - y_begin) * static_cast<std::size_t>(columns_);
         // Samples sorted by pixel with a counting sort, then by (y, x) within each: the canonical order.
-        std::vector<std::uint32_t> first(pixels + 1, 0);
+        std::vector<std::uint32_t>& first = first_;
+        first.assign(pixels + 1, 0);
         out.offsets.assign(pixels + 1, 0);
         for (const Sample& s : samples_) {
             if (s.y >= end) continue;
@@ -232,7 +258,9 @@ class BandSampler {
             first[i + 1] += first[i];
             out.offsets[i + 1] += out.offsets[i];
         }
-        std::vector<std::uint32_t> order(first.back()), next(first.begin(), first.end() - 1);
+        std::vector<std::uint32_t>&order = order_, &next = next_;
+        order.resize(first.back());
+        next.assign(first.begin(), first.end() - 1);
         for (std::uint32_t i = 0; i < samples_.size(); ++i) {
             if (samples_[i].y < end) order[next[pixel_of(samples_[i])]++] = i;
         }
@@ -258,20 +286,21 @@ class BandSampler {
     // Keeps the samples on the lower edge: the next band's corners, and what its neighbours above traced there.
     void carry(int y_end) {
         const std::uint32_t edge = grid_y(y_end);
-        TracedSamples kept;
-        std::vector<Sample> samples;
+        carried_.records.clear();
+        std::size_t kept = 0;
         for (Sample s : samples_) {
             if (s.y != edge) continue;
             const auto& from = chunks_[s.chunk].records;
-            const auto at = static_cast<std::uint32_t>(kept.records.size());
-            kept.records.insert(kept.records.end(), from.begin() + s.first, from.begin() + s.first + s.count);
+            const auto at = static_cast<std::uint32_t>(carried_.records.size());
+            carried_.records.insert(carried_.records.end(), from.begin() + s.first, from.begin() + s.first + s.count);
             s.chunk = 0;
             s.first = at;
-            samples.push_back(s);
+            samples_[kept++] = s;
         }
-        samples_ = std::move(samples);
-        chunks_.clear();
-        chunks_.push_back(std::move(kept));
+        samples_.resize(kept);
+        // Chunks are kept for their memory: giving it back to the system and asking again cost more than the tracing.
+        std::swap(chunks_[0], carried_);
+        used_chunks_ = 1;
     }
 
     const WhittedTracer& tracer_;
@@ -279,10 +308,13 @@ class BandSampler {
     SubdivisionSettings settings_;
     std::uint32_t unit_;
     int columns_;
-    std::vector<TracedSamples> chunks_;
+    std::vector<TracedSamples> chunks_;  ///< the first `used_chunks_` are in use
+    std::size_t used_chunks_ = 0;
+    TracedSamples carried_;
     std::vector<Sample> samples_;
     std::vector<std::uint32_t> corners_;
     std::unordered_map<Key, std::uint32_t> found_;
+    std::vector<std::uint32_t> first_, order_, next_;  // of emit, kept for their memory
 };
 
 }  // namespace

@@ -22,7 +22,7 @@ struct TraceSettings {
     bool overscan_auto = false;  ///< as wide as the lens range below asks for, found by a coarse trace first
     std::optional<double> for_f_number;
     std::optional<double> for_focus_m;
-    RecordCompression compression = RecordCompression::none;
+    RecordCompression compression = RecordCompression::zips;
     bool quiet = true;  ///< no progress bar
 };
 

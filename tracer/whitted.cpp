@@ -66,6 +66,7 @@ struct Pool {
 struct Workspace {
     Pool<PathRay> rays, next_rays;
     Pool<RayDifferentials> differentials, next_differentials;
+    RayDifferentials at_eye;
     Pool<Node> nodes;
     std::vector<Pool<Shadow>> shadows;    // per light
     std::vector<RayBatch> shadow_rays;    // per light
@@ -326,13 +327,12 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
     if (!reflects && !refracts) return;
 
     const RayDifferentials* here = nullptr;
-    RayDifferentials at_eye;
     glm::dmat3 shape_operator(0);
     if (refocus) {
         if (ray.path.bits() == 0) {
-            at_eye = eye_differentials(camera, {ray.origin, ray.direction, ray.cos_axis});
-            transfer(at_eye, ray.direction, s.t, f.geometric_normal);
-            here = &at_eye;
+            w.at_eye = eye_differentials(camera, {ray.origin, ray.direction, ray.cos_axis});
+            transfer(w.at_eye, ray.direction, s.t, f.geometric_normal);
+            here = &w.at_eye;
         } else {
             here = &w.differentials[ray.differentials];
         }

@@ -1,0 +1,140 @@
+#include "focus/focus.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/threads.h"
+#include "focus/overscan.h"
+#include "focus/reframe.h"
+#include "focus/scatter.h"
+#include "focus/splat_tables.h"
+#include "records/quadtree.h"
+
+namespace postlens {
+namespace {
+
+/// Rows read at a time: with 4096 px a row and 3 records a pixel 40 MB.
+constexpr int rows_per_band = 64;
+
+RasterWindow recorded_corners(const SampleFileReader& file) {
+    return {file.x_begin(), file.x_end(), file.y_begin(), file.y_end()};
+}
+
+/// Where to look for the traced pixels, and how much larger they are to appear.
+struct Frame {
+    RasterWindow window;
+    double zoom = 1;
+};
+
+Frame framed(const SampleFileReader& file, const FocusSettings& settings, const FocusGeometry& geometry) {
+    const SampleHeader& h = file.header();
+    Frame out{{0, h.width, 0, h.height}, 1};
+    if (settings.framing == Framing::keep) return out;
+    out = {window_for_zoom(h.width, h.height, geometry.zoom), geometry.zoom};
+    const RasterWindow& w = out.window;
+    if (w.x_begin < file.x_begin() || w.y_begin < file.y_begin() || w.x_end > file.x_end() - 1 ||
+        w.y_end > file.y_end() - 1) {
+        const double widest = std::max(static_cast<double>(h.width) / (h.width + 2.0 * h.overscan_px),
+                                       static_cast<double>(h.height) / (h.height + 2.0 * h.overscan_px));
+        fail(ExitCode::wrong_arguments,
+             "the sample file's field of view is too narrow for this framing (got a film at {:.6g} mm; expected {:.6g} "
+             "mm or more, or the framing of the trace kept)",
+             geometry.zoom * h.film_distance_mm, widest * h.film_distance_mm);
+    }
+    return out;
+}
+
+Image traced_picture(const SampleFileReader& file, const RasterWindow& window) {
+    Image image(window.width(), window.height());
+    RecordBand band;
+    for (int begin = window.y_begin; begin < window.y_end; begin += rows_per_band) {
+        const int end = std::min(begin + rows_per_band, window.y_end);
+        file.read(begin, end + 1, band);
+        parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i) {
+            const int y = begin + static_cast<int>(i);
+            picture_row(band, y, window.x_begin, window.x_end,
+                        {image.pixel(0, y - window.y_begin), static_cast<std::size_t>(window.width()) * 3});
+        });
+    }
+    return image;
+}
+
+DepthRange depth_range(const SampleFileReader& file) {
+    DepthRange out;
+    for (const ScanlineFacts& facts : file.scanlines()) {
+        if (std::isinf(facts.nearest_z)) continue;
+        const double nearest_m = facts.nearest_z, farthest_m = facts.farthest_z;
+        out.nearest_m = std::min(out.nearest_m.value_or(nearest_m), nearest_m);
+        out.farthest_m = std::max(out.farthest_m.value_or(farthest_m), farthest_m);
+    }
+    return out;
+}
+
+void take_in(const SampleFileReader& file, SplatTables& tables) {
+    RecordBand band;
+    for (int begin = file.y_begin(); begin < file.y_end(); begin += rows_per_band) {
+        const int end = std::min(begin + rows_per_band, file.y_end());
+        file.read(std::max(begin - 1, file.y_begin()), std::min(end + 1, file.y_end()), band);
+        tables.add_rows(band, begin, end);
+    }
+    tables.finish();
+}
+
+FocusResult scattered(const SampleFileReader& file, const FocusSettings& settings, const FocusGeometry& geometry,
+                      const RasterWindow& window) {
+    // Blur and magnification commute: scatter in traced pixels, where the CoC is the framed one over the zoom.
+    FocusGeometry traced = geometry;
+    traced.gain_px /= geometry.zoom;
+    traced.zoom = 1;
+    const DepthLevels levels(traced, depth_range(file), settings.spacing, settings.depths);
+    SplatTables tables(recorded_corners(file), window, traced, levels, settings.depth_model);
+    take_in(file, tables);
+    FocusResult out;
+    out.method = FocusMethod::scatter;
+    scatter(tables, out.image);
+    out.depths = levels.depths().value_or(tables.levels_used());
+    out.largest_coc_px = tables.largest_coc_px() * geometry.zoom;
+    if (auto warning = overscan_warning(tables)) out.warnings.push_back(*std::move(warning));
+    return out;
+}
+
+}  // namespace
+
+FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings) {
+    const SampleHeader& h = file.header();
+    const bool pinhole = settings.method == FocusMethod::pinhole || std::isinf(settings.lens.f_number);
+    if (h.projection == Projection::orthographic) {
+        // Parallel rays meet no lens: there is neither a film distance nor an aperture that they would pass.
+        if (!pinhole) {
+            fail(ExitCode::wrong_arguments,
+                 "f-number is out of range for an orthographic file, which no lens can have taken (got {}; expected "
+                 "infinity)",
+                 settings.lens.f_number);
+        }
+        if (settings.framing != Framing::keep) {
+            fail(ExitCode::wrong_arguments,
+                 "framing is out of range for an orthographic file, which has no film distance (got another film "
+                 "distance; expected the framing of the trace kept)");
+        }
+        return {.image = pinhole_picture(file), .method = FocusMethod::pinhole, .warnings = {}};
+    }
+    const FocusGeometry geometry = focus_geometry(settings.lens, settings.focus_distance_m, settings.framing,
+                                                  {h.film_distance_mm, h.pixel_pitch_mm});
+    const Frame frame = framed(file, settings, geometry);
+    FocusResult out;
+    if (pinhole) {
+        out.method = FocusMethod::pinhole;
+        out.image = traced_picture(file, frame.window);
+    } else {
+        out = scattered(file, settings, geometry, frame.window);
+    }
+    if (frame.zoom != 1) out.image = reframe(out.image, frame.window, h.width, h.height, frame.zoom);
+    return out;
+}
+
+Image pinhole_picture(const SampleFileReader& file) {
+    return traced_picture(file, {0, file.header().width, 0, file.header().height});
+}
+
+}  // namespace postlens

@@ -1,0 +1,70 @@
+#include "focus/overscan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace postlens {
+namespace {
+
+/// Less than half a pixel of missing light is no matter for a warning.
+constexpr double smallest_reach_px = 0.5;
+
+/// How far what lies beyond one side reaches into the picture, pixel by pixel along that side.
+std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end, int margin_px) {
+    std::vector<int> out(static_cast<std::size_t>(end - begin));
+    for (int i = begin; i < end; ++i) {
+        // A pixel lies between two corners.
+        const auto at = static_cast<std::size_t>(i - first);
+        const double reach = static_cast<double>(std::max(radii[at], radii[at + 1])) - margin_px;
+        // Reaches beyond a million pixels are beyond any picture.
+        if (reach > smallest_reach_px) out[static_cast<std::size_t>(i - begin)] = static_cast<int>(std::ceil(std::min(reach, 1e6)));
+    }
+    return out;
+}
+
+}  // namespace
+
+std::optional<FocusWarning> overscan_warning(const SplatTables& tables) {
+    const RasterWindow& source = tables.source();
+    const RasterWindow& picture = tables.picture();
+    const BorderRadii& border = tables.border();
+    const std::array<int, 4> margin{picture.x_begin - source.x_begin, source.x_end - 1 - picture.x_end,
+                                    picture.y_begin - source.y_begin, source.y_end - 1 - picture.y_end};
+    const auto left = reach_into_picture(border.left, source.y_begin, picture.y_begin, picture.y_end, margin[0]);
+    const auto right = reach_into_picture(border.right, source.y_begin, picture.y_begin, picture.y_end, margin[1]);
+    const auto top = reach_into_picture(border.top, source.x_begin, picture.x_begin, picture.x_end, margin[2]);
+    const auto bottom = reach_into_picture(border.bottom, source.x_begin, picture.x_begin, picture.x_end, margin[3]);
+
+    const auto largest = [](const std::vector<int>& reach) { return *std::max_element(reach.begin(), reach.end()); };
+    const std::array<int, 4> most{largest(left), largest(right), largest(top), largest(bottom)};
+    if (*std::max_element(most.begin(), most.end()) == 0) return std::nullopt;
+    // Overscan is the same on all sides.
+    int needed_px = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (most[i] > 0) needed_px = std::max(needed_px, margin[i] + most[i]);
+    }
+
+    std::int64_t concerned = 0;
+    for (int y = 0; y < picture.height(); ++y) {
+        const auto row = static_cast<std::size_t>(y);
+        for (int x = 0; x < picture.width(); ++x) {
+            const auto column = static_cast<std::size_t>(x);
+            if (x < left[row] || picture.width() - x <= right[row] || y < top[column] ||
+                picture.height() - y <= bottom[column]) {
+                ++concerned;
+            }
+        }
+    }
+    const double share = static_cast<double>(concerned) / picture.width() / picture.height();
+    return FocusWarning{
+        .code = "overscan",
+        .share = share,
+        .text = fmt::format("{:.1f} % of the pixels lie within a circle of confusion of where the records end (got {} "
+                            "px of overscan; expected {} px, as the circles at the border have that radius)",
+                            100 * share, *std::min_element(margin.begin(), margin.end()), needed_px)};
+}
+
+}  // namespace postlens

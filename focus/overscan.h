@@ -1,0 +1,16 @@
+// Does the file hold what the lens brings into the picture from beyond its border?
+#pragma once
+
+#include <optional>
+
+#include "focus/focus.h"
+#include "focus/splat_tables.h"
+
+namespace postlens {
+
+/// A warning of code "overscan" where circles of confusion along the outermost records are wider than the recorded
+/// margin: the pixels within reach of what was not recorded are then normalised over what was. Measured by the
+/// CoC found at the edge of the records, not by the largest in the picture.
+[[nodiscard]] std::optional<FocusWarning> overscan_warning(const SplatTables& tables);
+
+}  // namespace postlens
