@@ -215,6 +215,17 @@ void add_info(CLI::App& root, State& s) {
     app.callback([&s] { s.common.run = [&s] { return run_info(s.input); }; });
 }
 
+// CLI11 says only that one is required.
+void check_subcommand(const CLI::App& app, const std::vector<std::string>& arguments) {
+    if (arguments.empty() || arguments[0].starts_with('-')) return;
+    std::string known;
+    for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+        if (sub->get_name() == arguments[0]) return;
+        known += (known.empty() ? "" : ", ") + sub->get_name();
+    }
+    fail(ExitCode::wrong_arguments, "unknown subcommand (got {}; expected one of {})", arguments[0], known);
+}
+
 }  // namespace
 
 ParsedCommand parse_command_line(std::vector<std::string> arguments) {
@@ -229,6 +240,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
     add_focus(app, *state);
     add_lens(app, *state);
     add_info(app, *state);
+    check_subcommand(app, arguments);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     try {
         app.parse(arguments);

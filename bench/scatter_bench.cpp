@@ -121,13 +121,17 @@ void slanted_wall(benchmark::State& state) {
 }
 BENCHMARK(slanted_wall)->Unit(benchmark::kMillisecond)->Iterations(4);
 
-/// Depth without any order, as in foliage: radii 1 to 32 px from sample to sample.
+/// Depth without order, as in foliage: radii of 1 to 32 px that change every so many samples of a row (range).
 void random_depth(benchmark::State& state) {
     std::mt19937 random(2);
     std::uniform_real_distribution<double> radius(1, 32);
-    run_scatter(state, noise_records([&](int, int) { return radius(random); }));
+    double radius_px = 1;
+    run_scatter(state, noise_records([&](int x, int) {
+                    if (x % state.range(0) == 0) radius_px = radius(random);
+                    return radius_px;
+                }));
 }
-BENCHMARK(random_depth)->Unit(benchmark::kMillisecond)->Iterations(2);
+BENCHMARK(random_depth)->Arg(1)->Arg(4)->Arg(8)->Arg(16)->Unit(benchmark::kMillisecond)->Iterations(2);
 
 /// From records to splats.
 void take_in(benchmark::State& state) {

@@ -20,7 +20,7 @@ namespace {
 constexpr int block_width = 128;
 constexpr int block_height = 256;
 /// PointScatter keeps 64 B a pixel and looks at every splat once for so many rows.
-constexpr int point_rows = 8;
+constexpr int point_rows = 32;
 
 constexpr int strip_width = RunScatter::strip_width;
 

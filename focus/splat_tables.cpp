@@ -30,7 +30,7 @@ int phases_per_px(double radius_px) {
 /// Shorter runs cost less as splats of their own: a run pays for its whole reach, a splat for its outline.
 /// Measured with bench/scatter_bench.cpp.
 int shortest_run(double radius_px) {
-    return 8 + static_cast<int>(std::min(radius_px, 4096.0) / 4);
+    return 3 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
 
 struct Phase {
