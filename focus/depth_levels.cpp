@@ -15,11 +15,12 @@ constexpr double levels_per_e = 500;
 const double even_levels = std::floor(DepthLevels::even_diameter_px / step_diameter_px);
 
 double clamped_radius_px(double diameter_px) {
-    return std::clamp(std::abs(diameter_px) / 2, DepthLevels::smallest_radius_px, DepthLevels::largest_radius_px);
+    return std::clamp(std::abs(diameter_px) / 2, DepthLevels::smallest_radius_px,
+                      DepthLevels::largest_radius_px);
 }
 
-/// Equal steps of z' that keep the CoC's diameter, G / z' up to a constant, right to half a step_diameter_px at
-/// the near end, where it changes fastest.
+/// Equal steps of z' that keep the CoC's diameter, G / z' up to a constant, right to half a step_diameter_px
+/// at the near end, where it changes fastest.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
     // 1 / z - 1 / (z + h) = tolerance / G for half a step h at the nearest z.
     const double room = 1 / nearest_m - step_diameter_px / 2 / coc_gain_px_m;
@@ -35,8 +36,8 @@ DepthLevels::DepthLevels(const FocusGeometry& geometry, const DepthRange& range,
                          std::optional<int> depths)
     : geometry_(geometry), spacing_(spacing), around_focus_(!depths && spacing == DepthSpacing::inverse) {
     if (depths && (*depths < 2 || *depths > most_depths)) {
-        fail(ExitCode::wrong_arguments, "number of depths is out of range (got {}; expected 2 to {})", *depths,
-             most_depths);
+        fail(ExitCode::wrong_arguments, "number of depths is out of range (got {}; expected 2 to {})",
+             *depths, most_depths);
     }
     if (around_focus_) {
         lay_around_focus();
@@ -47,8 +48,8 @@ DepthLevels::DepthLevels(const FocusGeometry& geometry, const DepthRange& range,
 
 std::uint32_t DepthLevels::level_of_diameter(double diameter_px) const {
     const double steps = std::min(std::abs(diameter_px), 2 * largest_radius_px) / step_diameter_px;
-    return static_cast<std::uint32_t>(
-        std::lround(steps <= even_levels ? steps : even_levels + levels_per_e * std::log(steps / even_levels)));
+    return static_cast<std::uint32_t>(std::lround(
+        steps <= even_levels ? steps : even_levels + levels_per_e * std::log(steps / even_levels)));
 }
 
 void DepthLevels::lay_around_focus() {

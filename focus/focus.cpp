@@ -38,7 +38,8 @@ Frame framed(const SampleFileReader& file, const FocusSettings& settings, const 
         const double widest = std::max(static_cast<double>(h.width) / (h.width + 2.0 * h.overscan_px),
                                        static_cast<double>(h.height) / (h.height + 2.0 * h.overscan_px));
         fail(ExitCode::wrong_arguments,
-             "the sample file's field of view is too narrow for this framing (got a film at {:.6g} mm; expected {:.6g} "
+             "the sample file's field of view is too narrow for this framing (got a film at {:.6g} mm; "
+             "expected {:.6g} "
              "mm or more, or the framing of the trace kept)",
              geometry.zoom * h.film_distance_mm, widest * h.film_distance_mm);
     }
@@ -81,9 +82,10 @@ void take_in(const SampleFileReader& file, SplatTables& tables) {
     tables.finish();
 }
 
-FocusResult scattered(const SampleFileReader& file, const FocusSettings& settings, const FocusGeometry& geometry,
-                      const RasterWindow& window) {
-    // Blur and magnification commute: scatter in traced pixels, where the CoC is the framed one over the zoom.
+FocusResult scattered(const SampleFileReader& file, const FocusSettings& settings,
+                      const FocusGeometry& geometry, const RasterWindow& window) {
+    // Blur and magnification commute: scatter in traced pixels, where the CoC is the framed one over the
+    // zoom.
     FocusGeometry traced = geometry;
     traced.gain_px /= geometry.zoom;
     traced.zoom = 1;
@@ -108,13 +110,15 @@ FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& set
         // Parallel rays meet no lens: there is neither a film distance nor an aperture that they would pass.
         if (!pinhole) {
             fail(ExitCode::wrong_arguments,
-                 "f-number is out of range for an orthographic file, which no lens can have taken (got {}; expected "
+                 "f-number is out of range for an orthographic file, which no lens can have taken (got {}; "
+                 "expected "
                  "infinity)",
                  settings.lens.f_number);
         }
         if (settings.framing != Framing::keep) {
             fail(ExitCode::wrong_arguments,
-                 "framing is out of range for an orthographic file, which has no film distance (got another film "
+                 "framing is out of range for an orthographic file, which has no film distance (got another "
+                 "film "
                  "distance; expected the framing of the trace kept)");
         }
         return {.image = pinhole_picture(file), .method = FocusMethod::pinhole, .warnings = {}};

@@ -22,8 +22,8 @@ struct FocusSettings {
     FocusMethod method = FocusMethod::scatter;
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
-    /// Number of impulse responses over the finite depths, 2..DepthLevels::most_depths. Absent: chosen so that the
-    /// CoC's diameter is quantised by less than half a pixel (see DepthLevels).
+    /// Number of impulse responses over the finite depths, 2..DepthLevels::most_depths. Absent: chosen so
+    /// that the CoC's diameter is quantised by less than half a pixel (see DepthLevels).
     std::optional<int> depths;
 };
 
@@ -43,8 +43,8 @@ struct FocusResult {
 };
 
 /// The picture. Deterministic: the same bits for any number of threads.
-/// Throws Error(wrong_arguments) for settings out of range and for an orthographic file with a finite f-number,
-/// Error(invalid_input) for a damaged file.
+/// Throws Error(wrong_arguments) for settings out of range and for an orthographic file with a finite
+/// f-number, Error(invalid_input) for a damaged file.
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);
 
 /// The pinhole picture from the records alone; bit for bit part 0 of the file.

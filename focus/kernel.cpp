@@ -10,9 +10,9 @@
 namespace postlens {
 namespace {
 
-/// Inner runs shorter than this become taps: two ends of a difference cost as much as a few taps. Measured with
-/// bench/scatter_bench.cpp; from 4 to 12 px there is little between them.
-constexpr int shortest_inner_px = 8;
+/// Inner runs shorter than this become taps: two ends of a difference cost as much as a few taps. Measured
+/// with bench/scatter_bench.cpp; from 4 to 12 px there is little between them.
+constexpr int shortest_inner_px = 6;
 
 /// What stands for an ellipse without extent; small enough for the limit of a vanishing CoC.
 constexpr double smallest_ellipse_px = 1e-4;
@@ -83,8 +83,8 @@ std::uint64_t KernelKey::packed() const {
     const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
     if (is_disc) return phases | static_cast<std::uint64_t>(level) << 12;
     // 17 bits each hold 16000 px in steps of a quarter, with a sign.
-    return phases | field(half_height, 0, 12) | field(half_chord, 0, 29) | field(top_displacement, 1 << 16, 46) |
-           std::uint64_t{1} << 63;
+    return phases | field(half_height, 0, 12) | field(half_chord, 0, 29) |
+           field(top_displacement, 1 << 16, 46) | std::uint64_t{1} << 63;
 }
 
 KernelTable::KernelTable(std::vector<double> disc_radius_px, KernelReach reach)
@@ -92,7 +92,8 @@ KernelTable::KernelTable(std::vector<double> disc_radius_px, KernelReach reach)
       reach_(reach),
       disc_used_(std::make_unique<std::atomic<bool>[]>(disc_radius_px_.size())) {
     keys_.reserve(disc_radius_px_.size());
-    for (std::uint32_t level = 0; level < disc_radius_px_.size(); ++level) keys_.push_back(KernelKey::disc(level));
+    for (std::uint32_t level = 0; level < disc_radius_px_.size(); ++level)
+        keys_.push_back(KernelKey::disc(level));
 }
 
 std::uint32_t KernelTable::number_of(const KernelKey& key) {
@@ -110,10 +111,14 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
 Ellipse KernelTable::outline(const KernelKey& key) const {
     if (key.is_disc) return Ellipse::disc(disc_radius_px_[key.level]);
     // What rounds to nothing keeps half a step, so that it has an area.
-    const auto size = [](std::int32_t n) { return n > 0 ? n * KernelKey::ellipse_step_px : KernelKey::ellipse_step_px / 2; };
-    if (key.half_height == 0 && key.half_chord == 0 && key.top_displacement == 0) return Ellipse::disc(smallest_ellipse_px);
+    const auto size = [](std::int32_t n) {
+        return n > 0 ? n * KernelKey::ellipse_step_px : KernelKey::ellipse_step_px / 2;
+    };
+    if (key.half_height == 0 && key.half_chord == 0 && key.top_displacement == 0)
+        return Ellipse::disc(smallest_ellipse_px);
     const double half_height = size(key.half_height);
-    return {half_height, size(key.half_chord), key.top_displacement * KernelKey::ellipse_step_px / half_height};
+    return {half_height, size(key.half_chord),
+            key.top_displacement * KernelKey::ellipse_step_px / half_height};
 }
 
 std::size_t KernelTable::bytes_of(const KernelKey& key) const {
@@ -135,7 +140,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             KernelKey& key = keys_[number];
             if (key.is_disc) continue;
             for (std::int32_t* n : {&key.half_height, &key.half_chord, &key.top_displacement}) {
-                // Always the nearest multiple, halves away from zero: the same key whatever order it comes in.
+                // Always the nearest multiple, halves away from zero: the same key whatever order it comes
+                // in.
                 *n = (*n < 0 ? -1 : 1) * ((std::abs(*n) + unit / 2) / unit) * unit;
             }
             if (seen.try_emplace(key.packed(), true).second) total += bytes_of(key);
@@ -165,8 +171,9 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
         to_build.size(),
         [&](std::size_t i) {
             const KernelKey& key = keys_[to_build[i]];
-            kernels_[to_build[i]] = make_kernel(outline(key), static_cast<double>(key.phase_x) / KernelKey::phase_steps,
-                                                static_cast<double>(key.phase_y) / KernelKey::phase_steps, reach_);
+            kernels_[to_build[i]] =
+                make_kernel(outline(key), static_cast<double>(key.phase_x) / KernelKey::phase_steps,
+                            static_cast<double>(key.phase_y) / KernelKey::phase_steps, reach_);
         },
         4);
 }

@@ -14,15 +14,16 @@
 namespace postlens {
 
 /// One row of a kernel, columns relative to the whole coordinate that the splat is anchored at. Pixels of
-/// [inner_begin, inner_end) have the kernel's `inner` value; the others of [x_begin, x_end) have taps of their
-/// own, left ones first. inner_begin == inner_end == x_end where every pixel has its tap.
+/// [inner_begin, inner_end) have the kernel's `inner` value; the others of [x_begin, x_end) have taps of
+/// their own, left ones first. inner_begin == inner_end == x_end where every pixel has its tap.
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
     float sum = 0;          ///< of all its values
 };
 
-/// How far a splat's anchor can lie from a pixel of the picture, px: kernels keep columns [-x, x) and rows [-y, y).
+/// How far a splat's anchor can lie from a pixel of the picture, px: kernels keep columns [-x, x) and rows
+/// [-y, y).
 struct KernelReach {
     int x = 0, y = 0;
 };
@@ -46,8 +47,8 @@ struct Kernel {
 struct KernelKey {
     /// Steps of phases: centres lie on a grid of 1/16 px.
     static constexpr int phase_steps = 16;
-    /// Ellipses are told apart in steps of a quarter pixel: no outline is off by more than an eighth in either
-    /// axis.
+    /// Ellipses are told apart in steps of a quarter pixel: no outline is off by more than an eighth in
+    /// either axis.
     static constexpr double ellipse_step_px = 0.25;
     /// Ellipses reach no farther; beyond, they are scaled down as a whole.
     static constexpr double largest_ellipse_px = 16000;
@@ -74,8 +75,8 @@ class KernelTable {
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
     /// Marks the phase (0, 0) disc of a level as needed.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
-    /// Makes the kernels, in parallel; to be called once, after the last number_of. Where those of ellipses would
-    /// take more than `memory_limit_bytes`, their steps are doubled until they fit.
+    /// Makes the kernels, in parallel; to be called once, after the last number_of. Where those of ellipses
+    /// would take more than `memory_limit_bytes`, their steps are doubled until they fit.
     void build(std::size_t memory_limit_bytes = std::size_t{512} << 20);
 
     [[nodiscard]] const Kernel& operator[](std::uint32_t number) const { return *kernel_of_[number]; }
@@ -97,9 +98,9 @@ class KernelTable {
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
     std::unordered_map<std::uint64_t, std::uint32_t> number_of_key_;
-    std::vector<KernelKey> keys_;             ///< by number
-    std::vector<Kernel> kernels_;             ///< by number; empty where another one stands in
-    std::vector<const Kernel*> kernel_of_;    ///< by number
+    std::vector<KernelKey> keys_;           ///< by number
+    std::vector<Kernel> kernels_;           ///< by number; empty where another one stands in
+    std::vector<const Kernel*> kernel_of_;  ///< by number
     int discs_used_ = 0;
 };
 

@@ -1,10 +1,9 @@
 #include "focus/overscan.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace postlens {
 namespace {
@@ -13,14 +12,16 @@ namespace {
 constexpr double smallest_reach_px = 0.5;
 
 /// How far what lies beyond one side reaches into the picture, pixel by pixel along that side.
-std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end, int margin_px) {
+std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
+                                    int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));
     for (int i = begin; i < end; ++i) {
         // A pixel lies between two corners.
         const auto at = static_cast<std::size_t>(i - first);
         const double reach = static_cast<double>(std::max(radii[at], radii[at + 1])) - margin_px;
         // Reaches beyond a million pixels are beyond any picture.
-        if (reach > smallest_reach_px) out[static_cast<std::size_t>(i - begin)] = static_cast<int>(std::ceil(std::min(reach, 1e6)));
+        if (reach > smallest_reach_px)
+            out[static_cast<std::size_t>(i - begin)] = static_cast<int>(std::ceil(std::min(reach, 1e6)));
     }
     return out;
 }
@@ -33,12 +34,18 @@ std::optional<FocusWarning> overscan_warning(const SplatTables& tables) {
     const BorderRadii& border = tables.border();
     const std::array<int, 4> margin{picture.x_begin - source.x_begin, source.x_end - 1 - picture.x_end,
                                     picture.y_begin - source.y_begin, source.y_end - 1 - picture.y_end};
-    const auto left = reach_into_picture(border.left, source.y_begin, picture.y_begin, picture.y_end, margin[0]);
-    const auto right = reach_into_picture(border.right, source.y_begin, picture.y_begin, picture.y_end, margin[1]);
-    const auto top = reach_into_picture(border.top, source.x_begin, picture.x_begin, picture.x_end, margin[2]);
-    const auto bottom = reach_into_picture(border.bottom, source.x_begin, picture.x_begin, picture.x_end, margin[3]);
+    const auto left =
+        reach_into_picture(border.left, source.y_begin, picture.y_begin, picture.y_end, margin[0]);
+    const auto right =
+        reach_into_picture(border.right, source.y_begin, picture.y_begin, picture.y_end, margin[1]);
+    const auto top =
+        reach_into_picture(border.top, source.x_begin, picture.x_begin, picture.x_end, margin[2]);
+    const auto bottom =
+        reach_into_picture(border.bottom, source.x_begin, picture.x_begin, picture.x_end, margin[3]);
 
-    const auto largest = [](const std::vector<int>& reach) { return *std::max_element(reach.begin(), reach.end()); };
+    const auto largest = [](const std::vector<int>& reach) {
+        return *std::max_element(reach.begin(), reach.end());
+    };
     const std::array<int, 4> most{largest(left), largest(right), largest(top), largest(bottom)};
     if (*std::max_element(most.begin(), most.end()) == 0) return std::nullopt;
     // Overscan is the same on all sides.
@@ -62,9 +69,10 @@ std::optional<FocusWarning> overscan_warning(const SplatTables& tables) {
     return FocusWarning{
         .code = "overscan",
         .share = share,
-        .text = fmt::format("{:.1f} % of the pixels lie within a circle of confusion of where the records end (got {} "
-                            "px of overscan; expected {} px, as the circles at the border have that radius)",
-                            100 * share, *std::min_element(margin.begin(), margin.end()), needed_px)};
+        .text = fmt::format(
+            "{:.1f} % of the pixels lie within a circle of confusion of where the records end (got {} "
+            "px of overscan; expected {} px, as the circles at the border have that radius)",
+            100 * share, *std::min_element(margin.begin(), margin.end()), needed_px)};
 }
 
 }  // namespace postlens

@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// A warning of code "overscan" where circles of confusion along the outermost records are wider than the recorded
-/// margin: the pixels within reach of what was not recorded are then normalised over what was. Measured by the
-/// CoC found at the edge of the records, not by the largest in the picture.
+/// A warning of code "overscan" where circles of confusion along the outermost records are wider than the
+/// recorded margin: the pixels within reach of what was not recorded are then normalised over what was.
+/// Measured by the CoC found at the edge of the records, not by the largest in the picture.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const SplatTables& tables);
 
 }  // namespace postlens

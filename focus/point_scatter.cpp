@@ -30,8 +30,8 @@ void add_points(const PointPass& pass) {
         // Columns from the block's first.
         const int x = s.x - pass.rows.x_begin;
         if (x + kernel.x_end <= 0 || x + kernel.x_begin >= width) continue;
-        const FourDoubles value = {static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
-                                   static_cast<double>(s.weight)};
+        const FourDoubles value = {static_cast<double>(s.r), static_cast<double>(s.g),
+                                   static_cast<double>(s.b), static_cast<double>(s.weight)};
         const FourDoubles inner = value * static_cast<double>(kernel.inner);
         const int first = std::max(pass.rows.y_begin, pass.y + kernel.y_begin);
         const int last = std::min(pass.rows.y_end, pass.y + kernel.y_end());
@@ -42,13 +42,15 @@ void add_points(const PointPass& pass) {
             const float* taps = kernel.taps.data() + row.tap;
             const int left_begin = x + row.x_begin, left_end = x + row.inner_begin;
             for (int at = std::max(left_begin, 0); at < std::min(left_end, width); ++at) {
-                *reinterpret_cast<FourDoubles*>(sum + 4 * at) += value * static_cast<double>(taps[at - left_begin]);
+                *reinterpret_cast<FourDoubles*>(sum + 4 * at) +=
+                    value * static_cast<double>(taps[at - left_begin]);
             }
             const int right_begin = x + row.inner_end, right_end = x + row.x_end;
             if (right_begin == left_end) continue;
             taps += row.inner_begin - row.x_begin;
             for (int at = std::max(right_begin, 0); at < std::min(right_end, width); ++at) {
-                *reinterpret_cast<FourDoubles*>(sum + 4 * at) += value * static_cast<double>(taps[at - right_begin]);
+                *reinterpret_cast<FourDoubles*>(sum + 4 * at) +=
+                    value * static_cast<double>(taps[at - right_begin]);
             }
             double* change = pass.change + offset;
             if (left_end < width && right_begin > 0) {
@@ -61,15 +63,16 @@ void add_points(const PointPass& pass) {
 
 }  // namespace
 
-PointScatter::PointScatter(const SplatTables& tables, const RasterWindow& rows)
-    : tables_(tables), rows_(rows), stride_(static_cast<std::size_t>(rows.width()) + 1) {}
-
-bool PointScatter::run() {
+bool PointScatter::run(const RasterWindow& rows) {
+    rows_ = rows;
+    stride_ = static_cast<std::size_t>(rows.width()) + 1;
+    bool any = false;
     const RasterWindow& source = tables_.source();
     const int last_row = std::min(source.y_end, rows_.y_end - tables_.splat_dy_begin());
     for (int y = std::max(source.y_begin, rows_.y_begin - tables_.splat_dy_end()); y < last_row; ++y) {
         const SplatRow& row = tables_.row(y);
-        if (row.splats.empty() || y + row.splat_dy_end <= rows_.y_begin || y + row.splat_dy_begin >= rows_.y_end) {
+        if (row.splats.empty() || y + row.splat_dy_end <= rows_.y_begin ||
+            y + row.splat_dy_begin >= rows_.y_end) {
             continue;
         }
         const auto first =
@@ -78,9 +81,10 @@ bool PointScatter::run() {
         const auto last = std::lower_bound(first, row.splats.end(), rows_.x_end - row.splat_dx_begin,
                                            [](const Splat& s, int x) { return s.x < x; });
         if (first == last) continue;
-        if (sum_.empty()) {
-            sum_.resize(4 * stride_ * static_cast<std::size_t>(rows_.height()));
-            change_.resize(sum_.size());
+        if (!any) {
+            any = true;
+            sum_.assign(4 * stride_ * static_cast<std::size_t>(rows_.height()), 0.0);
+            change_.assign(sum_.size(), 0.0);
         }
         add_points({.splats = &*first,
                     .count = static_cast<std::size_t>(last - first),
@@ -91,7 +95,7 @@ bool PointScatter::run() {
                     .sum = sum_.data(),
                     .change = change_.data()});
     }
-    if (sum_.empty()) return false;
+    if (!any) return false;
     for (int y = 0; y < rows_.height(); ++y) {
         double* sum = sum_.data() + static_cast<std::size_t>(y) * stride_ * 4;
         const double* change = change_.data() + static_cast<std::size_t>(y) * stride_ * 4;

@@ -8,19 +8,19 @@
 
 namespace postlens {
 
-/// Sums of colour times response (channels 0..2) and of weight times response (3) over a few pixel rows of one
-/// block.
+/// Sums of colour times response (channels 0..2) and of weight times response (3) over a few pixel rows of
+/// one block.
 ///
-/// The outline of a response is added pixel by pixel; its inside, where it is wide, as a difference: once where a
-/// row of it begins and once, subtracted, where it ends. Both in double: a difference of float sums would leave a
-/// trace of every bright light to the right of it.
+/// The outline of a response is added pixel by pixel; its inside, where it is wide, as a difference: once
+/// where a row of it begins and once, subtracted, where it ends. Both in double: a difference of float sums
+/// would leave a trace of every bright light to the right of it.
 class PointScatter {
   public:
-    /// The rows lie in tables.picture().
-    PointScatter(const SplatTables& tables, const RasterWindow& rows);
+    explicit PointScatter(const SplatTables& tables) : tables_(tables) {}
 
-    /// Adds all splats that reach the rows; to be called once. False where none does: then there are no sums.
-    bool run();
+    /// Adds all splats that reach the rows, which lie in tables.picture(), to sums that start from zero.
+    /// False where none does: then there are no sums. Buffers are kept from call to call.
+    bool run(const RasterWindow& rows);
 
     /// The sums of row y, pixel by pixel, four channels each.
     [[nodiscard]] const double* sums(int y) const {
@@ -30,7 +30,7 @@ class PointScatter {
   private:
     const SplatTables& tables_;
     RasterWindow rows_;
-    std::size_t stride_;          ///< pixels from row to row: one more than there are, for what ends there
+    std::size_t stride_ = 0;  ///< pixels from row to row: one more than there are, for what ends there
     std::vector<double> sum_;
     std::vector<double> change_;  ///< from the pixel to the left
 };

@@ -62,13 +62,15 @@ Image reframe(const Image& traced, const RasterWindow& window, int width, int he
             std::vector<double> mean(3 * static_cast<std::size_t>(window.width()));
             for (std::size_t j = 0; j < row.share.size(); ++j) {
                 const float* from = traced.pixel(0, row.first + static_cast<int>(j) - window.y_begin);
-                for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += row.share[j] * static_cast<double>(from[i]);
+                for (std::size_t i = 0; i < mean.size(); ++i)
+                    mean[i] += row.share[j] * static_cast<double>(from[i]);
             }
             for (int x = 0; x < width; ++x) {
                 const Box& column = columns[static_cast<std::size_t>(x)];
                 std::array<double, 3> sum{};
                 for (std::size_t j = 0; j < column.share.size(); ++j) {
-                    const double* from = mean.data() + 3 * (static_cast<std::size_t>(column.first - window.x_begin) + j);
+                    const double* from =
+                        mean.data() + 3 * (static_cast<std::size_t>(column.first - window.x_begin) + j);
                     for (std::size_t c = 0; c < 3; ++c) sum[c] += column.share[j] * from[c];
                 }
                 std::transform(sum.begin(), sum.end(), out.pixel(x, static_cast<int>(y)),

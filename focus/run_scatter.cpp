@@ -10,11 +10,13 @@ namespace {
 
 /// Float sums hold this many source rows before they go to double: rounding stays below 1e-6 of the sum.
 constexpr int source_rows_per_flush = 32;
-/// Source rows that are filtered strip by strip together: meanwhile the sums of one strip and channel, for radii up
-/// to 64 px, stay in the first-level cache.
+/// Source rows that are filtered strip by strip together: meanwhile the sums of one strip and channel, for
+/// radii up to 64 px, stay in the first-level cache.
 constexpr int source_rows_per_group = 8;
 
-/// Four vectors of eight make a strip: few enough for registers, enough to hide the loop around them.
+constexpr std::size_t cache_line_floats = 16;
+
+/// Vectors of eight make a strip: few enough for registers, enough to hide the loop around them.
 constexpr int lanes = 8;
 constexpr int vectors = RunScatter::strip_width / lanes;
 typedef float Floats __attribute__((vector_size(lanes * sizeof(float))));
@@ -51,9 +53,10 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
             const double* high = f.running - row.inner_begin + 1;
             const double* low = f.running - row.inner_end + 1;
             for (int v = 0; v < vectors; ++v) {
-                inside[v] = __builtin_convertvector(*reinterpret_cast<const DoublesAnywhere*>(high + v * lanes) -
-                                                        *reinterpret_cast<const DoublesAnywhere*>(low + v * lanes),
-                                                    Floats);
+                inside[v] =
+                    __builtin_convertvector(*reinterpret_cast<const DoublesAnywhere*>(high + v * lanes) -
+                                                *reinterpret_cast<const DoublesAnywhere*>(low + v * lanes),
+                                            Floats);
             }
         }
         Floats sum[vectors];
@@ -121,8 +124,8 @@ struct RunScatter::LaidRun {
     int full_begin, full_end;  ///< strips of which every pixel gets whole kernel rows
     int line_begin;            ///< column of the lines' first value
     int from, to;              ///< columns of the run within the lines
-    /// By channel: the colours, in the raster itself where that will do, else from lines_; and where in running_ their
-    /// sums begin.
+    /// By channel: the colours, in the raster itself where that will do, else from lines_; and where in
+    /// running_ their sums begin.
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
 };
@@ -203,7 +206,8 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     laid.strip_end = std::min(strips_, strip_of(run.end + reach - 1) + 1);
     if (laid.strip_begin >= laid.strip_end) return;
     if (laid.down.begin == laid.down.end && laid.up.begin == laid.up.end) return;
-    laid.full_begin = std::clamp(strip_of(run.begin + reach + strip_width - 1), laid.strip_begin, laid.strip_end);
+    laid.full_begin =
+        std::clamp(strip_of(run.begin + reach + strip_width - 1), laid.strip_begin, laid.strip_end);
     laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
     // A line covers whatever its strips may look at.
@@ -227,6 +231,8 @@ void RunScatter::lay_line(LaidRun& laid, int channel, int line_end) {
         channel < 3 ? tables_.raster_row(channel, laid.y) + (laid.from - tables_.source().x_begin) : nullptr;
     if (inside == length && source != nullptr) {
         laid.in_raster[c] = source;
+        // The strips will ask for it piece by piece, row by row: in no order that the hardware would foresee.
+        for (std::size_t i = 0; i < length; i += cache_line_floats) __builtin_prefetch(source + i);
     } else {
         laid.line_at[c] = lines_used_;
         lines_used_ += length;
@@ -255,7 +261,9 @@ void RunScatter::lay_running_sums(LaidRun& laid, int channels, int line_end) {
         laid.running_at[c] = begin + c * length;
         std::fill_n(running_.data() + laid.running_at[c], before, 0.0);
         running[c] = running_.data() + laid.running_at[c] + before;
-        if (c < 3) source[c] = tables_.raster_row(static_cast<int>(c), laid.y) + (laid.from - tables_.source().x_begin);
+        if (c < 3)
+            source[c] =
+                tables_.raster_row(static_cast<int>(c), laid.y) + (laid.from - tables_.source().x_begin);
     }
     // Three chains of additions side by side: each alone would wait for itself.
     double r = 0, g = 0, b = 0;
@@ -282,14 +290,17 @@ void RunScatter::filter_laid_runs() {
         for (int strip = 0; strip < strips_; ++strip) {
             for (const LaidRun& laid : laid_) {
                 if (strip < laid.strip_begin || strip >= laid.strip_end) continue;
-                float* down = partial_.data() + index(channel, strip, 0) + (laid.y - block_.y_begin) * strip_width;
+                float* down =
+                    partial_.data() + index(channel, strip, 0) + (laid.y - block_.y_begin) * strip_width;
                 float* up = down - strip_width;
                 if (channel == 3 && strip >= laid.full_begin && strip < laid.full_end) {
                     add_row_sums(laid.row_0, down, laid.down, up, laid.up);
                     continue;
                 }
-                const auto offset = static_cast<std::size_t>(block_.x_begin + strip * strip_width - laid.line_begin);
-                const float* line = laid.in_raster[c] != nullptr ? laid.in_raster[c] : lines_.data() + laid.line_at[c];
+                const auto offset =
+                    static_cast<std::size_t>(block_.x_begin + strip * strip_width - laid.line_begin);
+                const float* line =
+                    laid.in_raster[c] != nullptr ? laid.in_raster[c] : lines_.data() + laid.line_at[c];
                 filter_strip({.rows = laid.row_0,
                               .taps = laid.taps,
                               .line = line + offset,

@@ -9,10 +9,11 @@ namespace postlens {
 
 /// Sums of colour times response and of response alone over one block of pixels.
 ///
-/// Kernel rows are symmetric, as the discs stand on whole coordinates: the filtered source row is the same for
-/// two rows of the picture, and taps come in pairs. The inside of a row is a difference of running sums, held in
-/// double, so that a bright light leaves no trace where it does not reach; all else adds up positive terms, in
-/// float for a few source rows at a time, then in double. The order of every sum depends on the tables alone.
+/// Kernel rows are symmetric, as the discs stand on whole coordinates: the filtered source row is the same
+/// for two rows of the picture, and taps come in pairs. The inside of a row is a difference of running sums,
+/// held in double, so that a bright light leaves no trace where it does not reach; all else adds up positive
+/// terms, in float for a few source rows at a time, then in double. The order of every sum depends on the
+/// tables alone.
 class RunScatter {
   public:
     /// Pixels of a vector, and so of a strip of the block.
@@ -25,12 +26,12 @@ class RunScatter {
     RunScatter& operator=(const RunScatter&) = delete;
     RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Adds all runs that reach the block, a part of tables.picture(), to sums that start from zero. False where none
-    /// does: then there are no sums. Buffers are kept from block to block.
+    /// Adds all runs that reach the block, a part of tables.picture(), to sums that start from zero. False
+    /// where none does: then there are no sums. Buffers are kept from block to block.
     bool run(const RasterWindow& block);
 
-    /// Sums `channel` (0..2 colour, 3 weight) of the strip's pixels in row y, strip_width of them; what lies beyond
-    /// the block has no meaning.
+    /// Sums `channel` (0..2 colour, 3 weight) of the strip's pixels in row y, strip_width of them; what lies
+    /// beyond the block has no meaning.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
     }

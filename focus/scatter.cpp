@@ -17,7 +17,7 @@ namespace {
 // What is being added to fits the second-level cache: twice the radius in rows of 16 B a pixel. Taller blocks
 // share more filtered rows, wider ones more running sums; smaller ones keep more threads busy. Found with
 // bench/scatter_bench.cpp.
-constexpr int block_width = 128;
+constexpr int block_width = 256;
 constexpr int block_height = 256;
 /// PointScatter keeps 64 B a pixel and looks at every splat once for so many rows.
 constexpr int point_rows = 32;
@@ -43,10 +43,10 @@ void normalise(const Sums& sums, bool may_be_negative, float* __restrict rgb) {
     }
 }
 
-/// Brings together what runs and single splats have left in a few rows of a block. `runs` and `points` are absent
-/// where nothing of theirs arrives.
-void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter* points, const RasterWindow& rows,
-                Image& image) {
+/// Brings together what runs and single splats have left in a few rows of a block. `runs` and `points` are
+/// absent where nothing of theirs arrives.
+void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter* points,
+                const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> nothing{};
     const RasterWindow& picture = tables.picture();
     for (int y = rows.y_begin; y < rows.y_end; ++y) {
@@ -62,7 +62,8 @@ void store_rows(const SplatTables& tables, const RunScatter* runs, const PointSc
                 const double* from = points->sums(y) + 4 * (x - rows.x_begin);
                 for (std::size_t c = 0; c < 4; ++c) {
                     both[c].fill(0);
-                    for (std::size_t i = 0; i < static_cast<std::size_t>(width); ++i) both[c][i] = sums[c][i] + from[4 * i + c];
+                    for (std::size_t i = 0; i < static_cast<std::size_t>(width); ++i)
+                        both[c][i] = sums[c][i] + from[4 * i + c];
                     sums[c] = both[c].data();
                 }
             }
@@ -86,6 +87,7 @@ void scatter(const SplatTables& tables, Image& image) {
         image = Image(picture.width(), picture.height());
     }
     tbb::enumerable_thread_specific<RunScatter> run_scatters([&] { return RunScatter(tables); });
+    tbb::enumerable_thread_specific<PointScatter> point_scatters([&] { return PointScatter(tables); });
     const int columns = (picture.width() + block_width - 1) / block_width;
     const int rows = (picture.height() + block_height - 1) / block_height;
     parallel_for(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t i) {
@@ -96,9 +98,10 @@ void scatter(const SplatTables& tables, Image& image) {
         RunScatter& runs = run_scatters.local();
         const bool any_runs = runs.run(block);
         for (int first = block.y_begin; first < block.y_end; first += point_rows) {
-            const RasterWindow part{block.x_begin, block.x_end, first, std::min(first + point_rows, block.y_end)};
-            PointScatter points(tables, part);
-            const bool any_points = points.run();
+            const RasterWindow part{block.x_begin, block.x_end, first,
+                                    std::min(first + point_rows, block.y_end)};
+            PointScatter& points = point_scatters.local();
+            const bool any_points = points.run(part);
             store_rows(tables, any_runs ? &runs : nullptr, any_points ? &points : nullptr, part, image);
         }
     });
@@ -107,18 +110,22 @@ void scatter(const SplatTables& tables, Image& image) {
 Image scatter_reference(const SplatTables& tables) {
     const RasterWindow& picture = tables.picture();
     const RasterWindow& source = tables.source();
-    std::vector<double> sums(4 * static_cast<std::size_t>(picture.width()) * static_cast<std::size_t>(picture.height()));
-    const auto add = [&](int x, int y, std::uint32_t kernel_number, const double (&value)[4]) {
+    std::vector<double> sums(4 * static_cast<std::size_t>(picture.width()) *
+                             static_cast<std::size_t>(picture.height()));
+    const auto add = [&](int x, int y, std::uint32_t kernel_number, const double(&value)[4]) {
         const Kernel& kernel = tables.kernels()[kernel_number];
         for (int dy = kernel.y_begin; dy < kernel.y_end(); ++dy) {
             if (y + dy < picture.y_begin || y + dy >= picture.y_end) continue;
             const KernelRow& row = kernel.rows[static_cast<std::size_t>(dy - kernel.y_begin)];
             for (int dx = row.x_begin; dx < row.x_end; ++dx) {
                 if (x + dx < picture.x_begin || x + dx >= picture.x_end) continue;
-                const int skipped = dx < row.inner_begin ? row.x_begin : row.x_begin + row.inner_end - row.inner_begin;
-                const double share = dx >= row.inner_begin && dx < row.inner_end
-                                         ? static_cast<double>(kernel.inner)
-                                         : static_cast<double>(kernel.taps[row.tap + static_cast<std::uint32_t>(dx - skipped)]);
+                const int skipped =
+                    dx < row.inner_begin ? row.x_begin : row.x_begin + row.inner_end - row.inner_begin;
+                const double share =
+                    dx >= row.inner_begin && dx < row.inner_end
+                        ? static_cast<double>(kernel.inner)
+                        : static_cast<double>(
+                              kernel.taps[row.tap + static_cast<std::uint32_t>(dx - skipped)]);
                 const std::size_t at = static_cast<std::size_t>(y + dy - picture.y_begin) *
                                            static_cast<std::size_t>(picture.width()) +
                                        static_cast<std::size_t>(x + dx - picture.x_begin);
@@ -130,7 +137,8 @@ Image scatter_reference(const SplatTables& tables) {
         for (const SplatRun& run : tables.row(y).runs) {
             for (int x = run.begin; x < run.end; ++x) {
                 double value[4] = {0, 0, 0, 1};
-                for (int c = 0; c < 3; ++c) value[c] = static_cast<double>(tables.raster_row(c, y)[x - source.x_begin]);
+                for (int c = 0; c < 3; ++c)
+                    value[c] = static_cast<double>(tables.raster_row(c, y)[x - source.x_begin]);
                 add(x, y, run.kernel, value);
             }
         }

@@ -1,5 +1,5 @@
-// Scatter [potmesil1981]: every sample's energy spread over its circle of confusion, normalised by the weights
-// that arrive.
+// Scatter [potmesil1981]: every sample's energy spread over its circle of confusion, normalised by the
+// weights that arrive.
 #pragma once
 
 #include "focus/splat_tables.h"
@@ -10,8 +10,8 @@ namespace postlens {
 /// Below this sum of weights nothing is taken to have arrived at a pixel: it is black.
 inline constexpr double smallest_weight = 1e-12;
 
-/// The picture of the tables' picture window, into an image that is made to fit. In parallel; the same bits for any
-/// number of threads.
+/// The picture of the tables' picture window, into an image that is made to fit. In parallel; the same bits
+/// for any number of threads.
 void scatter(const SplatTables& tables, Image& image);
 
 /// The same from the definition, each response laid out in full, in double: slow and obvious, for tests.

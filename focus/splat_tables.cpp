@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/threads.h"
+#include "focus/phases.h"
 
 namespace postlens {
 namespace {
@@ -12,92 +13,13 @@ namespace {
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 /// Corner rows that one task takes in: find_point_samples looks at one row more on either side.
 constexpr int rows_per_task = 8;
-/// From this radius on a sample is one disc at its own place even where it has more weight in one of the pixels
-/// around it than in another; below, each pixel's part is placed inside that pixel, so that the picture of a
-/// vanishing CoC is the traced one.
-constexpr double one_disc_from_px = 2;
 /// Outlines closer than this to a circle's are taken for one, px.
 constexpr double round_within_px = 0.05;
-
-/// Steps of the phases that kernels of this radius come in, per px. A phase in between is shared out to its
-/// neighbours: that keeps the centroid and widens the response by a variance of at most 1/4 of a squared step,
-/// which changes an edge by (step / radius)^2 / 8 of its height: below 1e-4.
-int phases_per_px(double radius_px) {
-    if (radius_px <= 16) return 16;
-    return radius_px <= 256 ? 4 : 1;
-}
 
 /// Shorter runs cost less as splats of their own: a run pays for its whole reach, a splat for its outline.
 /// Measured with bench/scatter_bench.cpp.
 int shortest_run(double radius_px) {
-    return 3 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
-}
-
-struct Phase {
-    std::int32_t x, y;
-    float weight;
-};
-
-/// At most four.
-struct Phases {
-    std::array<Phase, 4> items{};
-    std::size_t count = 0;
-
-    void add(std::int32_t x, std::int32_t y, float weight) {
-        for (std::size_t i = 0; i < count; ++i) {
-            if (items[i].x == x && items[i].y == y) {
-                items[i].weight += weight;
-                return;
-            }
-        }
-        items[count++] = {x, y, weight};
-    }
-};
-
-/// The phase nearest to a fraction of a pixel that is not on an edge of it and must not come to be.
-std::int32_t phase_inside(float fraction) {
-    return std::clamp(static_cast<std::int32_t>(std::lround(fraction * KernelKey::phase_steps)), 1,
-                      KernelKey::phase_steps - 1);
-}
-
-/// Where the response of a sample is placed, and with what weights.
-Phases phases_of(const PointSample& s, double radius_px) {
-    Phases out;
-    const float fx = s.x - std::floor(s.x), fy = s.y - std::floor(s.y);
-    const std::array<float, 4>& w = s.weight;
-    if (fx == 0 && fy == 0 && w[0] == w[1] && w[0] == w[2] && w[0] == w[3]) {
-        out.add(0, 0, s.total_weight());
-        return out;
-    }
-    if (radius_px >= one_disc_from_px) {
-        const int steps = phases_per_px(radius_px);
-        const int unit = KernelKey::phase_steps / steps;
-        const float x = fx * static_cast<float>(steps), y = fy * static_cast<float>(steps);
-        const float x0 = std::floor(x), y0 = std::floor(y);
-        for (int corner = 0; corner < 4; ++corner) {
-            const bool right = corner % 2 != 0, down = corner / 2 != 0;
-            const float share = (right ? x - x0 : 1 - (x - x0)) * (down ? y - y0 : 1 - (y - y0));
-            if (share == 0) continue;
-            out.add((static_cast<std::int32_t>(x0) + (right ? 1 : 0)) * unit,
-                    (static_cast<std::int32_t>(y0) + (down ? 1 : 0)) * unit, share * s.total_weight());
-        }
-        return out;
-    }
-    const bool one_pixel = fx != 0 && fy != 0;
-    const bool even = w[0] == w[1] && w[0] == w[2] && w[0] == w[3];
-    if (one_pixel || even) {
-        out.add(fx == 0 ? 0 : phase_inside(fx), fy == 0 ? 0 : phase_inside(fy), s.total_weight());
-        return out;
-    }
-    for (std::size_t q = 0; q < 4; ++q) {
-        if (w[q] == 0) continue;
-        // A quarter of the leaf's edge: the middle of the part of the leaf that the sample stands for.
-        const auto move = std::max<std::int32_t>(
-            1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
-        out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),
-                fy == 0 ? (q / 2 == 0 ? -move : move) : phase_inside(fy), w[q]);
-    }
-    return out;
+    return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
 
 /// A node's response: its key without phase, and its size.
@@ -114,14 +36,16 @@ class SplatTables::RowBuilder {
   public:
     explicit RowBuilder(SplatTables& tables) : t_(tables), cache_(tables.kernels_) {}
 
-    void build(const RecordBand& band, const PointSamples& samples, std::uint32_t begin, std::uint32_t end, int y);
+    void build(const RecordBand& band, const PointSamples& samples, std::uint32_t begin, std::uint32_t end,
+               int y);
 
   private:
     [[nodiscard]] Response response_to_depth(double inverse_depth_per_m) const;
     [[nodiscard]] Response response_to_w(const Mat2& w) const;
     [[nodiscard]] Response response_of(const Record& node, const Response& primary) const;
     void add_sample(const PointSample& s, std::span<const Record> nodes);
-    void add_splats(const PointSample& s, const Response& response, const std::array<float, 3>& rgb, bool primary);
+    void add_splats(const PointSample& s, const Response& response, const std::array<float, 3>& rgb,
+                    bool primary);
     void note_radius(const PointSample& s, double radius_px);
     void split_runs();
 
@@ -168,9 +92,12 @@ Response SplatTables::RowBuilder::response_to_w(const Mat2& w) const {
 
 Response SplatTables::RowBuilder::response_of(const Record& node, const Response& primary) const {
     switch (t_.model_) {
-        case DepthModel::first_hit: return primary;
-        case DepthModel::path: return response_to_depth(1 / static_cast<double>(node.z));
-        case DepthModel::ray_differentials: break;
+        case DepthModel::first_hit:
+            return primary;
+        case DepthModel::path:
+            return response_to_depth(1 / static_cast<double>(node.z));
+        case DepthModel::ray_differentials:
+            break;
     }
     return response_to_w(node.w);
 }
@@ -198,8 +125,9 @@ void SplatTables::RowBuilder::add_splats(const PointSample& s, const Response& r
         KernelKey key = response.key;
         key.phase_x = p.x;
         key.phase_y = p.y;
-        splats_.push_back({static_cast<std::int32_t>(std::floor(s.x)), cache_.number_of(key), rgb[0] * p.weight,
-                           rgb[1] * p.weight, rgb[2] * p.weight, primary ? p.weight : 0.0F});
+        splats_.push_back({static_cast<std::int32_t>(std::floor(s.x)), cache_.number_of(key),
+                           rgb[0] * p.weight, rgb[1] * p.weight, rgb[2] * p.weight,
+                           primary ? p.weight : 0.0F});
     }
 }
 
@@ -289,8 +217,8 @@ KernelReach reach_of(const RasterWindow& source, const RasterWindow& picture) {
 
 }  // namespace
 
-SplatTables::SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
-                         const DepthLevels& levels, DepthModel model)
+SplatTables::SplatTables(const RasterWindow& source, const RasterWindow& picture,
+                         const FocusGeometry& geometry, const DepthLevels& levels, DepthModel model)
     : source_(source),
       picture_(picture),
       geometry_(geometry),
@@ -316,7 +244,8 @@ void SplatTables::add_rows(const RecordBand& band, int y_begin, int y_end) {
         find_point_samples(band, first, last, source_.y_begin, source_.y_end - 1, samples);
         RowBuilder builder(*this);
         for (int y = first; y < last; ++y) {
-            const std::size_t k = static_cast<std::size_t>(y - first) * static_cast<std::size_t>(band.width());
+            const std::size_t k =
+                static_cast<std::size_t>(y - first) * static_cast<std::size_t>(band.width());
             builder.build(band, samples, samples.offsets[k],
                           samples.offsets[k + static_cast<std::size_t>(band.width())], y);
         }

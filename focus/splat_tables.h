@@ -18,15 +18,16 @@ struct RasterWindow {
     [[nodiscard]] int height() const { return y_end - y_begin; }
 };
 
-/// A node of one point sample. Its colour is already times the sample's weight; `weight` itself is 0 for deeper
-/// nodes, as the normalisation counts point samples.
+/// A node of one point sample. Its colour is already times the sample's weight; `weight` itself is 0 for
+/// deeper nodes, as the normalisation counts point samples.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0;
 };
 
-/// Neighbouring corner samples [begin, end) of weight one that share a disc; their colours stand in the raster.
+/// Neighbouring corner samples [begin, end) of weight one that share a disc; their colours stand in the
+/// raster.
 struct SplatRun {
     std::int32_t begin = 0, end = 0;
     std::uint32_t kernel = 0;
@@ -63,7 +64,9 @@ class SplatTables {
 
     [[nodiscard]] const RasterWindow& source() const { return source_; }
     [[nodiscard]] const RasterWindow& picture() const { return picture_; }
-    [[nodiscard]] const SplatRow& row(int y) const { return rows_[static_cast<std::size_t>(y - source_.y_begin)]; }
+    [[nodiscard]] const SplatRow& row(int y) const {
+        return rows_[static_cast<std::size_t>(y - source_.y_begin)];
+    }
     /// Colour `channel` (0..2) of the corners of row y, first at x_begin; meaningful inside the row's runs.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].data() +
@@ -95,7 +98,7 @@ class SplatTables {
     std::vector<SplatRow> rows_;
     BorderRadii border_;
     std::vector<double> row_largest_radius_px_;  ///< by row
-    std::vector<std::uint8_t> row_negative_;    ///< by row
+    std::vector<std::uint8_t> row_negative_;     ///< by row
     bool any_negative_ = false;
     int run_dy_begin_ = 0, run_dy_end_ = 0, splat_dy_begin_ = 0, splat_dy_end_ = 0;
 };

@@ -85,7 +85,8 @@ double EllipseRows::right_edge(double t) const {
 }
 
 /// The strip's area left of x (from the centre): the integral over t of min(right(t), x) - min(left(t), x).
-/// Where an edge crosses x is the root of a quadratic; between the roots each integrand has an antiderivative.
+/// Where an edge crosses x is the root of a quadratic; between the roots each integrand has an
+/// antiderivative.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
@@ -177,7 +178,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     }
     const double area_at_inner = area_left_of(strip, out.inner_begin - cx_);
     add_edge(out.x_begin, out.inner_begin, 0, area_at_inner);
-    add_edge(out.inner_end, out.x_end, area_at_inner + strip.height * (out.inner_end - out.inner_begin), total);
+    add_edge(out.inner_end, out.x_end, area_at_inner + strip.height * (out.inner_end - out.inner_begin),
+             total);
 }
 
 std::vector<CoverageRow> ellipse_coverage(const Ellipse& ellipse, double cx, double cy) {

@@ -39,8 +39,9 @@ struct CoverageRow {
 [[nodiscard]] double ellipse_coverage_reference(const Ellipse& ellipse, double cx, double cy, int x, int y,
                                                 int n);
 
-/// One row as a span: pixels [inner_begin, inner_end) lie wholly inside and share one value, so a row costs as
-/// much as its outline. Nothing is covered outside [x_begin, x_end); x_begin <= inner_begin <= inner_end <= x_end.
+/// One row as a span: pixels [inner_begin, inner_end) lie wholly inside and share one value, so a row costs
+/// as much as its outline. Nothing is covered outside [x_begin, x_end); x_begin <= inner_begin <= inner_end
+/// <= x_end.
 struct CoverageSpan {
     int x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     /// Shares of [x_begin, inner_begin), then of [inner_end, x_end).

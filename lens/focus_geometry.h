@@ -23,10 +23,10 @@ struct Film {
 /// A lens set to a focus distance in front of a film that was traced through a pinhole.
 /// A lens point q (m, raster axes) moves what has inverse depth 1/z' by `gain_px * (1/s - 1/z') * q` px.
 struct FocusGeometry {
-    double aperture_radius_m = 0;   ///< F / (2 n); 0 is a pinhole
+    double aperture_radius_m = 0;    ///< F / (2 n); 0 is a pinhole
     double inverse_focus_per_m = 0;  ///< 1/s; 0 when focused at infinity
-    double gain_px = 0;             ///< d / pitch after framing, px
-    double zoom = 1;                ///< raster magnification about the picture's centre that framing asks for
+    double gain_px = 0;              ///< d / pitch after framing, px
+    double zoom = 1;  ///< raster magnification about the picture's centre that framing asks for
 
     /// Signed diameter, px: positive behind the focus. Finite for every inverse depth.
     [[nodiscard]] double coc_diameter_px(double inverse_depth_per_m) const {
@@ -34,8 +34,8 @@ struct FocusGeometry {
     }
 };
 
-/// Throws Error(wrong_arguments), with the reason, for F, n, s out of range: F > 0 finite, n > 0 (infinity: pinhole),
-/// s > 0 (infinity allowed), and s > F unless framing is `keep`.
+/// Throws Error(wrong_arguments), with the reason, for F, n, s out of range: F > 0 finite, n > 0 (infinity:
+/// pinhole), s > 0 (infinity allowed), and s > F unless framing is `keep`.
 [[nodiscard]] FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
                                            const Film& film);
 

@@ -28,8 +28,10 @@ double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double dep
 DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
     const double focal_m = lens.focal_length_mm * metres_per_mm;
     const double s = focus_distance_m;
-    // q = H - F. Dividing near and far by q keeps them defined for q infinite (a limit of 0: s alone is sharp).
-    const double q = lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
+    // q = H - F. Dividing near and far by q keeps them defined for q infinite (a limit of 0: s alone is
+    // sharp).
+    const double q =
+        lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
     DepthOfField out;
     out.hyperfocal_m = q + focal_m;
     if (std::isinf(s)) {

@@ -16,15 +16,17 @@ struct ThinLens {
 /// V = F s / (s - F), mm [potmesil1981, eq. 1]. F for s infinite. Infinite or negative where s <= F.
 [[nodiscard]] double image_distance_mm(const ThinLens& lens, double focus_distance_m);
 
-/// Signed diameter of the circle of confusion on a film at V(s), mm: positive behind the focus, negative in front.
-/// F^2 (z - s) / (n z (s - F)); finite for every depth_m > 0 and infinity [potmesil1981, eq. 3]. Needs s > F.
+/// Signed diameter of the circle of confusion on a film at V(s), mm: positive behind the focus, negative in
+/// front. F^2 (z - s) / (n z (s - F)); finite for every depth_m > 0 and infinity [potmesil1981, eq. 3]. Needs
+/// s > F.
 [[nodiscard]] double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m);
 
 /// Limits between which the circle of confusion is no wider than `coc_limit_mm`.
 struct DepthOfField {
     double near_m = 0;
-    double far_m = std::numeric_limits<double>::infinity();  ///< infinity at and beyond the hyperfocal distance
-    double hyperfocal_m = 0;                                 ///< F^2 / (n c) + F
+    double far_m =
+        std::numeric_limits<double>::infinity();  ///< infinity at and beyond the hyperfocal distance
+    double hyperfocal_m = 0;                      ///< F^2 / (n c) + F
 };
 [[nodiscard]] DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm);
 

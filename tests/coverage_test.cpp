@@ -1,7 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
+#include <gtest/gtest.h>
 #include <numbers>
 #include <random>
 
@@ -40,8 +39,8 @@ Moments moments_of(const Ellipse& e, double cx, double cy) {
 /// Compares every pixel, and a frame of one around them, with subsampling.
 void expect_equals_subsampling(const Ellipse& e, double cx, double cy) {
     constexpr int n = 200;
-    // A row of samples is off by less than one sample where an edge crosses it: 2 edges * 1/n of a pixel at most,
-    // and a quarter of that over a pixel's rows is what is seen; the bound holds for any ellipse.
+    // A row of samples is off by less than one sample where an edge crosses it: 2 edges * 1/n of a pixel at
+    // most, and a quarter of that over a pixel's rows is what is seen; the bound holds for any ellipse.
     const double tolerance = 2.0 / n / e.area_px2();
     const auto rows = ellipse_coverage(e, cx, cy);
     ASSERT_FALSE(rows.empty());
@@ -55,7 +54,8 @@ void expect_equals_subsampling(const Ellipse& e, double cx, double cy) {
         if (j < 0 || j >= static_cast<int>(rows.size())) return 0.0;
         const CoverageRow& row = rows[static_cast<std::size_t>(j)];
         const int i = x - row.x_begin;
-        return i < 0 || i >= static_cast<int>(row.share.size()) ? 0.0 : row.share[static_cast<std::size_t>(i)];
+        return i < 0 || i >= static_cast<int>(row.share.size()) ? 0.0
+                                                                : row.share[static_cast<std::size_t>(i)];
     };
     for (int y = rows.front().y - 1; y <= rows.back().y + 1; ++y) {
         for (int x = x_begin - 1; x <= x_end; ++x) {
@@ -75,8 +75,9 @@ TEST(EllipseCoverage, DiscsEqualSubsampling) {
 }
 
 TEST(EllipseCoverage, ThinAndShearedEllipsesEqualSubsampling) {
-    for (const Ellipse& e : {Ellipse{0.2, 5.0, 0}, Ellipse{5.0, 0.2, 0}, Ellipse{4.0, 0.4, 1.3}, Ellipse{4.0, 0.4, -1.3},
-                             Ellipse{0.7, 2.0, 8.0}, Ellipse{3.0, 1.5, 0.4}, Ellipse{2.0, 2.0, -2.5}}) {
+    for (const Ellipse& e :
+         {Ellipse{0.2, 5.0, 0}, Ellipse{5.0, 0.2, 0}, Ellipse{4.0, 0.4, 1.3}, Ellipse{4.0, 0.4, -1.3},
+          Ellipse{0.7, 2.0, 8.0}, Ellipse{3.0, 1.5, 0.4}, Ellipse{2.0, 2.0, -2.5}}) {
         for (const double phase : {0.0, 0.1875, 0.5}) expect_equals_subsampling(e, phase, 0.375 - phase);
     }
 }
@@ -103,8 +104,8 @@ TEST(EllipseCoverage, SharesAddUpToOneAndKeepTheCentroid) {
             EXPECT_NEAR(m.y, 0.25, 0.01) << radius;
         }
     }
-    for (const Ellipse& e : {Ellipse{1e-4, 50, 0}, Ellipse{50, 1e-4, 0}, Ellipse{20, 1e-3, 2}, Ellipse{0.125, 40, 300},
-                             Ellipse{700, 30, -1.5}}) {
+    for (const Ellipse& e : {Ellipse{1e-4, 50, 0}, Ellipse{50, 1e-4, 0}, Ellipse{20, 1e-3, 2},
+                             Ellipse{0.125, 40, 300}, Ellipse{700, 30, -1.5}}) {
         EXPECT_NEAR(moments_of(e, 0.375, 0.8125).sum, 1, 1e-12) << e.half_height;
     }
 }
@@ -121,7 +122,8 @@ TEST(EllipseCoverage, LaysOutTheRowsOfEllipseRows) {
         ASSERT_EQ(static_cast<int>(row.share.size()), span.x_end - span.x_begin);
         for (int x = span.x_begin; x < span.x_end; ++x) {
             const bool inner = x >= span.inner_begin && x < span.inner_end;
-            const int skipped = x < span.inner_begin ? span.x_begin : span.x_begin + span.inner_end - span.inner_begin;
+            const int skipped =
+                x < span.inner_begin ? span.x_begin : span.x_begin + span.inner_end - span.inner_begin;
             EXPECT_EQ(row.share[static_cast<std::size_t>(x - span.x_begin)],
                       inner ? rows.inner_share() : span.edge_share[static_cast<std::size_t>(x - skipped)]);
         }
@@ -215,7 +217,8 @@ TEST(Ellipse, RaisesSemiAxesThatAreTooShort) {
     EXPECT_NEAR(line.area_px2(), std::numbers::pi * 5 * 0.25, 1e-9);
     for (int i = 0; i < 16; ++i) {
         const double a = 2 * std::numbers::pi * i / 16;
-        const glm::dvec2 p = 5 * std::cos(a) * glm::dvec2(0.6, 0.8) + 0.25 * std::sin(a) * glm::dvec2(-0.8, 0.6);
+        const glm::dvec2 p =
+            5 * std::cos(a) * glm::dvec2(0.6, 0.8) + 0.25 * std::sin(a) * glm::dvec2(-0.8, 0.6);
         const double u = p.y / line.half_height, v = (p.x - line.shear * p.y) / line.half_chord;
         EXPECT_NEAR(u * u + v * v, 1, 1e-9);
     }

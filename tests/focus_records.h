@@ -48,9 +48,10 @@ inline RecordBand corner_band(int width, int height, int overscan_px, const Node
     return band;
 }
 
-/// Adds the samples of one subdivision to pixel (x, y): its centre, and the middles of its sides. Middles of the
-/// right and the lower side belong to the neighbours, so the pixel must have some.
-inline void subdivide_pixel(RecordBand& band, int x, int y, const std::function<Record(float x, float y)>& record_at) {
+/// Adds the samples of one subdivision to pixel (x, y): its centre, and the middles of its sides. Middles of
+/// the right and the lower side belong to the neighbours, so the pixel must have some.
+inline void subdivide_pixel(RecordBand& band, int x, int y,
+                            const std::function<Record(float x, float y)>& record_at) {
     const auto insert = [&](float px, float py) {
         const std::size_t k = band.pixel(static_cast<int>(std::floor(px)), static_cast<int>(std::floor(py)));
         Record r = record_at(px, py);
@@ -58,7 +59,9 @@ inline void subdivide_pixel(RecordBand& band, int x, int y, const std::function<
         r.y = py;
         const auto begin = band.records.begin() + band.offsets[k];
         const auto end = band.records.begin() + band.offsets[k + 1];
-        const auto before = [](const Record& a, const Record& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
+        const auto before = [](const Record& a, const Record& b) {
+            return a.y != b.y ? a.y < b.y : a.x < b.x;
+        };
         const auto at = std::lower_bound(begin, end, r, before);
         if (at != end && at->x == px && at->y == py) return;
         band.records.insert(at, r);
@@ -95,12 +98,13 @@ struct TableOptions {
 };
 
 /// Splats of a whole band, for the pixels without its overscan.
-inline std::unique_ptr<SplatTables> tables_of(const RecordBand& band, int overscan_px, const TableOptions& o = {}) {
+inline std::unique_ptr<SplatTables> tables_of(const RecordBand& band, int overscan_px,
+                                              const TableOptions& o = {}) {
     const RasterWindow source{band.x_begin, band.x_end, band.y_begin, band.y_end};
-    const RasterWindow picture{band.x_begin + overscan_px, band.x_end - overscan_px - 1, band.y_begin + overscan_px,
-                               band.y_end - overscan_px - 1};
-    auto tables = std::make_unique<SplatTables>(source, picture, o.geometry,
-                                                DepthLevels(o.geometry, range_of(band), o.spacing, o.depths), o.model);
+    const RasterWindow picture{band.x_begin + overscan_px, band.x_end - overscan_px - 1,
+                               band.y_begin + overscan_px, band.y_end - overscan_px - 1};
+    auto tables = std::make_unique<SplatTables>(
+        source, picture, o.geometry, DepthLevels(o.geometry, range_of(band), o.spacing, o.depths), o.model);
     tables->add_rows(band, band.y_begin, band.y_end);
     tables->finish();
     return tables;

@@ -1,9 +1,8 @@
 // `focus` from sample file to picture: limits, framing, warnings, refusals.
 #include "focus/focus.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -53,7 +52,8 @@ SampleFileReader written(const TemporaryFolder& folder, const RecordBand& band, 
 /// 50 mm at f/2 on a film at 50 mm with 0.05 mm a pixel: a CoC of 25 px m |1/s - 1/z'|.
 constexpr ThinLens fast_lens{.focal_length_mm = 50, .f_number = 2};
 
-// --- limits --------------------------------------------------------------------------------------------------------
+// --- limits
+// --------------------------------------------------------------------------------------------------------
 
 TEST(FocusPicture, PinholeIsTheTracedPictureBitForBit) {
     const TemporaryFolder folder;
@@ -68,7 +68,8 @@ TEST(FocusPicture, PinholeIsTheTracedPictureBitForBit) {
     for (int y = 0; y < 150; ++y) picture_row(band, y, 0, 60, {expected.pixel(0, y), 180});
 
     const FocusResult by_method = focus_picture(file, {.lens = fast_lens, .method = FocusMethod::pinhole});
-    const FocusResult by_aperture = focus_picture(file, {.lens = {.focal_length_mm = 50, .f_number = infinity}});
+    const FocusResult by_aperture =
+        focus_picture(file, {.lens = {.focal_length_mm = 50, .f_number = infinity}});
     for (const FocusResult* result : {&by_method, &by_aperture}) {
         EXPECT_EQ(result->image.rgb, expected.rgb);
         EXPECT_EQ(result->method, FocusMethod::pinhole);
@@ -91,12 +92,14 @@ TEST(FocusPicture, TendsToTheTracedPicture) {
     for (const DepthModel model : {DepthModel::ray_differentials, DepthModel::path, DepthModel::first_hit}) {
         for (const auto depths : {std::optional<int>(), std::optional<int>(9)}) {
             const FocusResult result = focus_picture(
-                file, {.lens = {.focal_length_mm = 50, .f_number = 1e9}, .depth_model = model, .depths = depths});
+                file,
+                {.lens = {.focal_length_mm = 50, .f_number = 1e9}, .depth_model = model, .depths = depths});
             EXPECT_EQ(result.method, FocusMethod::scatter);
             EXPECT_LT(result.largest_coc_px, 1e-3);
             for (std::size_t i = 0; i < expected.rgb.size(); ++i) {
                 const double wanted = static_cast<double>(expected.rgb[i]);
-                ASSERT_NEAR(static_cast<double>(result.image.rgb[i]), wanted, 1e-6 * std::max(1.0, wanted)) << i;
+                ASSERT_NEAR(static_cast<double>(result.image.rgb[i]), wanted, 1e-6 * std::max(1.0, wanted))
+                    << i;
             }
         }
     }
@@ -175,7 +178,8 @@ TEST(FocusPicture, IsTheSameForAnyNumberOfThreads) {
     }
 }
 
-// --- warnings ----------------------------------------------------------------------------------------------------------
+// --- warnings
+// ----------------------------------------------------------------------------------------------------------
 
 TEST(FocusPicture, WarnsOfMissingOverscan) {
     const TemporaryFolder folder;
@@ -187,7 +191,8 @@ TEST(FocusPicture, WarnsOfMissingOverscan) {
     EXPECT_NEAR(result.largest_coc_px, 12.5, 1e-5);
     ASSERT_EQ(result.warnings.size(), 1U);
     EXPECT_EQ(result.warnings[0].code, "overscan");
-    // A radius of 6.25 px: 7 rows above and below the blurred third (and the pixel it ends in), 7 columns at the left.
+    // A radius of 6.25 px: 7 rows above and below the blurred third (and the pixel it ends in), 7 columns at
+    // the left.
     const double expected = (7 * 60 + (30 - 7) * 14) / (90.0 * 60);
     EXPECT_NEAR(result.warnings[0].share, expected, 14 / (90.0 * 60));
     EXPECT_NE(result.warnings[0].text.find("got 0 px of overscan; expected 7 px"), std::string::npos)
@@ -213,7 +218,8 @@ TEST(FocusPicture, BlurInTheMiddleNeedsNoOverscan) {
     EXPECT_TRUE(result.warnings.empty());
 }
 
-// --- framing -----------------------------------------------------------------------------------------------------------
+// --- framing
+// -----------------------------------------------------------------------------------------------------------
 
 TEST(Reframe, KeepsThePictureAtZoomOne) {
     std::mt19937 random(6);
@@ -249,7 +255,8 @@ TEST(Reframe, KeepsEvenAreasEdgesAndEnergy) {
         for (int x = 0; x < 60; ++x) {
             EXPECT_NEAR(value(out, x, 20, 0), 0.3F, 1e-7);
             // Box filter of a step at 30 + 5 zoom.
-            EXPECT_NEAR(value(out, x, 20, 1), std::clamp(x + 1 - (30 + 5 * zoom), 0.0, 1.0), 1e-6) << zoom << " " << x;
+            EXPECT_NEAR(value(out, x, 20, 1), std::clamp(x + 1 - (30 + 5 * zoom), 0.0, 1.0), 1e-6)
+                << zoom << " " << x;
         }
         for (int y = 0; y < 40; ++y) {
             for (int x = 0; x < 60; ++x) energy += value(out, x, y, 2);
@@ -261,14 +268,13 @@ TEST(Reframe, KeepsEvenAreasEdgesAndEnergy) {
 TEST(FocusPicture, FramingZoomsAboutTheCentreAndKeepsTheCocOnTheFilm) {
     const TemporaryFolder folder;
     constexpr double z_m = 1, s_m = 2;
-    const RecordBand band = corner_band(120, 30, 60, [&](int x, int) {
-        return std::vector{corner(z_m, x >= 64 ? 1.0F : 0.0F, 0.5F, 0)};
-    });
+    const RecordBand band = corner_band(
+        120, 30, 60, [&](int x, int) { return std::vector{corner(z_m, x >= 64 ? 1.0F : 0.0F, 0.5F, 0)}; });
     const SampleFileReader file = written(folder, band, header_of(band, 60));
     for (const double zoom : {0.5, 1.0, 1.7}) {
         const ThinLens lens{.focal_length_mm = 50 * zoom, .f_number = 2};
-        const FocusResult result =
-            focus_picture(file, {.lens = lens, .focus_distance_m = s_m, .framing = Framing::lens, .depths = 2});
+        const FocusResult result = focus_picture(
+            file, {.lens = lens, .focus_distance_m = s_m, .framing = Framing::lens, .depths = 2});
         // The film at F: radius (F / pitch) (F / 2n) |1/s - 1/z|.
         const double radius = 50 * zoom / 0.05 * (0.05 * zoom / 4) * std::abs(1 / s_m - 1 / z_m);
         EXPECT_NEAR(result.largest_coc_px, 2 * radius, 1e-6);
@@ -276,22 +282,25 @@ TEST(FocusPicture, FramingZoomsAboutTheCentreAndKeepsTheCocOnTheFilm) {
         for (int x = 0; x < 120; ++x) {
             EXPECT_NEAR(value(result.image, x, 15, 1), 0.5, 1e-6);
             const double t = (x + 0.5 - edge) / radius;
-            const double wanted = t <= -1 ? 0 : t >= 1 ? 1 : 0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / std::numbers::pi;
-            // The edge of a pixel's box, its own or a traced one's, and half a traced pixel between corner and square:
-            // a share of a radius each.
-            EXPECT_NEAR(value(result.image, x, 15, 0), wanted, 1.2 * std::max(1.0, zoom) / radius / 2) << zoom << " " << x;
+            const double wanted = t <= -1 ? 0
+                                  : t >= 1
+                                      ? 1
+                                      : 0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / std::numbers::pi;
+            // The edge of a pixel's box, its own or a traced one's, and half a traced pixel between corner
+            // and square: a share of a radius each.
+            EXPECT_NEAR(value(result.image, x, 15, 0), wanted, 1.2 * std::max(1.0, zoom) / radius / 2)
+                << zoom << " " << x;
         }
     }
 }
 
 TEST(FocusPicture, BreathingZoomsByTheImageDistance) {
     const TemporaryFolder folder;
-    const RecordBand band = corner_band(100, 20, 0, [](int x, int) {
-        return std::vector{corner(0.25, x >= 70 ? 1.0F : 0.0F, 0.5F, 0)};
-    });
+    const RecordBand band = corner_band(
+        100, 20, 0, [](int x, int) { return std::vector{corner(0.25, x >= 70 ? 1.0F : 0.0F, 0.5F, 0)}; });
     const SampleFileReader file = written(folder, band, header_of(band, 0));
-    const FocusResult result = focus_picture(
-        file, {.lens = fast_lens, .focus_distance_m = 0.25, .framing = Framing::breathing});
+    const FocusResult result =
+        focus_picture(file, {.lens = fast_lens, .focus_distance_m = 0.25, .framing = Framing::breathing});
     // V / F = s / (s - F) = 1.25; the edge lies between corners 69 and 70.
     const double edge = 50 + 1.25 * (69.5 - 50);
     double bright = 0;
@@ -306,7 +315,8 @@ TEST(FocusPicture, BreathingZoomsByTheImageDistance) {
     EXPECT_LT(difference(pinhole.image, result.image), 1e-6);
 }
 
-// --- refusals ------------------------------------------------------------------------------------------------------------
+// --- refusals
+// ------------------------------------------------------------------------------------------------------------
 
 std::string refusal(const SampleFileReader& file, const FocusSettings& settings) {
     try {
@@ -351,7 +361,8 @@ TEST(FocusPicture, RefusesALensBeforeAnOrthographicFile) {
     const SampleFileReader file = written(folder, band, header);
     EXPECT_NE(refusal(file, {.lens = fast_lens}).find("orthographic"), std::string::npos);
     const ThinLens pinhole{.focal_length_mm = 50, .f_number = infinity};
-    EXPECT_NE(refusal(file, {.lens = pinhole, .framing = Framing::lens}).find("orthographic"), std::string::npos);
+    EXPECT_NE(refusal(file, {.lens = pinhole, .framing = Framing::lens}).find("orthographic"),
+              std::string::npos);
     EXPECT_EQ(focus_picture(file, {.lens = pinhole}).image.rgb, std::vector<float>(600, 1.0F));
     EXPECT_EQ(focus_picture(file, {.lens = fast_lens, .method = FocusMethod::pinhole}).image.rgb,
               std::vector<float>(600, 1.0F));

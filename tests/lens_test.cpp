@@ -1,7 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <fstream>
+#include <gtest/gtest.h>
 #include <limits>
 #include <random>
 #include <sstream>
@@ -138,19 +137,23 @@ TEST(FocusGeometry, LensFramingPutsTheFilmAtTheFocalLength) {
     EXPECT_NEAR(g.zoom, 2, 1e-15);
     EXPECT_NEAR(g.gain_px, 100 / (36.0 / 960), 1e-9);
     // A film at F sees a circle that is s / (s - F) smaller than one at V.
-    const FocusGeometry v = focus_geometry({.focal_length_mm = 100, .f_number = 2}, 5, Framing::breathing, film);
+    const FocusGeometry v =
+        focus_geometry({.focal_length_mm = 100, .f_number = 2}, 5, Framing::breathing, film);
     EXPECT_NEAR(v.coc_diameter_px(1) / g.coc_diameter_px(1), 5 / 4.9, 1e-12);
 }
 
 TEST(FocusGeometry, FiniteWhereverItIsDefined) {
     for (const double s_m : {0.02, 0.05, 1.0, infinity}) {
-        const FocusGeometry g = focus_geometry({.focal_length_mm = 50, .f_number = 1.4}, s_m, Framing::keep, film);
+        const FocusGeometry g =
+            focus_geometry({.focal_length_mm = 50, .f_number = 1.4}, s_m, Framing::keep, film);
         for (const double z_m : {1e-6, 0.02, 0.05, 1.0, infinity}) {
             EXPECT_TRUE(std::isfinite(g.coc_diameter_px(1 / z_m))) << s_m << " " << z_m;
         }
         EXPECT_EQ(g.coc_diameter_px(1 / s_m), 0) << s_m;
     }
-    EXPECT_EQ(focus_geometry({.focal_length_mm = 50, .f_number = infinity}, 1, Framing::keep, film).aperture_radius_m, 0);
+    EXPECT_EQ(focus_geometry({.focal_length_mm = 50, .f_number = infinity}, 1, Framing::keep, film)
+                  .aperture_radius_m,
+              0);
 }
 
 std::string refusal(const ThinLens& lens, double s_m, Framing framing) {
@@ -166,10 +169,12 @@ std::string refusal(const ThinLens& lens, double s_m, Framing framing) {
 TEST(FocusGeometry, RefusesWhatIsOutOfRangeWithTheReason) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (const double f : {0.0, -50.0, nan, infinity}) {
-        EXPECT_NE(refusal({.focal_length_mm = f, .f_number = 2}, 1, Framing::keep).find("focal length"), std::string::npos);
+        EXPECT_NE(refusal({.focal_length_mm = f, .f_number = 2}, 1, Framing::keep).find("focal length"),
+                  std::string::npos);
     }
     for (const double n : {0.0, -1.0, nan}) {
-        EXPECT_NE(refusal({.focal_length_mm = 50, .f_number = n}, 1, Framing::keep).find("f-number"), std::string::npos);
+        EXPECT_NE(refusal({.focal_length_mm = 50, .f_number = n}, 1, Framing::keep).find("f-number"),
+                  std::string::npos);
     }
     for (const double s : {0.0, -1.0, nan}) {
         EXPECT_NE(refusal({.focal_length_mm = 50, .f_number = 2}, s, Framing::keep).find("focus distance"),
@@ -181,8 +186,10 @@ TEST(FocusGeometry, RefusesWhatIsOutOfRangeWithTheReason) {
         EXPECT_NE(refusal(lens, 0.03, framing).find("within the focal length"), std::string::npos);
         EXPECT_NE(refusal(lens, 0.05, framing).find("expected more than 0.05 m"), std::string::npos);
     }
-    EXPECT_THROW((void)focus_geometry(lens, 1, Framing::keep, {.distance_mm = 0, .pixel_pitch_mm = 1}), Error);
-    EXPECT_THROW((void)focus_geometry(lens, 1, Framing::keep, {.distance_mm = 50, .pixel_pitch_mm = 0}), Error);
+    EXPECT_THROW((void)focus_geometry(lens, 1, Framing::keep, {.distance_mm = 0, .pixel_pitch_mm = 1}),
+                 Error);
+    EXPECT_THROW((void)focus_geometry(lens, 1, Framing::keep, {.distance_mm = 50, .pixel_pitch_mm = 0}),
+                 Error);
 }
 
 }  // namespace
