@@ -38,7 +38,7 @@ struct FocusResult {
     FocusMethod method = FocusMethod::scatter;  ///< what was used: `pinhole` for a zero aperture
     /// Impulse responses: as many as were asked for, else discs of different radius in use; 0 for pinhole.
     int depths = 0;
-    double largest_coc_px = 0;  ///< greatest diameter among the records, px of the image
+    double largest_coc_px = 0;  ///< greatest diameter among the primary nodes, px of the image
     std::vector<FocusWarning> warnings;
 };
 

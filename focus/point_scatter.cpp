@@ -63,26 +63,23 @@ void add_points(const PointPass& pass) {
 
 }  // namespace
 
-bool PointScatter::run(const RasterWindow& rows) {
-    rows_ = rows;
-    stride_ = static_cast<std::size_t>(rows.width()) + 1;
-    bool any = false;
+// Adds the splats of one reach class; `begun`: the sums have been set up. True where any splat may reach the rows.
+bool PointScatter::add_class(std::size_t reach_class, bool begun) {
     const RasterWindow& source = tables_.source();
-    const int last_row = std::min(source.y_end, rows_.y_end - tables_.splat_dy_begin());
-    for (int y = std::max(source.y_begin, rows_.y_begin - tables_.splat_dy_end()); y < last_row; ++y) {
+    const Reach& farthest = tables_.class_reach(reach_class);
+    const int last_row = std::min(source.y_end, rows_.y_end - farthest.dy_begin);
+    for (int y = std::max(source.y_begin, rows_.y_begin - farthest.dy_end); y < last_row; ++y) {
         const SplatRow& row = tables_.row(y);
-        if (row.splats.empty() || y + row.splat_dy_end <= rows_.y_begin ||
-            y + row.splat_dy_begin >= rows_.y_end) {
-            continue;
-        }
-        const auto first =
-            std::lower_bound(row.splats.begin(), row.splats.end(), rows_.x_begin - row.splat_dx_end,
-                             [](const Splat& s, int x) { return s.x < x; });
-        const auto last = std::lower_bound(first, row.splats.end(), rows_.x_end - row.splat_dx_begin,
+        const std::span<const Splat> splats = row.splats_of(reach_class);
+        const Reach& reach = row.class_reach[reach_class];
+        if (splats.empty() || y + reach.dy_end <= rows_.y_begin || y + reach.dy_begin >= rows_.y_end) continue;
+        const auto first = std::lower_bound(splats.begin(), splats.end(), rows_.x_begin - reach.dx_end,
+                                            [](const Splat& s, int x) { return s.x < x; });
+        const auto last = std::lower_bound(first, splats.end(), rows_.x_end - reach.dx_begin,
                                            [](const Splat& s, int x) { return s.x < x; });
         if (first == last) continue;
-        if (!any) {
-            any = true;
+        if (!begun) {
+            begun = true;
             sum_.assign(4 * stride_ * static_cast<std::size_t>(rows_.height()), 0.0);
             change_.assign(sum_.size(), 0.0);
         }
@@ -95,6 +92,14 @@ bool PointScatter::run(const RasterWindow& rows) {
                     .sum = sum_.data(),
                     .change = change_.data()});
     }
+    return begun;
+}
+
+bool PointScatter::run(const RasterWindow& rows) {
+    rows_ = rows;
+    stride_ = static_cast<std::size_t>(rows.width()) + 1;
+    bool any = false;
+    for (std::size_t c = 0; c < reach_classes; ++c) any = add_class(c, any) || any;
     if (!any) return false;
     for (int y = 0; y < rows_.height(); ++y) {
         double* sum = sum_.data() + static_cast<std::size_t>(y) * stride_ * 4;

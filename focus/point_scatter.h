@@ -28,6 +28,8 @@ class PointScatter {
     }
 
   private:
+    bool add_class(std::size_t reach_class, bool begun);
+
     const SplatTables& tables_;
     RasterWindow rows_;
     std::size_t stride_ = 0;  ///< pixels from row to row: one more than there are, for what ends there

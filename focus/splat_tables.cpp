@@ -135,6 +135,7 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     // Infinity has the inverse depth 0; a depth that is smaller than a float's least normal number is none.
     const double z = std::max(static_cast<double>(nodes[0].z), 1e-37);
     const Response primary = response_to_depth(1 / z);
+    // Of primary nodes alone: near a fold W has no bound, and a number without one tells nobody anything.
     note_radius(s, primary.exact_radius_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
     for (const Record& node : nodes.subspan(1)) {
@@ -145,7 +146,6 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
             rgb = {rgb[0] + node.r, rgb[1] + node.g, rgb[2] + node.b};
             continue;
         }
-        note_radius(s, response.exact_radius_px);
         add_splats(s, response, {node.r, node.g, node.b}, false);
     }
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
@@ -252,6 +252,40 @@ void SplatTables::add_rows(const RecordBand& band, int y_begin, int y_end) {
     });
 }
 
+void Reach::include(const Reach& other) {
+    dy_begin = std::min(dy_begin, other.dy_begin);
+    dy_end = std::max(dy_end, other.dy_end);
+    dx_begin = std::min(dx_begin, other.dx_begin);
+    dx_end = std::max(dx_end, other.dx_end);
+}
+
+std::size_t reach_class(const Reach& reach) {
+    constexpr std::array<int, reach_classes - 1> limits_px{8, 16, 32, 64, 256};
+    const int farthest = std::max({-reach.dy_begin, reach.dy_end, -reach.dx_begin, reach.dx_end});
+    return static_cast<std::size_t>(std::lower_bound(limits_px.begin(), limits_px.end(), farthest) - limits_px.begin());
+}
+
+namespace {
+
+// Splats by reach class, their order by column kept within each.
+void sort_by_reach(SplatRow& row, const KernelTable& kernels) {
+    std::array<std::vector<Splat>, reach_classes> classes;
+    for (const Splat& s : row.splats) {
+        const Kernel& k = kernels[s.kernel];
+        const Reach reach{k.y_begin, k.y_end(), k.x_begin, k.x_end};
+        const std::size_t c = reach_class(reach);
+        classes[c].push_back(s);
+        row.class_reach[c].include(reach);
+    }
+    auto to = row.splats.begin();
+    for (std::size_t c = 0; c < reach_classes; ++c) {
+        to = std::copy(classes[c].begin(), classes[c].end(), to);
+        row.class_begin[c + 1] = static_cast<std::uint32_t>(to - row.splats.begin());
+    }
+}
+
+}  // namespace
+
 void SplatTables::finish() {
     kernels_.build();
     parallel_for(
@@ -262,20 +296,13 @@ void SplatTables::finish() {
                 row.run_dy_begin = std::min(row.run_dy_begin, kernels_[run.kernel].y_begin);
                 row.run_dy_end = std::max(row.run_dy_end, kernels_[run.kernel].y_end());
             }
-            for (const Splat& s : row.splats) {
-                const Kernel& k = kernels_[s.kernel];
-                row.splat_dy_begin = std::min(row.splat_dy_begin, k.y_begin);
-                row.splat_dy_end = std::max(row.splat_dy_end, k.y_end());
-                row.splat_dx_begin = std::min(row.splat_dx_begin, k.x_begin);
-                row.splat_dx_end = std::max(row.splat_dx_end, k.x_end);
-            }
+            sort_by_reach(row, kernels_);
         },
         16);
     for (const SplatRow& row : rows_) {
         run_dy_begin_ = std::min(run_dy_begin_, row.run_dy_begin);
         run_dy_end_ = std::max(run_dy_end_, row.run_dy_end);
-        splat_dy_begin_ = std::min(splat_dy_begin_, row.splat_dy_begin);
-        splat_dy_end_ = std::max(splat_dy_end_, row.splat_dy_end);
+        for (std::size_t c = 0; c < reach_classes; ++c) class_reach_[c].include(row.class_reach[c]);
     }
     any_negative_ = std::find(row_negative_.begin(), row_negative_.end(), 1) != row_negative_.end();
 }

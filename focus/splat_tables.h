@@ -1,7 +1,9 @@
 // Records turned into splats: what is scattered, sorted by source row, apart from how it is scattered.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "focus/depth_levels.h"
@@ -33,14 +35,30 @@ struct SplatRun {
     std::uint32_t kernel = 0;
 };
 
+/// Pixels that a response may reach, relative to its anchor: rows [dy_begin, dy_end), columns [dx_begin, dx_end).
+struct Reach {
+    int dy_begin = 0, dy_end = 0, dx_begin = 0, dx_end = 0;
+    void include(const Reach& other);
+};
+
+/// Splats are kept apart by how far they reach: one giant circle in a row must not make every block of the
+/// picture look at all the small ones.
+inline constexpr std::size_t reach_classes = 6;
+[[nodiscard]] std::size_t reach_class(const Reach& reach);
+
 struct SplatRow {
     std::vector<SplatRun> runs;  ///< by column
-    std::vector<Splat> splats;   ///< by column
-    /// Rows that these may reach, relative to their own: kernel rows [dy_begin, dy_end).
+    std::vector<Splat> splats;   ///< by reach class, each by column
+    /// Class c is splats [class_begin[c], class_begin[c + 1]); together they reach class_reach[c].
+    std::array<std::uint32_t, reach_classes + 1> class_begin{};
+    std::array<Reach, reach_classes> class_reach{};
+    /// Rows that runs may reach, relative to their own.
     int run_dy_begin = 0, run_dy_end = 0;
-    int splat_dy_begin = 0, splat_dy_end = 0;
-    /// Columns that a splat may reach from its anchor.
-    int splat_dx_begin = 0, splat_dx_end = 0;
+
+    [[nodiscard]] std::span<const Splat> splats_of(std::size_t reach_class) const {
+        return std::span(splats).subspan(class_begin[reach_class],
+                                         class_begin[reach_class + 1] - class_begin[reach_class]);
+    }
 };
 
 /// Largest radius of the CoC, px, per corner along the outermost recorded rows and columns.
@@ -72,11 +90,10 @@ class SplatTables {
         return raster_[channel].data() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// Rows that runs and splats may reach from their own, over all rows.
+    /// Rows that runs, and the splats of a class, may reach from their own, over all rows.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
-    [[nodiscard]] int splat_dy_begin() const { return splat_dy_begin_; }
-    [[nodiscard]] int splat_dy_end() const { return splat_dy_end_; }
+    [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const { return class_reach_[reach_class]; }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     /// Greatest diameter of the CoC among the nodes, px, as it is, not as its level has it.
@@ -100,7 +117,8 @@ class SplatTables {
     std::vector<double> row_largest_radius_px_;  ///< by row
     std::vector<std::uint8_t> row_negative_;     ///< by row
     bool any_negative_ = false;
-    int run_dy_begin_ = 0, run_dy_end_ = 0, splat_dy_begin_ = 0, splat_dy_end_ = 0;
+    int run_dy_begin_ = 0, run_dy_end_ = 0;
+    std::array<Reach, reach_classes> class_reach_{};
 };
 
 }  // namespace postlens

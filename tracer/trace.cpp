@@ -163,7 +163,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings, con
     TraceResult result;
     result.overscan_px = settings.overscan_auto ? find_overscan(tracer, camera, settings) : settings.overscan_px;
     SampleHeader header = sample_header(scene, settings, camera, time_s, result.overscan_px);
-    header.has_w = tracer.has_deeper_nodes() && camera.projection == Camera::Projection::perspective;
+    header.has_w = tracer.has_deeper_nodes();
     SampleFileWriter writer(path, header, settings.compression);
 
     const int o = result.overscan_px;

@@ -5,7 +5,10 @@
 
 The camera is for one sample per pixel corner of a 512 x 512 picture: render with +W513 +H513 -A -J. NFF's angle runs
 between the centres of the first and the last pixel row, so 512 corner distances cover 512/511 of its tangent; POV-Ray
-samples pixel centres of its 513 columns, which makes its own picture 513/511 as wide.
+samples the centres of its 513 columns, which makes its own picture 513/511 as wide.
+
+Two declarations on POV-Ray's command line serve to count rays: Declare=Max_Depth=N changes the depth from 5;
+Declare=Clear_Glass=1 lets transparent objects cast no shadows.
 
 POV-Ray is left-handed only through its default camera. Here the camera's right vector is written out in the file's own
 right-handed coordinates, so the geometry stays as it is and the picture is not mirrored.
@@ -19,8 +22,8 @@ MAX_DEPTH = 5  # levels of a shading tree, the eye ray's is the first, as SPD as
 # With `filter` POV-Ray scales diffuse and ambient light by 1 - T; they are divided by it, for which T must stay below 1.
 LARGEST_TRANSMITTANCE = 1 - 1e-6
 DEFAULT_FILL = [1.0, 1.0, 1.0, 0.8, 0.0, 32.0, 0.0, 1.0]
-# Most corners that POV-Ray's mesh gets as a fan; sines below this are rounding of the file's six digits.
-FLAT_TURN = 1e-4
+# Sine of a turn between edges, the wrong way round, that is still taken as rounding of the file's six digits.
+LARGEST_REFLEX = 1e-4
 
 
 class NffError(Exception):
@@ -45,7 +48,7 @@ def normalized(v):
 
 
 def pov(v):
-    return "<" + ",".join(format(x, ".9g") for x in v) + ">"
+    return "<" + ",".join(format(x, ".17g") for x in v) + ">"
 
 
 class Tokens:
@@ -95,9 +98,6 @@ class Tokens:
 
 
 def camera(view):
-    missing = [field for field in ("from", "at", "up", "angle") if field not in view]
-    if missing:
-        raise NffError(f"the view has no '{missing[0]}'")
     forward = normalized(subtract(view["at"], view["from"]))
     right = normalized(cross(forward, view["up"]))
     up = cross(right, forward)
@@ -108,7 +108,7 @@ def camera(view):
     )
 
 
-def texture(fill):
+def material(fill):
     *colour, kd, ks, shine, transmittance, ior = fill
     transmittance = min(transmittance, LARGEST_TRANSMITTANCE)
     kd /= 1 - transmittance
@@ -117,7 +117,9 @@ def texture(fill):
         f" finish {{ ambient {kd:.9g} diffuse {kd:.9g} specular 0 phong {ks:.9g} phong_size {shine:.9g}"
         f" reflection {{ {min(ks, 1):.9g} }} }} }}"
     )
-    return text + (f" interior {{ ior {ior:.9g} }}" if transmittance > 0 else "")
+    if transmittance == 0:
+        return text
+    return text + f" interior {{ ior {ior:.9g} }}"
 
 
 def is_convex(corners):
@@ -130,7 +132,7 @@ def is_convex(corners):
     normal = normalized(normal)
     edges = [subtract(b, a) for a, b in zip(corners, corners[1:] + corners[:1])]
     turns = zip(edges, edges[1:] + edges[:1])
-    return all(dot(cross(a, b), normal) >= -FLAT_TURN * math.sqrt(dot(a, a) * dot(b, b)) for a, b in turns)
+    return all(dot(cross(a, b), normal) >= -LARGEST_REFLEX * math.sqrt(dot(a, a) * dot(b, b)) for a, b in turns)
 
 
 def triangles(tokens, is_patch):
@@ -167,17 +169,19 @@ class Scene:
 
     def __init__(self, path):
         self.view, self.background = {}, [0.0, 0.0, 0.0]
-        self.lights, self.textures, self.objects = [], {}, []
-        self.run = []  # triangles since the last change of the fill or curved shape: one mesh, which POV-Ray does best
-        self.texture = self.named_texture(DEFAULT_FILL)
+        self.lights, self.materials, self.objects = [], {}, []
+        self.fill = DEFAULT_FILL
+        self.run = []  # triangles since the last fill or curved shape: one mesh, which POV-Ray traces fastest
         self.read(Tokens(path))
 
-    def named_texture(self, fill):
-        return self.textures.setdefault(texture(fill), f"Fill_{len(self.textures) + 1}")
+    def add(self, shape):
+        name = self.materials.setdefault(material(self.fill), f"Fill_{len(self.materials) + 1}")
+        shadow = "\n#ifdef (Clear_Glass) no_shadow #end" if self.fill[6] > 0 else ""
+        self.objects.append(f"{shape} material {{ {name} }}{shadow} }}")
 
     def end_run(self):
         if self.run:
-            self.objects.append("mesh {\n" + "\n".join(self.run) + f"\nmaterial {{ {self.texture} }} }}")
+            self.add("mesh {\n" + "\n".join(self.run) + "\n")
             self.run = []
 
     def read(self, tokens):
@@ -197,10 +201,12 @@ class Scene:
                 values = tokens.numbers_of_line()
                 if len(values) != len(DEFAULT_FILL):
                     tokens.fail(f"a fill has eight numbers (got {len(values)})")
-                self.texture = self.named_texture(values)
+                if values[6] > 0 and values[7] <= 0:
+                    tokens.fail(f"index of refraction is out of range (got {values[7]:g}; expected above 0)")
+                self.fill = values
             elif entity in ("s", "c"):
                 self.end_run()
-                self.objects.append(f"{curved(tokens, entity)} material {{ {self.texture} }} }}")
+                self.add(curved(tokens, entity))
             elif entity in ("p", "pp"):
                 self.run += triangles(tokens, entity == "pp")
             else:
@@ -214,18 +220,24 @@ class Scene:
         while tokens.peek() in sizes:
             field = tokens.word()
             self.view[field] = tokens.numbers(sizes[field])
+        missing = [field for field in ("from", "at", "up", "angle") if field not in self.view]
+        if missing:
+            tokens.fail(f"the view has no '{missing[0]}'")
+        forward = subtract(self.view["at"], self.view["from"])
+        if dot(cross(forward, self.view["up"]), cross(forward, self.view["up"])) == 0:
+            tokens.fail("'from', 'at' and 'up' do not span a view")
 
     def write(self, out):
         intensity = math.sqrt(len(self.lights)) / (2 * len(self.lights))
-        out.write("#version 3.7;\n")
+        out.write(f"#version 3.7;\n#ifndef (Max_Depth) #declare Max_Depth = {MAX_DEPTH}; #end\n")
         out.write(
-            f"global_settings {{ assumed_gamma 1 max_trace_level {MAX_DEPTH} adc_bailout 0"
+            "global_settings { assumed_gamma 1 max_trace_level Max_Depth adc_bailout 0"
             f" ambient_light rgb {intensity:.9g} }}\n"
         )
         out.write(f"background {{ rgb {pov(self.background)} }}\n{camera(self.view)}\n")
         for position, colour in self.lights:
             out.write(f"light_source {{ {pov(position)} rgb {pov([intensity * x for x in colour])} }}\n")
-        for text, name in self.textures.items():
+        for text, name in self.materials.items():
             out.write(f"#declare {name} = material {{ {text} }}\n")
         out.write("\n".join(self.objects) + "\n")
 
