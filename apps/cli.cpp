@@ -26,16 +26,17 @@ struct State {
 };
 
 // Options whose text is parsed by our own rules (inf, ranges, messages) rather than CLI11's.
-CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to, const std::string& help,
-                    const std::string& unit, bool infinite = false) {
+CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
+                    const std::string& help, const std::string& unit, bool infinite = false) {
     return app
         .add_option_function<std::string>(
-            name, [&to, name, infinite](const std::string& text) { to = parse_number(name, text, infinite); }, help)
+            name, [&to, name, infinite](const std::string& text) { to = parse_number(name, text, infinite); },
+            help)
         ->type_name(infinite ? unit + "|inf" : unit);
 }
 
-CLI::Option* number(CLI::App& app, const std::string& name, double& to, const std::string& help, const std::string& unit,
-                    bool infinite = false) {
+CLI::Option* number(CLI::App& app, const std::string& name, double& to, const std::string& help,
+                    const std::string& unit, bool infinite = false) {
     return app
         .add_option_function<std::string>(
             name, [&to, name, infinite](const std::string& text) { to = parse_number(name, text, infinite); },
@@ -43,7 +44,8 @@ CLI::Option* number(CLI::App& app, const std::string& name, double& to, const st
         ->type_name(infinite ? unit + "|inf" : unit);
 }
 
-CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help, const std::string& unit) {
+CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
+                   const std::string& unit) {
     return app
         .add_option_function<std::string>(
             name, [&to, name](const std::string& text) { to = parse_whole(name, text); },
@@ -86,7 +88,8 @@ void output_option(CLI::App& app, std::string& to, const std::string& help) {
 }
 
 void lens_options(CLI::App& app, LensOptions& to) {
-    number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole [default: the file's]", "N", true);
+    number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole [default: the file's]", "N",
+           true);
     number(app, "--focal-length", to.focal_length_mm, "Focal length F [default: the file's]", "MM");
     auto* focus = number(app, "--focus", to.focus_m, "Focus distance s [default: the file's]", "M", true);
     app.add_option_function<std::string>(
@@ -94,7 +97,8 @@ void lens_options(CLI::App& app, LensOptions& to) {
            "Focus on what is seen at this raster position")
         ->type_name("X,Y")
         ->excludes(focus);
-    choice(app, "--framing", to.framing, "What F does to the view: keep: only the aperture changes; lens: film at F",
+    choice(app, "--framing", to.framing,
+           "What F does to the view: keep: only the aperture changes; lens: film at F",
            {{"keep", Framing::keep}, {"lens", Framing::lens}});
     app.add_flag_function(
         "--breathing", [&to](std::int64_t) { to.framing = Framing::breathing; },
@@ -105,22 +109,30 @@ void add_trace(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("trace", "Trace a scene through a pinhole into a sample file");
     TraceOptions& o = s.trace;
     TraceSettings& t = o.settings;
-    app.add_option("scene", o.scene, "Scene: .toml (docs/scene_format.md) or .nff")->required()->type_name("SCENE");
+    app.add_option("scene", o.scene, "Scene: .toml (docs/scene_format.md) or .nff")
+        ->required()
+        ->type_name("SCENE");
     output_option(app, o.output, "Sample file (OpenEXR)");
     app.add_option_function<std::string>(
            "--size",
-           [&t](const std::string& text) { std::tie(t.camera.width, t.camera.height) = parse_size("--size", text); },
+           [&t](const std::string& text) {
+               std::tie(t.camera.width, t.camera.height) = parse_size("--size", text);
+           },
            "Raster, px [default: the camera's]")
         ->type_name("WxH");
-    app.add_option("--camera", t.camera_name, "Camera by name [default: the scene's first]")->type_name("NAME");
+    app.add_option("--camera", t.camera_name, "Camera by name [default: the scene's first]")
+        ->type_name("NAME");
     number(app, "--time", t.time_s, "Instant of the trace [default: the scene's]", "S");
-    number(app, "--focal-length", t.camera.focal_length_mm, "Film distance of the pinhole view [default: the camera's]", "MM");
+    number(app, "--focal-length", t.camera.focal_length_mm,
+           "Film distance of the pinhole view [default: the camera's]", "MM");
     number(app, "--film-width", t.camera.film_width_mm, "Width of the film [default: the camera's]", "MM");
     number(app, "--metres-per-unit", o.metres_per_unit, "Length of the scene's unit", "X");
-    whole(app, "--subdivide", t.subdivision.levels, "Greatest depth of the recursive 2x2 subdivision of a pixel, 0 to 8", "LEVELS");
+    whole(app, "--subdivide", t.subdivision.levels,
+          "Greatest depth of the recursive 2x2 subdivision of a pixel, 0 to 8", "LEVELS");
     number(app, "--threshold", t.subdivision.threshold,
            "Contrast (max-min)/(max+min+0.05) of its corners above which a cell is subdivided", "T");
-    whole(app, "--max-depth", t.whitted.max_depth, "Nodes along a path, 1 to 17; the eye ray's is the first", "N");
+    whole(app, "--max-depth", t.whitted.max_depth, "Nodes along a path, 1 to 17; the eye ray's is the first",
+          "N");
     number(app, "--min-contribution", t.whitted.min_contribution,
            "Subtrees that cannot add this much radiance are not traced; 0 traces all", "C");
     app.add_option_function<std::string>(
@@ -129,12 +141,15 @@ void add_trace(CLI::App& root, State& s) {
                t.overscan_auto = text == "auto";
                if (!t.overscan_auto) t.overscan_px = parse_whole("--overscan", text);
            },
-           "Pixels traced beyond each side of the frame; auto: as wide as the lens asked for needs [default: 0]")
+           "Pixels traced beyond each side of the frame; auto: as wide as the lens asked for needs [default: "
+           "0]")
         ->type_name("PX|auto");
     number(app, "--for-f-number", t.for_f_number, "Size the file for apertures down to this f-number", "N");
     number(app, "--for-focus", t.for_focus_m, "Size the file for this focus distance", "M", true);
     choice(app, "--compression", t.compression, "Compression of the records",
-           {{"none", RecordCompression::none}, {"rle", RecordCompression::rle}, {"zips", RecordCompression::zips}});
+           {{"none", RecordCompression::none},
+            {"rle", RecordCompression::rle},
+            {"zips", RecordCompression::zips}});
     common_options(app, s);
     app.callback([&s] {
         s.common.run = [&s] {
@@ -153,11 +168,13 @@ void add_image(CLI::App& root, State& s) {
 }
 
 void add_records(CLI::App& root, State& s) {
-    CLI::App& app = *root.add_subcommand("records", "The shading trees at a pixel: every node, its z', W and CoC");
+    CLI::App& app =
+        *root.add_subcommand("records", "The shading trees at a pixel: every node, its z', W and CoC");
     RecordsOptions& o = s.records;
     app.add_option("frame", o.input, "Sample file")->required()->type_name("FRAME");
     app.add_option_function<std::string>(
-           "--at", [&o](const std::string& text) { o.at = parse_position("--at", text); }, "Raster position, px")
+           "--at", [&o](const std::string& text) { o.at = parse_position("--at", text); },
+           "Raster position, px")
         ->required()
         ->type_name("X,Y");
     lens_options(app, o.lens);
@@ -179,8 +196,11 @@ void add_focus(CLI::App& root, State& s) {
         ->type_name("K");
     choice(app, "--spacing", o.spacing, "Spacing of the K depths: equal steps in z' or in 1/z'",
            {{"linear", DepthSpacing::linear}, {"inverse", DepthSpacing::inverse}});
-    choice(app, "--depth-model", o.depth_model, "Depth of what mirrors and glass show: W, the path's length, or the first hit",
-           {{"W", DepthModel::ray_differentials}, {"path", DepthModel::path}, {"first-hit", DepthModel::first_hit}});
+    choice(app, "--depth-model", o.depth_model,
+           "Depth of what mirrors and glass show: W, the path's length, or the first hit",
+           {{"W", DepthModel::ray_differentials},
+            {"path", DepthModel::path},
+            {"first-hit", DepthModel::first_hit}});
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     common_options(app, s);
     app.callback([&s] { s.common.run = [&s] { return run_focus(s.focus); }; });
@@ -188,16 +208,19 @@ void add_focus(CLI::App& root, State& s) {
 
 void lens_numbers(CLI::App& app, LensCommandOptions& o) {
     number(app, "--focal-length", o.focal_length_mm, "Focal length F, more than 0", "MM")->required();
-    number(app, "--f-number", o.f_number, "Aperture number n, more than 0; inf: pinhole", "N", true)->required();
+    number(app, "--f-number", o.f_number, "Aperture number n, more than 0; inf: pinhole", "N", true)
+        ->required();
     number(app, "--focus", o.focus_m, "Focus distance s, more than F", "M", true)->required();
     number(app, "--coc-limit", o.coc_limit_mm, "Widest circle of confusion that counts as sharp", "MM");
-    number(app, "--pixel-pitch", o.pixel_pitch_um, "Pixel pitch on the film; the default is 36 mm over 1920 px", "UM");
+    number(app, "--pixel-pitch", o.pixel_pitch_um,
+           "Pixel pitch on the film; the default is 36 mm over 1920 px", "UM");
 }
 
 void add_lens(CLI::App& root, State& s) {
     CLI::App& lens = *root.add_subcommand("lens", "Optics without a scene");
     lens.require_subcommand(1);
-    CLI::App& coc = *lens.add_subcommand("coc", "Circle of confusion of what lies at a depth, on a film at V");
+    CLI::App& coc =
+        *lens.add_subcommand("coc", "Circle of confusion of what lies at a depth, on a film at V");
     lens_numbers(coc, s.lens);
     number(coc, "--depth", s.lens.depth_m, "Depth z' of the object, more than 0", "M", true)->required();
     common_options(coc, s);
@@ -256,7 +279,8 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
         fail(ExitCode::wrong_arguments, "{} (see postlens --help)", what);
     }
     if (state->common.threads < 0 || state->common.threads > 4096) {
-        fail(ExitCode::wrong_arguments, "--threads: out of range (got {}; expected 0 to 4096)", state->common.threads);
+        fail(ExitCode::wrong_arguments, "--threads: out of range (got {}; expected 0 to 4096)",
+             state->common.threads);
     }
     ParsedCommand out = state->common;
     // The call refers into the state, which must outlive it.

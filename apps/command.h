@@ -70,8 +70,8 @@ struct LensCommandOptions {
 [[nodiscard]] CommandResult run_lens_dof(const LensCommandOptions& options);
 [[nodiscard]] CommandResult run_info(const std::string& input);
 
-/// Settings of the lens for this file: what was asked for, else what the file names. Throws Error(wrong_arguments)
-/// where neither says.
+/// Settings of the lens for this file: what was asked for, else what the file names. Throws
+/// Error(wrong_arguments) where neither says.
 struct ResolvedLens {
     ThinLens lens;
     double focus_m = 1;

@@ -10,23 +10,27 @@ const char* name(FocusMethod method) {
     return method == FocusMethod::pinhole ? "pinhole" : "scatter";
 }
 
-double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named, const char* option) {
+double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
+                      const char* option) {
     if (asked) return *asked;
     if (named) return *named;
-    fail(ExitCode::wrong_arguments, "{}: missing (got nothing; expected a value, as the sample file names none)", option);
+    fail(ExitCode::wrong_arguments,
+         "{}: missing (got nothing; expected a value, as the sample file names none)", option);
 }
 
 // What the trace was sized for, against what is asked now.
 void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, CommandResult& out) {
     const SufficientRange& range = h.sufficient;
     if (range.smallest_f_number && lens.lens.f_number < *range.smallest_f_number) {
-        out.warnings.push_back({"insufficient", fmt::format("the file was traced for f-numbers from {} on (got {})",
-                                                            *range.smallest_f_number, lens.lens.f_number)});
+        out.warnings.push_back(
+            {"insufficient", fmt::format("the file was traced for f-numbers from {} on (got {})",
+                                         *range.smallest_f_number, lens.lens.f_number)});
     }
     if (range.nearest_focus_m && range.farthest_focus_m &&
         (lens.focus_m < *range.nearest_focus_m || lens.focus_m > *range.farthest_focus_m)) {
-        out.warnings.push_back({"insufficient", fmt::format("the file was traced for focus at {} to {} m (got {})",
-                                                            *range.nearest_focus_m, *range.farthest_focus_m, lens.focus_m)});
+        out.warnings.push_back(
+            {"insufficient", fmt::format("the file was traced for focus at {} to {} m (got {})",
+                                         *range.nearest_focus_m, *range.farthest_focus_m, lens.focus_m)});
     }
 }
 
@@ -53,7 +57,8 @@ CommandResult run_focus(const FocusOptions& options) {
     if (options.method == FocusMethod::pinhole) {
         // A pinhole has no focus; what is not named must not be asked for.
         lens_options.f_number = std::numeric_limits<double>::infinity();
-        if (!lens_options.focus_m && !lens_options.focus_at) lens_options.focus_m = file.header().focus_m.value_or(1.0);
+        if (!lens_options.focus_m && !lens_options.focus_at)
+            lens_options.focus_m = file.header().focus_m.value_or(1.0);
     }
     const ResolvedLens lens = resolve_lens(lens_options, file);
     const FocusResult result = focus_picture(file, {.lens = lens.lens,
@@ -78,10 +83,10 @@ CommandResult run_focus(const FocusOptions& options) {
                 {"focal_length_mm", lens.lens.focal_length_mm},
                 {"f_number", json_number(lens.lens.f_number)},
                 {"largest_coc_px", json_number(result.largest_coc_px)}};
-    out.text = fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} depths, widest CoC {:.1f} px",
-                           options.output, result.image.width, result.image.height, name(result.method),
-                           lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m, result.depths,
-                           result.largest_coc_px);
+    out.text = fmt::format(
+        "{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} depths, widest CoC {:.1f} px",
+        options.output, result.image.width, result.image.height, name(result.method),
+        lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m, result.depths, result.largest_coc_px);
     return out;
 }
 

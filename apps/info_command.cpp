@@ -1,5 +1,4 @@
 #include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <filesystem>
 
@@ -21,44 +20,45 @@ CommandResult sample_file_info(const std::string& input) {
     const SufficientRange& range = h.sufficient;
     nlohmann::ordered_json sufficient = {
         {"f_number", range.smallest_f_number ? json_number(*range.smallest_f_number) : nullptr},
-        {"focus_m", range.nearest_focus_m
-                        ? nlohmann::ordered_json{json_number(*range.nearest_focus_m), json_number(*range.farthest_focus_m)}
-                        : nlohmann::ordered_json(nullptr)}};
+        {"focus_m", range.nearest_focus_m ? nlohmann::ordered_json{json_number(*range.nearest_focus_m),
+                                                                   json_number(*range.farthest_focus_m)}
+                                          : nlohmann::ordered_json(nullptr)}};
     nlohmann::ordered_json ids = nlohmann::ordered_json::object();
     for (const auto& [id, name] : h.object_names) ids[std::to_string(id)] = name;
     CommandResult out;
-    out.json = {{"kind", "samples"},
-                {"width", h.width},
-                {"height", h.height},
-                {"records", file.record_count()},
-                {"bytes", file.file_bytes()},
-                {"layers", h.has_layers ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(1)},
-                {"keys", 1},
-                {"ids", ids},
-                {"focal_length_mm", h.focal_length_mm},
-                {"film_distance_mm", h.film_distance_mm},
-                {"pixel_pitch_mm", h.pixel_pitch_mm},
-                {"f_number", h.f_number ? json_number(*h.f_number) : nullptr},
-                {"focus_m", h.focus_m ? json_number(*h.focus_m) : nullptr},
-                {"overscan_px", h.overscan_px},
-                {"nearest_m", json_number(static_cast<double>(nearest))},
-                {"farthest_m", farthest > 0 ? nlohmann::ordered_json(farthest) : nlohmann::ordered_json(nullptr)},
-                {"projection", h.projection == Projection::perspective ? "perspective" : "orthographic"},
-                {"time_s", h.time_s},
-                {"subdivide", h.subdivide_levels},
-                {"max_depth", h.max_depth},
-                {"refocus_matrices", h.has_w},
-                {"scene", h.scene_name},
-                {"scene_sha256", h.scene_sha256},
-                {"moving_ids", h.moving_ids},
-                {"sufficient", sufficient}};
+    out.json = {
+        {"kind", "samples"},
+        {"width", h.width},
+        {"height", h.height},
+        {"records", file.record_count()},
+        {"bytes", file.file_bytes()},
+        {"layers", h.has_layers ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(1)},
+        {"keys", 1},
+        {"ids", ids},
+        {"focal_length_mm", h.focal_length_mm},
+        {"film_distance_mm", h.film_distance_mm},
+        {"pixel_pitch_mm", h.pixel_pitch_mm},
+        {"f_number", h.f_number ? json_number(*h.f_number) : nullptr},
+        {"focus_m", h.focus_m ? json_number(*h.focus_m) : nullptr},
+        {"overscan_px", h.overscan_px},
+        {"nearest_m", json_number(static_cast<double>(nearest))},
+        {"farthest_m", farthest > 0 ? nlohmann::ordered_json(farthest) : nlohmann::ordered_json(nullptr)},
+        {"projection", h.projection == Projection::perspective ? "perspective" : "orthographic"},
+        {"time_s", h.time_s},
+        {"subdivide", h.subdivide_levels},
+        {"max_depth", h.max_depth},
+        {"refocus_matrices", h.has_w},
+        {"scene", h.scene_name},
+        {"scene_sha256", h.scene_sha256},
+        {"moving_ids", h.moving_ids},
+        {"sufficient", sufficient}};
     out.text = fmt::format(
         "{}: postlens samples, {}x{} px + {} px overscan, {} records, {:.1f} MB\n"
         "scene {}; depths {:.4g} to {:.4g} m; {} objects; subdivision to level {}; paths of up to {} nodes\n"
         "film distance {:.5g} mm, pixel pitch {:.5g} mm, F {:.5g} mm",
-        input, h.width, h.height, h.overscan_px, file.record_count(), static_cast<double>(file.file_bytes()) / 1e6,
-        h.scene_name, nearest, farthest, h.object_names.size(), h.subdivide_levels, h.max_depth, h.film_distance_mm,
-        h.pixel_pitch_mm, h.focal_length_mm);
+        input, h.width, h.height, h.overscan_px, file.record_count(),
+        static_cast<double>(file.file_bytes()) / 1e6, h.scene_name, nearest, farthest, h.object_names.size(),
+        h.subdivide_levels, h.max_depth, h.film_distance_mm, h.pixel_pitch_mm, h.focal_length_mm);
     return out;
 }
 
@@ -83,9 +83,10 @@ CommandResult scene_info(const std::string& input) {
                 {"focal_length_mm", camera.film_distance_mm},
                 {"film_distance_mm", camera.film_distance_mm},
                 {"scene_sha256", scene.sha256}};
-    out.text = fmt::format("{}: scene {}, {} objects ({} moving), {} materials, {} lights, {} cameras; {}x{} px", input,
-                           scene.name, scene.objects.size(), moving, scene.materials.size(), scene.lights.size(),
-                           scene.cameras.size(), camera.width, camera.height);
+    out.text =
+        fmt::format("{}: scene {}, {} objects ({} moving), {} materials, {} lights, {} cameras; {}x{} px",
+                    input, scene.name, scene.objects.size(), moving, scene.materials.size(),
+                    scene.lights.size(), scene.cameras.size(), camera.width, camera.height);
     return out;
 }
 
@@ -93,7 +94,8 @@ CommandResult image_info(const std::string& input) {
     const auto file = OIIO::ImageInput::open(input);
     if (!file) {
         (void)OIIO::geterror();
-        fail(ExitCode::invalid_input, "{}: not a file that postlens knows (expected a scene, a sample file or an image)", input);
+        fail(ExitCode::invalid_input,
+             "{}: not a file that postlens knows (expected a scene, a sample file or an image)", input);
     }
     const OIIO::ImageSpec& spec = file->spec();
     CommandResult out;
@@ -103,8 +105,8 @@ CommandResult image_info(const std::string& input) {
                 {"format", file->format_name()},
                 {"channels", spec.channelnames},
                 {"deep", spec.deep}};
-    out.text = fmt::format("{}: {} image, {}x{} px, {} channels{}", input, file->format_name(), spec.width, spec.height,
-                           spec.nchannels, spec.deep ? ", deep" : "");
+    out.text = fmt::format("{}: {} image, {}x{} px, {} channels{}", input, file->format_name(), spec.width,
+                           spec.height, spec.nchannels, spec.deep ? ", deep" : "");
     return out;
 }
 
@@ -117,7 +119,8 @@ CommandResult run_info(const std::string& input) {
     }
     if (!fs::exists(input, error)) fail(ExitCode::invalid_input, "{}: cannot read (no such file)", input);
     std::string ending = fs::path(input).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
     if (ending == ".toml" || ending == ".nff") return scene_info(input);
     if (SampleFileReader::is_sample_file(input)) return sample_file_info(input);
     return image_info(input);

@@ -43,7 +43,7 @@ CommandResult run_lens_coc(const LensCommandOptions& options) {
     CommandResult out = answer(options, coc_mm);
     out.text = fmt::format("circle of confusion {:.6g} mm, {:.6g} px of {} um ({})\n{}", coc_mm,
                            coc_mm * 1000 / options.pixel_pitch_um, options.pixel_pitch_um,
-                           coc_mm == 0   ? "in focus"
+                           coc_mm == 0  ? "in focus"
                            : coc_mm > 0 ? "behind the focus"
                                         : "in front of the focus",
                            out.text);

@@ -25,7 +25,8 @@ void report(const CommandResult& result, const ParsedCommand& command, double se
         nlohmann::ordered_json json = result.json;
         json["seconds"] = seconds;
         json["warnings"] = nlohmann::ordered_json::array();
-        for (const auto& w : result.warnings) json["warnings"].push_back({{"code", w.code}, {"share", w.share}, {"text", w.text}});
+        for (const auto& w : result.warnings)
+            json["warnings"].push_back({{"code", w.code}, {"share", w.share}, {"text", w.text}});
         say(stdout, json.dump(2));
     } else if (!command.quiet) {
         say(stdout, result.text);

@@ -31,14 +31,16 @@ std::optional<std::pair<Number, Number>> parsed_pair(std::string_view text, std:
 
 double parse_number(std::string_view option, std::string_view text, bool infinite) {
     const auto value = parsed<double>(text);
-    if (value && (std::isfinite(*value) || (infinite && *value == std::numeric_limits<double>::infinity()))) return *value;
-    fail(ExitCode::wrong_arguments, "{}: not a number (got {}; expected {})", option, text.empty() ? "nothing" : text,
-         infinite ? "a number or inf" : "a finite number");
+    if (value && (std::isfinite(*value) || (infinite && *value == std::numeric_limits<double>::infinity())))
+        return *value;
+    fail(ExitCode::wrong_arguments, "{}: not a number (got {}; expected {})", option,
+         text.empty() ? "nothing" : text, infinite ? "a number or inf" : "a finite number");
 }
 
 int parse_whole(std::string_view option, std::string_view text) {
     if (const auto value = parsed<int>(text)) return *value;
-    fail(ExitCode::wrong_arguments, "{}: not a whole number (got {}; expected e.g. 4)", option, text.empty() ? "nothing" : text);
+    fail(ExitCode::wrong_arguments, "{}: not a whole number (got {}; expected e.g. 4)", option,
+         text.empty() ? "nothing" : text);
 }
 
 std::pair<int, int> parse_size(std::string_view option, std::string_view text) {
@@ -49,7 +51,8 @@ std::pair<int, int> parse_size(std::string_view option, std::string_view text) {
 std::pair<double, double> parse_position(std::string_view option, std::string_view text) {
     const auto p = parsed_pair<double>(text, ",");
     if (p && std::isfinite(p->first) && std::isfinite(p->second)) return *p;
-    fail(ExitCode::wrong_arguments, "{}: not a position (got {}; expected X,Y in pixels, e.g. 480,270)", option, text);
+    fail(ExitCode::wrong_arguments, "{}: not a position (got {}; expected X,Y in pixels, e.g. 480,270)",
+         option, text);
 }
 
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected) {

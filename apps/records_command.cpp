@@ -18,7 +18,8 @@ CocAxes coc_axes(const FocusGeometry& lens, const Mat2& w) {
     return {(s + t) / 2, std::abs(s - t) / 2};
 }
 
-nlohmann::ordered_json node_json(const Record& r, const std::string& name, const std::optional<FocusGeometry>& lens) {
+nlohmann::ordered_json node_json(const Record& r, const std::string& name,
+                                 const std::optional<FocusGeometry>& lens) {
     nlohmann::ordered_json node = {{"path", r.path.text()},
                                    {"depth", r.path.depth()},
                                    {"id", r.id},
@@ -35,8 +36,8 @@ nlohmann::ordered_json node_json(const Record& r, const std::string& name, const
 }
 
 std::string node_text(const Record& r, const std::string& name, const std::optional<FocusGeometry>& lens) {
-    std::string line = fmt::format("  {:{}}{:<8} id {:<5} {:<20} z' {:<10.5g} rgb {:.4g} {:.4g} {:.4g}", "", 2 * r.path.depth(),
-                                   r.path.text(), r.id, name, r.z, r.r, r.g, r.b);
+    std::string line = fmt::format("  {:{}}{:<8} id {:<5} {:<20} z' {:<10.5g} rgb {:.4g} {:.4g} {:.4g}", "",
+                                   2 * r.path.depth(), r.path.text(), r.id, name, r.z, r.r, r.g, r.b);
     const bool isotropic = r.w.xx == r.w.yy && r.w.xy == 0 && r.w.yx == 0;
     line += isotropic ? fmt::format("  W {:.5g}", r.w.xx)
                       : fmt::format("  W {:.5g} {:.5g} / {:.5g} {:.5g}", r.w.xx, r.w.xy, r.w.yx, r.w.yy);
@@ -51,7 +52,8 @@ std::string node_text(const Record& r, const std::string& name, const std::optio
 std::optional<FocusGeometry> lens_of(const LensOptions& options, const SampleFileReader& file) {
     const SampleHeader& h = file.header();
     if (h.projection == Projection::orthographic) return std::nullopt;
-    const bool f_number = options.f_number || h.f_number, focus = options.focus_m || options.focus_at || h.focus_m;
+    const bool f_number = options.f_number || h.f_number,
+               focus = options.focus_m || options.focus_at || h.focus_m;
     if (!f_number || !focus) return std::nullopt;
     const ResolvedLens lens = resolve_lens(options, file);
     return focus_geometry(lens.lens, lens.focus_m, options.framing, {h.film_distance_mm, h.pixel_pitch_mm});
@@ -65,18 +67,23 @@ CommandResult run_records(const RecordsOptions& options) {
     const auto lens = lens_of(options.lens, file);
     const double limit = 1e6;  // far outside any raster, well inside an int
     if (std::abs(options.at.first) > limit || std::abs(options.at.second) > limit) {
-        fail(ExitCode::wrong_arguments, "--at: outside the picture (got {},{})", options.at.first, options.at.second);
+        fail(ExitCode::wrong_arguments, "--at: outside the picture (got {},{})", options.at.first,
+             options.at.second);
     }
-    const int x = static_cast<int>(std::floor(options.at.first)), y = static_cast<int>(std::floor(options.at.second));
+    const int x = static_cast<int>(std::floor(options.at.first)),
+              y = static_cast<int>(std::floor(options.at.second));
     CommandResult out;
     out.json = {{"x", x}, {"y", y}, {"samples", nlohmann::ordered_json::array()}};
     out.text = fmt::format("pixel {},{}\n", x, y);
     for (const PixelSample& s : pixel_samples(file, x, y)) {
-        nlohmann::ordered_json sample = {{"x", s.x}, {"y", s.y}, {"weight", s.weight}, {"nodes", nlohmann::ordered_json::array()}};
+        nlohmann::ordered_json sample = {
+            {"x", s.x}, {"y", s.y}, {"weight", s.weight}, {"nodes", nlohmann::ordered_json::array()}};
         out.text += fmt::format("sample {},{}  weight {:.6g}\n", s.x, s.y, s.weight);
         for (const Record& r : s.nodes) {
             const auto found = h.object_names.find(r.id);
-            const std::string name = found != h.object_names.end() ? found->second : r.id == 0 ? "(nothing)" : "";
+            const std::string name = found != h.object_names.end() ? found->second
+                                     : r.id == 0                   ? "(nothing)"
+                                                                   : "";
             sample["nodes"].push_back(node_json(r, name, lens));
             out.text += node_text(r, name, lens);
         }

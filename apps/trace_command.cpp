@@ -16,9 +16,9 @@ CommandResult run_trace(const TraceOptions& options) {
                   {"refract", r.rays.refract},
                   {"shadow", r.rays.shadow}}},
                 {"overscan_px", r.overscan_px}};
-    out.text = fmt::format("{}: {} records, {:.1f} MB; {} eye, {} reflected, {} refracted, {} shadow rays", options.output,
-                           r.records, static_cast<double>(r.bytes) / 1e6, r.rays.eye, r.rays.reflect, r.rays.refract,
-                           r.rays.shadow);
+    out.text = fmt::format("{}: {} records, {:.1f} MB; {} eye, {} reflected, {} refracted, {} shadow rays",
+                           options.output, r.records, static_cast<double>(r.bytes) / 1e6, r.rays.eye,
+                           r.rays.reflect, r.rays.refract, r.rays.shadow);
     return out;
 }
 

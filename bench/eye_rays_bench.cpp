@@ -1,12 +1,11 @@
 // Eye rays beside a bare Embree loop over the same rays, and whole SPD pictures.
 //   eye_rays_bench --benchmark_enable_random_interleaving=true --benchmark_repetitions=5
 // The SPD scenes are looked for in $POSTLENS_SPD (a folder with balls.nff, tetra.nff, mount.nff).
-#include <benchmark/benchmark.h>
-#include <embree3/rtcore.h>
-
 #include <atomic>
+#include <benchmark/benchmark.h>
 #include <cmath>
 #include <cstdlib>
+#include <embree3/rtcore.h>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -30,12 +29,14 @@ Scene mesh_scene(int triangles) {
         for (int k = 0; k <= sectors; ++k) {
             const double a = 3.14159265358979 * i / rings, b = 2 * 3.14159265358979 * k / sectors;
             const double r = 1 + 0.02 * std::sin(40 * a) * std::sin(40 * b);
-            mesh->positions.emplace_back(r * std::sin(a) * std::cos(b), r * std::sin(a) * std::sin(b), r * std::cos(a));
+            mesh->positions.emplace_back(r * std::sin(a) * std::cos(b), r * std::sin(a) * std::sin(b),
+                                         r * std::cos(a));
         }
     }
     for (int i = 0; i < rings; ++i) {
         for (int k = 0; k < sectors; ++k) {
-            const auto p = static_cast<unsigned>(i * (sectors + 1) + k), q = p + static_cast<unsigned>(sectors) + 1;
+            const auto p = static_cast<unsigned>(i * (sectors + 1) + k),
+                       q = p + static_cast<unsigned>(sectors) + 1;
             mesh->triangles.emplace_back(p, q, p + 1);
             mesh->triangles.emplace_back(p + 1, q, q + 1);
         }
@@ -56,7 +57,9 @@ Scene mesh_scene(int triangles) {
 
 struct Prepared {
     explicit Prepared(Scene s, int width, int height)
-        : scene(std::move(s)), rays(scene, 0), camera(scene.cameras.at(0), 0, {.width = width, .height = height}) {}
+        : scene(std::move(s)),
+          rays(scene, 0),
+          camera(scene.cameras.at(0), 0, {.width = width, .height = height}) {}
     Scene scene;
     RayScene rays;
     CameraModel camera;
@@ -70,7 +73,9 @@ fs::path spd(const std::string& name) {
 Prepared& prepared(const std::string& name, int width, int height) {
     static std::map<std::string, std::unique_ptr<Prepared>> all;
     auto& p = all[name + std::to_string(width)];
-    if (!p) p = std::make_unique<Prepared>(name == "mesh" ? mesh_scene(1'000'000) : read_scene(spd(name)), width, height);
+    if (!p)
+        p = std::make_unique<Prepared>(name == "mesh" ? mesh_scene(1'000'000) : read_scene(spd(name)), width,
+                                       height);
     return *p;
 }
 
@@ -129,18 +134,21 @@ void BareEmbree(benchmark::State& state, const std::string& name) {
             std::uint64_t count = 0;
             int i = 0;
             corners(all[t], [&](int x, int y) {
-                const float px = (static_cast<float>(x) - 0.5F * width) * scale, py = (static_cast<float>(y) - 0.5F * height) * scale;
+                const float px = (static_cast<float>(x) - 0.5F * width) * scale,
+                            py = (static_cast<float>(y) - 0.5F * height) * scale;
                 glm::vec3 d = forward + px * right + py * down;
                 d *= 1 / std::sqrt(glm::dot(d, d));
                 r.ray.org_x[i] = o.x, r.ray.org_y[i] = o.y, r.ray.org_z[i] = o.z;
                 r.ray.dir_x[i] = d.x, r.ray.dir_y[i] = d.y, r.ray.dir_z[i] = d.z;
                 r.ray.tnear[i] = 0, r.ray.tfar[i] = std::numeric_limits<float>::infinity();
-                r.ray.time[i] = 0, r.ray.mask[i] = ~0U, r.ray.id[i] = static_cast<unsigned>(i), r.ray.flags[i] = 0;
+                r.ray.time[i] = 0, r.ray.mask[i] = ~0U, r.ray.id[i] = static_cast<unsigned>(i),
+                r.ray.flags[i] = 0;
                 r.hit.geomID[i] = r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
                 valid[i] = -1;
                 if (++i < 16) return;
                 i = 0;
-                // The callbacks of the scene's user geometries expect postlens' context, whose first part this is.
+                // The callbacks of the scene's user geometries expect postlens' context, whose first part
+                // this is.
                 struct {
                     RTCIntersectContext base;
                     void* none[4];
@@ -172,7 +180,8 @@ void EyeRays(benchmark::State& state, const std::string& name) {
             });
             p.rays.intersect(batch, true);
             std::uint64_t count = 0;
-            for (int i = 0; i < batch.count; ++i) count += batch.hit[static_cast<std::size_t>(i)].valid() ? 1 : 0;
+            for (int i = 0; i < batch.count; ++i)
+                count += batch.hit[static_cast<std::size_t>(i)].valid() ? 1 : 0;
             sum += count;
         });
         hits = sum;
@@ -203,8 +212,8 @@ void EyeRecords(benchmark::State& state, const std::string& name) {
     report(state, hits);
 }
 
-// A whole SPD picture, 513 x 513 corner rays, depth 5: reading, building, tracing; no file and no W, which a picture
-// does not need. SpdTraceOnly leaves reading and building out and computes W, as `trace` does.
+// A whole SPD picture, 513 x 513 corner rays, depth 5: reading, building, tracing; no file and no W, which a
+// picture does not need. SpdTraceOnly leaves reading and building out and computes W, as `trace` does.
 void SpdPicture(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     RayCounts counts;
@@ -212,7 +221,8 @@ void SpdPicture(benchmark::State& state, const std::string& name) {
         const Scene scene = read_scene(spd(name));
         const RayScene rays(scene, 0);
         const CameraModel camera(scene.cameras.at(0), 0, {.width = 512, .height = 512});
-        const WhittedTracer tracer(rays, camera, {.max_depth = 5, .min_contribution = 0, .refocus_matrices = false});
+        const WhittedTracer tracer(rays, camera,
+                                   {.max_depth = 5, .min_contribution = 0, .refocus_matrices = false});
         counts = sample_corners(tracer, {0, 512, 0, 512}, {.levels = 0}, [](const RecordBand&) {});
     }
     const auto rays = static_cast<double>(counts.eye + counts.reflect + counts.refract + counts.shadow);
@@ -231,7 +241,8 @@ void SpdTraceOnly(benchmark::State& state, const std::string& name) {
     state.counters["rays/s"] = benchmark::Counter(rays, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-#define POSTLENS_BENCH(function, scene) BENCHMARK_CAPTURE(function, scene, #scene)->Unit(benchmark::kMillisecond)->UseRealTime()
+#define POSTLENS_BENCH(function, scene) \
+    BENCHMARK_CAPTURE(function, scene, #scene)->Unit(benchmark::kMillisecond)->UseRealTime()
 POSTLENS_BENCH(BareEmbree, mesh);
 POSTLENS_BENCH(EyeRays, mesh);
 POSTLENS_BENCH(EyeRecords, mesh);

@@ -63,7 +63,8 @@ void add_points(const PointPass& pass) {
 
 }  // namespace
 
-// Adds the splats of one reach class; `begun`: the sums have been set up. True where any splat may reach the rows.
+// Adds the splats of one reach class; `begun`: the sums have been set up. True where any splat may reach the
+// rows.
 bool PointScatter::add_class(std::size_t reach_class, bool begun) {
     const RasterWindow& source = tables_.source();
     const Reach& farthest = tables_.class_reach(reach_class);
@@ -72,7 +73,8 @@ bool PointScatter::add_class(std::size_t reach_class, bool begun) {
         const SplatRow& row = tables_.row(y);
         const std::span<const Splat> splats = row.splats_of(reach_class);
         const Reach& reach = row.class_reach[reach_class];
-        if (splats.empty() || y + reach.dy_end <= rows_.y_begin || y + reach.dy_begin >= rows_.y_end) continue;
+        if (splats.empty() || y + reach.dy_end <= rows_.y_begin || y + reach.dy_begin >= rows_.y_end)
+            continue;
         const auto first = std::lower_bound(splats.begin(), splats.end(), rows_.x_begin - reach.dx_end,
                                             [](const Splat& s, int x) { return s.x < x; });
         const auto last = std::lower_bound(first, splats.end(), rows_.x_end - reach.dx_begin,

@@ -262,7 +262,8 @@ void Reach::include(const Reach& other) {
 std::size_t reach_class(const Reach& reach) {
     constexpr std::array<int, reach_classes - 1> limits_px{8, 16, 32, 64, 256};
     const int farthest = std::max({-reach.dy_begin, reach.dy_end, -reach.dx_begin, reach.dx_end});
-    return static_cast<std::size_t>(std::lower_bound(limits_px.begin(), limits_px.end(), farthest) - limits_px.begin());
+    return static_cast<std::size_t>(std::lower_bound(limits_px.begin(), limits_px.end(), farthest) -
+                                    limits_px.begin());
 }
 
 namespace {

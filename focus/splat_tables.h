@@ -35,7 +35,8 @@ struct SplatRun {
     std::uint32_t kernel = 0;
 };
 
-/// Pixels that a response may reach, relative to its anchor: rows [dy_begin, dy_end), columns [dx_begin, dx_end).
+/// Pixels that a response may reach, relative to its anchor: rows [dy_begin, dy_end), columns [dx_begin,
+/// dx_end).
 struct Reach {
     int dy_begin = 0, dy_end = 0, dx_begin = 0, dx_end = 0;
     void include(const Reach& other);
@@ -93,7 +94,9 @@ class SplatTables {
     /// Rows that runs, and the splats of a class, may reach from their own, over all rows.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
-    [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const { return class_reach_[reach_class]; }
+    [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
+        return class_reach_[reach_class];
+    }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     /// Greatest diameter of the CoC among the nodes, px, as it is, not as its level has it.

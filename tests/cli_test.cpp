@@ -1,8 +1,5 @@
-// The command as people type it: what it prints, its exit codes, and what is left on disk when something goes wrong.
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
+// The command as people type it: what it prints, its exit codes, and what is left on disk when something goes
+// wrong.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -11,9 +8,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <sys/wait.h>
 #include <thread>
+#include <unistd.h>
 #include <vector>
 
 #include "core/error.h"
@@ -60,7 +60,11 @@ class Cli : public testing::Test {
         std::string command = before + quoted(POSTLENS_BINARY);
         for (const std::string& w : words) command.append(" ").append(quoted(w));
         const fs::path out = folder_.path() / ".out", err = folder_.path() / ".err";
-        command.append(" >").append(quoted(out.string())).append(" 2>").append(quoted(err.string())).append(" </dev/null");
+        command.append(" >")
+            .append(quoted(out.string()))
+            .append(" 2>")
+            .append(quoted(err.string()))
+            .append(" </dev/null");
         const int status = std::system(command.c_str());
         Outcome r{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text_of(out), text_of(err)};
         fs::remove(out);
@@ -83,7 +87,8 @@ class Cli : public testing::Test {
     std::string scene() { return std::string(POSTLENS_TEST_DATA) + "/nff/balls_s2.nff"; }
     std::string traced() {
         const std::string path = in("frame.exr");
-        const Outcome r = run({"trace", scene(), "-o", path, "--size", "96x96", "--metres-per-unit", "0.1", "--quiet"});
+        const Outcome r =
+            run({"trace", scene(), "-o", path, "--size", "96x96", "--metres-per-unit", "0.1", "--quiet"});
         EXPECT_EQ(r.exit_code, 0) << r.err;
         return path;
     }
@@ -104,7 +109,8 @@ TEST_F(Cli, HelpNamesEverySubcommandWithUnits) {
 }
 
 TEST_F(Cli, TraceThenFocusThreeTimes) {
-    const Outcome t = run({"trace", scene(), "-o", in("b.exr"), "--size", "96x96", "--metres-per-unit", "0.1", "--json"});
+    const Outcome t =
+        run({"trace", scene(), "-o", in("b.exr"), "--size", "96x96", "--metres-per-unit", "0.1", "--json"});
     ASSERT_EQ(t.exit_code, 0) << t.err;
     const json trace = json::parse(t.out);
     EXPECT_GT(trace.at("records"), 97 * 97);
@@ -114,7 +120,8 @@ TEST_F(Cli, TraceThenFocusThreeTimes) {
     std::vector<std::string> pictures;
     for (const char* s : {"0.2", "0.3", "inf"}) {
         const std::string out = in(std::string("f") + s + ".exr");
-        const Outcome f = run({"focus", in("b.exr"), "-o", out, "--focal-length", "50", "--f-number", "2", "--focus", s, "--json"});
+        const Outcome f = run({"focus", in("b.exr"), "-o", out, "--focal-length", "50", "--f-number", "2",
+                               "--focus", s, "--json"});
         ASSERT_EQ(f.exit_code, 0) << f.err;
         const json j = json::parse(f.out);
         EXPECT_EQ(j.at("method"), "scatter");
@@ -154,15 +161,20 @@ TEST_F(Cli, RecordsAndInfoTellWhatIsThere) {
     EXPECT_EQ(json::parse(run({"info", scene(), "--json"}).out).at("kind"), "scene");
     EXPECT_EQ(run({"image", frame, "-o", in("a.png")}).exit_code, 0);
     EXPECT_EQ(json::parse(run({"info", in("a.png"), "--json"}).out).at("kind"), "image");
-    EXPECT_EQ(run({"focus", frame, "-o", in("at.png"), "--f-number", "2", "--focus-at", "48,60"}).exit_code, 0);
+    EXPECT_EQ(run({"focus", frame, "-o", in("at.png"), "--f-number", "2", "--focus-at", "48,60"}).exit_code,
+              0);
 }
 
 TEST_F(Cli, LensNumbers) {
-    const json coc = json::parse(run({"lens", "coc", "--focal-length", "50", "--f-number", "2", "--focus", "2", "--depth", "4", "--json"}).out);
+    const json coc = json::parse(run({"lens", "coc", "--focal-length", "50", "--f-number", "2", "--focus",
+                                      "2", "--depth", "4", "--json"})
+                                     .out);
     // F^2 (z - s) / (n z (s - F)) = 2500 * 2 / (2 * 4 * 1950) mm.
     EXPECT_NEAR(coc.at("coc_mm"), 2500.0 * 2000 / (2 * 4000 * 1950.0), 1e-12);
     EXPECT_NEAR(coc.at("coc_px"), coc.at("coc_mm").get<double>() * 1000 / 18.75, 1e-9);
-    const json dof = json::parse(run({"lens", "dof", "--focal-length", "28", "--f-number", "8", "--focus", "4", "--coc-limit", "0.03", "--json"}).out);
+    const json dof = json::parse(run({"lens", "dof", "--focal-length", "28", "--f-number", "8", "--focus",
+                                      "4", "--coc-limit", "0.03", "--json"})
+                                     .out);
     EXPECT_TRUE(dof.at("far_m").is_null());
     EXPECT_NEAR(dof.at("near_m"), 1.80512, 1e-5);
 }
@@ -187,15 +199,20 @@ TEST_F(Cli, WrongArgumentsAreTwo) {
     refused({"focus", frame, "-o", in("x.png"), "--f-number", "-2", "--focus", "1"}, two, "f-number");
     refused({"focus", frame, "-o", in("x.png"), "--f-number", "nan", "--focus", "1"}, two, "--f-number");
     refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "0"}, two, "focus");
-    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "1", "--focal-length", "0"}, two, "focal");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "1", "--focal-length", "0"},
+            two, "focal");
     refused({"focus", frame, "-o", in("x.png"), "--f-number", "2"}, two, "--focus");
-    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "0.01", "--breathing"}, two, "focus");
-    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "1", "--method", "magic"}, two, "scatter");
-    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "1", "--depths", "1"}, two, "depths");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "0.01", "--breathing"}, two,
+            "focus");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "1", "--method", "magic"}, two,
+            "scatter");
+    refused({"focus", frame, "-o", in("x.png"), "--f-number", "2", "--focus", "1", "--depths", "1"}, two,
+            "depths");
     refused({"focus", frame, "-o", in("x.xyz"), "--f-number", "2", "--focus", "1"}, two, "x.xyz");
     refused({"records", frame, "--at", "1e9,0"}, two, "--at");
     refused({"records", frame, "--at", "5000,0"}, two, "--at");
-    refused({"lens", "coc", "--focal-length", "50", "--f-number", "2", "--focus", "0.04", "--depth", "1"}, two, "--focus");
+    refused({"lens", "coc", "--focal-length", "50", "--f-number", "2", "--focus", "0.04", "--depth", "1"},
+            two, "--focus");
 }
 
 TEST_F(Cli, UnreadableInputIsThree) {
@@ -203,7 +220,8 @@ TEST_F(Cli, UnreadableInputIsThree) {
     const std::string frame = traced();
     refused({"trace", in("none.toml"), "-o", in("x.exr")}, three, "none.toml");
     refused({"trace", in("."), "-o", in("x.exr")}, three, "");
-    refused({"focus", in("none.exr"), "-o", in("x.png"), "--f-number", "2", "--focus", "1"}, three, "none.exr");
+    refused({"focus", in("none.exr"), "-o", in("x.png"), "--f-number", "2", "--focus", "1"}, three,
+            "none.exr");
     refused({"focus", in("."), "-o", in("x.png"), "--f-number", "2", "--focus", "1"}, three, "");
     refused({"image", scene(), "-o", in("x.png")}, three, "balls_s2.nff");
     refused({"info", in("none")}, three, "none");
@@ -211,7 +229,8 @@ TEST_F(Cli, UnreadableInputIsThree) {
     refused({"image", in("empty.exr"), "-o", in("x.png")}, three, "empty.exr");
     const std::string whole = text_of(frame);
     for (const double share : {0.01, 0.3, 0.6, 0.999}) {
-        std::ofstream(in("cut.exr"), std::ios::binary) << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
+        std::ofstream(in("cut.exr"), std::ios::binary)
+            << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
         refused({"image", in("cut.exr"), "-o", in("x.png")}, three, "cut.exr");
     }
     std::string flipped = whole;
@@ -237,7 +256,8 @@ TEST_F(Cli, UnwritableOutputIsFour) {
 
 TEST_F(Cli, StrictTurnsAShortfallIntoSix) {
     const std::string frame = traced();
-    const std::vector<std::string> words{"focus", frame, "-o", in("x.exr"), "--f-number", "1", "--focus", "0.4", "--json"};
+    const std::vector<std::string> words{"focus", frame,     "-o",  in("x.exr"), "--f-number",
+                                         "1",     "--focus", "0.4", "--json"};
     const Outcome lax = run(words);
     EXPECT_EQ(lax.exit_code, 0) << lax.err;
     EXPECT_FALSE(json::parse(lax.out).at("warnings").empty());
@@ -252,7 +272,8 @@ TEST_F(Cli, CtrlCStopsWithinASecondAndLeavesNothing) {
     const std::string out = in("big.exr");
     const pid_t child = ::fork();
     if (child == 0) {
-        ::execl(POSTLENS_BINARY, POSTLENS_BINARY, "trace", scene_file.c_str(), "-o", out.c_str(), "--size", "7680x4320", "--quiet", nullptr);
+        ::execl(POSTLENS_BINARY, POSTLENS_BINARY, "trace", scene_file.c_str(), "-o", out.c_str(), "--size",
+                "7680x4320", "--quiet", nullptr);
         ::_exit(127);
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));

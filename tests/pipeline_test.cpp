@@ -1,9 +1,8 @@
 // From a scene to a focused picture: what the parts promise each other.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <gtest/gtest.h>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -32,7 +31,8 @@ SceneBuilder busy_scene() {
     g.reflection = glm::dvec3(0.1);
     b.add(Sphere{{0.6, 0.1, -3.5}, 0.4}, g);
     Material wall = matte(glm::dvec3(1));
-    wall.colour_texture = std::make_shared<const Texture>(Checker{.size = glm::dvec3(0.5), .even = glm::dvec3(0.9), .odd = {0.1, 0.2, 0.4}});
+    wall.colour_texture = std::make_shared<const Texture>(
+        Checker{.size = glm::dvec3(0.5), .even = glm::dvec3(0.9), .odd = {0.1, 0.2, 0.4}});
     b.add(square({0.01, 0.02, -9.01}, {0, 0, 1}, 12), wall);
     b.point_light({2, 3, 0}, glm::dvec3(1));
     b.scene.ambient_light = glm::dvec3(0.2);
@@ -59,11 +59,14 @@ class Pipeline : public testing::Test {
 };
 
 TEST_F(Pipeline, PinholePicturesAreOneBitForBit) {
-    const SampleFileReader file(traced(busy_scene().scene, {.camera = {.width = 200, .height = 150}, .subdivision = {.levels = 4}, .overscan_px = 7}));
+    const SampleFileReader file(
+        traced(busy_scene().scene,
+               {.camera = {.width = 200, .height = 150}, .subdivision = {.levels = 4}, .overscan_px = 7}));
     ASSERT_TRUE(file.header().has_w);
     const Image stored = file.picture();
     EXPECT_EQ(pinhole_picture(file).rgb, stored.rgb);
-    const FocusResult by_method = focus_picture(file, {.focus_distance_m = 3, .method = FocusMethod::pinhole});
+    const FocusResult by_method =
+        focus_picture(file, {.focus_distance_m = 3, .method = FocusMethod::pinhole});
     EXPECT_EQ(by_method.image.rgb, stored.rgb);
     const FocusResult by_aperture = focus_picture(file, {.lens = {50, infinity}, .focus_distance_m = 3});
     EXPECT_EQ(by_aperture.image.rgb, stored.rgb);
@@ -71,20 +74,27 @@ TEST_F(Pipeline, PinholePicturesAreOneBitForBit) {
 }
 
 TEST_F(Pipeline, AsTheCircleVanishesThePictureIsThePinholes) {
-    const SampleFileReader file(traced(busy_scene().scene, {.camera = {.width = 200, .height = 150}, .subdivision = {.levels = 4}, .overscan_px = 7}));
+    const SampleFileReader file(
+        traced(busy_scene().scene,
+               {.camera = {.width = 200, .height = 150}, .subdivision = {.levels = 4}, .overscan_px = 7}));
     const Image stored = file.picture();
     for (const double f_number : {1e6, 1e9}) {
-        for (const DepthModel model : {DepthModel::ray_differentials, DepthModel::path, DepthModel::first_hit}) {
-            const FocusResult r = focus_picture(file, {.lens = {50, f_number}, .focus_distance_m = 3, .depth_model = model});
+        for (const DepthModel model :
+             {DepthModel::ray_differentials, DepthModel::path, DepthModel::first_hit}) {
+            const FocusResult r =
+                focus_picture(file, {.lens = {50, f_number}, .focus_distance_m = 3, .depth_model = model});
             EXPECT_EQ(r.method, FocusMethod::scatter);
-            // At f/1e6 the widest circle is 2e-5 px; what crosses a pixel's border is less than that share of a sample.
+            // At f/1e6 the widest circle is 2e-5 px; what crosses a pixel's border is less than that share of
+            // a sample.
             EXPECT_LT(largest_difference(r.image, stored), f_number < 1e7 ? 1e-4 : 1e-6);
         }
     }
 }
 
 TEST_F(Pipeline, TheSameBitsForAnyNumberOfThreads) {
-    const SampleFileReader file(traced(busy_scene().scene, {.camera = {.width = 200, .height = 150}, .subdivision = {.levels = 3}, .overscan_px = 7}));
+    const SampleFileReader file(
+        traced(busy_scene().scene,
+               {.camera = {.width = 200, .height = 150}, .subdivision = {.levels = 3}, .overscan_px = 7}));
     std::vector<Image> images;
     for (const int threads : {1, 2, 5}) {
         const ThreadLimit limit(threads);
@@ -94,7 +104,8 @@ TEST_F(Pipeline, TheSameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(images[0].rgb, images[2].rgb);
 }
 
-// One plane out of focus: the focused picture is the pinhole's corners filtered by one disc. OpenCV is the other opinion.
+// One plane out of focus: the focused picture is the pinhole's corners filtered by one disc. OpenCV is the
+// other opinion.
 TEST_F(Pipeline, OnePlaneIsAFilterOfTheCorners) {
     SceneBuilder b;
     Material wall = glowing(glm::dvec3(1));
@@ -102,15 +113,19 @@ TEST_F(Pipeline, OnePlaneIsAFilterOfTheCorners) {
         Checker{.size = glm::dvec3(0.171, 0.133, infinity), .even = {3, 1, 0.2}, .odd = {0.1, 0.4, 0.8}});
     b.add(square({0, 0, -4}, {0, 0, 1}, 40), wall);
     const int width = 160, height = 120, overscan = 24;
-    const SampleFileReader file(traced(b.scene, {.camera = {.width = width, .height = height}, .subdivision = {.levels = 0}, .overscan_px = overscan}));
+    const SampleFileReader file(traced(b.scene, {.camera = {.width = width, .height = height},
+                                                 .subdivision = {.levels = 0},
+                                                 .overscan_px = overscan}));
     const FocusSettings settings{.lens = {50, 1.4}, .focus_distance_m = 0.5};
     const FocusResult focused = focus_picture(file, settings);
 
-    const FocusGeometry lens = focus_geometry(settings.lens, 0.5, Framing::keep, {file.header().film_distance_mm, file.header().pixel_pitch_mm});
+    const FocusGeometry lens = focus_geometry(settings.lens, 0.5, Framing::keep,
+                                              {file.header().film_distance_mm, file.header().pixel_pitch_mm});
     const double radius = std::abs(lens.coc_diameter_px(1 / 4.0)) / 2;
     ASSERT_GT(radius, 5);
     ASSERT_LT(radius, overscan - 2);
-    // Corner (i, j) lies at whole coordinates: pixel (x, y) gathers corners with the coverage of a disc about (0, 0).
+    // Corner (i, j) lies at whole coordinates: pixel (x, y) gathers corners with the coverage of a disc about
+    // (0, 0).
     const int reach = static_cast<int>(std::ceil(radius)) + 1;
     cv::Mat kernel = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_64F);
     for (const CoverageRow& row : ellipse_coverage(Ellipse::disc(radius), 0, 0)) {
@@ -125,7 +140,8 @@ TEST_F(Pipeline, OnePlaneIsAFilterOfTheCorners) {
     for (int y = 0; y < band.height(); ++y) {
         for (int x = 0; x < band.width(); ++x) {
             const Record& r = band.records[band.offsets[band.pixel(x + band.x_begin, y + band.y_begin)]];
-            corners.at<cv::Vec3d>(y, x) = {static_cast<double>(r.r), static_cast<double>(r.g), static_cast<double>(r.b)};
+            corners.at<cv::Vec3d>(y, x) = {static_cast<double>(r.r), static_cast<double>(r.g),
+                                           static_cast<double>(r.b)};
         }
     }
     cv::Mat filtered;
@@ -135,12 +151,13 @@ TEST_F(Pipeline, OnePlaneIsAFilterOfTheCorners) {
         for (int x = 0; x < width; ++x) {
             const cv::Vec3d& expected = filtered.at<cv::Vec3d>(y + overscan, x + overscan);
             for (int c = 0; c < 3; ++c) {
-                most = std::max(most, std::abs(expected[c] - static_cast<double>(focused.image.pixel(x, y)[c])));
+                most =
+                    std::max(most, std::abs(expected[c] - static_cast<double>(focused.image.pixel(x, y)[c])));
             }
         }
     }
-    // The level nearest to the plane's CoC differs by less than half a pixel of diameter; a quarter of a pixel of radius
-    // moves at most 2 * 0.25 / radius of a pixel's energy, of contrast 2.9.
+    // The level nearest to the plane's CoC differs by less than half a pixel of diameter; a quarter of a
+    // pixel of radius moves at most 2 * 0.25 / radius of a pixel's energy, of contrast 2.9.
     EXPECT_LT(most, 2.9 * 2 * 0.25 / radius);
     // With a level on the plane itself nothing is left but float.
     FocusSettings exact = settings;
@@ -158,7 +175,8 @@ TEST_F(Pipeline, OnePlaneIsAFilterOfTheCorners) {
     EXPECT_LT(most, 1e-5);
 }
 
-// A mirror 2 m away shows a wall 3 m before it: focused at 5 m the mirror's image is sharp, focused on its frame it is not.
+// A mirror 2 m away shows a wall 3 m before it: focused at 5 m the mirror's image is sharp, focused on its
+// frame it is not.
 TEST_F(Pipeline, WhatAMirrorShowsIsInFocusAtItsOwnDepth) {
     SceneBuilder b;
     Material wall = glowing(glm::dvec3(1));
@@ -167,10 +185,13 @@ TEST_F(Pipeline, WhatAMirrorShowsIsInFocusAtItsOwnDepth) {
     b.add(square({0, 0, -2}, {0, 0, 1}, 8), mirror());
     b.add(square({0, 0, 1}, {0, 0, -1}, 40), wall);
     // Without subdivision: the weights that arrive are then one everywhere, whatever the mirror's own blur.
-    const SampleFileReader file(traced(b.scene, {.camera = {.width = 640, .height = 480}, .subdivision = {.levels = 0}, .overscan_px = 20}));
+    const SampleFileReader file(traced(
+        b.scene, {.camera = {.width = 640, .height = 480}, .subdivision = {.levels = 0}, .overscan_px = 20}));
     const Image pinhole = file.picture();
     const auto at = [&](double focus_m, DepthModel model) {
-        return largest_difference(focus_picture(file, {.lens = {50, 1.4}, .focus_distance_m = focus_m, .depth_model = model}).image, pinhole);
+        return largest_difference(
+            focus_picture(file, {.lens = {50, 1.4}, .focus_distance_m = focus_m, .depth_model = model}).image,
+            pinhole);
     };
     EXPECT_LT(at(5, DepthModel::ray_differentials), 1e-5);
     EXPECT_LT(at(5, DepthModel::path), 1e-5);  // for a flat mirror the path's length is right as well
@@ -183,7 +204,8 @@ TEST_F(Pipeline, AnOrthographicFileHasNoLens) {
     b.scene.cameras[0].projection = Camera::Projection::orthographic;
     b.scene.cameras[0].orthographic_width_m = 3;
     const SampleFileReader file(traced(b.scene, {}));
-    EXPECT_EQ(focus_picture(file, {.lens = {50, infinity}, .focus_distance_m = 3}).image.rgb, file.picture().rgb);
+    EXPECT_EQ(focus_picture(file, {.lens = {50, infinity}, .focus_distance_m = 3}).image.rgb,
+              file.picture().rgb);
     try {
         (void)focus_picture(file, {.lens = {50, 2}, .focus_distance_m = 3});
         FAIL() << "a lens on an orthographic camera";

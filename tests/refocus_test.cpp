@@ -1,8 +1,7 @@
-// W and z' against exact rays: the lens point moves, the seen point is held, and the ray that still reaches it is
-// found by Newton's method on the exact chain of mirrors and glass.
-#include <gtest/gtest.h>
-
+// W and z' against exact rays: the lens point moves, the seen point is held, and the ray that still reaches
+// it is found by Newton's method on the exact chain of mirrors and glass.
 #include <cmath>
+#include <gtest/gtest.h>
 #include <string>
 
 #include "tests/scene_builder.h"
@@ -67,7 +66,8 @@ ChainEnd from_lens(const RayScene& rays, const CameraModel& c, dvec2 p, dvec2 q,
     return follow(rays, o, glm::normalize(c.forward + p.x * c.right + p.y * c.down), path);
 }
 
-// What is held: the hit point, or the direction of a ray that leaves the scene. Two coordinates across `axis`.
+// What is held: the hit point, or the direction of a ray that leaves the scene. Two coordinates across
+// `axis`.
 dvec2 held(const ChainEnd& e, bool at_infinity, const dvec3& axis) {
     const dvec3 hint = std::abs(axis.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 a = glm::normalize(glm::cross(axis, hint)), b = glm::cross(axis, a);
@@ -135,7 +135,8 @@ void check(Case& c) {
             EXPECT_NEAR(node->z, end.length * eye.cos_axis, 1e-6 * end.length) << c.name;
         }
         const glm::dmat2 w = exact_w(rays, camera, p, c.path, c.at_infinity);
-        const double scale = std::max({std::abs(w[0][0]), std::abs(w[0][1]), std::abs(w[1][0]), std::abs(w[1][1]), 1e-3});
+        const double scale =
+            std::max({std::abs(w[0][0]), std::abs(w[0][1]), std::abs(w[1][0]), std::abs(w[1][1]), 1e-3});
         const std::string where = c.name + " at " + std::to_string(at.x) + "," + std::to_string(at.y);
         EXPECT_NEAR(node->w.xx, w[0][0], 1e-3 * scale) << where;
         EXPECT_NEAR(node->w.yx, w[0][1], 1e-3 * scale) << where;
@@ -206,7 +207,8 @@ TEST(RefocusMatrix, GlassSphereWithAnInnerReflection) {
 
 TEST(RefocusMatrix, ThickSlabTilted) {
     Case c{"slab", {}, chain("TT"), spread};
-    const glm::dmat4 tilt = glm::translate(glm::dmat4(1), dvec3(0, 0, -3)) * glm::rotate(glm::dmat4(1), 0.4, dvec3(0.2, 1, 0));
+    const glm::dmat4 tilt =
+        glm::translate(glm::dmat4(1), dvec3(0, 0, -3)) * glm::rotate(glm::dmat4(1), 0.4, dvec3(0.2, 1, 0));
     c.builder.add(Box{{-2, -2, -0.3}, {2, 2, 0.3}}, glass(1.6), tilt);
     c.builder.add(square({0, 0, -9}, {0, 0.3, 1}, 30), glowing(dvec3(1)));
     check(c);
@@ -233,9 +235,12 @@ TEST(RefocusMatrix, EveryPrimitivesCurvature) {
         {"cone", Cone{{0, -2, -4.2}, {0.1, 2, -4}, 1.2, 0.4}, glm::dmat4(1)},
         {"disc", Disc{front, {0.1, 0.2, 1}, 2}, glm::dmat4(1)},
         {"plane", Plane{front, {-0.1, 0.1, 1}}, glm::dmat4(1)},
-        {"ellipsoid", Sphere{}, at * glm::rotate(glm::dmat4(1), 0.5, dvec3(0, 1, 1)) * glm::scale(glm::dmat4(1), dvec3(1.5, 1, 0.6))},
+        {"ellipsoid", Sphere{},
+         at * glm::rotate(glm::dmat4(1), 0.5, dvec3(0, 1, 1)) *
+             glm::scale(glm::dmat4(1), dvec3(1.5, 1, 0.6))},
         {"squeezed cylinder", Cone{{0, 0, -2}, {0, 0, 2}, 1, 1},
-         at * glm::rotate(glm::dmat4(1), 1.4, dvec3(1, 0.1, 0)) * glm::scale(glm::dmat4(1), dvec3(1.4, 0.7, 1))},
+         at * glm::rotate(glm::dmat4(1), 1.4, dvec3(1, 0.1, 0)) *
+             glm::scale(glm::dmat4(1), dvec3(1.4, 0.7, 1))},
     };
     for (const Named& s : shapes) {
         Case c{s.name, {}, chain("R"), {{32, 24}, {31, 25}, {33.5, 22}}};
@@ -249,9 +254,13 @@ TEST(RefocusMatrix, SmoothMeshFollowsItsInterpolatedNormals) {
     // Baked and instanced, turned and squeezed.
     const auto mesh = sphere_mesh(24, 48, true);
     const glm::dmat4 placed = glm::translate(glm::dmat4(1), dvec3(0.05, 0, -4)) *
-                              glm::rotate(glm::dmat4(1), 0.7, dvec3(1, 1, 0)) * glm::scale(glm::dmat4(1), dvec3(1, 1.3, 0.8));
+                              glm::rotate(glm::dmat4(1), 0.7, dvec3(1, 1, 0)) *
+                              glm::scale(glm::dmat4(1), dvec3(1, 1.3, 0.8));
     for (const bool instanced : {false, true}) {
-        Case c{instanced ? "instanced mesh" : "mesh", {}, chain("R"), {{32.3, 24.2}, {30.1, 25.4}, {34.2, 21.3}}};
+        Case c{instanced ? "instanced mesh" : "mesh",
+               {},
+               chain("R"),
+               {{32.3, 24.2}, {30.1, 25.4}, {34.2, 21.3}}};
         c.builder.add(mesh, mirror(), placed);
         if (instanced) c.builder.add(mesh, mirror(), glm::translate(glm::dmat4(1), dvec3(50, 0, 0)));
         c.builder.add(square({0, 0, 3}, {0, 0.2, -1}, 900), glowing(dvec3(1)));

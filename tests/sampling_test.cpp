@@ -1,11 +1,10 @@
-// Corner sampling: each point once, subdivision where it must be, the SPD's published ray counts, and the same file
-// for any number of threads.
-#include <gtest/gtest.h>
-
+// Corner sampling: each point once, subdivision where it must be, the SPD's published ray counts, and the
+// same file for any number of threads.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <gtest/gtest.h>
 #include <map>
 #include <set>
 #include <sstream>
@@ -62,7 +61,8 @@ Sampled sample(const Scene& scene, const SampledWindow& window, const Subdivisio
     out.counts = sample_corners(tracer, window, settings, [&](const RecordBand& band) {
         EXPECT_EQ(band.y_begin, out.all.y_end);
         const auto before = static_cast<std::uint32_t>(out.all.records.size());
-        for (std::size_t i = 1; i < band.offsets.size(); ++i) out.all.offsets.push_back(before + band.offsets[i]);
+        for (std::size_t i = 1; i < band.offsets.size(); ++i)
+            out.all.offsets.push_back(before + band.offsets[i]);
         out.all.records.insert(out.all.records.end(), band.records.begin(), band.records.end());
         out.all.y_end = band.y_end;
         out.bands.push_back(band);
@@ -99,7 +99,8 @@ TEST(CornerSampler, EachPointOnceAndIdsSplitToTheLastLevel) {
         EXPECT_EQ(primaries, id.size());
         EXPECT_EQ(primaries, s.counts.eye);
         EXPECT_GT(s.bands.size(), 2U);
-        // A reader's quadtree: no leaf above the last level has corners of different ids, and every corner is there.
+        // A reader's quadtree: no leaf above the last level has corners of different ids, and every corner is
+        // there.
         const std::function<void(double, double, double)> visit = [&](double x, double y, double size) {
             const auto at = [&](double dx, double dy) {
                 const auto found = id.find({static_cast<float>(y + dy), static_cast<float>(x + dx)});
@@ -109,7 +110,8 @@ TEST(CornerSampler, EachPointOnceAndIdsSplitToTheLastLevel) {
             const std::uint32_t a = at(0, 0), c = at(size, 0), d = at(0, size), e = at(size, size);
             const double half = size / 2;
             if (id.contains({static_cast<float>(y + half), static_cast<float>(x + half)})) {
-                visit(x, y, half), visit(x + half, y, half), visit(x, y + half, half), visit(x + half, y + half, half);
+                visit(x, y, half), visit(x + half, y, half), visit(x, y + half, half),
+                    visit(x + half, y + half, half);
             } else if (size > std::exp2(-levels)) {
                 EXPECT_TRUE(a == c && a == d && a == e) << x << "," << y;
             }
@@ -161,7 +163,9 @@ TEST(Trace, TheSameFileForAnyNumberOfThreads) {
     for (const int threads : {1, 2, 5}) {
         const ThreadLimit limit(threads);
         const fs::path path = folder.path() / (std::to_string(threads) + ".exr");
-        trace_to_file(b.scene, {.camera = {.width = 160, .height = 120}, .subdivision = {.levels = 3}, .overscan_px = 5}, path);
+        trace_to_file(
+            b.scene,
+            {.camera = {.width = 160, .height = 120}, .subdivision = {.levels = 3}, .overscan_px = 5}, path);
         files.push_back(bytes_of(path));
     }
     EXPECT_FALSE(files[0].empty());
@@ -183,7 +187,8 @@ TEST(Trace, PartZeroIsThePictureOfTheRecords) {
         file.read(y, y + 2, band);
         std::vector<float> row(static_cast<std::size_t>(file.header().width) * 3);
         picture_row(band, y, 0, file.header().width, row);
-        ASSERT_EQ(std::vector<float>(stored.pixel(0, y), stored.pixel(0, y) + row.size()), row) << "row " << y;
+        ASSERT_EQ(std::vector<float>(stored.pixel(0, y), stored.pixel(0, y) + row.size()), row)
+            << "row " << y;
     }
 }
 
@@ -191,8 +196,12 @@ TEST(Trace, OverscanAutoReachesAsFarAsNearThingsBlur) {
     SceneBuilder b;
     b.add(square({0, 0, -10}, {0, 0, 1}, 60), glowing(glm::dvec3(1)));
     const TemporaryFolder folder;
-    TraceSettings t{.camera = {.width = 320, .height = 240}, .overscan_auto = true, .for_f_number = 1.4, .for_focus_m = 10};
-    EXPECT_LE(trace_to_file(b.scene, t, folder.path() / "a.exr").overscan_px, 16);  // a step of the probe or two
+    TraceSettings t{.camera = {.width = 320, .height = 240},
+                    .overscan_auto = true,
+                    .for_f_number = 1.4,
+                    .for_focus_m = 10};
+    EXPECT_LE(trace_to_file(b.scene, t, folder.path() / "a.exr").overscan_px,
+              16);                                             // a step of the probe or two
     b.add(Sphere{{0.9, 0, -2}, 0.3}, glowing(glm::dvec3(2)));  // just outside the right edge, 2 m away
     const int near = trace_to_file(b.scene, t, folder.path() / "b.exr").overscan_px;
     const double coc_radius_px = 0.5 * 50 / (36.0 / 320) * (0.05 / 1.4) * (1 / 2.0 - 1 / 10.0);
@@ -239,15 +248,18 @@ TEST_P(PublishedRayCounts, AreMet) {
         std::stringstream stream(line);
         for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
         if (cells.at(0) != GetParam()) continue;
-        published = {{"eye", std::stod(cells.at(5))}, {"reflect", std::stod(cells.at(6))},
-                     {"refract", std::stod(cells.at(7))}, {"shadow", std::stod(cells.at(8))}};
+        published = {{"eye", std::stod(cells.at(5))},
+                     {"reflect", std::stod(cells.at(6))},
+                     {"refract", std::stod(cells.at(7))},
+                     {"shadow", std::stod(cells.at(8))}};
     }
     ASSERT_FALSE(published.empty());
     const Scene scene = read_scene(scene_file);
     const RayScene rays(scene, 0);
     const CameraModel camera(scene.cameras.at(0), 0, {.width = 512, .height = 512});
     const WhittedTracer tracer(rays, camera, {.max_depth = 5, .min_contribution = 0});
-    const RayCounts counts = sample_corners(tracer, {0, 512, 0, 512}, {.levels = 0}, [](const RecordBand&) {});
+    const RayCounts counts =
+        sample_corners(tracer, {0, 512, 0, 512}, {.levels = 0}, [](const RecordBand&) {});
     const auto within = [&](const char* what, std::uint64_t got, double share) {
         EXPECT_LE(std::abs(static_cast<double>(got) - published.at(what)), share * published.at(what))
             << what << ": " << got << ", published " << published.at(what);
@@ -258,9 +270,10 @@ TEST_P(PublishedRayCounts, AreMet) {
     within("refract", counts.refract, 0.1);
     within("shadow", counts.shadow, 0.1);
     RecordProperty("reflect", std::to_string(counts.reflect));
-    std::printf("%s: eye hits %llu, reflect %llu, refract %llu, shadow %llu\n", GetParam().c_str(),
-                static_cast<unsigned long long>(counts.eye_hits), static_cast<unsigned long long>(counts.reflect),
-                static_cast<unsigned long long>(counts.refract), static_cast<unsigned long long>(counts.shadow));
+    std::printf(
+        "%s: eye hits %llu, reflect %llu, refract %llu, shadow %llu\n", GetParam().c_str(),
+        static_cast<unsigned long long>(counts.eye_hits), static_cast<unsigned long long>(counts.reflect),
+        static_cast<unsigned long long>(counts.refract), static_cast<unsigned long long>(counts.shadow));
 }
 INSTANTIATE_TEST_SUITE_P(Spd, PublishedRayCounts, testing::Values("balls", "tetra", "mount"));
 

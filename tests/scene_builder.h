@@ -72,7 +72,8 @@ struct SceneBuilder {
 inline Rectangle square(const glm::dvec3& centre, const glm::dvec3& normal, double size) {
     const glm::dvec3 n = glm::normalize(normal);
     const glm::dvec3 hint = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-    const glm::dvec3 u = glm::normalize(glm::cross(hint, n)) * size, v = glm::normalize(glm::cross(n, u)) * size;
+    const glm::dvec3 u = glm::normalize(glm::cross(hint, n)) * size,
+                     v = glm::normalize(glm::cross(n, u)) * size;
     return {centre - 0.5 * (u + v), u, v};
 }
 

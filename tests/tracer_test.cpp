@@ -1,7 +1,7 @@
-// Whitted shading against closed forms, hits against brute force, and rays that must not meet their own surface.
-#include <gtest/gtest.h>
-
+// Whitted shading against closed forms, hits against brute force, and rays that must not meet their own
+// surface.
 #include <cmath>
+#include <gtest/gtest.h>
 #include <numbers>
 #include <random>
 
@@ -18,7 +18,8 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-std::vector<Record> trace_at(const Scene& scene, dvec2 at, const WhittedSettings& settings = {.min_contribution = 0},
+std::vector<Record> trace_at(const Scene& scene, dvec2 at,
+                             const WhittedSettings& settings = {.min_contribution = 0},
                              RayCounts* counts_out = nullptr) {
     const RayScene rays(scene, scene.time_s);
     const CameraModel camera(scene.cameras.at(0), scene.time_s);
@@ -148,13 +149,15 @@ TEST(Tree, MirrorAndGlassWeighTheirChildren) {
 }
 
 TEST(Tree, SnellAndTotalReflection) {
-    // From inside a glass block, 30 degrees pass by Snell's law and 60 degrees are reflected with all that would pass.
+    // From inside a glass block, 30 degrees pass by Snell's law and 60 degrees are reflected with all that
+    // would pass.
     for (const double degrees : {30.0, 60.0}) {
         SceneBuilder b;
         const double a = degrees * std::numbers::pi / 180;
         Material m = glass(1.5, 0.8);
         m.reflection = dvec3(0.1);
-        b.add(Plane{{0, 0, -2}, {0, std::sin(a), -std::cos(a)}}, m);  // outward is away from the camera: it stands in the glass
+        b.add(Plane{{0, 0, -2}, {0, std::sin(a), -std::cos(a)}},
+              m);  // outward is away from the camera: it stands in the glass
         b.scene.background = dvec3(1);
         const auto records = trace_at(b.scene, centre);
         if (degrees < 41) {
@@ -174,9 +177,11 @@ TEST(Tree, DepthAndContributionEndIt) {
     b.add(square({0, 0, 4}, {0, 0, -1}, 20), mirror(0.5));
     b.scene.background = dvec3(1);
     for (int depth = 1; depth <= 6; ++depth) {
-        EXPECT_EQ(trace_at(b.scene, centre, {.max_depth = depth, .min_contribution = 0}).size(), static_cast<std::size_t>(depth));
+        EXPECT_EQ(trace_at(b.scene, centre, {.max_depth = depth, .min_contribution = 0}).size(),
+                  static_cast<std::size_t>(depth));
     }
-    // With light 1 in the scene a node k bounces deep carries 0.5^k and what follows it 1 + 0.5 + ...: under 0.1 it ends.
+    // With light 1 in the scene a node k bounces deep carries 0.5^k and what follows it 1 + 0.5 + ...: under
+    // 0.1 it ends.
     const auto pruned = trace_at(b.scene, centre, {.max_depth = 17, .min_contribution = 0.1});
     EXPECT_EQ(pruned.size(), 5U);  // 0.5^4 * 2 > 0.1 > 0.5^5 * 2
     EXPECT_EQ(trace_at(b.scene, centre, {.max_depth = 17, .min_contribution = 0}).size(), 17U);
@@ -207,17 +212,21 @@ BruteHit brute_force(const Scene& scene, dvec3 o, dvec3 d) {
         };
         if (const auto placed = place_shape(object.shape)) {
             const glm::dmat4 local = glm::inverse(object.world_from_object * placed->object_from_local);
-            const auto found = crossings<double>(placed->shape, dvec3(local * glm::dvec4(o, 1)), glm::dmat3(local) * d);
+            const auto found =
+                crossings<double>(placed->shape, dvec3(local * glm::dvec4(o, 1)), glm::dmat3(local) * d);
             for (int k = 0; k < found.count; ++k) take(found.t[k]);
             continue;
         }
         const auto& mesh = *std::get<std::shared_ptr<const Mesh>>(object.shape);
         for (const glm::uvec3& t : mesh.triangles) {
-            const auto at = [&](unsigned v) { return dvec3(object.world_from_object * glm::dvec4(dvec3(mesh.positions[v]), 1)); };
+            const auto at = [&](unsigned v) {
+                return dvec3(object.world_from_object * glm::dvec4(dvec3(mesh.positions[v]), 1));
+            };
             const dvec3 a = at(t.x), e1 = at(t.y) - a, e2 = at(t.z) - a, n = glm::cross(e1, e2);
             const double along = glm::dot(a - o, n) / glm::dot(d, n);
             const dvec3 p = o + along * d - a;
-            const double u = glm::dot(glm::cross(p, e2), n) / glm::dot(n, n), v = glm::dot(glm::cross(e1, p), n) / glm::dot(n, n);
+            const double u = glm::dot(glm::cross(p, e2), n) / glm::dot(n, n),
+                         v = glm::dot(glm::cross(e1, p), n) / glm::dot(n, n);
             if (u >= 0 && v >= 0 && u + v <= 1) take(along);
         }
     }
@@ -230,8 +239,10 @@ SceneBuilder mixed_scene() {
     std::uniform_real_distribution<double> u(-1, 1);
     const auto place = [&] {
         return glm::translate(glm::dmat4(1), dvec3(3 * u(random), 3 * u(random), -9 + 3 * u(random))) *
-               glm::rotate(glm::dmat4(1), 3 * u(random), glm::normalize(dvec3(u(random), u(random), u(random) + 1e-3))) *
-               glm::scale(glm::dmat4(1), dvec3(0.6 + 0.3 * u(random), 0.6 + 0.3 * u(random), 0.6 + 0.3 * u(random)));
+               glm::rotate(glm::dmat4(1), 3 * u(random),
+                           glm::normalize(dvec3(u(random), u(random), u(random) + 1e-3))) *
+               glm::scale(glm::dmat4(1),
+                          dvec3(0.6 + 0.3 * u(random), 0.6 + 0.3 * u(random), 0.6 + 0.3 * u(random)));
     };
     const auto mesh = sphere_mesh(12, 16, true);  // shared by several: instances
     for (int i = 0; i < 6; ++i) {
@@ -274,7 +285,8 @@ TEST(Hits, PacketsFindWhatBruteForceFinds) {
                 continue;
             }
             if (!hit) continue;
-            const SurfacePoint s = rays.surface(batch.hit[i], origins[i], directions[i], static_cast<double>(batch.t[i]));
+            const SurfacePoint s =
+                rays.surface(batch.hit[i], origins[i], directions[i], static_cast<double>(batch.t[i]));
             // Within float's reach of an outline either answer is right; all others must agree.
             if (s.object != expected.object || std::abs(s.t - expected.t) > 1e-5 * expected.t) {
                 ++edges;
@@ -310,7 +322,8 @@ TEST(Hits, NoAcneAtAnyScale) {
         std::vector<dvec3> sums;
         for (std::size_t i = 0; i < at.size(); ++i) {
             dvec3 sum(0);
-            for (auto k = traced.offsets[i]; k < traced.offsets[i + 1]; ++k) sum += dvec3(traced.records[k].r, traced.records[k].g, traced.records[k].b);
+            for (auto k = traced.offsets[i]; k < traced.offsets[i + 1]; ++k)
+                sum += dvec3(traced.records[k].r, traced.records[k].g, traced.records[k].b);
             sums.push_back(sum);
         }
         return sums;
@@ -327,14 +340,17 @@ TEST(Hits, NoAcneAtAnyScale) {
     }
 }
 
-// Convex things under a light straight above the eye: every point that faces the light is lit, without exception.
+// Convex things under a light straight above the eye: every point that faces the light is lit, without
+// exception.
 TEST(Hits, ConvexSurfacesNeverShadowThemselves) {
     for (const double scale : {1e-3, 1.0, 1e6}) {
         const std::vector<Shape> shapes{Sphere{}, Box{}, Cone{{0, 0, -0.5}, {0, 0, 0.5}, 0.5, 0.3, true},
-                                        Cone{{0, 0, -0.5}, {0, 0, 0.5}, 0.5, 0.5, false}, sphere_mesh(64, 128, false)};
+                                        Cone{{0, 0, -0.5}, {0, 0, 0.5}, 0.5, 0.5, false},
+                                        sphere_mesh(64, 128, false)};
         for (std::size_t k = 0; k < shapes.size(); ++k) {
             SceneBuilder b;
-            const glm::dmat4 placed = glm::scale(glm::dmat4(1), dvec3(scale)) * glm::translate(glm::dmat4(1), dvec3(0.2, 0.1, -3)) *
+            const glm::dmat4 placed = glm::scale(glm::dmat4(1), dvec3(scale)) *
+                                      glm::translate(glm::dmat4(1), dvec3(0.2, 0.1, -3)) *
                                       glm::rotate(glm::dmat4(1), 0.8, glm::normalize(dvec3(1, 0.7, 0.2)));
             b.add(shapes[k], matte(dvec3(1)), placed);
             b.point_light(scale * dvec3(1, 2, 1));
@@ -354,7 +370,8 @@ TEST(Hits, ConvexSurfacesNeverShadowThemselves) {
             TracedSamples unshadowed;
             WhittedTracer(bare_rays, camera, {}).trace(at, unshadowed, counts);
             int dark = 0;
-            // The open cone shadows its own inside; there only the outside counts, which the eye sees through z < centre.
+            // The open cone shadows its own inside; there only the outside counts, which the eye sees through
+            // z < centre.
             for (std::size_t i = 0; i < traced.records.size(); ++i) {
                 if (traced.records[i].r != unshadowed.records[i].r) ++dark;
             }
@@ -385,7 +402,8 @@ TEST(Camera, RaysGoThroughTheFilm) {
     c.width = c.height = 512;
     const CameraModel nff(c, 0);
     const CameraRay first_row = nff.ray(256, 0.5);
-    EXPECT_NEAR(std::atan2(first_row.direction.y, -first_row.direction.z) * 180 / std::numbers::pi, 22.5, 1e-9);
+    EXPECT_NEAR(std::atan2(first_row.direction.y, -first_row.direction.z) * 180 / std::numbers::pi, 22.5,
+                1e-9);
 
     c.projection = Camera::Projection::orthographic;
     c.orthographic_width_m = 4;

@@ -36,10 +36,11 @@ struct SphereF {
     float x, y, z, r2;
 };
 
-/// Both crossings of N rays with a sphere, measured from the point of each ray nearest to the centre, where nothing
-/// large cancels. near > far where the sphere is missed.
+/// Both crossings of N rays with a sphere, measured from the point of each ray nearest to the centre, where
+/// nothing large cancels. near > far where the sphere is missed.
 template <int N>
-[[gnu::always_inline]] inline void sphere_packet(const Rays& rays, const SphereF& s, float* near, float* far) {
+[[gnu::always_inline]] inline void sphere_packet(const Rays& rays, const SphereF& s, float* near,
+                                                 float* far) {
     for (int i = 0; i < N; ++i) {
         const float ox = rays.ox[i] - s.x, oy = rays.oy[i] - s.y, oz = rays.oz[i] - s.z;
         const float dx = rays.dx[i], dy = rays.dy[i], dz = rays.dz[i];
@@ -66,7 +67,8 @@ template <int N>
     for (int i = 0; i < N; ++i) {
         // The far crossing counts for rays that start inside.
         const float first = near[i] > rays.tnear[i] ? near[i] : far[i];
-        const bool hit = first > rays.tnear[i] && first < rays.tfar[i] && near[i] <= far[i] && args->valid[i] != 0;
+        const bool hit =
+            first > rays.tnear[i] && first < rays.tfar[i] && near[i] <= far[i] && args->valid[i] != 0;
         t[i] = hit ? first : std::numeric_limits<float>::infinity();
     }
     if (context.sources != nullptr) {
@@ -119,7 +121,8 @@ template <int N>
                 if (crossed[i] == 0) continue;
             }
         }
-        if (stops_light(context, object, rays.id[i], crossed[i])) rays.tfar[i] = -std::numeric_limits<float>::infinity();
+        if (stops_light(context, object, rays.id[i], crossed[i]))
+            rays.tfar[i] = -std::numeric_limits<float>::infinity();
     }
 }
 
@@ -133,19 +136,35 @@ POSTLENS_MULTIVERSION void occlude_spheres_16(const RTCOccludedFunctionNArgument
 
 void intersect_spheres_n(const RTCIntersectFunctionNArguments* args) {
     switch (args->N) {
-        case 1: intersect_spheres<1>(args); break;
-        case 4: intersect_spheres<4>(args); break;
-        case 8: intersect_spheres<8>(args); break;
-        default: intersect_spheres_16(args); break;
+        case 1:
+            intersect_spheres<1>(args);
+            break;
+        case 4:
+            intersect_spheres<4>(args);
+            break;
+        case 8:
+            intersect_spheres<8>(args);
+            break;
+        default:
+            intersect_spheres_16(args);
+            break;
     }
 }
 
 void occlude_spheres_n(const RTCOccludedFunctionNArguments* args) {
     switch (args->N) {
-        case 1: occlude_spheres<1>(args); break;
-        case 4: occlude_spheres<4>(args); break;
-        case 8: occlude_spheres<8>(args); break;
-        default: occlude_spheres_16(args); break;
+        case 1:
+            occlude_spheres<1>(args);
+            break;
+        case 4:
+            occlude_spheres<4>(args);
+            break;
+        case 8:
+            occlude_spheres<8>(args);
+            break;
+        default:
+            occlude_spheres_16(args);
+            break;
     }
 }
 
@@ -153,12 +172,14 @@ void sphere_bounds(const RTCBoundsFunctionArguments* args) {
     const auto& set = *static_cast<const SphereSet*>(args->geometryUserPtr);
     const glm::vec3 c = set.centre[args->primID];
     // A little wider than exact: the packet's own rounding must not reach outside its box.
-    const float grown = set.radius[args->primID] * 1.000001F + 4e-7F * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+    const float grown = set.radius[args->primID] * 1.000001F +
+                        4e-7F * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
     *args->bounds_o = {c.x - grown, c.y - grown, c.z - grown, 0, c.x + grown, c.y + grown, c.z + grown, 0};
 }
 
 Crossings<float> item_crossings(const AnalyticSet::Item& item, const Rays& rays, unsigned i) {
-    const glm::vec3 o = item.linear * (glm::vec3(rays.ox[i], rays.oy[i], rays.oz[i]) - item.pivot) + item.shift;
+    const glm::vec3 o =
+        item.linear * (glm::vec3(rays.ox[i], rays.oy[i], rays.oz[i]) - item.pivot) + item.shift;
     const glm::vec3 d = item.linear * glm::vec3(rays.dx[i], rays.dy[i], rays.dz[i]);
     return crossings<float>(item.shape, o, d);
 }
@@ -229,7 +250,8 @@ void analytic_bounds(const RTCBoundsFunctionArguments* args) {
         lo[c] = std::max(lo[c], -1e18F);
         hi[c] = std::min(hi[c], 1e18F);
     }
-    const float grown = 1e-6F * std::max({std::abs(lo.x), std::abs(lo.y), std::abs(lo.z), std::abs(hi.x), std::abs(hi.y), std::abs(hi.z)});
+    const float grown = 1e-6F * std::max({std::abs(lo.x), std::abs(lo.y), std::abs(lo.z), std::abs(hi.x),
+                                          std::abs(hi.y), std::abs(hi.z)});
     const float pad = grown > 1e11F ? 0.0F : grown;
     *args->bounds_o = {lo.x - pad, lo.y - pad, lo.z - pad, 0, hi.x + pad, hi.y + pad, hi.z + pad, 0};
 }
@@ -285,7 +307,8 @@ void filter_shadow(const RTCFilterFunctionNArguments* args) {
     for (unsigned i = 0; i < args->N; ++i) {
         if (args->valid[i] == 0) continue;
         const unsigned instance = RTCHitN_instID(args->hit, args->N, i, 0);
-        const unsigned top = instance == RTC_INVALID_GEOMETRY_ID ? RTCHitN_geomID(args->hit, args->N, i) : instance;
+        const unsigned top =
+            instance == RTC_INVALID_GEOMETRY_ID ? RTCHitN_geomID(args->hit, args->N, i) : instance;
         const unsigned id = RTCRayN_id(args->ray, args->N, i);
         if (!stops_light(context, context.object_of_geometry[top], id, 1)) args->valid[i] = 0;
     }

@@ -16,8 +16,8 @@ dmat4 frame(const dvec3& x, const dvec3& y, const dvec3& z, const dvec3& origin)
     return {glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(z, 0), glm::dvec4(origin, 1)};
 }
 
-// A right-handed frame about a unit axis that keeps the object's own +X (for +Z: the object's frame itself), so that
-// u = 0 lies where the documentation says.
+// A right-handed frame about a unit axis that keeps the object's own +X (for +Z: the object's frame itself),
+// so that u = 0 lies where the documentation says.
 dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
     const dvec3 hint = std::abs(axis.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - axis * glm::dot(hint, axis));
@@ -72,7 +72,8 @@ void box_crossings(const glm::vec<3, T>& o, const glm::vec<3, T>& d, Crossings<T
 }
 
 template <typename T>
-void flat_crossing(const AnalyticShape& shape, const glm::vec<3, T>& o, const glm::vec<3, T>& d, Crossings<T>& out) {
+void flat_crossing(const AnalyticShape& shape, const glm::vec<3, T>& o, const glm::vec<3, T>& d,
+                   Crossings<T>& out) {
     if (d.z == 0) return;
     const T t = -o.z / d.z;
     const T x = o.x + t * d.x, y = o.y + t * d.y;
@@ -85,15 +86,17 @@ void flat_crossing(const AnalyticShape& shape, const glm::vec<3, T>& o, const gl
 }
 
 template <typename T>
-void cone_crossings(const AnalyticShape& shape, const glm::vec<3, T>& o, const glm::vec<3, T>& d, Crossings<T>& out) {
-    const T h = static_cast<T>(shape.height), r0 = static_cast<T>(shape.radius0), r1 = static_cast<T>(shape.radius1);
+void cone_crossings(const AnalyticShape& shape, const glm::vec<3, T>& o, const glm::vec<3, T>& d,
+                    Crossings<T>& out) {
+    const T h = static_cast<T>(shape.height), r0 = static_cast<T>(shape.radius0),
+            r1 = static_cast<T>(shape.radius1);
     const T k = (r1 - r0) / h;
     const T shift = -(o.x * d.x + o.y * d.y + (o.z - h / 2) * d.z) / glm::dot(d, d);
     const glm::vec<3, T> p = o + shift * d;
     const T r = r0 + k * p.z;
     Crossings<T> lateral;
-    quadratic(d.x * d.x + d.y * d.y - k * k * d.z * d.z, p.x * d.x + p.y * d.y - r * k * d.z, p.x * p.x + p.y * p.y - r * r,
-              T(0), part_lateral, lateral);
+    quadratic(d.x * d.x + d.y * d.y - k * k * d.z * d.z, p.x * d.x + p.y * d.y - r * k * d.z,
+              p.x * p.x + p.y * p.y - r * r, T(0), part_lateral, lateral);
     for (int i = 0; i < lateral.count; ++i) {
         const T z = p.z + lateral.t[i] * d.z;
         if (z >= 0 && z <= h && r0 + k * z >= 0) out.add(shift + lateral.t[i], part_lateral);
@@ -123,7 +126,8 @@ std::optional<PlacedShape> place_shape(const Shape& shape) {
     using Kind = AnalyticShape::Kind;
     if (const auto* s = std::get_if<Sphere>(&shape)) {
         out.shape.kind = Kind::sphere;
-        out.object_from_local = frame(dvec3(s->radius, 0, 0), dvec3(0, s->radius, 0), dvec3(0, 0, s->radius), s->centre);
+        out.object_from_local =
+            frame(dvec3(s->radius, 0, 0), dvec3(0, s->radius, 0), dvec3(0, 0, s->radius), s->centre);
     } else if (const auto* b = std::get_if<Box>(&shape)) {
         out.shape.kind = Kind::box;
         const dvec3 e = b->max - b->min;
@@ -132,7 +136,8 @@ std::optional<PlacedShape> place_shape(const Shape& shape) {
         out.shape.kind = Kind::disc;
         out.shape.inner = d->inner_radius / d->radius;
         const dmat4 f = frame_about(glm::normalize(d->normal), d->centre);
-        out.object_from_local = f * frame(dvec3(d->radius, 0, 0), dvec3(0, d->radius, 0), dvec3(0, 0, 1), dvec3(0));
+        out.object_from_local =
+            f * frame(dvec3(d->radius, 0, 0), dvec3(0, d->radius, 0), dvec3(0, 0, 1), dvec3(0));
     } else if (const auto* r = std::get_if<Rectangle>(&shape)) {
         out.shape.kind = Kind::rectangle;
         out.object_from_local =
@@ -215,7 +220,8 @@ LocalGeometry local_geometry(const AnalyticShape& shape, int part, const dvec3& 
             out.normal = dvec3(e.x, e.y, -k) / norm;
             // Only the turn about the axis changes the normal: d(e) = (I - e e^T) d(xy) / rho.
             const double s = 1 / (rho * norm);
-            out.shape_operator = dmat3(dvec3(e.y * e.y, -e.x * e.y, 0) * s, dvec3(-e.x * e.y, e.x * e.x, 0) * s, dvec3(0));
+            out.shape_operator =
+                dmat3(dvec3(e.y * e.y, -e.x * e.y, 0) * s, dvec3(-e.x * e.y, e.x * e.x, 0) * s, dvec3(0));
             break;
         }
     }

@@ -9,8 +9,9 @@
 namespace postlens {
 
 /// Shape in its canonical ("local") frame:
-/// sphere: unit sphere. box: [0, 1]^3. disc: unit disc in z = 0 without the disc of radius `inner`. rectangle:
-/// [0, 1]^2 in z = 0. plane: z = 0. cone: axis z from 0 to `height`, radius from `radius0` to `radius1`.
+/// sphere: unit sphere. box: [0, 1]^3. disc: unit disc in z = 0 without the disc of radius `inner`.
+/// rectangle: [0, 1]^2 in z = 0. plane: z = 0. cone: axis z from 0 to `height`, radius from `radius0` to
+/// `radius1`.
 struct AnalyticShape {
     enum class Kind { sphere, box, disc, rectangle, plane, cone };
     Kind kind = Kind::sphere;
@@ -41,11 +42,12 @@ struct Crossings {
 inline constexpr int part_lateral = 0, part_base = 1, part_apex = 2;
 
 template <typename T>
-[[nodiscard]] Crossings<T> crossings(const AnalyticShape& shape, const glm::vec<3, T>& o, const glm::vec<3, T>& d);
+[[nodiscard]] Crossings<T> crossings(const AnalyticShape& shape, const glm::vec<3, T>& o,
+                                     const glm::vec<3, T>& d);
 
 /// Differential geometry at a point of the shape, local frame.
 struct LocalGeometry {
-    glm::dvec3 normal{0, 0, 1};  ///< unit, outward
+    glm::dvec3 normal{0, 0, 1};    ///< unit, outward
     glm::dmat3 shape_operator{0};  ///< dN = shape_operator * dP for moves within the surface, 1/length
     glm::dvec2 uv{0};
 };

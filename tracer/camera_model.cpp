@@ -18,7 +18,8 @@ double half_tangent(double degrees) {
 
 double positive(double value, const char* option, const char* unit) {
     if (!(value > 0) || !std::isfinite(value)) {
-        fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected a positive number of {})", option, value, unit);
+        fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected a positive number of {})", option,
+             value, unit);
     }
     return value;
 }
@@ -36,14 +37,15 @@ CameraModel::CameraModel(const Camera& camera, double time_s, const CameraOverri
       height(overrides.height.value_or(camera.height)),
       projection(camera.projection) {
     if (width < 1 || height < 1 || width > largest_raster_px || height > largest_raster_px) {
-        fail(ExitCode::wrong_arguments, "--size: out of range (got {}x{}; expected 1 to {} px a side)", width, height,
-             largest_raster_px);
+        fail(ExitCode::wrong_arguments, "--size: out of range (got {}x{}; expected 1 to {} px a side)", width,
+             height, largest_raster_px);
     }
     if (projection == Camera::Projection::orthographic) {
         pixel_pitch_mm = camera.orthographic_width_m * 1000 / width;
     } else {
-        const double film_width_mm = overrides.film_width_mm ? positive(*overrides.film_width_mm, "--film-width", "mm")
-                                                             : camera.film_width_mm;
+        const double film_width_mm = overrides.film_width_mm
+                                         ? positive(*overrides.film_width_mm, "--film-width", "mm")
+                                         : camera.film_width_mm;
         pixel_pitch_mm = film_width_mm / width;
         if (overrides.focal_length_mm) {
             film_distance_mm = positive(*overrides.focal_length_mm, "--focal-length", "mm");
@@ -57,7 +59,8 @@ CameraModel::CameraModel(const Camera& camera, double time_s, const CameraOverri
             film_distance_mm = 50;
         }
         if (!(film_distance_mm > 0)) {
-            fail(ExitCode::wrong_arguments, "--size: a field of view between pixel centres needs more than one pixel a side");
+            fail(ExitCode::wrong_arguments,
+                 "--size: a field of view between pixel centres needs more than one pixel a side");
         }
     }
 

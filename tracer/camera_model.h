@@ -15,8 +15,8 @@ struct CameraOverrides {
     std::optional<double> film_width_mm;
 };
 
-/// A ray of the camera. Tangents are in raster axes (x right, y down): direction = (tan_x, -tan_y, -1) in the camera
-/// frame, before it is made unit length.
+/// A ray of the camera. Tangents are in raster axes (x right, y down): direction = (tan_x, -tan_y, -1) in the
+/// camera frame, before it is made unit length.
 struct CameraRay {
     glm::dvec3 origin{0}, direction{0, 0, -1};  ///< world, unit length
     double cos_axis = 1;                        ///< cosine between direction and optical axis
@@ -24,7 +24,8 @@ struct CameraRay {
 
 class CameraModel {
   public:
-    /// Throws Error(wrong_arguments) for overrides out of range, Error(invalid_input) for a camera without a view.
+    /// Throws Error(wrong_arguments) for overrides out of range, Error(invalid_input) for a camera without a
+    /// view.
     CameraModel(const Camera& camera, double time_s, const CameraOverrides& overrides = {});
 
     /// x, y in raster px; any real number, also outside the raster.

@@ -23,8 +23,8 @@ struct Sample {
 };
 
 struct Cell {
-    std::uint32_t x, y;     // grid units, upper left
-    std::uint32_t size;     // grid units; 1 cannot be split
+    std::uint32_t x, y;                   // grid units, upper left
+    std::uint32_t size;                   // grid units; 1 cannot be split
     std::array<std::uint32_t, 4> corner;  // samples: upper left, upper right, lower left, lower right
 };
 
@@ -36,7 +36,10 @@ constexpr std::size_t batch_size = 256;
 class BandSampler {
   public:
     BandSampler(const WhittedTracer& tracer, const SampledWindow& window, const SubdivisionSettings& settings)
-        : tracer_(tracer), window_(window), settings_(settings), unit_(1U << settings.levels),
+        : tracer_(tracer),
+          window_(window),
+          settings_(settings),
+          unit_(1U << settings.levels),
           columns_(window.x_end - window.x_begin + 1) {}
 
     RayCounts counts;
@@ -51,19 +54,25 @@ class BandSampler {
 
   private:
     [[nodiscard]] static Key key(std::uint32_t x, std::uint32_t y) { return (static_cast<Key>(y) << 32) | x; }
-    [[nodiscard]] std::uint32_t grid_y(int y) const { return static_cast<std::uint32_t>(y - window_.y_begin) * unit_; }
+    [[nodiscard]] std::uint32_t grid_y(int y) const {
+        return static_cast<std::uint32_t>(y - window_.y_begin) * unit_;
+    }
     [[nodiscard]] std::uint32_t to_pixels(std::uint32_t grid) const { return grid >> settings_.levels; }
     [[nodiscard]] glm::dvec2 position(Key k) const {
         return {window_.x_begin + static_cast<double>(static_cast<std::uint32_t>(k)) / unit_,
                 window_.y_begin + static_cast<double>(k >> 32) / unit_};
     }
     [[nodiscard]] std::size_t corner_index(int column, int row) const {
-        return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+               static_cast<std::size_t>(column);
     }
-    [[nodiscard]] std::uint32_t corner(int column, int row) const { return corners_[corner_index(column, row)]; }
+    [[nodiscard]] std::uint32_t corner(int column, int row) const {
+        return corners_[corner_index(column, row)];
+    }
 
-    // Traces `batches` batches and appends their samples in order. `fill(i, keys)` names the points of batch i, of which
-    // there are `sizes[i]`; `traced(index, sample)` is told each. Both are called from any thread.
+    // Traces `batches` batches and appends their samples in order. `fill(i, keys)` names the points of batch
+    // i, of which there are `sizes[i]`; `traced(index, sample)` is told each. Both are called from any
+    // thread.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced) {
         const std::size_t first_chunk = used_chunks_, batches = sizes.size();
@@ -95,10 +104,18 @@ class BandSampler {
         for (const RayCounts& c : spent) counts += c;
     }
 
-    [[nodiscard]] static Sample summary(Key k, const TracedSamples& chunk, std::uint32_t chunk_index, std::uint32_t at) {
+    [[nodiscard]] static Sample summary(Key k, const TracedSamples& chunk, std::uint32_t chunk_index,
+                                        std::uint32_t at) {
         const std::uint32_t first = chunk.offsets[at], end = chunk.offsets[at + 1];
-        Sample s{static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(k >> 32), chunk_index, first, end - first,
-                 chunk.records[first].id, 0, 0, 0};
+        Sample s{static_cast<std::uint32_t>(k),
+                 static_cast<std::uint32_t>(k >> 32),
+                 chunk_index,
+                 first,
+                 end - first,
+                 chunk.records[first].id,
+                 0,
+                 0,
+                 0};
         for (std::uint32_t n = first; n < end; ++n) {
             s.r += chunk.records[n].r;
             s.g += chunk.records[n].g;
@@ -122,7 +139,8 @@ class BandSampler {
         for (int y = first_row; y < rows; y += tile) {
             for (int x = 0; x < columns_; x += tile) {
                 tiles.push_back({x, y, std::min(x + tile, columns_), std::min(y + tile, rows)});
-                sizes.push_back(static_cast<std::uint32_t>((tiles.back().x_end - x) * (tiles.back().y_end - y)));
+                sizes.push_back(
+                    static_cast<std::uint32_t>((tiles.back().x_end - x) * (tiles.back().y_end - y)));
             }
         }
         const auto fill = [&](std::size_t i, std::vector<Key>& keys) {
@@ -156,11 +174,12 @@ class BandSampler {
     }
 
     [[nodiscard]] bool splits(const Cell& c) const {
-        const std::array<const Sample*, 4> s{&samples_[c.corner[0]], &samples_[c.corner[1]], &samples_[c.corner[2]],
-                                             &samples_[c.corner[3]]};
+        const std::array<const Sample*, 4> s{&samples_[c.corner[0]], &samples_[c.corner[1]],
+                                             &samples_[c.corner[2]], &samples_[c.corner[3]]};
         if (s[1]->id != s[0]->id || s[2]->id != s[0]->id || s[3]->id != s[0]->id) return true;
         const auto contrast = [&](float Sample::*channel) {
-            const auto [lo, hi] = std::minmax({s[0]->*channel, s[1]->*channel, s[2]->*channel, s[3]->*channel});
+            const auto [lo, hi] =
+                std::minmax({s[0]->*channel, s[1]->*channel, s[2]->*channel, s[3]->*channel});
             // 0.05 keeps dark noise from splitting; contrast as in [mitchell1987].
             return static_cast<double>(hi - lo) / (static_cast<double>(hi + lo) + 0.05);
         };
@@ -184,8 +203,11 @@ class BandSampler {
         parallel_for(by_row.size(), [&](std::size_t r) {
             const int row = static_cast<int>(r);
             for (int x = 0; x + 1 < columns_; ++x) {
-                const Cell c{static_cast<std::uint32_t>(x) * unit_, grid_y(y_begin + row), unit_,
-                             {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
+                const Cell c{
+                    static_cast<std::uint32_t>(x) * unit_,
+                    grid_y(y_begin + row),
+                    unit_,
+                    {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
                 if (splits(c)) by_row[r].push_back(c);
             }
         });
@@ -223,8 +245,11 @@ class BandSampler {
     void split(const Cell& c, std::vector<Cell>& next) const {
         const std::uint32_t h = c.size / 2;
         if (h == 1) return;  // the quarters are leaves, whatever they hold
-        const auto at = [&](std::uint32_t dx, std::uint32_t dy) { return found_.at(key(c.x + dx, c.y + dy)); };
-        const std::uint32_t top = at(h, 0), left = at(0, h), centre = at(h, h), right = at(c.size, h), bottom = at(h, c.size);
+        const auto at = [&](std::uint32_t dx, std::uint32_t dy) {
+            return found_.at(key(c.x + dx, c.y + dy));
+        };
+        const std::uint32_t top = at(h, 0), left = at(0, h), centre = at(h, h), right = at(c.size, h),
+                            bottom = at(h, c.size);
         const std::array<Cell, 4> quarters{Cell{c.x, c.y, h, {c.corner[0], top, left, centre}},
                                            Cell{c.x + h, c.y, h, {top, c.corner[1], centre, right}},
                                            Cell{c.x, c.y + h, h, {left, centre, c.corner[2], bottom}},
@@ -242,9 +267,12 @@ class BandSampler {
         out.y_end = y_end;
         const std::uint32_t end = grid_y(y_end);
         const auto pixel_of = [&](const Sample& s) {
-            return static_cast<std::size_t>(to_pixels(s.y - grid_y(y_begin))) * static_cast<std::size_t>(columns_) + to_pixels(s.x);
+            return static_cast<std::size_t>(to_pixels(s.y - grid_y(y_begin))) *
+                       static_cast<std::size_t>(columns_) +
+                   to_pixels(s.x);
         };
-        const std::size_t pixels = static_cast<std::size_t>(y_end - y_begin) * static_cast<std::size_t>(columns_);
+        const std::size_t pixels =
+            static_cast<std::size_t>(y_end - y_begin) * static_cast<std::size_t>(columns_);
         // Samples sorted by pixel with a counting sort, then by (y, x) within each: the canonical order.
         std::vector<std::uint32_t>& first = first_;
         first.assign(pixels + 1, 0);
@@ -283,7 +311,8 @@ class BandSampler {
             4096);
     }
 
-    // Keeps the samples on the lower edge: the next band's corners, and what its neighbours above traced there.
+    // Keeps the samples on the lower edge: the next band's corners, and what its neighbours above traced
+    // there.
     void carry(int y_end) {
         const std::uint32_t edge = grid_y(y_end);
         carried_.records.clear();
@@ -292,13 +321,15 @@ class BandSampler {
             if (s.y != edge) continue;
             const auto& from = chunks_[s.chunk].records;
             const auto at = static_cast<std::uint32_t>(carried_.records.size());
-            carried_.records.insert(carried_.records.end(), from.begin() + s.first, from.begin() + s.first + s.count);
+            carried_.records.insert(carried_.records.end(), from.begin() + s.first,
+                                    from.begin() + s.first + s.count);
             s.chunk = 0;
             s.first = at;
             samples_[kept++] = s;
         }
         samples_.resize(kept);
-        // Chunks are kept for their memory: giving it back to the system and asking again cost more than the tracing.
+        // Chunks are kept for their memory: giving it back to the system and asking again cost more than the
+        // tracing.
         std::swap(chunks_[0], carried_);
         used_chunks_ = 1;
     }
@@ -319,7 +350,8 @@ class BandSampler {
 
 }  // namespace
 
-RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window, const SubdivisionSettings& settings,
+RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window,
+                         const SubdivisionSettings& settings,
                          const std::function<void(const RecordBand&)>& take) {
     BandSampler sampler(tracer, window, settings);
     RecordBand band;

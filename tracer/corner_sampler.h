@@ -10,19 +10,22 @@
 namespace postlens {
 
 struct SubdivisionSettings {
-    int levels = 0;          ///< greatest depth of the subdivision, 0 to 8
-    double threshold = 0.1;  ///< contrast (max - min) / (max + min + 0.05), any channel, above which a cell splits
+    int levels = 0;  ///< greatest depth of the subdivision, 0 to 8
+    double threshold =
+        0.1;  ///< contrast (max - min) / (max + min + 0.05), any channel, above which a cell splits
 };
 
-/// Pixels [x_begin, x_end) x [y_begin, y_end) are sampled; records also fill the closing column and row of corners.
+/// Pixels [x_begin, x_end) x [y_begin, y_end) are sampled; records also fill the closing column and row of
+/// corners.
 struct SampledWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
 
-/// Traces the window band by band and hands each band, complete and in order, to `take`. A cell splits where the
-/// primary ids of its corners differ (down to `levels`) or their colours do (contrast above `threshold`).
+/// Traces the window band by band and hands each band, complete and in order, to `take`. A cell splits where
+/// the primary ids of its corners differ (down to `levels`) or their colours do (contrast above `threshold`).
 /// Memory stays bounded by a band. Deterministic for any number of threads. Returns the rays spent.
-RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window, const SubdivisionSettings& settings,
+RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window,
+                         const SubdivisionSettings& settings,
                          const std::function<void(const RecordBand&)>& take);
 
 }  // namespace postlens

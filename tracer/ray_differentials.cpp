@@ -14,8 +14,11 @@ Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
     const double det = m00 * m11 - m01 * m01;
     // At a fold the raster stands still while the hit moves: W has no bound. 1e30 keeps it finite in float.
     const double inverse = det > 0 ? 1 / det : 1e300;
-    const auto clamped = [](double v) { return static_cast<float>(std::isfinite(v) ? std::clamp(v, -1e30, 1e30) : 1e30); };
-    const double r00 = glm::dot(a0, b0), r10 = glm::dot(a1, b0), r01 = glm::dot(a0, b1), r11 = glm::dot(a1, b1);
+    const auto clamped = [](double v) {
+        return static_cast<float>(std::isfinite(v) ? std::clamp(v, -1e30, 1e30) : 1e30);
+    };
+    const double r00 = glm::dot(a0, b0), r10 = glm::dot(a1, b0), r01 = glm::dot(a0, b1),
+                 r11 = glm::dot(a1, b1);
     return {clamped((m11 * r00 - m01 * r10) * inverse), clamped((m11 * r01 - m01 * r11) * inverse),
             clamped((m00 * r10 - m01 * r00) * inverse), clamped((m00 * r11 - m01 * r01) * inverse)};
 }

@@ -1,11 +1,10 @@
 #include "tracer/ray_scene.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <embree3/rtcore.h>
 #include <limits>
 #include <map>
 
@@ -39,13 +38,13 @@ bool uniform_scale(const dmat4& m) {
            std::abs(glm::dot(b, c)) <= tolerance;
 }
 
-
 ObjectShadow shadow_of(const Scene& scene, const Object& object) {
     const Material& m = scene.materials[object.material];
     ObjectShadow s;
     s.casts = object.casts_shadows;
     s.transmits = m.transmission != dvec3(0);
-    for (int c = 0; c < 3; ++c) s.log_transmission[static_cast<std::size_t>(c)] = fixed_log(m.transmission[c]);
+    for (int c = 0; c < 3; ++c)
+        s.log_transmission[static_cast<std::size_t>(c)] = fixed_log(m.transmission[c]);
     return s;
 }
 
@@ -55,7 +54,7 @@ struct MeshGeometry {
     std::vector<glm::vec3> positions;  // as Embree has them: world space if baked, else object space
     std::vector<glm::uvec3> triangles;
     std::uint32_t object = 0;  // of a baked mesh
-    RTCScene scene = nullptr;    // of a shared one
+    RTCScene scene = nullptr;  // of a shared one
 };
 // One triangle in world space, with the gradients of its barycentric coordinates b1 and b2 over its plane.
 struct TriangleFrame {
@@ -105,10 +104,10 @@ struct RayScene::Impl {
     AnalyticSet analytic;
     std::vector<MeshGeometry> meshes;
     std::vector<InstanceGeometry> instances;
-    std::vector<dmat4> object_from_world;    // per object
-    std::vector<bool> mirrored;              // per object
-    std::vector<ObjectShadow> shadows;       // per object
-    bool all_opaque = true;                  // no object lets light through
+    std::vector<dmat4> object_from_world;  // per object
+    std::vector<bool> mirrored;            // per object
+    std::vector<ObjectShadow> shadows;     // per object
+    bool all_opaque = true;                // no object lets light through
 
     enum class Kind { spheres, analytic, mesh, instance };
     struct Entry {
@@ -157,11 +156,12 @@ struct RayScene::Impl {
     }
 
     void add_analytic(const PlacedShape& placed, const dmat4& world_from_object, std::uint32_t object);
-    void add_mesh(const std::shared_ptr<const Mesh>& mesh, const dmat4& world_from_object, std::uint32_t object,
-                  bool share, std::map<const Mesh*, std::size_t>& shared);
+    void add_mesh(const std::shared_ptr<const Mesh>& mesh, const dmat4& world_from_object,
+                  std::uint32_t object, bool share, std::map<const Mesh*, std::size_t>& shared);
     void add_objects();
 
-    [[nodiscard]] SurfacePoint sphere_surface(std::uint32_t primitive, const dvec3& o, const dvec3& d, double t) const;
+    [[nodiscard]] SurfacePoint sphere_surface(std::uint32_t primitive, const dvec3& o, const dvec3& d,
+                                              double t) const;
     [[nodiscard]] SurfacePoint analytic_surface(const AnalyticSet::Item& item, const dvec3& o, const dvec3& d,
                                                 double t) const;
     [[nodiscard]] TriangleFrame triangle(const HitKey& key) const;
@@ -174,7 +174,8 @@ struct RayScene::Impl {
     }
 };
 
-void RayScene::Impl::add_analytic(const PlacedShape& placed, const dmat4& world_from_object, std::uint32_t object) {
+void RayScene::Impl::add_analytic(const PlacedShape& placed, const dmat4& world_from_object,
+                                  std::uint32_t object) {
     const dmat4 world_from_local = world_from_object * placed.object_from_local;
     if (placed.shape.kind == AnalyticShape::Kind::sphere && uniform_scale(world_from_local)) {
         spheres.add(dvec3(world_from_local[3]), glm::length(dvec3(world_from_local[0])), object);
@@ -232,8 +233,9 @@ void RayScene::Impl::add_objects() {
     std::map<const Mesh*, std::size_t> shared;
     for (std::uint32_t i = 0; i < scene->objects.size(); ++i) {
         const Object& object = scene->objects[i];
-        const dmat4 world_from_object =
-            object.keys.empty() ? object.world_from_object : transform_at(object.keys, time_s) * object.motion_base;
+        const dmat4 world_from_object = object.keys.empty()
+                                            ? object.world_from_object
+                                            : transform_at(object.keys, time_s) * object.motion_base;
         object_from_world.push_back(glm::inverse(world_from_object));
         mirrored.push_back(glm::determinant(dmat3(world_from_object)) < 0);
         shadows.push_back(shadow_of(*scene, object));
@@ -243,15 +245,18 @@ void RayScene::Impl::add_objects() {
             continue;
         }
         const auto& mesh = std::get<std::shared_ptr<const Mesh>>(object.shape);
-        // Sharing saves memory from a few hundred triangles on; below that one flat structure is faster to walk.
+        // Sharing saves memory from a few hundred triangles on; below that one flat structure is faster to
+        // walk.
         constexpr std::size_t smallest_shared = 256;
-        add_mesh(mesh, world_from_object, i, uses[mesh.get()] > 1 && mesh->triangles.size() >= smallest_shared, shared);
+        add_mesh(mesh, world_from_object, i,
+                 uses[mesh.get()] > 1 && mesh->triangles.size() >= smallest_shared, shared);
     }
     if (!spheres.radius.empty()) attach(sphere_geometry(device, spheres), {Kind::spheres, 0}, 0);
     if (!analytic.items.empty()) attach(analytic_geometry(device, analytic), {Kind::analytic, 0}, 0);
 }
 
-SurfacePoint RayScene::Impl::sphere_surface(std::uint32_t primitive, const dvec3& o, const dvec3& d, double t) const {
+SurfacePoint RayScene::Impl::sphere_surface(std::uint32_t primitive, const dvec3& o, const dvec3& d,
+                                            double t) const {
     const dvec3 c = spheres.exact_centre[primitive];
     const double r = spheres.exact_radius[primitive];
     const double tc = glm::dot(c - o, d);
@@ -290,7 +295,8 @@ SurfacePoint RayScene::Impl::analytic_surface(const AnalyticSet::Item& item, con
     s.position = o + s.t * d;
     const dvec3 local = lo + s.t * ld;
     const LocalGeometry g = local_geometry(item.shape, s.part, local);
-    s.geometric_normal = s.normal = glm::normalize(glm::transpose(linear) * g.normal);  // normals go over as covectors
+    s.geometric_normal = s.normal =
+        glm::normalize(glm::transpose(linear) * g.normal);  // normals go over as covectors
     s.uv = g.uv;
     s.object_position = dvec3(item.object_from_local * glm::dvec4(local, 1));
     return s;
@@ -347,7 +353,8 @@ SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, con
         s.object_position = dvec3(object_from_world[s.object] * glm::dvec4(s.position, 1));
         const auto& uv = f.mesh->mesh->uvs;
         if (!uv.empty()) {
-            s.uv = b0 * glm::dvec2(uv[f.corners.x]) + b1 * glm::dvec2(uv[f.corners.y]) + b2 * glm::dvec2(uv[f.corners.z]);
+            s.uv = b0 * glm::dvec2(uv[f.corners.x]) + b1 * glm::dvec2(uv[f.corners.y]) +
+                   b2 * glm::dvec2(uv[f.corners.z]);
         }
     }
     return s;
@@ -363,7 +370,8 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
         const dmat3 linear(item.local_from_world);
         const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));
         const LocalGeometry g = local_geometry(item.shape, at.part, local);
-        return across * glm::transpose(linear) * g.shape_operator * linear / glm::length(glm::transpose(linear) * g.normal);
+        return across * glm::transpose(linear) * g.shape_operator * linear /
+               glm::length(glm::transpose(linear) * g.normal);
     }
     const TriangleFrame f = triangle(key);
     if (f.mesh->mesh->normals.empty()) return dmat3(0);
@@ -372,7 +380,9 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
     const double b1 = glm::dot(from_a, f.gradient1), b2 = glm::dot(from_a, f.gradient2);
     const double length = glm::length((1 - b1 - b2) * n[0] + b1 * n[1] + b2 * n[2]);
     if (!(length > 0)) return dmat3(0);
-    return across * (glm::outerProduct(n[1] - n[0], f.gradient1) + glm::outerProduct(n[2] - n[0], f.gradient2)) / length;
+    return across *
+           (glm::outerProduct(n[1] - n[0], f.gradient1) + glm::outerProduct(n[2] - n[0], f.gradient2)) /
+           length;
 }
 
 RayScene::RayScene(const Scene& scene, double time_s) : impl_(std::make_unique<Impl>(scene)) {
@@ -398,7 +408,8 @@ void* RayScene::native_handle() const {
 
 double RayScene::offset(const dvec3& p) {
     // 2^-18 of the coordinates: 64 float roundings, enough for Embree's triangle test on a neighbour.
-    return 0x1p-18 * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
+    return 0x1p-18 *
+           std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }
 
 namespace {
@@ -426,8 +437,8 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
         p.flags[i] = 0;
         p.id[i] = static_cast<unsigned>(first + i);
         // Embree stops the program on a ray that is not finite: such a ray hits nothing instead.
-        const float most = std::max({std::abs(p.org_x[i]), std::abs(p.org_y[i]), std::abs(p.org_z[i]), std::abs(p.dir_x[i]),
-                                     std::abs(p.dir_y[i]), std::abs(p.dir_z[i])});
+        const float most = std::max({std::abs(p.org_x[i]), std::abs(p.org_y[i]), std::abs(p.org_z[i]),
+                                     std::abs(p.dir_x[i]), std::abs(p.dir_y[i]), std::abs(p.dir_z[i])});
         const float sum = p.org_x[i] + p.org_y[i] + p.org_z[i] + p.dir_x[i] + p.dir_y[i] + p.dir_z[i];
         valid[i] = i < left && most < 1e18F && sum == sum ? -1 : 0;
     }
@@ -462,12 +473,14 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
 
 void RayScene::occlude(RayBatch& rays) const {
     RayContext context;
-    // Always as incoherent: Embree 3.13's coherent occlusion of packets whose directions differ in sign never ends.
+    // Always as incoherent: Embree 3.13's coherent occlusion of packets whose directions differ in sign never
+    // ends.
     rtcInitIntersectContext(&context.base);
     context.shadows = impl_->shadows.data();
     context.object_of_geometry = impl_->object_of_geometry.data();
     if (rays.has_sources) context.sources = rays.source.data();
-    if (rays.has_sources || !impl_->all_opaque) context.base.filter = impl_->all_opaque ? filter_source : filter_shadow;
+    if (rays.has_sources || !impl_->all_opaque)
+        context.base.filter = impl_->all_opaque ? filter_source : filter_shadow;
     constexpr std::size_t n = RayBatch::group;
     const auto count = static_cast<std::size_t>(rays.count);
     std::vector<std::array<std::int64_t, 3>> logs;
@@ -496,7 +509,8 @@ void RayScene::occlude(RayBatch& rays) const {
 SurfacePoint RayScene::surface(const HitKey& key, const dvec3& o, const dvec3& d, double t) const {
     const Impl::Entry& entry = impl_->entries[key.instance == HitKey::none ? key.geometry : key.instance];
     if (entry.kind == Impl::Kind::spheres) return impl_->sphere_surface(key.primitive, o, d, t);
-    if (entry.kind == Impl::Kind::analytic) return impl_->analytic_surface(impl_->analytic.items[key.primitive], o, d, t);
+    if (entry.kind == Impl::Kind::analytic)
+        return impl_->analytic_surface(impl_->analytic.items[key.primitive], o, d, t);
     return impl_->mesh_surface(key, o, d);
 }
 

@@ -1,5 +1,5 @@
-// A scene at one instant, ready for rays: Embree finds what is hit, in float; the hit itself is then solved again in
-// double, so that normals, mirrors and ray differentials are exact at any scale.
+// A scene at one instant, ready for rays: Embree finds what is hit, in float; the hit itself is then solved
+// again in double, so that normals, mirrors and ray differentials are exact at any scale.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@
 
 namespace postlens {
 
-/// Which primitive was hit. A ray that starts on a surface carries it, so that it does not hit the same point again.
+/// Which primitive was hit. A ray that starts on a surface carries it, so that it does not hit the same point
+/// again.
 struct HitKey {
     static constexpr std::uint32_t none = 0xFFFFFFFFU;
     std::uint32_t geometry = none, primitive = none, instance = none;
@@ -80,14 +81,16 @@ class RayScene {
 
     /// Nearest hit of every ray. `coherent`: the rays of a group run nearly side by side.
     void intersect(RayBatch& rays, bool coherent) const;
-    /// What share of light passes each ray's segment: opaque surfaces stop it, transmitting ones colour it once per
-    /// crossing (Whitted's straight shadow rays).
+    /// What share of light passes each ray's segment: opaque surfaces stop it, transmitting ones colour it
+    /// once per crossing (Whitted's straight shadow rays).
     void occlude(RayBatch& rays) const;
     /// The hit solved in double for the ray o + t d, |d| = 1, near the t that `intersect` found.
-    [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t) const;
+    [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,
+                                       double t) const;
     /// How the outward unit normal of that hit changes: d(normal) = shape_operator * d(position), 1/m.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
-    /// How far to move a ray's origin off a surface at `p`, m: above float's rounding there, far below all else.
+    /// How far to move a ray's origin off a surface at `p`, m: above float's rounding there, far below all
+    /// else.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;

@@ -1,11 +1,10 @@
-// What Embree's callbacks see: the sets of analytic shapes, and what travels with a batch of rays. Only ray_scene*.cpp
-// and analytic_packets.cpp include this.
+// What Embree's callbacks see: the sets of analytic shapes, and what travels with a batch of rays. Only
+// ray_scene*.cpp and analytic_packets.cpp include this.
 #pragma once
-
-#include <embree3/rtcore.h>
 
 #include <array>
 #include <cstdint>
+#include <embree3/rtcore.h>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -14,8 +13,8 @@
 
 namespace postlens {
 
-/// How an object treats light that is on its way to a surface. Transmission is kept as -log2 in fixed point: sums of
-/// integers are the same in any order, and Embree promises none.
+/// How an object treats light that is on its way to a surface. Transmission is kept as -log2 in fixed point:
+/// sums of integers are the same in any order, and Embree promises none.
 struct ObjectShadow {
     bool casts = true;
     bool transmits = false;
@@ -28,9 +27,10 @@ inline constexpr std::int64_t log_opaque = std::int64_t{1} << 50;
 /// Travels with every ray query. `base` must stay first: Embree hands its address to the callbacks.
 struct RayContext {
     RTCIntersectContext base{};
-    const HitKey* sources = nullptr;  ///< by ray id; null: no ray leaves a surface
-    const ObjectShadow* shadows = nullptr;                  ///< by object
-    const std::uint32_t* object_of_geometry = nullptr;      ///< by geometry id of the top scene; meshes, instances
+    const HitKey* sources = nullptr;        ///< by ray id; null: no ray leaves a surface
+    const ObjectShadow* shadows = nullptr;  ///< by object
+    const std::uint32_t* object_of_geometry =
+        nullptr;  ///< by geometry id of the top scene; meshes, instances
     std::array<std::int64_t, 3>* log_transmission = nullptr;  ///< by ray id; sums
 };
 
@@ -71,12 +71,14 @@ struct AnalyticSet {
 [[nodiscard]] RTCGeometry sphere_geometry(RTCDevice device, SphereSet& set);
 [[nodiscard]] RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set);
 
-/// Filters for triangles: leave out the ray's own source; let light through what transmits or casts no shadow.
+/// Filters for triangles: leave out the ray's own source; let light through what transmits or casts no
+/// shadow.
 void filter_source(const RTCFilterFunctionNArguments* args);
 void filter_shadow(const RTCFilterFunctionNArguments* args);
 
 /// One crossing of light with an object: true where it stops there.
-[[nodiscard]] inline bool stops_light(const RayContext& context, std::uint32_t object, unsigned ray_id, int crossed) {
+[[nodiscard]] inline bool stops_light(const RayContext& context, std::uint32_t object, unsigned ray_id,
+                                      int crossed) {
     const ObjectShadow& s = context.shadows[object];
     if (!s.casts) return false;
     if (!s.transmits) return true;

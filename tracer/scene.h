@@ -1,5 +1,5 @@
-// The scene as the tracer sees it: metres, scene-linear colours, every default resolved. Readers make one of these
-// (read_toml_scene, read_nff_scene); build_scene turns it into something rays can hit.
+// The scene as the tracer sees it: metres, scene-linear colours, every default resolved. Readers make one of
+// these (read_toml_scene, read_nff_scene); build_scene turns it into something rays can hit.
 #pragma once
 
 #include <cstdint>
@@ -54,8 +54,8 @@ struct Rectangle {  // corner + a * edge_u + b * edge_v, 0 <= a, b <= 1; normal 
 struct Plane {  // infinite
     glm::dvec3 point{0}, normal{0, 0, 1};
 };
-/// Cylinder and cone are one: radius changes linearly from base to apex; u from +X about the axis towards +Y, v from
-/// base to apex (the object's own axes; see docs/scene_format.md for an axis that is not +Z).
+/// Cylinder and cone are one: radius changes linearly from base to apex; u from +X about the axis towards +Y,
+/// v from base to apex (the object's own axes; see docs/scene_format.md for an axis that is not +Z).
 struct Cone {
     glm::dvec3 base{0}, apex{0, 0, 1};
     double base_radius = 1, apex_radius = 1;
@@ -69,7 +69,8 @@ struct Mesh {
 };
 using Shape = std::variant<Sphere, Box, Disc, Rectangle, Plane, Cone, std::shared_ptr<const Mesh>>;
 
-/// Position and orientation at one instant; between keys translation and scale go linearly, rotation by slerp.
+/// Position and orientation at one instant; between keys translation and scale go linearly, rotation by
+/// slerp.
 struct TransformKey {
     double time_s = 0;
     glm::dvec3 translation{0};
@@ -83,7 +84,8 @@ struct Object {
     std::size_t material = 0;
     Shape shape;
     glm::dmat4 world_from_object{1};  ///< at rest; affine
-    /// Keyframed motion applied after world_from_object is replaced: world = key(t) * motion_base. Empty: still.
+    /// Keyframed motion applied after world_from_object is replaced: world = key(t) * motion_base. Empty:
+    /// still.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
     bool casts_shadows = true;  ///< false: light passes, e.g. for the glowing ball around a point light
@@ -93,11 +95,12 @@ struct Light {
     enum class Kind { point, directional, spot };
     Kind kind = Kind::point;
     std::string name;
-    glm::dvec3 position{0};        ///< point, spot
+    glm::dvec3 position{0};          ///< point, spot
     glm::dvec3 direction{0, 0, -1};  ///< directional, spot: the way the light travels, unit length
-    glm::dvec3 intensity{1};       ///< radiance factor at N.L = 1
-    double cone_degrees = 30;      ///< spot: full angle of the lit cone
-    double cone_soft_degrees = 0;  ///< spot: full angle at which the fall-off begins; = cone_degrees: hard edge
+    glm::dvec3 intensity{1};         ///< radiance factor at N.L = 1
+    double cone_degrees = 30;        ///< spot: full angle of the lit cone
+    double cone_soft_degrees =
+        0;  ///< spot: full angle at which the fall-off begins; = cone_degrees: hard edge
     glm::dvec3 attenuation{1, 0, 0};  ///< 1 / (a0 + a1 r + a2 r^2), r in m
     bool casts_shadows = true;
     std::vector<TransformKey> keys;  ///< moves position and direction; empty: still
@@ -115,10 +118,11 @@ struct Camera {
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
     std::optional<double> vertical_fov_degrees;
-    /// True: the angle runs between the centres of the first and the last row (column) of pixels, as NFF has it.
+    /// True: the angle runs between the centres of the first and the last row (column) of pixels, as NFF has
+    /// it.
     bool fov_between_pixel_centres = false;
     double orthographic_width_m = 1;
-    int width = 960, height = 540;  ///< raster, px
+    int width = 960, height = 540;   ///< raster, px
     std::optional<double> f_number;  ///< defaults for the lens, carried into the sample file
     std::optional<double> focus_m;
     std::optional<double> exposure_s;
@@ -133,8 +137,8 @@ struct Scene {
     std::vector<Light> lights;
     std::vector<Camera> cameras;  ///< the first is the default
     glm::dvec3 background{0};
-    glm::dvec3 ambient_light{1};  ///< Ia
-    double time_s = 0;            ///< default instant
+    glm::dvec3 ambient_light{1};     ///< Ia
+    double time_s = 0;               ///< default instant
     std::vector<std::string> notes;  ///< what the reader made up or skipped; shown to the user as warnings
 };
 

@@ -45,7 +45,8 @@ std::string motion_of(const Scene& scene, const Camera& camera, std::vector<std:
 void check(const TraceSettings& s) {
     const auto whole = [](const char* option, int value, int low, int high) {
         if (value < low || value > high) {
-            fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected {} to {})", option, value, low, high);
+            fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected {} to {})", option, value,
+                 low, high);
         }
     };
     whole("--subdivide", s.subdivision.levels, 0, largest_levels);
@@ -53,7 +54,8 @@ void check(const TraceSettings& s) {
     whole("--overscan", s.overscan_px, 0, 16384);
     const auto not_negative = [](const char* option, double value) {
         if (!(value >= 0) || !std::isfinite(value)) {
-            fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected a number from 0 on)", option, value);
+            fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected a number from 0 on)", option,
+                 value);
         }
     };
     not_negative("--threshold", s.subdivision.threshold);
@@ -62,7 +64,8 @@ void check(const TraceSettings& s) {
         fail(ExitCode::wrong_arguments, "--time: out of range (got {}; expected seconds)", *s.time_s);
     }
     if (s.overscan_auto && !(s.for_f_number && s.for_focus_m)) {
-        fail(ExitCode::wrong_arguments, "--overscan auto: needs to know the lens (expected --for-f-number and --for-focus)");
+        fail(ExitCode::wrong_arguments,
+             "--overscan auto: needs to know the lens (expected --for-f-number and --for-focus)");
     }
 }
 
@@ -72,9 +75,10 @@ double widest_radius_px(const FocusGeometry& lens, const Record* records, std::s
     for (std::size_t i = 0; i < count; ++i) {
         const Mat2& w = records[i].w;
         const double f = lens.inverse_focus_per_m;
-        const auto a = static_cast<double>(w.xx), b = static_cast<double>(w.xy), c = static_cast<double>(w.yx),
-                   d = static_cast<double>(w.yy);
-        widest = std::max(widest, std::sqrt((f - a) * (f - a) + b * b + c * c + (f - d) * (f - d)) / std::sqrt(2.0));
+        const auto a = static_cast<double>(w.xx), b = static_cast<double>(w.xy),
+                   c = static_cast<double>(w.yx), d = static_cast<double>(w.yy);
+        widest = std::max(widest,
+                          std::sqrt((f - a) * (f - a) + b * b + c * c + (f - d) * (f - d)) / std::sqrt(2.0));
     }
     return widest * lens.aperture_radius_m * lens.gain_px;
 }
@@ -83,8 +87,9 @@ double widest_radius_px(const FocusGeometry& lens, const Record* records, std::s
 int find_overscan(const WhittedTracer& tracer, const CameraModel& camera, const TraceSettings& settings) {
     constexpr int step_px = 8;
     const int farthest = std::min(4096, std::max(camera.width, camera.height) / 2);
-    const FocusGeometry lens = focus_geometry({camera.film_distance_mm, *settings.for_f_number}, *settings.for_focus_m,
-                                              Framing::keep, {camera.film_distance_mm, camera.pixel_pitch_mm});
+    const FocusGeometry lens =
+        focus_geometry({camera.film_distance_mm, *settings.for_f_number}, *settings.for_focus_m,
+                       Framing::keep, {camera.film_distance_mm, camera.pixel_pitch_mm});
     std::vector<std::vector<glm::dvec2>> rows;
     for (int y = -farthest; y <= camera.height + farthest; y += step_px) {
         std::vector<glm::dvec2> row;
@@ -103,7 +108,8 @@ int find_overscan(const WhittedTracer& tracer, const CameraModel& camera, const 
             const double outside = std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
             const double radius = widest_radius_px(lens, traced.records.data() + traced.offsets[k],
                                                    traced.offsets[k + 1] - traced.offsets[k]);
-            if (radius + step_px > outside) needed[i] = std::max(needed[i], static_cast<int>(std::ceil(outside)) + step_px);
+            if (radius + step_px > outside)
+                needed[i] = std::max(needed[i], static_cast<int>(std::ceil(outside)) + step_px);
         }
     });
     return rows.empty() ? 0 : std::min(farthest, *std::max_element(needed.begin(), needed.end()));
@@ -122,14 +128,15 @@ const Camera& find_camera(const Scene& scene, const std::string& name) {
     fail(ExitCode::wrong_arguments, "--camera: no such camera (got {}; expected one of: {})", name, known);
 }
 
-SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, const CameraModel& camera, double time_s,
-                           int overscan_px) {
+SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, const CameraModel& camera,
+                           double time_s, int overscan_px) {
     const Camera& of = find_camera(scene, settings.camera_name);
     SampleHeader h;
     h.width = camera.width;
     h.height = camera.height;
     h.overscan_px = overscan_px;
-    h.projection = camera.projection == Camera::Projection::perspective ? Projection::perspective : Projection::orthographic;
+    h.projection = camera.projection == Camera::Projection::perspective ? Projection::perspective
+                                                                        : Projection::orthographic;
     h.film_distance_mm = camera.film_distance_mm;
     h.pixel_pitch_mm = camera.pixel_pitch_mm;
     h.focal_length_mm = camera.film_distance_mm;
@@ -146,13 +153,15 @@ SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, co
     h.scene_sha256 = scene.sha256;
     for (const Object& o : scene.objects) h.object_names.emplace(o.id, o.name);
     h.motion_json = motion_of(scene, of, h.moving_ids);
-    h.lights_move = std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return !l.keys.empty(); });
+    h.lights_move =
+        std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return !l.keys.empty(); });
     h.sufficient.smallest_f_number = settings.for_f_number;
     h.sufficient.nearest_focus_m = h.sufficient.farthest_focus_m = settings.for_focus_m;
     return h;
 }
 
-TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings, const std::filesystem::path& path) {
+TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings,
+                          const std::filesystem::path& path) {
     check(settings);
     const Camera& of = find_camera(scene, settings.camera_name);
     const double time_s = settings.time_s.value_or(scene.time_s);
@@ -161,7 +170,8 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings, con
     const WhittedTracer tracer(rays, camera, settings.whitted);
 
     TraceResult result;
-    result.overscan_px = settings.overscan_auto ? find_overscan(tracer, camera, settings) : settings.overscan_px;
+    result.overscan_px =
+        settings.overscan_auto ? find_overscan(tracer, camera, settings) : settings.overscan_px;
     SampleHeader header = sample_header(scene, settings, camera, time_s, result.overscan_px);
     header.has_w = tracer.has_deeper_nodes();
     SampleFileWriter writer(path, header, settings.compression);

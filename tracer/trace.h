@@ -34,11 +34,12 @@ struct TraceResult {
 };
 
 /// Traces `scene` into a sample file at `path`; nothing appears there before all is done. Throws Error.
-TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings, const std::filesystem::path& path);
+TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings,
+                          const std::filesystem::path& path);
 
 /// The header that a trace with these settings writes; shared with tests and benchmarks.
-[[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, const CameraModel& camera,
-                                         double time_s, int overscan_px);
+[[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
+                                         const CameraModel& camera, double time_s, int overscan_px);
 
 /// The camera by name; the first for an empty name. Throws Error(wrong_arguments), naming those there are.
 [[nodiscard]] const Camera& find_camera(const Scene& scene, const std::string& name);

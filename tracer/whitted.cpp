@@ -49,8 +49,8 @@ struct PlacedLight {
     double cos_outer, cos_inner;
 };
 
-// Items that are filled in place, field by field, and kept for reuse: building them elsewhere and copying them in
-// cost more than the shading.
+// Items that are filled in place, field by field, and kept for reuse: building them elsewhere and copying
+// them in cost more than the shading.
 template <typename T>
 struct Pool {
     std::vector<T> items;
@@ -68,8 +68,8 @@ struct Workspace {
     Pool<RayDifferentials> differentials, next_differentials;
     RayDifferentials at_eye;
     Pool<Node> nodes;
-    std::vector<Pool<Shadow>> shadows;    // per light
-    std::vector<RayBatch> shadow_rays;    // per light
+    std::vector<Pool<Shadow>> shadows;  // per light
+    std::vector<RayBatch> shadow_rays;  // per light
     RayBatch batch, next_batch;
     std::vector<std::uint32_t> order;
 };
@@ -77,8 +77,8 @@ struct Workspace {
 // The surface as the ray sees it: normals turned against the ray.
 struct Facing {
     dvec3 normal, geometric_normal;
-    double sign;            // of the turn
-    bool smooth;            // false: the facet's own normal stands in for the interpolated one
+    double sign;  // of the turn
+    bool smooth;  // false: the facet's own normal stands in for the interpolated one
     [[nodiscard]] bool entering() const { return sign > 0; }
 };
 
@@ -112,9 +112,11 @@ void collect(std::span<const glm::dvec2> positions, Workspace& w, TracedSamples&
         out.records[next[n.sample]++] = n.record;
     }
     for (std::size_t i = 0; i < positions.size(); ++i) {
-        const auto first = out.records.begin() + out.offsets[i], last = out.records.begin() + out.offsets[i + 1];
+        const auto first = out.records.begin() + out.offsets[i],
+                   last = out.records.begin() + out.offsets[i + 1];
         if (last - first > 2) {
-            std::sort(first, last, [](const Record& a, const Record& b) { return a.path.bits() < b.path.bits(); });
+            std::sort(first, last,
+                      [](const Record& a, const Record& b) { return a.path.bits() < b.path.bits(); });
         }
     }
 }
@@ -122,7 +124,8 @@ void collect(std::span<const glm::dvec2> positions, Workspace& w, TracedSamples&
 }  // namespace
 
 struct WhittedTracer::Impl {
-    Impl(const RayScene& s, const CameraModel& c, const WhittedSettings& w) : rays(s), camera(c), settings(w) {}
+    Impl(const RayScene& s, const CameraModel& c, const WhittedSettings& w)
+        : rays(s), camera(c), settings(w) {}
 
     const RayScene& rays;
     const CameraModel& camera;
@@ -138,11 +141,12 @@ struct WhittedTracer::Impl {
     void generation(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] static Node& add_node(const PathRay& ray, Workspace& w);
     void miss(const PathRay& ray, Workspace& w) const;
-    void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w, RayCounts& counts) const;
-    void light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key, const Material& m,
-               const dvec3& colour, Workspace& w, RayCounts& counts) const;
-    void spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key, const Material& m,
-               Workspace& w, RayCounts& counts) const;
+    void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
+             RayCounts& counts) const;
+    void light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
+               const Material& m, const dvec3& colour, Workspace& w, RayCounts& counts) const;
+    void spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
+               const Material& m, Workspace& w, RayCounts& counts) const;
     void child(const PathRay& parent, const SurfacePoint& s, const HitKey& key, const dvec3& direction,
                const dvec3& off, const dvec3& throughput, NodePath::Bounce bounce, Workspace& w) const;
     void resolve_shadows(Workspace& w) const;
@@ -151,9 +155,12 @@ struct WhittedTracer::Impl {
 void WhittedTracer::Impl::place_lights(double time_s) {
     for (const Light& l : rays.scene().lights) {
         const glm::dmat4 m = l.keys.empty() ? glm::dmat4(1) : transform_at(l.keys, time_s);
-        const auto cosine = [](double full_degrees) { return std::cos(full_degrees * std::numbers::pi / 360); };
-        lights.push_back({&l, dvec3(m * glm::dvec4(l.position, 1)), glm::normalize(dvec3(m * glm::dvec4(l.direction, 0))),
-                          cosine(l.cone_degrees), cosine(std::min(l.cone_soft_degrees, l.cone_degrees))});
+        const auto cosine = [](double full_degrees) {
+            return std::cos(full_degrees * std::numbers::pi / 360);
+        };
+        lights.push_back({&l, dvec3(m * glm::dvec4(l.position, 1)),
+                          glm::normalize(dvec3(m * glm::dvec4(l.direction, 0))), cosine(l.cone_degrees),
+                          cosine(std::min(l.cone_soft_degrees, l.cone_degrees))});
     }
 }
 
@@ -162,7 +169,8 @@ void WhittedTracer::Impl::bound_contributions() {
     dvec3 lit(0);
     for (const Light& l : scene.lights) {
         // With attenuation alone by distance the radiance near the light has no bound.
-        lit += l.intensity * (l.attenuation.x > 0 ? 1 / l.attenuation.x : std::numeric_limits<double>::infinity());
+        lit += l.intensity *
+               (l.attenuation.x > 0 ? 1 / l.attenuation.x : std::numeric_limits<double>::infinity());
     }
     double local = largest(scene.background), passed_on = 0;
     for (const Material& m : scene.materials) {
@@ -232,13 +240,15 @@ void WhittedTracer::Impl::hit(const PathRay& ray, const SurfacePoint& s, const H
     }
     const dvec3 colour = m.colour_texture ? m.colour_texture->colour(s.object_position, s.uv) : dvec3(1);
     n.radiance = m.ambient * colour * scene.ambient_light;
-    n.radiance += m.emission_texture ? m.emission * m.emission_texture->colour(s.object_position, s.uv) : m.emission;
+    n.radiance +=
+        m.emission_texture ? m.emission * m.emission_texture->colour(s.object_position, s.uv) : m.emission;
     light(ray, s, f, key, m, colour, w, counts);
     spawn(ray, s, f, key, m, w, counts);
 }
 
 void WhittedTracer::Impl::light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
-                                const Material& m, const dvec3& colour, Workspace& w, RayCounts& counts) const {
+                                const Material& m, const dvec3& colour, Workspace& w,
+                                RayCounts& counts) const {
     const auto node = static_cast<std::uint32_t>(w.nodes.count - 1);
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const PlacedLight& placed = lights[i];
@@ -291,8 +301,9 @@ void WhittedTracer::Impl::light(const PathRay& ray, const SurfacePoint& s, const
     }
 }
 
-void WhittedTracer::Impl::child(const PathRay& parent, const SurfacePoint& s, const HitKey& key, const dvec3& direction,
-                                const dvec3& off, const dvec3& throughput, NodePath::Bounce bounce, Workspace& w) const {
+void WhittedTracer::Impl::child(const PathRay& parent, const SurfacePoint& s, const HitKey& key,
+                                const dvec3& direction, const dvec3& off, const dvec3& throughput,
+                                NodePath::Bounce bounce, Workspace& w) const {
     PathRay& r = w.next_rays.add();
     r.origin = s.position;
     r.direction = direction;
@@ -302,7 +313,8 @@ void WhittedTracer::Impl::child(const PathRay& parent, const SurfacePoint& s, co
     r.sample = parent.sample;
     r.differentials = static_cast<std::uint32_t>(w.next_differentials.count);
     r.path = parent.path.child(bounce);
-    w.next_batch.add(s.position + RayScene::offset(s.position) * off, direction, std::numeric_limits<float>::infinity(), key);
+    w.next_batch.add(s.position + RayScene::offset(s.position) * off, direction,
+                     std::numeric_limits<float>::infinity(), key);
 }
 
 void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
@@ -310,7 +322,8 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
     const int left = settings.max_depth - 1 - ray.path.depth();
     if (left < 1) return;
     const auto worth = [&](const dvec3& throughput) {
-        return largest(throughput) > 0 && largest(throughput) * bound[static_cast<std::size_t>(left)] >= settings.min_contribution;
+        return largest(throughput) > 0 &&
+               largest(throughput) * bound[static_cast<std::size_t>(left)] >= settings.min_contribution;
     };
     dvec3 reflected = ray.throughput * m.reflection;
     const dvec3 transmitted = ray.throughput * m.transmission;
@@ -344,7 +357,8 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
         // An interpolated normal may send the ray into the surface; the facet's own normal cannot.
         if (inwards) direction = glm::reflect(ray.direction, f.geometric_normal);
         ++counts.reflect;
-        child(ray, s, key, glm::normalize(direction), f.geometric_normal, reflected, NodePath::Bounce::reflected, w);
+        child(ray, s, key, glm::normalize(direction), f.geometric_normal, reflected,
+              NodePath::Bounce::reflected, w);
         if (refocus && inwards) {
             w.next_differentials.add() = reflect(*here, ray.direction, f.geometric_normal, glm::dmat3(0));
         } else if (refocus) {
@@ -354,8 +368,10 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
     if (refracts) {
         const dvec3 direction = eta * ray.direction + (-eta * d_n - std::sqrt(k)) * f.normal;
         ++counts.refract;
-        child(ray, s, key, glm::normalize(direction), -f.geometric_normal, transmitted, NodePath::Bounce::transmitted, w);
-        if (refocus) w.next_differentials.add() = refract(*here, ray.direction, f.normal, shape_operator, eta);
+        child(ray, s, key, glm::normalize(direction), -f.geometric_normal, transmitted,
+              NodePath::Bounce::transmitted, w);
+        if (refocus)
+            w.next_differentials.add() = refract(*here, ray.direction, f.normal, shape_operator, eta);
     }
 }
 
@@ -387,7 +403,8 @@ void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
             continue;
         }
         if (ray.path.bits() == 0) ++counts.eye_hits;
-        hit(ray, rays.surface(key, ray.origin, ray.direction, static_cast<double>(w.batch.t[i])), key, w, counts);
+        hit(ray, rays.surface(key, ray.origin, ray.direction, static_cast<double>(w.batch.t[i])), key, w,
+            counts);
     }
     resolve_shadows(w);
     std::swap(w.batch, w.next_batch);
@@ -395,12 +412,14 @@ void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
     std::swap(w.differentials, w.next_differentials);
 }
 
-WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings)
+WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
+                             const WhittedSettings& settings)
     : impl_(std::make_unique<Impl>(scene, camera, settings)) {
     impl_->settings.max_depth = std::clamp(settings.max_depth, 1, NodePath::max_bounces + 1);
     impl_->bound_contributions();
     impl_->place_lights(scene.time_s());
-    impl_->refocus = settings.refocus_matrices && impl_->deeper_nodes && camera.projection == Camera::Projection::perspective;
+    impl_->refocus = settings.refocus_matrices && impl_->deeper_nodes &&
+                     camera.projection == Camera::Projection::perspective;
 }
 
 WhittedTracer::~WhittedTracer() = default;
@@ -409,7 +428,8 @@ bool WhittedTracer::has_deeper_nodes() const {
     return impl_->deeper_nodes;
 }
 
-void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const {
+void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& out,
+                          RayCounts& counts) const {
     thread_local Workspace w;
     w.shadows.resize(impl_->lights.size());
     w.shadow_rays.resize(impl_->lights.size());

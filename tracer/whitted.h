@@ -1,5 +1,5 @@
-// Whitted's recursive ray tracing [whitted1980], breadth first over a batch of point samples: rays of one generation
-// travel in packets, and every node of every shading tree comes out as a record.
+// Whitted's recursive ray tracing [whitted1980], breadth first over a batch of point samples: rays of one
+// generation travel in packets, and every node of every shading tree comes out as a record.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 namespace postlens {
 
 struct WhittedSettings {
-    int max_depth = 5;               ///< nodes along a path, the primary node counts 1; 1 to NodePath::max_bounces + 1
+    int max_depth = 5;  ///< nodes along a path, the primary node counts 1; 1 to NodePath::max_bounces + 1
     double min_contribution = 1e-3;  ///< radiance; subtrees that cannot add as much are not traced
     bool refocus_matrices = true;    ///< compute W of deeper nodes (perspective cameras only)
 };
@@ -49,7 +49,8 @@ class WhittedTracer {
     WhittedTracer(WhittedTracer&&) = delete;
     WhittedTracer& operator=(WhittedTracer&&) = delete;
 
-    /// Traces point samples at raster positions, px; groups of 16 that lie close together go fastest. Thread-safe.
+    /// Traces point samples at raster positions, px; groups of 16 that lie close together go fastest.
+    /// Thread-safe.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
 
     /// True where some material reflects or transmits, so that nodes deeper than primary can exist.
