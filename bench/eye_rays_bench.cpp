@@ -114,7 +114,7 @@ void report(benchmark::State& state, std::uint64_t hits) {
 }
 
 // The least that Embree can be asked to do: make 16 rays, intersect, count hits.
-void BareEmbree(benchmark::State& state, const std::string& name) {
+void bare_embree(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     const Prepared& p = prepared(name, width, height);
     auto* scene = static_cast<RTCScene>(p.rays.native_handle());
@@ -126,10 +126,10 @@ void BareEmbree(benchmark::State& state, const std::string& name) {
     for (auto _ : state) {
         std::atomic<std::uint64_t> sum{0};
         parallel_for(all.size(), [&](std::size_t t) {
-            RTCIntersectContext context;
+            RTCIntersectContext context{};
             rtcInitIntersectContext(&context);
             context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-            RTCRayHit16 r;
+            RTCRayHit16 r;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled lane by lane below
             alignas(64) int valid[16];
             std::uint64_t count = 0;
             int i = 0;
@@ -154,7 +154,7 @@ void BareEmbree(benchmark::State& state, const std::string& name) {
                     void* none[4];
                 } extended{context, {}};
                 rtcIntersect16(valid, scene, &extended.base, &r);
-                for (int k = 0; k < 16; ++k) count += r.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
+                for (const unsigned id : r.hit.geomID) count += id != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
             });
             sum += count;
         });
@@ -164,7 +164,7 @@ void BareEmbree(benchmark::State& state, const std::string& name) {
 }
 
 // The tracer's own eye rays: camera model in double, batches, hits kept.
-void EyeRays(benchmark::State& state, const std::string& name) {
+void eye_rays(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     const Prepared& p = prepared(name, width, height);
     const std::vector<Tile> all = tiles();
@@ -190,7 +190,7 @@ void EyeRays(benchmark::State& state, const std::string& name) {
 }
 
 // All of `trace` for primary hits but the file: records with normals, depth and colour.
-void EyeRecords(benchmark::State& state, const std::string& name) {
+void eye_records(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     const Prepared& p = prepared(name, width, height);
     const WhittedTracer tracer(p.rays, p.camera, {.max_depth = 1});
@@ -213,8 +213,8 @@ void EyeRecords(benchmark::State& state, const std::string& name) {
 }
 
 // A whole SPD picture, 513 x 513 corner rays, depth 5: reading, building, tracing; no file and no W, which a
-// picture does not need. SpdTraceOnly leaves reading and building out and computes W, as `trace` does.
-void SpdPicture(benchmark::State& state, const std::string& name) {
+// picture does not need. spd_trace_only leaves reading and building out and computes W, as `trace` does.
+void spd_picture(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     RayCounts counts;
     for (auto _ : state) {
@@ -229,7 +229,7 @@ void SpdPicture(benchmark::State& state, const std::string& name) {
     state.counters["rays/s"] = benchmark::Counter(rays, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-void SpdTraceOnly(benchmark::State& state, const std::string& name) {
+void spd_trace_only(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     const Prepared& p = prepared(name, 512, 512);
     const WhittedTracer tracer(p.rays, p.camera, {.max_depth = 5, .min_contribution = 0});
@@ -243,18 +243,18 @@ void SpdTraceOnly(benchmark::State& state, const std::string& name) {
 
 #define POSTLENS_BENCH(function, scene) \
     BENCHMARK_CAPTURE(function, scene, #scene)->Unit(benchmark::kMillisecond)->UseRealTime()
-POSTLENS_BENCH(BareEmbree, mesh);
-POSTLENS_BENCH(EyeRays, mesh);
-POSTLENS_BENCH(EyeRecords, mesh);
-POSTLENS_BENCH(BareEmbree, balls);
-POSTLENS_BENCH(EyeRays, balls);
-POSTLENS_BENCH(EyeRecords, balls);
-POSTLENS_BENCH(SpdPicture, balls);
-POSTLENS_BENCH(SpdTraceOnly, balls);
-POSTLENS_BENCH(SpdPicture, tetra);
-POSTLENS_BENCH(SpdTraceOnly, tetra);
-POSTLENS_BENCH(SpdPicture, mount);
-POSTLENS_BENCH(SpdTraceOnly, mount);
+POSTLENS_BENCH(bare_embree, mesh);
+POSTLENS_BENCH(eye_rays, mesh);
+POSTLENS_BENCH(eye_records, mesh);
+POSTLENS_BENCH(bare_embree, balls);
+POSTLENS_BENCH(eye_rays, balls);
+POSTLENS_BENCH(eye_records, balls);
+POSTLENS_BENCH(spd_picture, balls);
+POSTLENS_BENCH(spd_trace_only, balls);
+POSTLENS_BENCH(spd_picture, tetra);
+POSTLENS_BENCH(spd_trace_only, tetra);
+POSTLENS_BENCH(spd_picture, mount);
+POSTLENS_BENCH(spd_trace_only, mount);
 
 }  // namespace
 }  // namespace postlens

@@ -121,7 +121,7 @@ BENCHMARK(stream)->UseManualTime()->Iterations(1)->Unit(benchmark::kMillisecond)
 
 /// Range: radius of the CoC, px.
 void one_radius(benchmark::State& state) {
-    const double radius_px = static_cast<double>(state.range(0));
+    const auto radius_px = static_cast<double>(state.range(0));
     run_scatter(state, noise_records([&](int, int) { return radius_px; }));
 }
 BENCHMARK(one_radius)
@@ -155,7 +155,7 @@ BENCHMARK(random_depth)->Arg(1)->Arg(4)->Arg(8)->Arg(16)->Unit(benchmark::kMilli
 
 /// Every pixel of every disc, one after another, from the definition, on one thread.
 void brute_force(benchmark::State& state) {
-    const double radius_px = static_cast<double>(state.range(0));
+    const auto radius_px = static_cast<double>(state.range(0));
     const auto tables = tables_of(noise_records([&](int, int) { return radius_px; }));
     for (auto _ : state)
         report(state, least_seconds(1, [&] { benchmark::DoNotOptimize(scatter_reference(*tables)); }));

@@ -7,18 +7,20 @@
 namespace postlens {
 namespace {
 
+// An alias declaration would lose the attributes.
+// NOLINTNEXTLINE(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32), aligned(8), may_alias));
 
 /// One source row's splats against the rows of a block.
 struct PointPass {
-    const Splat* splats;
-    std::size_t count;
-    int y;  ///< of the source row
-    const KernelTable* kernels;
+    const Splat* splats = nullptr;
+    std::size_t count = 0;
+    int y = 0;  ///< of the source row
+    const KernelTable* kernels = nullptr;
     RasterWindow rows;
-    std::size_t stride;
-    double* sum;
-    double* change;
+    std::size_t stride = 0;
+    double* sum = nullptr;
+    double* change = nullptr;
 };
 
 POSTLENS_MULTIVERSION

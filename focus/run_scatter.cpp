@@ -19,8 +19,11 @@ constexpr std::size_t cache_line_floats = 16;
 /// Vectors of eight make a strip: few enough for registers, enough to hide the loop around them.
 constexpr int lanes = 8;
 constexpr int vectors = RunScatter::strip_width / lanes;
+// NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef float Floats __attribute__((vector_size(lanes * sizeof(float))));
+// NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), aligned(4), may_alias));
+// NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double DoublesAnywhere __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
 /// What filter_strip needs besides where it writes.

@@ -51,7 +51,7 @@ void sum_differences(std::span<std::uint8_t> bytes) {
         return ((a & low_bits) + (b & low_bits)) ^ ((a ^ b) & ~low_bits);
     };
     for (; i + 8 <= bytes.size(); i += 8) {
-        std::uint64_t v;
+        std::uint64_t v{};
         std::memcpy(&v, bytes.data() + i, 8);
         v ^= 128 * every_byte;  // minus 128
         v = add(v, v << 8U);
@@ -116,7 +116,8 @@ bool run_length_decode(ByteView in, std::span<std::uint8_t> out) {
     std::size_t i = 0;
     std::size_t written = 0;
     while (i < in.size()) {
-        const int head = static_cast<std::int8_t>(in[i++]);
+        const int byte = in[i++];
+        const int head = byte < 128 ? byte : byte - 256;
         const std::size_t count =
             head < 0 ? static_cast<std::size_t>(-head) : static_cast<std::size_t>(head) + 1;
         const std::size_t bytes_in = head < 0 ? count : 1;

@@ -142,7 +142,7 @@ std::optional<std::array<T, count>> numbers(std::optional<ByteView> bytes, const
         fail(ExitCode::invalid_input, "{}: attribute {} is damaged (got {} bytes; expected {})", file, name,
              bytes->size(), count * sizeof(T));
     }
-    std::array<T, count> values;
+    std::array<T, count> values{};
     std::memcpy(values.data(), bytes->data(), bytes->size());
     return values;
 }

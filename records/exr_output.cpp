@@ -25,7 +25,7 @@ constexpr std::uint32_t exr_version = 2U | 0x800U | 0x1000U;
 template <typename... T>
 auto little_endian(T... values) {
     static_assert((std::is_integral_v<T> && ...));
-    std::array<std::uint8_t, (sizeof(T) + ...)> bytes;
+    std::array<std::uint8_t, (sizeof(T) + ...)> bytes{};
     std::size_t at = 0;
     ((std::memcpy(bytes.data() + at, &values, sizeof(T)), at += sizeof(T)), ...);
     return bytes;
@@ -52,8 +52,8 @@ class MemoryStream : public Imf::OStream {
 }  // namespace
 
 ExrOutput::ExrOutput(const std::filesystem::path& path, std::string shown_name,
-                     const std::vector<Imf::Header>& headers, const std::vector<std::size_t>& chunks)
-    : name_(std::move(shown_name)), offsets_(headers.size()), chunks_(chunks) {
+                     const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks)
+    : name_(std::move(shown_name)), offsets_(headers.size()), chunks_(std::move(chunks)) {
     MemoryStream stream;
     for (const Imf::Header& header : headers) header.writeTo(stream);
     fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);

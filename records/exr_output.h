@@ -21,7 +21,7 @@ class ExrOutput {
     /// Opens `path` (an existing file, cut to nothing) and writes the headers; `chunks[i]` is the number of
     /// chunks of part i. `shown_name` stands in messages. Every function throws Error(cannot_write).
     ExrOutput(const std::filesystem::path& path, std::string shown_name,
-              const std::vector<Imf::Header>& headers, const std::vector<std::size_t>& chunks);
+              const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks);
     ~ExrOutput();
     ExrOutput(const ExrOutput&) = delete;
     ExrOutput& operator=(const ExrOutput&) = delete;

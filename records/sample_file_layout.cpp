@@ -71,13 +71,13 @@ std::array<std::uint8_t, ScanlineRow::byte_count> ScanlineRow::bytes(int y) cons
     RowFields fields{facts.farthest_z,       facts.nearest_z,       high(facts.checksum), low(facts.checksum),
                      high(picture_checksum), low(picture_checksum), facts.records,        0};
     fields.row_check = fields.expected_check(y);
-    std::array<std::uint8_t, byte_count> out;
+    std::array<std::uint8_t, byte_count> out{};
     std::memcpy(out.data(), &fields, sizeof fields);
     return out;
 }
 
 std::optional<ScanlineRow> ScanlineRow::from_bytes(ByteView bytes, int y) {
-    RowFields fields;
+    RowFields fields{};
     if (bytes.size() != sizeof fields) return std::nullopt;
     std::memcpy(&fields, bytes.data(), sizeof fields);
     if (fields.row_check != fields.expected_check(y)) return std::nullopt;

@@ -122,7 +122,7 @@ std::pair<std::uint64_t, std::uint64_t> SampleFileReader::Impl::flat_chunk(Part 
                                                                            int y,
                                                                            std::uint64_t most_bytes) const {
     const std::uint64_t at = chunk_offsets[part][index];
-    std::array<std::uint8_t, flat_head_bytes> head;
+    std::array<std::uint8_t, flat_head_bytes> head{};
     file.read_at(at, head);
     const auto size = load<std::int32_t>(head.data() + 8);
     if (load<std::int32_t>(head.data()) != part || load<std::int32_t>(head.data() + 4) != y || size < 0 ||
@@ -157,7 +157,7 @@ void SampleFileReader::Impl::read_scanlines() {
 
 DeepChunk SampleFileReader::Impl::deep_chunk(int y) const {
     const std::uint64_t at = chunk_offsets[records_part][row_index(y)];
-    std::array<std::uint8_t, deep_head_bytes> head;
+    std::array<std::uint8_t, deep_head_bytes> head{};
     file.read_at(at, head);
     DeepChunk chunk;
     chunk.counts_at = at + deep_head_bytes;

@@ -57,8 +57,8 @@ ScanlineFacts facts_of(std::span<const Record> records) {
 }  // namespace
 
 struct SampleFileWriter::Impl {
-    Impl(const std::filesystem::path& path, const SampleHeader& sample_header, RecordCompression compression)
-        : header(sample_header),
+    Impl(const std::filesystem::path& path, SampleHeader sample_header, RecordCompression compression)
+        : header(std::move(sample_header)),
           channels{header.has_w, header.has_layers},
           codec(codec_of(compression)),
           picture_codec(compression == RecordCompression::zips ? ChunkCompression::zip : codec),
@@ -70,6 +70,7 @@ struct SampleFileWriter::Impl {
         file.emplace(path);
         const auto headers = exr_headers_of(header, codec, picture_codec);
         std::vector<std::size_t> chunks;
+        chunks.reserve(headers.size());
         for (const Imf::Header& h : headers) chunks.push_back(static_cast<std::size_t>(h.chunkCount()));
         output.emplace(file->temporary_path(), name, headers, chunks);
         last_row.x_begin = window.x_min;

@@ -134,8 +134,8 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
     h.focus_m = part.get_double(focus_name);
     h.exposure_s = part.get_double(exposure_name);
     const Matrix44 camera = need(part.get_matrix(camera_name), camera_name);
-    for (int i = 0; i < 4; ++i) {
-        for (int j = 0; j < 4; ++j) h.world_from_camera[i][j] = camera[static_cast<std::size_t>(4 * i + j)];
+    for (std::size_t i = 0; i < 16; ++i) {
+        h.world_from_camera[static_cast<int>(i / 4)][static_cast<int>(i % 4)] = camera[i];
     }
     h.time_s = need_double(frame_time_name);
     h.subdivide_levels = need_int(subdivide_levels_name);

@@ -86,7 +86,7 @@ class Cli : public testing::Test {
     std::string in(const std::string& name) { return (folder_.path() / name).string(); }
     std::string scene() { return std::string(POSTLENS_TEST_DATA) + "/nff/balls_s2.nff"; }
     std::string traced() {
-        const std::string path = in("frame.exr");
+        std::string path = in("frame.exr");
         const Outcome r =
             run({"trace", scene(), "-o", path, "--size", "96x96", "--metres-per-unit", "0.1", "--quiet"});
         EXPECT_EQ(r.exit_code, 0) << r.err;

@@ -97,7 +97,7 @@ TEST(FocusPicture, TendsToTheTracedPicture) {
             EXPECT_EQ(result.method, FocusMethod::scatter);
             EXPECT_LT(result.largest_coc_px, 1e-3);
             for (std::size_t i = 0; i < expected.rgb.size(); ++i) {
-                const double wanted = static_cast<double>(expected.rgb[i]);
+                const auto wanted = static_cast<double>(expected.rgb[i]);
                 ASSERT_NEAR(static_cast<double>(result.image.rgb[i]), wanted, 1e-6 * std::max(1.0, wanted))
                     << i;
             }

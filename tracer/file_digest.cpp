@@ -14,8 +14,14 @@
 namespace postlens {
 
 struct Sha256::Impl {
-    EVP_MD_CTX* context = nullptr;
+    Impl() = default;
     ~Impl() { EVP_MD_CTX_free(context); }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+    Impl(Impl&&) = delete;
+    Impl& operator=(Impl&&) = delete;
+
+    EVP_MD_CTX* context = nullptr;
 };
 
 Sha256::Sha256() : impl_(std::make_unique<Impl>()) {

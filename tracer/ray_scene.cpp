@@ -303,7 +303,7 @@ SurfacePoint RayScene::Impl::analytic_surface(const AnalyticSet::Item& item, con
 }
 
 TriangleFrame RayScene::Impl::triangle(const HitKey& key) const {
-    TriangleFrame f;
+    TriangleFrame f{};
     const bool instanced = key.instance != HitKey::none;
     const Entry& entry = entries[instanced ? key.instance : key.geometry];
     f.mesh = &meshes[instanced ? instances[entry.index].mesh : entry.index];
@@ -455,7 +455,7 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
         context.base.filter = filter_source;
     }
     constexpr std::size_t n = RayBatch::group;
-    RTCRayHit16 p;
+    RTCRayHit16 p;  // NOLINT(cppcoreguidelines-pro-type-member-init): `load` fills it
     alignas(64) std::array<int, n> valid{};
     for (std::size_t first = 0; first < static_cast<std::size_t>(rays.count); first += n) {
         load(rays, first, p.ray, valid.data());
@@ -488,7 +488,7 @@ void RayScene::occlude(RayBatch& rays) const {
         logs.assign((count + n - 1) / n * n, {});
         context.log_transmission = logs.data();
     }
-    RTCRay16 p;
+    RTCRay16 p;  // NOLINT(cppcoreguidelines-pro-type-member-init): `load` fills it
     alignas(64) std::array<int, n> valid{};
     for (std::size_t first = 0; first < count; first += n) {
         load(rays, first, p, valid.data());

@@ -55,7 +55,7 @@ std::filesystem::path find_file(const TomlTable& t, const std::string& file,
                                 const std::filesystem::path& scene_path) {
     std::error_code error;
     const auto folder = std::filesystem::canonical(scene_path, error).parent_path();
-    const auto path = std::filesystem::weakly_canonical(folder / file, error);
+    auto path = std::filesystem::weakly_canonical(folder / file, error);
     const auto inside = path.lexically_relative(folder);
     if (error || std::filesystem::path(file).is_absolute() || inside.empty() || *inside.begin() == "..") {
         t.fail_at("file", "'file' leads out of the scene's folder (got {}; expected a path inside it)",
