@@ -181,7 +181,7 @@ void eye_rays(benchmark::State& state, const std::string& name) {
             p.rays.intersect(batch, true);
             std::uint64_t count = 0;
             for (int i = 0; i < batch.count; ++i)
-                count += batch.hit[static_cast<std::size_t>(i)].valid() ? 1 : 0;
+                count += batch.hit(static_cast<std::size_t>(i)).valid() ? 1 : 0;
             sum += count;
         });
         hits = sum;

@@ -19,6 +19,14 @@ target_compile_options(postlens_options INTERFACE
   # errno and traps are never read; without these sqrt and selects do not vectorise.
   -fno-math-errno -fno-trapping-math)
 
+if(POSTLENS_FUZZ)
+  # Coverage feedback from every library; the targets themselves add libFuzzer's main.
+  target_compile_options(postlens_options INTERFACE -fsanitize=fuzzer-no-link,address,undefined
+    -fno-sanitize-recover=all -Wno-unknown-warning-option)
+  target_link_options(postlens_options INTERFACE -fsanitize=address,undefined)
+  target_compile_definitions(postlens_options INTERFACE POSTLENS_NO_MULTIVERSION)
+endif()
+
 if(POSTLENS_SANITIZE)
   target_compile_options(postlens_options INTERFACE
     -fsanitize=${POSTLENS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

@@ -11,6 +11,7 @@ scene=samples/scenes/still_life.toml
 out=out/demo
 focal_length_mm=50
 f_number=1.8
+overscan_px=72 # what the widest circles of confusion at the border need
 declare -A focus_m=([near]=0.8 [middle]=1.5 [far]=4)
 
 scripts/build.sh --for build release postlens
@@ -22,7 +23,7 @@ step() {
     "$@"
 }
 echo
-step "$postlens" trace "$scene" -o "$out/still_life.exr"
+step "$postlens" trace "$scene" -o "$out/still_life.exr" --overscan "$overscan_px"
 step "$postlens" image "$out/still_life.exr" -o "$out/still_life_pinhole.png"
 for place in near middle far; do
     step "$postlens" focus "$out/still_life.exr" -o "$out/still_life_$place.png" \

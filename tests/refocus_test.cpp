@@ -32,12 +32,12 @@ ChainEnd follow(const RayScene& rays, dvec3 o, dvec3 d, NodePath path) {
         batch.add(o + off, d, std::numeric_limits<float>::infinity(), from);
         rays.intersect(batch, false);
         const bool last = i == path.depth();
-        if (!batch.hit[0].valid()) {
+        if (!batch.hit(0).valid()) {
             end.reached = last;
             end.direction = d;
             return end;
         }
-        from = batch.hit[0];
+        from = batch.hit(0);
         const SurfacePoint s = rays.surface(from, o, d, static_cast<double>(batch.t[0]));
         end.length += s.t;
         end.point = s.position;

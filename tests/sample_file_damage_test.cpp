@@ -315,6 +315,14 @@ TEST(ForgedSampleFile, CountsThatLieAreRefused) {
     EXPECT_NE(refusal_of(path).find("nearest"), std::string::npos);
 }
 
+// AddressSanitizer keeps what was freed for a while and pads what is not: there only the outer limit of 1 GiB
+// holds.
+#if defined(__SANITIZE_ADDRESS__)
+constexpr long most_kilobytes = 1024 * 1024;
+#else
+constexpr long most_kilobytes = 100 * 1024;
+#endif
+
 long peak_kilobytes() {
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
@@ -345,7 +353,7 @@ TEST(ForgedSampleFile, HugeSizesAreRefusedWithoutMemory) {
             }
         }
     }
-    EXPECT_LT(peak_kilobytes() - before, 100 * 1024);
+    EXPECT_LT(peak_kilobytes() - before, most_kilobytes);
 }
 
 TEST(ForeignFile, IsToldApart) {
@@ -400,7 +408,7 @@ TEST(ForeignFile, DamagedFilesOfOthersAreRefusedQuickly) {
         ++count;
     }
     EXPECT_GT(count, 50U);
-    EXPECT_LT(peak_kilobytes() - before, 200 * 1024);
+    EXPECT_LT(peak_kilobytes() - before, 2 * most_kilobytes);
 }
 
 }  // namespace

@@ -279,14 +279,14 @@ TEST(Hits, PacketsFindWhatBruteForceFinds) {
         int hits = 0, edges = 0;
         for (std::size_t i = 0; i < origins.size(); ++i) {
             const BruteHit expected = brute_force(b.scene, origins[i], directions[i]);
-            const bool hit = batch.hit[i].valid();
+            const bool hit = batch.hit(i).valid();
             if (hit != std::isfinite(expected.t)) {
                 ++edges;
                 continue;
             }
             if (!hit) continue;
             const SurfacePoint s =
-                rays.surface(batch.hit[i], origins[i], directions[i], static_cast<double>(batch.t[i]));
+                rays.surface(batch.hit(i), origins[i], directions[i], static_cast<double>(batch.t[i]));
             // Within float's reach of an outline either answer is right; all others must agree.
             if (s.object != expected.object || std::abs(s.t - expected.t) > 1e-5 * expected.t) {
                 ++edges;

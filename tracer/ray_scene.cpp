@@ -76,7 +76,7 @@ void RayBatch::grow() {
     const std::size_t capacity = std::max<std::size_t>(256, ox.size() * 2);
     for (auto* v : {&ox, &oy, &oz, &dx, &dy, &dz, &t_far, &t}) v->resize(capacity);
     source.resize(capacity);
-    hit.resize(capacity);
+    for (auto* v : {&hit_geometry, &hit_primitive, &hit_instance}) v->resize(capacity);
     transmittance.resize(capacity);
 }
 
@@ -464,10 +464,11 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
             p.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         rtcIntersect16(valid.data(), impl_->top, &context.base, &p);
-        for (std::size_t i = 0; i < n; ++i) {
-            rays.hit[first + i] = {p.hit.geomID[i], p.hit.primID[i], p.hit.instID[0][i]};
-            rays.t[first + i] = p.ray.tfar[i];
-        }
+        // Capacity is a multiple of 16: a whole group may always be written.
+        std::memcpy(rays.hit_geometry.data() + first, p.hit.geomID, sizeof p.hit.geomID);
+        std::memcpy(rays.hit_primitive.data() + first, p.hit.primID, sizeof p.hit.primID);
+        std::memcpy(rays.hit_instance.data() + first, p.hit.instID[0], sizeof p.hit.instID[0]);
+        std::memcpy(rays.t.data() + first, p.ray.tfar, sizeof p.ray.tfar);
     }
 }
 

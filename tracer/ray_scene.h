@@ -30,10 +30,15 @@ class RayBatch {
     bool has_sources = false;    ///< false: no ray of the batch leaves a surface
     std::vector<HitKey> source;  ///< the surface each ray leaves
     // Results.
-    std::vector<HitKey> hit;  ///< geometry == none: nothing hit
-    std::vector<float> t;     ///< in units of the direction's length
+    std::vector<std::uint32_t> hit_geometry, hit_primitive, hit_instance;
+    std::vector<float> t;  ///< in units of the direction's length
     // Results of `occlude`: what share of the light passes, per channel.
     std::vector<glm::dvec3> transmittance;
+
+    /// What ray i hit; `none` where nothing was.
+    [[nodiscard]] HitKey hit(std::size_t i) const {
+        return {hit_geometry[i], hit_primitive[i], hit_instance[i]};
+    }
 
     void clear(bool with_sources) {
         count = 0;
@@ -49,7 +54,7 @@ class RayBatch {
         dy[i] = static_cast<float>(d.y);
         dz[i] = static_cast<float>(d.z);
         t_far[i] = far;
-        source[i] = from;
+        if (has_sources) source[i] = from;
         ++count;
     }
 

@@ -397,7 +397,7 @@ void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
     }
     for (std::size_t i = 0; i < w.rays.count; ++i) {
         const PathRay& ray = w.rays[i];
-        const HitKey key = w.batch.hit[i];
+        const HitKey key = w.batch.hit(i);
         if (!key.valid()) {
             miss(ray, w);
             continue;

@@ -84,6 +84,8 @@ run_postlens() {
     POSTLENS_SPD=$nff taskset -c "$processors" "$bench" "--benchmark_filter=^spd_picture/$scene/" \
         --benchmark_format=json >"$json" 2>"$json.errors" ||
         die "$bench failed on $scene: $(tail -n 1 "$json.errors")"
+    # No match is no failure to the benchmark library.
+    [[ -s $json ]] || die "$bench has no benchmark spd_picture/$scene"
 }
 
 # POV-Ray counts rays that it makes at the last level and does not trace, and a shadow ray anew behind each transparent

@@ -1,0 +1,19 @@
+#include <algorithm>
+
+#include "core/error.h"
+#include "fuzz/fuzz_file.h"
+#include "records/sample_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    try {
+        const postlens::SampleFileReader file(postlens::fuzz_file(data, size, ".exr"));
+        postlens::RecordBand band;
+        for (int y = file.y_begin(); y < file.y_end(); y += 16) {
+            file.read(y, std::min(y + 16, file.y_end()), band);
+        }
+        (void)file.picture();
+    } catch (const postlens::Error&) {
+        // Refused, as it may be.
+    }
+    return 0;
+}
