@@ -64,6 +64,8 @@ CameraModel::CameraModel(const Camera& camera, double time_s, const CameraOverri
         }
     }
 
+    if (projection == Camera::Projection::perspective) tangent_per_px = pixel_pitch_mm / film_distance_mm;
+
     glm::dmat4 base(1);
     forward = glm::normalize(camera.look_at - camera.position);
     right = glm::cross(forward, camera.up);
@@ -83,11 +85,13 @@ CameraModel::CameraModel(const Camera& camera, double time_s, const CameraOverri
 }
 
 CameraRay CameraModel::ray(double x, double y) const {
-    const double fx = (x - 0.5 * width) * pixel_pitch_mm, fy = (y - 0.5 * height) * pixel_pitch_mm;
+    const double px = x - 0.5 * width, py = y - 0.5 * height;
     if (projection == Camera::Projection::orthographic) {
-        return {position + (fx * 1e-3) * right + (fy * 1e-3) * down, forward, 1.0};
+        const double metres_per_px = pixel_pitch_mm * 1e-3;
+        return {position + (px * metres_per_px) * right + (py * metres_per_px) * down, forward, 1.0};
     }
-    const double tx = fx / film_distance_mm, ty = fy / film_distance_mm;
+    // Divisions would cost as much as Embree's part of an eye ray: there is only one, under the root.
+    const double tx = px * tangent_per_px, ty = py * tangent_per_px;
     const double cosine = 1 / std::sqrt(1 + tx * tx + ty * ty);
     return {position, (forward + tx * right + ty * down) * cosine, cosine};
 }

@@ -35,6 +35,7 @@ class CameraModel {
     Camera::Projection projection = Camera::Projection::perspective;
     double film_distance_mm = 0;  ///< d; perspective
     double pixel_pitch_mm = 0;    ///< on the film; orthographic: in the scene
+    double tangent_per_px = 0;    ///< pitch / d; perspective
     glm::dmat4 world_from_camera{1};
 
     /// World directions of the raster axes: x right, y down; and of the optical axis. Unit length.
