@@ -51,7 +51,8 @@ class RayBatch {
         const auto o0 = static_cast<float>(o.x), o1 = static_cast<float>(o.y), o2 = static_cast<float>(o.z);
         const auto d0 = static_cast<float>(d.x), d1 = static_cast<float>(d.y), d2 = static_cast<float>(d.z);
         float *to_ox = ox.data() + i, *to_oy = oy.data() + i, *to_oz = oz.data() + i;
-        float *to_dx = dx.data() + i, *to_dy = dy.data() + i, *to_dz = dz.data() + i, *to_far = t_far.data() + i;
+        float *to_dx = dx.data() + i, *to_dy = dy.data() + i, *to_dz = dz.data() + i,
+              *to_far = t_far.data() + i;
         *to_ox = o0, *to_oy = o1, *to_oz = o2;
         *to_dx = d0, *to_dy = d1, *to_dz = d2;
         *to_far = far;
