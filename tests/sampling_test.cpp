@@ -230,6 +230,8 @@ TEST(Trace, RefusesWhatIsOutOfRange) {
     EXPECT_EQ(code({.overscan_px = -1}), ExitCode::wrong_arguments);
     EXPECT_EQ(code({.overscan_auto = true}), ExitCode::wrong_arguments);
     EXPECT_EQ(code({.camera_name = "nobody"}), ExitCode::wrong_arguments);
+    b.scene.cameras[0].projection = Camera::Projection::orthographic;
+    EXPECT_EQ(code({.overscan_auto = true, .for_f_number = 2, .for_focus_m = 1}), ExitCode::wrong_arguments);
     EXPECT_FALSE(fs::exists(path));
     EXPECT_TRUE(fs::is_empty(folder.path()));
 }

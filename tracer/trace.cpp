@@ -166,6 +166,11 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings,
     const Camera& of = find_camera(scene, settings.camera_name);
     const double time_s = settings.time_s.value_or(scene.time_s);
     const CameraModel camera(of, time_s, settings.camera);
+    if (settings.overscan_auto && camera.projection == Camera::Projection::orthographic) {
+        fail(ExitCode::wrong_arguments,
+             "--overscan auto: an orthographic camera has no lens to be wide enough for (expected a number "
+             "of px)");
+    }
     const RayScene rays(scene, time_s);
     const WhittedTracer tracer(rays, camera, settings.whitted);
 
