@@ -57,8 +57,8 @@ void store_rows(const SplatTables& tables, const RunScatter* runs, const PointSc
                 sums[static_cast<std::size_t>(c)] =
                     runs != nullptr ? runs->sums(c, (x - rows.x_begin) / strip_width, y) : nothing.data();
             }
-            std::array<std::array<double, strip_width>, 4>
-                both;  // NOLINT(cppcoreguidelines-pro-type-member-init): hot, filled where used
+            // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled where it is used
+            std::array<std::array<double, strip_width>, 4> both;
             if (points != nullptr) {
                 const double* from = points->sums(y) + 4 * (x - rows.x_begin);
                 for (std::size_t c = 0; c < 4; ++c) {
@@ -72,8 +72,8 @@ void store_rows(const SplatTables& tables, const RunScatter* runs, const PointSc
             if (width == strip_width) {
                 normalise(sums, tables.any_negative(), out);
             } else {
-                std::array<float, 3 * strip_width>
-                    rgb;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled whole
+                // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled whole
+                std::array<float, 3 * strip_width> rgb;
                 normalise(sums, tables.any_negative(), rgb.data());
                 std::copy_n(rgb.data(), 3 * width, out);
             }
