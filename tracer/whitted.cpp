@@ -20,26 +20,25 @@ double largest(const dvec3& v) {
 
 // A ray of the current generation. `origin` is exact; the packet's origin is moved off the surface.
 struct PathRay {
-    dvec3 origin, direction, throughput;
-    double length;    // of the path so far, m
-    double cos_axis;  // between the eye ray and the optical axis
-    std::uint32_t sample;
-    std::uint32_t differentials;  // index; unused where W is not asked for
+    dvec3 origin{0}, direction{0}, throughput{0};
+    double length = 0;    // of the path so far, m
+    double cos_axis = 1;  // between the eye ray and the optical axis
+    std::uint32_t sample = 0;
+    std::uint32_t differentials = 0;  // index; unused where W is not asked for
     NodePath path;
-    HitKey source;
 };
 
 // A light's contribution to a node, before what stands in between is known.
 struct Shadow {
-    std::uint32_t node;
-    dvec3 radiance;
+    std::uint32_t node = 0;
+    dvec3 radiance{0};
 };
 
 struct Node {
     Record record;
-    dvec3 radiance;
-    dvec3 throughput;
-    std::uint32_t sample;
+    dvec3 radiance{0};
+    dvec3 throughput{0};
+    std::uint32_t sample = 0;
 };
 
 // A light at the instant of the trace.
