@@ -15,12 +15,12 @@ const RayContext& context_of(const RTCIntersectContext* context) {
 
 // Views of Embree's ray and hit arrays: the field order of RTCRay and RTCHit, each field N wide.
 struct Rays {
-    float *ox, *oy, *oz, *tnear, *dx, *dy, *dz, *tfar;
+    float *ox, *oy, *oz, *tnear, *dx, *dy, *dz, *time, *tfar;
     unsigned* id;
     Rays(RTCRayN* rays, unsigned n) {
         auto* f = reinterpret_cast<float*>(rays);
         ox = f, oy = f + n, oz = f + 2 * n, tnear = f + 3 * n;
-        dx = f + 4 * n, dy = f + 5 * n, dz = f + 6 * n, tfar = f + 8 * n;
+        dx = f + 4 * n, dy = f + 5 * n, dz = f + 6 * n, time = f + 7 * n, tfar = f + 8 * n;
         id = reinterpret_cast<unsigned*>(f + 10 * n);
     }
 };
@@ -185,7 +185,8 @@ Crossings<float> item_crossings(const AnalyticSet::Item& item, const Rays& rays,
 }
 
 // Leaving this very shape: the crossing nearest to the start is the start itself.
-void drop_start(Crossings<float>& c) {
+template <typename T>
+void drop_start(Crossings<T>& c) {
     int nearest = 0;
     for (int k = 1; k < c.count; ++k) {
         if (std::abs(c.t[k]) < std::abs(c.t[nearest])) nearest = k;
@@ -203,19 +204,20 @@ bool leaves(const RayContext& context, unsigned ray_id, unsigned geometry, unsig
     return from.geometry == geometry && from.primitive == primitive;
 }
 
-void intersect_analytic(const RTCIntersectFunctionNArguments* args) {
-    const auto& set = *static_cast<const AnalyticSet*>(args->geometryUserPtr);
+// One item for every ray of a packet; `of(i)` are the crossings of ray i.
+template <typename Found>
+void intersect_item(const RTCIntersectFunctionNArguments* args, const Found& of) {
     const auto& context = context_of(args->context);
-    const AnalyticSet::Item& item = set.items[args->primID];
     Rays rays(RTCRayHitN_RayN(args->rayhit, args->N), args->N);
     Hits hits(args->rayhit, args->N);
     for (unsigned i = 0; i < args->N; ++i) {
         if (args->valid[i] == 0) continue;
-        Crossings<float> found = item_crossings(item, rays, i);
+        auto found = of(rays, i);
         if (leaves(context, rays.id[i], args->geomID, args->primID)) drop_start(found);
         for (int k = 0; k < found.count; ++k) {
-            if (!(found.t[k] > rays.tnear[i] && found.t[k] < rays.tfar[i])) continue;
-            rays.tfar[i] = found.t[k];
+            const auto t = static_cast<float>(found.t[k]);
+            if (!(t > rays.tnear[i] && t < rays.tfar[i])) continue;
+            rays.tfar[i] = t;
             hits.primitive[i] = args->primID;
             hits.geometry[i] = args->geomID;
             hits.instance[i] = args->context->instID[0];
@@ -223,29 +225,57 @@ void intersect_analytic(const RTCIntersectFunctionNArguments* args) {
     }
 }
 
-void occlude_analytic(const RTCOccludedFunctionNArguments* args) {
-    const auto& set = *static_cast<const AnalyticSet*>(args->geometryUserPtr);
+template <typename Found>
+void occlude_item(const RTCOccludedFunctionNArguments* args, std::uint32_t object, const Found& of) {
     const auto& context = context_of(args->context);
-    const AnalyticSet::Item& item = set.items[args->primID];
     Rays rays(args->ray, args->N);
     for (unsigned i = 0; i < args->N; ++i) {
         if (args->valid[i] == 0) continue;
-        Crossings<float> found = item_crossings(item, rays, i);
+        auto found = of(rays, i);
         if (leaves(context, rays.id[i], args->geomID, args->primID)) drop_start(found);
         int crossed = 0;
         for (int k = 0; k < found.count; ++k) {
-            if (found.t[k] > rays.tnear[i] && found.t[k] < rays.tfar[i]) ++crossed;
+            const auto t = static_cast<float>(found.t[k]);
+            if (t > rays.tnear[i] && t < rays.tfar[i]) ++crossed;
         }
-        if (crossed > 0 && stops_light(context, item.object, rays.id[i], crossed)) {
+        if (crossed > 0 && stops_light(context, object, rays.id[i], crossed)) {
             rays.tfar[i] = -std::numeric_limits<float>::infinity();
         }
     }
 }
 
-void analytic_bounds(const RTCBoundsFunctionArguments* args) {
-    const auto& set = *static_cast<const AnalyticSet*>(args->geometryUserPtr);
-    glm::vec3 lo = set.lower[args->primID], hi = set.upper[args->primID];
-    // Embree takes no bounds beyond about 1.8e18; a flat box needs a little thickness for float rounding.
+void intersect_analytic(const RTCIntersectFunctionNArguments* args) {
+    const auto& item = static_cast<const AnalyticSet*>(args->geometryUserPtr)->items[args->primID];
+    intersect_item(args, [&](const Rays& rays, unsigned i) { return item_crossings(item, rays, i); });
+}
+
+void occlude_analytic(const RTCOccludedFunctionNArguments* args) {
+    const auto& item = static_cast<const AnalyticSet*>(args->geometryUserPtr)->items[args->primID];
+    occlude_item(args, item.object, [&](const Rays& rays, unsigned i) { return item_crossings(item, rays, i); });
+}
+
+Crossings<double> moving_crossings(const MovingSet& set, unsigned primitive, const Rays& rays, unsigned i) {
+    const MovingSet::Item& item = set.items[primitive];
+    const auto [o, d] = set.local_ray(item, glm::dvec3(rays.ox[i], rays.oy[i], rays.oz[i]),
+                                      glm::dvec3(rays.dx[i], rays.dy[i], rays.dz[i]),
+                                      static_cast<double>(rays.time[i]));
+    return crossings<double>(item.shape, o, d);
+}
+
+void intersect_moving(const RTCIntersectFunctionNArguments* args) {
+    const auto& set = *static_cast<const MovingSet*>(args->geometryUserPtr);
+    intersect_item(args,
+                   [&](const Rays& rays, unsigned i) { return moving_crossings(set, args->primID, rays, i); });
+}
+
+void occlude_moving(const RTCOccludedFunctionNArguments* args) {
+    const auto& set = *static_cast<const MovingSet*>(args->geometryUserPtr);
+    occlude_item(args, set.items[args->primID].object,
+                 [&](const Rays& rays, unsigned i) { return moving_crossings(set, args->primID, rays, i); });
+}
+
+// Embree takes no bounds beyond about 1.8e18; a flat box needs a little thickness for float rounding.
+RTCBounds padded(glm::vec3 lo, glm::vec3 hi) {
     for (int c = 0; c < 3; ++c) {
         lo[c] = std::max(lo[c], -1e18F);
         hi[c] = std::min(hi[c], 1e18F);
@@ -253,7 +283,18 @@ void analytic_bounds(const RTCBoundsFunctionArguments* args) {
     const float grown = 1e-6F * std::max({std::abs(lo.x), std::abs(lo.y), std::abs(lo.z), std::abs(hi.x),
                                           std::abs(hi.y), std::abs(hi.z)});
     const float pad = grown > 1e11F ? 0.0F : grown;
-    *args->bounds_o = {lo.x - pad, lo.y - pad, lo.z - pad, 0, hi.x + pad, hi.y + pad, hi.z + pad, 0};
+    return {lo.x - pad, lo.y - pad, lo.z - pad, 0, hi.x + pad, hi.y + pad, hi.z + pad, 0};
+}
+
+void analytic_bounds(const RTCBoundsFunctionArguments* args) {
+    const auto& set = *static_cast<const AnalyticSet*>(args->geometryUserPtr);
+    *args->bounds_o = padded(set.lower[args->primID], set.upper[args->primID]);
+}
+
+void moving_bounds_at(const RTCBoundsFunctionArguments* args) {
+    const auto& set = *static_cast<const MovingSet*>(args->geometryUserPtr);
+    const std::size_t at = args->primID * static_cast<std::size_t>(set.steps + 1) + args->timeStep;
+    *args->bounds_o = padded(set.lower[at], set.upper[at]);
 }
 
 }  // namespace
@@ -284,6 +325,17 @@ RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set) {
     rtcSetGeometryBoundsFunction(g, analytic_bounds, nullptr);
     rtcSetGeometryIntersectFunction(g, intersect_analytic);
     rtcSetGeometryOccludedFunction(g, occlude_analytic);
+    return g;
+}
+
+RTCGeometry moving_geometry(RTCDevice device, MovingSet& set) {
+    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(g, static_cast<unsigned>(set.items.size()));
+    rtcSetGeometryTimeStepCount(g, static_cast<unsigned>(set.steps + 1));
+    rtcSetGeometryUserData(g, &set);
+    rtcSetGeometryBoundsFunction(g, moving_bounds_at, nullptr);
+    rtcSetGeometryIntersectFunction(g, intersect_moving);
+    rtcSetGeometryOccludedFunction(g, occlude_moving);
     return g;
 }
 

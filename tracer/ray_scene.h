@@ -1,5 +1,6 @@
-// A scene at one instant, ready for rays: Embree finds what is hit, in float; the hit itself is then solved
-// again in double, so that normals, mirrors and ray differentials are exact at any scale.
+// A scene ready for rays, at one instant or over the time that a shutter is open: Embree finds what is hit, in
+// float; the hit itself is then solved again in double, so that normals, mirrors and ray differentials are exact
+// at any scale.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +9,16 @@
 #include <span>
 #include <vector>
 
+#include "tracer/motion_steps.h"
 #include "tracer/scene.h"
 
 namespace postlens {
+
+/// When a shutter opens and closes, s; a ray's `time` is its share of the way from one to the other.
+struct TimeSpan {
+    double open_s = 0, close_s = 0;
+    [[nodiscard]] double at(double share) const { return open_s + share * (close_s - open_s); }
+};
 
 /// Which primitive was hit. A ray that starts on a surface carries it, so that it does not hit the same point
 /// again.
@@ -29,6 +37,8 @@ class RayBatch {
     std::vector<float> ox, oy, oz, dx, dy, dz, t_far;
     bool has_sources = false;    ///< false: no ray of the batch leaves a surface
     std::vector<HitKey> source;  ///< the surface each ray leaves
+    bool has_times = false;      ///< false: all rays travel at the shutter's opening
+    std::vector<float> time;     ///< share of the time span, 0 to 1
     // Results.
     std::vector<std::uint32_t> hit_geometry, hit_primitive, hit_instance;
     std::vector<float> t;  ///< in units of the direction's length
@@ -40,11 +50,19 @@ class RayBatch {
         return {hit_geometry[i], hit_primitive[i], hit_instance[i]};
     }
 
-    void clear(bool with_sources) {
+    void clear(bool with_sources, bool with_times = false) {
         count = 0;
         has_sources = with_sources;
+        has_times = with_times;
     }
-    void add(const glm::dvec3& o, const glm::dvec3& d, float far, const HitKey& from = {}) {
+    /// Makes room for 16 more rays and returns the index of the first, for a caller that fills the arrays.
+    std::size_t add_group() {
+        const auto first = static_cast<std::size_t>(count);
+        while (first + group > ox.size()) grow();
+        count += group;
+        return first;
+    }
+    void add(const glm::dvec3& o, const glm::dvec3& d, float far, const HitKey& from = {}, float at = 0) {
         const auto i = static_cast<std::size_t>(count);
         if (i == ox.size()) grow();
         // All seven converted before any is stored: a store might otherwise change where the next array lies.
@@ -57,6 +75,7 @@ class RayBatch {
         *to_dx = d0, *to_dy = d1, *to_dz = d2;
         *to_far = far;
         if (has_sources) source[i] = from;
+        if (has_times) time[i] = at;
         ++count;
     }
 
@@ -78,8 +97,12 @@ struct SurfacePoint {
 
 class RayScene {
   public:
-    /// Keeps a reference to `scene`. Throws Error(interrupted) when the user interrupts the build.
+    /// The scene at one instant. Keeps a reference to `scene`. Throws Error(interrupted) when the user
+    /// interrupts the build.
     RayScene(const Scene& scene, double time_s);
+    /// The scene while a shutter is open, every ray at its own instant. Shapes with a formula move by their true
+    /// transforms; meshes go linearly from step to step, with as many steps as `accuracy` asks for.
+    RayScene(const Scene& scene, const TimeSpan& span, const MotionAccuracy& accuracy);
     ~RayScene();
     RayScene(const RayScene&) = delete;
     RayScene& operator=(const RayScene&) = delete;
@@ -92,17 +115,25 @@ class RayScene {
     /// once per crossing (Whitted's straight shadow rays).
     void occlude(RayBatch& rays) const;
     /// The hit solved in double for the ray o + t d, |d| = 1, near the t that `intersect` found.
-    [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,
-                                       double t) const;
-    /// How the outward unit normal of that hit changes: d(normal) = shape_operator * d(position), 1/m.
+    /// `time`: the ray's share of the time span.
+    [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t,
+                                       double time = 0) const;
+    /// How the outward unit normal of that hit changes: d(normal) = shape_operator * d(position), 1/m. Only for
+    /// what does not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
     /// How far to move a ray's origin off a surface at `p`, m: above float's rounding there, far below all
     /// else.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;
-    /// The instant that this is the scene of.
+    /// The instant that this is the scene of; for a time span, its beginning.
     [[nodiscard]] double time_s() const;
+    [[nodiscard]] const TimeSpan& span() const;
+    /// Whether any object moves during the time span.
+    [[nodiscard]] bool moves() const;
+    /// How far the steps of moving meshes stray from the true motion, px; above the tolerance where even the
+    /// most steps do not suffice.
+    [[nodiscard]] double motion_error_px() const;
     /// Embree's own handle, for benchmarks that compare with a bare loop (RTCScene).
     [[nodiscard]] void* native_handle() const;
 

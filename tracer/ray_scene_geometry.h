@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tracer/analytic_shape.h"
+#include "tracer/motion_path.h"
 #include "tracer/ray_scene.h"
 
 namespace postlens {
@@ -67,9 +68,37 @@ struct AnalyticSet {
     std::vector<glm::vec3> lower, upper;  ///< world bounds
 };
 
+/// Analytic shapes in motion. A ray is taken back to where the shape stood before it moved, in double.
+struct MovingSet {
+    struct Item {
+        AnalyticShape shape;
+        glm::dmat4 local_from_base{1};  ///< base: the world before the motion
+        glm::dmat4 object_from_local{1};
+        std::uint32_t object = 0;
+        std::size_t path = 0;
+    };
+    std::vector<MotionPath> paths;
+    std::vector<Item> items;
+    TimeSpan span;
+    int steps = 1;                        ///< boxes are given at steps + 1 equal times
+    std::vector<glm::vec3> lower, upper;  ///< by item * (steps + 1) + step
+
+    /// The ray of that instant in the item's own frame.
+    struct LocalRay {
+        glm::dvec3 o, d;
+    };
+    [[nodiscard]] LocalRay local_ray(const Item& item, const glm::dvec3& o, const glm::dvec3& d,
+                                     double time) const {
+        const MotionPath::Pose pose = paths[item.path].at(span.at(time));
+        return {glm::dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
+                glm::dvec3(item.local_from_base * glm::dvec4(pose.unmoved_direction(d), 0))};
+    }
+};
+
 /// Creates the user geometries with their callbacks; the sets must outlive them.
 [[nodiscard]] RTCGeometry sphere_geometry(RTCDevice device, SphereSet& set);
 [[nodiscard]] RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set);
+[[nodiscard]] RTCGeometry moving_geometry(RTCDevice device, MovingSet& set);
 
 /// Filters for triangles: leave out the ray's own source; let light through what transmits or casts no
 /// shadow.

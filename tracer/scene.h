@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +30,10 @@ struct Material {
     glm::dvec3 reflection{0};
     glm::dvec3 transmission{0};
     double ior = 1;  ///< index of refraction inside; 1 outside
+    /// Exponents of the lobes cos^n in which mirrored and refracted rays spread about their exact direction;
+    /// infinity: no spread. Distributed rays only; a point sample takes the exact direction.
+    double reflection_exponent = std::numeric_limits<double>::infinity();
+    double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
     /// Multiplies ambient, diffuse, diffuse_transmission; null: white.
     std::shared_ptr<const Texture> colour_texture;
@@ -92,16 +97,20 @@ struct Object {
 };
 
 struct Light {
-    enum class Kind { point, directional, spot };
+    enum class Kind { point, directional, spot, sphere, rectangle };
     Kind kind = Kind::point;
     std::string name;
-    glm::dvec3 position{0};          ///< point, spot
+    glm::dvec3 position{0};          ///< point, spot; centre of a sphere or rectangle
     glm::dvec3 direction{0, 0, -1};  ///< directional, spot: the way the light travels, unit length
     glm::dvec3 intensity{1};         ///< radiance factor at N.L = 1
     double cone_degrees = 30;        ///< spot: full angle of the lit cone
     double cone_soft_degrees =
         0;  ///< spot: full angle at which the fall-off begins; = cone_degrees: hard edge
     glm::dvec3 attenuation{1, 0, 0};  ///< 1 / (a0 + a1 r + a2 r^2), r in m
+    /// Lights with an extent give penumbrae to distributed rays; a point sample sees them as points.
+    double radius = 0;                   ///< sphere
+    glm::dvec3 edge_u{0}, edge_v{0};     ///< rectangle
+    [[nodiscard]] bool has_extent() const { return kind == Kind::sphere || kind == Kind::rectangle; }
     bool casts_shadows = true;
     std::vector<TransformKey> keys;  ///< moves position and direction; empty: still
 };

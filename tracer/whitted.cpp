@@ -8,15 +8,12 @@
 #include <vector>
 
 #include "tracer/ray_differentials.h"
+#include "tracer/shading.h"
 
 namespace postlens {
 namespace {
 
 using glm::dvec3;
-
-double largest(const dvec3& v) {
-    return std::max({v.x, v.y, v.z});
-}
 
 // A ray of the current generation. `origin` is exact; the packet's origin is moved off the surface.
 struct PathRay {
@@ -39,13 +36,6 @@ struct Node {
     dvec3 radiance{0};
     dvec3 throughput{0};
     std::uint32_t sample = 0;
-};
-
-// A light at the instant of the trace.
-struct PlacedLight {
-    const Light* light;
-    dvec3 position, direction;
-    double cos_outer, cos_inner;
 };
 
 // Items that are filled in place, field by field, and kept for reuse: building them elsewhere and copying
@@ -72,25 +62,6 @@ struct Workspace {
     RayBatch batch, next_batch;
     std::vector<std::uint32_t> order;
 };
-
-// The surface as the ray sees it: normals turned against the ray.
-struct Facing {
-    dvec3 normal, geometric_normal;
-    double sign;  // of the turn
-    bool smooth;  // false: the facet's own normal stands in for the interpolated one
-    [[nodiscard]] bool entering() const { return sign > 0; }
-};
-
-Facing face(const SurfacePoint& s, const dvec3& direction) {
-    const double sign = glm::dot(direction, s.geometric_normal) < 0 ? 1 : -1;
-    Facing f{sign * s.normal, sign * s.geometric_normal, sign, true};
-    if (glm::dot(direction, f.normal) >= 0) {
-        // An interpolated normal that looks away from the eye has no mirror direction; the facet's own has.
-        f.normal = f.geometric_normal;
-        f.smooth = false;
-    }
-    return f;
-}
 
 // Nodes come generation by generation; records go sample by sample, by path.
 void collect(std::span<const glm::dvec2> positions, Workspace& w, TracedSamples& out) {
@@ -134,8 +105,6 @@ struct WhittedTracer::Impl {
     bool refocus = false;
     std::vector<double> bound;  // by nodes left below: the most radiance that a subtree can have
 
-    void place_lights(double time_s);
-    void bound_contributions();
     void start(std::span<const glm::dvec2> positions, Workspace& w) const;
     void generation(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] static Node& add_node(const PathRay& ray, Workspace& w);
@@ -150,40 +119,6 @@ struct WhittedTracer::Impl {
                const dvec3& off, const dvec3& throughput, NodePath::Bounce bounce, Workspace& w) const;
     void resolve_shadows(Workspace& w) const;
 };
-
-void WhittedTracer::Impl::place_lights(double time_s) {
-    for (const Light& l : rays.scene().lights) {
-        const glm::dmat4 m = l.keys.empty() ? glm::dmat4(1) : transform_at(l.keys, time_s);
-        const auto cosine = [](double full_degrees) {
-            return std::cos(full_degrees * std::numbers::pi / 360);
-        };
-        lights.push_back({&l, dvec3(m * glm::dvec4(l.position, 1)),
-                          glm::normalize(dvec3(m * glm::dvec4(l.direction, 0))), cosine(l.cone_degrees),
-                          cosine(std::min(l.cone_soft_degrees, l.cone_degrees))});
-    }
-}
-
-void WhittedTracer::Impl::bound_contributions() {
-    const Scene& scene = rays.scene();
-    dvec3 lit(0);
-    for (const Light& l : scene.lights) {
-        // With attenuation alone by distance the radiance near the light has no bound.
-        lit += l.intensity *
-               (l.attenuation.x > 0 ? 1 / l.attenuation.x : std::numeric_limits<double>::infinity());
-    }
-    double local = largest(scene.background), passed_on = 0;
-    for (const Material& m : scene.materials) {
-        const double colour = m.colour_texture ? m.colour_texture->maximum() : 1;
-        const double glow = m.emission_texture ? m.emission_texture->maximum() : 1;
-        local = std::max(local, largest(m.emission * glow + m.ambient * colour * scene.ambient_light +
-                                        lit * (colour * (m.diffuse + m.diffuse_transmission) + m.specular)));
-        passed_on = std::max(passed_on, largest(m.reflection + m.transmission));
-        deeper_nodes = deeper_nodes || m.reflection != dvec3(0) || m.transmission != dvec3(0);
-    }
-    bound.assign(static_cast<std::size_t>(settings.max_depth) + 1, 0);
-    for (std::size_t k = 1; k < bound.size(); ++k) bound[k] = local + passed_on * bound[k - 1];
-    deeper_nodes = deeper_nodes && settings.max_depth > 1;
-}
 
 void WhittedTracer::Impl::start(std::span<const glm::dvec2> positions, Workspace& w) const {
     w.rays.count = w.nodes.count = w.differentials.count = 0;
@@ -237,10 +172,8 @@ void WhittedTracer::Impl::hit(const PathRay& ray, const SurfacePoint& s, const H
     } else {
         n.record.w = Mat2::isotropic(1 / n.record.z);
     }
-    const dvec3 colour = m.colour_texture ? m.colour_texture->colour(s.object_position, s.uv) : dvec3(1);
-    n.radiance = m.ambient * colour * scene.ambient_light;
-    n.radiance +=
-        m.emission_texture ? m.emission * m.emission_texture->colour(s.object_position, s.uv) : m.emission;
+    const dvec3 colour = surface_colour(m, s);
+    n.radiance = own_radiance(scene, m, s, colour);
     light(ray, s, f, key, m, colour, w, counts);
     spawn(ray, s, f, key, m, w, counts);
 }
@@ -250,53 +183,17 @@ void WhittedTracer::Impl::light(const PathRay& ray, const SurfacePoint& s, const
                                 RayCounts& counts) const {
     const auto node = static_cast<std::uint32_t>(w.nodes.count - 1);
     for (std::size_t i = 0; i < lights.size(); ++i) {
-        const PlacedLight& placed = lights[i];
-        const Light& l = *placed.light;
-        const bool directional = l.kind == Light::Kind::directional;
-        dvec3 to_light = directional ? -placed.direction : placed.position - s.position;
-        const double distance = glm::length(to_light);
-        if (!(distance > 0)) continue;
-        to_light /= distance;
-        const double n_l = glm::dot(f.normal, to_light);
-        const bool front = n_l > 0;
-        if (n_l == 0 || (!front && m.diffuse_transmission == dvec3(0))) continue;
-        dvec3 intensity = l.intensity;
-        if (!directional) {
-            intensity /= l.attenuation.x + distance * (l.attenuation.y + distance * l.attenuation.z);
-        }
-        if (l.kind == Light::Kind::spot) {
-            const double c = -glm::dot(to_light, placed.direction);
-            if (c <= placed.cos_outer) continue;
-            if (c < placed.cos_inner) {
-                const double t = (c - placed.cos_outer) / (placed.cos_inner - placed.cos_outer);
-                intensity *= t * t * (3 - 2 * t);
-            }
-        }
-        dvec3 reflected = (front ? m.diffuse : m.diffuse_transmission) * colour * std::abs(n_l);
-        if (front && m.specular != dvec3(0)) {
-            // R . V with R the mirror image of L and V towards the eye.
-            const double r_v = -glm::dot(2 * n_l * f.normal - to_light, ray.direction);
-            if (r_v > 0) reflected += m.specular * std::pow(r_v, m.shininess);
-        }
-        const dvec3 radiance = intensity * reflected;
-        if (radiance == dvec3(0)) continue;
-        if (!l.casts_shadows) {
-            w.nodes[node].radiance += radiance;
+        const Lit lit = lit_by(lights[i], lights[i].position, s, f, m, colour, ray.direction);
+        if (lit.radiance == dvec3(0)) continue;
+        if (!lit.casts_shadow) {
+            w.nodes[node].radiance += lit.radiance;
             continue;
         }
-        // The shadow ray leaves on the light's side of the true surface.
-        const double side = glm::dot(f.geometric_normal, to_light) >= 0 ? 1 : -1;
-        const dvec3 origin = s.position + (side * RayScene::offset(s.position)) * f.geometric_normal;
         ++counts.shadow;
         Shadow& shadow = w.shadows[i].add();
         shadow.node = node;
-        shadow.radiance = radiance;
-        if (directional) {
-            w.shadow_rays[i].add(origin, to_light, std::numeric_limits<float>::infinity(), key);
-        } else {
-            // Up to just before the light, so that a lamp's own surface may hold the light's point.
-            w.shadow_rays[i].add(origin, placed.position - origin, 1 - 1e-6F, key);
-        }
+        shadow.radiance = lit.radiance;
+        w.shadow_rays[i].add(lit.origin, lit.segment, lit.reach, key);
     }
 }
 
@@ -324,17 +221,9 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
         return largest(throughput) > 0 &&
                largest(throughput) * bound[static_cast<std::size_t>(left)] >= settings.min_contribution;
     };
-    dvec3 reflected = ray.throughput * m.reflection;
-    const dvec3 transmitted = ray.throughput * m.transmission;
-    const double d_n = glm::dot(ray.direction, f.normal);
-    const double eta = f.entering() ? 1 / m.ior : m.ior;
-    const double k = 1 - eta * eta * (1 - d_n * d_n);
-    bool refracts = transmitted != dvec3(0);
-    if (refracts && k <= 0) {
-        reflected += transmitted;  // total internal reflection carries what would have passed
-        refracts = false;
-    }
-    refracts = refracts && worth(transmitted);
+    const Continuation c = continuation(m, f, ray.direction);
+    const dvec3 reflected = ray.throughput * c.reflected, transmitted = ray.throughput * c.transmitted;
+    const bool refracts = c.refracts && worth(transmitted);
     const bool reflects = worth(reflected);
     if (!reflects && !refracts) return;
 
@@ -351,12 +240,10 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
         if (f.smooth) shape_operator = f.sign * rays.shape_operator(key, s);
     }
     if (reflects) {
-        dvec3 direction = ray.direction - 2 * d_n * f.normal;
-        const bool inwards = glm::dot(direction, f.geometric_normal) <= 0;
-        // An interpolated normal may send the ray into the surface; the facet's own normal cannot.
-        if (inwards) direction = glm::reflect(ray.direction, f.geometric_normal);
+        bool inwards = false;
+        const dvec3 direction = mirrored_direction(c, f, ray.direction, inwards);
         ++counts.reflect;
-        child(ray, s, key, glm::normalize(direction), f.geometric_normal, reflected,
+        child(ray, s, key, direction, f.geometric_normal, reflected,
               NodePath::Bounce::reflected, w);
         if (refocus && inwards) {
             w.next_differentials.add() = reflect(*here, ray.direction, f.geometric_normal, glm::dmat3(0));
@@ -365,12 +252,12 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
         }
     }
     if (refracts) {
-        const dvec3 direction = eta * ray.direction + (-eta * d_n - std::sqrt(k)) * f.normal;
+        const dvec3 direction = refracted_direction(c, f, ray.direction);
         ++counts.refract;
-        child(ray, s, key, glm::normalize(direction), -f.geometric_normal, transmitted,
+        child(ray, s, key, direction, -f.geometric_normal, transmitted,
               NodePath::Bounce::transmitted, w);
         if (refocus)
-            w.next_differentials.add() = refract(*here, ray.direction, f.normal, shape_operator, eta);
+            w.next_differentials.add() = refract(*here, ray.direction, f.normal, shape_operator, c.eta);
     }
 }
 
@@ -415,8 +302,9 @@ WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
                              const WhittedSettings& settings)
     : impl_(std::make_unique<Impl>(scene, camera, settings)) {
     impl_->settings.max_depth = std::clamp(settings.max_depth, 1, NodePath::max_bounces + 1);
-    impl_->bound_contributions();
-    impl_->place_lights(scene.time_s());
+    impl_->bound = radiance_bounds(scene.scene(), impl_->settings.max_depth);
+    impl_->deeper_nodes = impl_->settings.max_depth > 1 && postlens::has_deeper_nodes(scene.scene());
+    for (const Light& l : scene.scene().lights) impl_->lights.push_back(place_light(l, scene.time_s()));
     impl_->refocus = settings.refocus_matrices && impl_->deeper_nodes &&
                      camera.projection == Camera::Projection::perspective;
 }

@@ -1,0 +1,121 @@
+// What a RayScene is made of. Only ray_scene*.cpp include this.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <embree3/rtcore.h>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "tracer/analytic_shape.h"
+#include "tracer/ray_scene.h"
+#include "tracer/ray_scene_geometry.h"
+
+namespace postlens {
+
+// The triangle a ray met: what `surface` needs, from the mesh as Embree has it.
+struct MeshGeometry {
+    std::shared_ptr<const Mesh> mesh;
+    std::vector<glm::vec3> positions;  // as Embree has them: world space if baked, else object space
+    std::vector<glm::uvec3> triangles;
+    std::uint32_t object = 0;  // of a baked mesh
+    RTCScene scene = nullptr;  // of a shared one
+};
+
+// One triangle in world space, with the gradients of its barycentric coordinates b1 and b2 over its plane.
+struct TriangleFrame {
+    const MeshGeometry* mesh;
+    std::uint32_t object;
+    glm::uvec3 corners;
+    glm::dvec3 a, cross, gradient1, gradient2;
+    double area2;
+    glm::dmat4 object_from_world;  // only where `surface` needs it: see Impl::triangle
+};
+
+// A mesh that is shared or moves. Where it moves, it exists from `begin` on until the next one's `begin`.
+struct InstanceGeometry {
+    std::uint32_t object = 0;
+    std::size_t mesh = 0;
+    std::vector<glm::dmat4> world_from_object;  // one, or one per time step
+    double begin = 0, per_step = 0;             // shares of the time span
+    // As Embree interpolates: what leaves a surface must start on the surface that Embree sees.
+    [[nodiscard]] glm::dmat4 at(double time) const;
+};
+
+struct RayScene::Impl {
+    Impl(const Scene& of, const TimeSpan& over);
+    ~Impl();
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+    Impl(Impl&&) = delete;
+    Impl& operator=(Impl&&) = delete;
+
+    const Scene* scene;
+    TimeSpan span;
+    RTCDevice device;
+    RTCScene top = nullptr;
+    std::vector<RTCScene> mesh_scenes;
+
+    SphereSet spheres;
+    AnalyticSet analytic;
+    MovingSet moving;
+    bool any_moves = false;
+    double motion_error_px = 0;
+    std::vector<MeshGeometry> meshes;
+    std::vector<InstanceGeometry> instances;
+    std::vector<glm::dmat4> object_from_world;  // per object, at the beginning of the time span
+    std::vector<bool> mirrored;                 // per object
+    std::vector<ObjectShadow> shadows;          // per object
+    bool all_opaque = true;                     // no object lets light through
+
+    enum class Kind { spheres, analytic, moving, mesh, instance };
+    struct Entry {
+        Kind kind = Kind::spheres;
+        std::size_t index = 0;
+    };
+    std::vector<Entry> entries;                     // by geometry id of the top scene
+    std::vector<std::uint32_t> object_of_geometry;  // the same; meshes and instances
+
+    // Building: ray_scene_build.cpp.
+    void attach(RTCGeometry geometry, const Entry& entry, std::uint32_t object);
+    void commit(RTCScene s) const;
+    [[nodiscard]] RTCGeometry triangles_of(const MeshGeometry& mesh) const;
+    void add_analytic(const PlacedShape& placed, const glm::dmat4& world_from_object, std::uint32_t object);
+    void add_baked(const std::shared_ptr<const Mesh>& mesh, const glm::dmat4& world_from_object,
+                   std::uint32_t object);
+    [[nodiscard]] std::size_t shared_mesh(const std::shared_ptr<const Mesh>& mesh, std::uint32_t object);
+    void add_instance(InstanceGeometry instance, float begin, float end);
+    void add_moving_mesh(const std::shared_ptr<const Mesh>& mesh, const MotionPath& path, std::uint32_t object,
+                         const MotionAccuracy& accuracy);
+    void add_moving(const MotionPath& path, std::uint32_t object, const MotionAccuracy& accuracy);
+    void bound_moving();
+    void add_objects(const MotionAccuracy& accuracy);
+    std::map<const Mesh*, std::size_t> shared_meshes;
+
+    // Solving hits: ray_scene_surface.cpp.
+    [[nodiscard]] SurfacePoint sphere_surface(std::uint32_t primitive, const glm::dvec3& o, const glm::dvec3& d,
+                                              double t) const;
+    struct AnalyticHit {
+        const AnalyticShape& shape;
+        const glm::dmat4& object_from_local;
+        std::uint32_t object;
+        glm::dmat3 local_from_world;  // its linear part
+    };
+    [[nodiscard]] static SurfacePoint analytic_surface(const AnalyticHit& item, const glm::dvec3& o,
+                                                       const glm::dvec3& d, const glm::dvec3& local_o,
+                                                       const glm::dvec3& local_d, double t);
+    [[nodiscard]] SurfacePoint moving_surface(std::uint32_t primitive, const glm::dvec3& o, const glm::dvec3& d,
+                                              double t, double time) const;
+    [[nodiscard]] TriangleFrame triangle(const HitKey& key, double time) const;
+    [[nodiscard]] static std::array<glm::dvec3, 3> vertex_normals(const TriangleFrame& f);
+    [[nodiscard]] SurfacePoint mesh_surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,
+                                            double time) const;
+    [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
+    [[nodiscard]] bool textured(std::uint32_t object) const {
+        const Material& m = scene->materials[scene->objects[object].material];
+        return m.colour_texture != nullptr || m.emission_texture != nullptr;
+    }
+};
+
+}  // namespace postlens

@@ -1,0 +1,195 @@
+// Hits solved again in double.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tracer/ray_scene_impl.h"
+
+namespace postlens {
+
+using glm::dmat3;
+using glm::dmat4;
+using glm::dvec3;
+
+dmat4 InstanceGeometry::at(double time) const {
+    if (world_from_object.size() == 1) return world_from_object.front();
+    const auto last = static_cast<double>(world_from_object.size() - 1);
+    const double position = std::clamp((time - begin) / per_step, 0.0, last);
+    const auto k = static_cast<std::size_t>(std::min(position, last - 1));
+    const double share = position - static_cast<double>(k);
+    return world_from_object[k] * (1 - share) + world_from_object[k + 1] * share;
+}
+
+SurfacePoint RayScene::Impl::sphere_surface(std::uint32_t primitive, const dvec3& o, const dvec3& d,
+                                            double t) const {
+    const dvec3 c = spheres.exact_centre[primitive];
+    const double r = spheres.exact_radius[primitive];
+    const double tc = glm::dot(c - o, d);
+    const dvec3 l = o + tc * d - c;
+    const double h = std::sqrt(std::max(0.0, r * r - glm::dot(l, l)));
+    SurfacePoint s;
+    s.object = spheres.object[primitive];
+    s.t = std::abs(tc - h - t) <= std::abs(tc + h - t) ? tc - h : tc + h;
+    const dvec3 n = glm::normalize(l + (s.t - tc) * d);
+    s.position = c + r * n;
+    s.geometric_normal = s.normal = n;
+    if (textured(s.object)) {
+        s.object_position = dvec3(object_from_world[s.object] * glm::dvec4(s.position, 1));
+        const auto& shape = std::get<Sphere>(scene->objects[s.object].shape);
+        s.uv = local_geometry({}, 0, (s.object_position - shape.centre) / shape.radius).uv;
+    }
+    return s;
+}
+
+SurfacePoint RayScene::Impl::analytic_surface(const AnalyticHit& item, const dvec3& o, const dvec3& d,
+                                              const dvec3& local_o, const dvec3& local_d, double t) {
+    const Crossings<double> found = crossings<double>(item.shape, local_o, local_d);
+    SurfacePoint s;
+    s.object = item.object;
+    s.t = t;  // kept where float saw a silhouette that double just misses
+    double best = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < found.count; ++k) {
+        if (std::abs(found.t[k] - t) >= best) continue;
+        best = std::abs(found.t[k] - t);
+        s.t = found.t[k];
+        s.part = found.part[k];
+    }
+    s.position = o + s.t * d;
+    const dvec3 local = local_o + s.t * local_d;
+    const LocalGeometry g = local_geometry(item.shape, s.part, local);
+    s.geometric_normal = s.normal =
+        glm::normalize(glm::transpose(item.local_from_world) * g.normal);  // normals go over as covectors
+    s.uv = g.uv;
+    s.object_position = dvec3(item.object_from_local * glm::dvec4(local, 1));
+    return s;
+}
+
+SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3& o, const dvec3& d, double t,
+                                            double time) const {
+    const MovingSet::Item& item = moving.items[primitive];
+    const MotionPath::Pose pose = moving.paths[item.path].at(span.at(time));
+    const dmat3 base(item.local_from_base);
+    // d(unmoved) / d(world): the transposed rotation, its rows divided by the scale.
+    dmat3 unmoved = glm::transpose(pose.rotation);
+    for (int axis = 0; axis < 3; ++axis) unmoved[axis] /= pose.scale;
+    const dvec3 local_o(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1));
+    const dvec3 local_d = base * pose.unmoved_direction(d);
+    return analytic_surface({item.shape, item.object_from_local, item.object, base * unmoved}, o, d, local_o,
+                            local_d, t);
+}
+
+TriangleFrame RayScene::Impl::triangle(const HitKey& key, double time) const {
+    TriangleFrame f{};
+    const bool instanced = key.instance != HitKey::none;
+    const Entry& entry = entries[instanced ? key.instance : key.geometry];
+    f.mesh = &meshes[instanced ? instances[entry.index].mesh : entry.index];
+    f.object = instanced ? instances[entry.index].object : f.mesh->object;
+    f.corners = f.mesh->triangles[key.primitive];
+    f.object_from_world = object_from_world[f.object];
+    const InstanceGeometry* instance = instanced ? &instances[entry.index] : nullptr;
+    dmat4 moved(1);
+    if (instanced) {
+        moved = instance->at(time);
+        const bool asked = textured(f.object) || !f.mesh->mesh->normals.empty();
+        if (asked && instance->world_from_object.size() > 1) f.object_from_world = glm::inverse(moved);
+    }
+    const auto world = [&](std::uint32_t i) {
+        const dvec3 p(f.mesh->positions[i]);
+        return instanced ? dvec3(moved * glm::dvec4(p, 1)) : p;
+    };
+    f.a = world(f.corners.x);
+    const dvec3 e1 = world(f.corners.y) - f.a, e2 = world(f.corners.z) - f.a;
+    f.cross = glm::cross(e1, e2);
+    f.area2 = glm::dot(f.cross, f.cross);
+    f.gradient1 = glm::cross(e2, f.cross) / f.area2;
+    f.gradient2 = glm::cross(f.cross, e1) / f.area2;
+    return f;
+}
+
+std::array<dvec3, 3> RayScene::Impl::vertex_normals(const TriangleFrame& f) {
+    const auto& normals = f.mesh->mesh->normals;
+    const dmat3 covariant = glm::transpose(dmat3(f.object_from_world));
+    return {covariant * dvec3(normals[f.corners.x]), covariant * dvec3(normals[f.corners.y]),
+            covariant * dvec3(normals[f.corners.z])};
+}
+
+SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, const dvec3& d,
+                                          double time) const {
+    const TriangleFrame f = triangle(key, time);
+    SurfacePoint s;
+    s.object = f.object;
+    s.t = glm::dot(f.a - o, f.cross) / glm::dot(d, f.cross);
+    s.position = o + s.t * d;
+    const dvec3 from_a = s.position - f.a;
+    const double b1 = glm::dot(from_a, f.gradient1), b2 = glm::dot(from_a, f.gradient2), b0 = 1 - b1 - b2;
+    // A mirroring transform turns the winding over; the outside stays where the mesh has it.
+    s.geometric_normal = s.normal = (mirrored[f.object] ? -1 : 1) / std::sqrt(f.area2) * f.cross;
+    if (!f.mesh->mesh->normals.empty()) {
+        const auto n = vertex_normals(f);
+        const dvec3 sum = b0 * n[0] + b1 * n[1] + b2 * n[2];
+        const double length = glm::length(sum);
+        if (length > 0) {
+            s.normal = sum / length;
+            // Vertex normals say which side is out only as far as the winding agrees.
+            if (glm::dot(s.normal, s.geometric_normal) < 0) s.geometric_normal = -s.geometric_normal;
+        }
+    }
+    if (textured(s.object)) {
+        s.object_position = dvec3(f.object_from_world * glm::dvec4(s.position, 1));
+        const auto& uv = f.mesh->mesh->uvs;
+        if (!uv.empty()) {
+            s.uv = b0 * glm::dvec2(uv[f.corners.x]) + b1 * glm::dvec2(uv[f.corners.y]) +
+                   b2 * glm::dvec2(uv[f.corners.z]);
+        }
+    }
+    return s;
+}
+
+dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) const {
+    const dmat3 across = dmat3(1) - glm::outerProduct(at.normal, at.normal);
+    const Entry& entry = entries[key.instance == HitKey::none ? key.geometry : key.instance];
+    if (entry.kind == Kind::spheres) return across / spheres.exact_radius[key.primitive];
+    if (entry.kind == Kind::analytic) {
+        // d(normalised covector) along moves in the world.
+        const AnalyticSet::Item& item = analytic.items[key.primitive];
+        const dmat3 linear(item.local_from_world);
+        const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));
+        const LocalGeometry g = local_geometry(item.shape, at.part, local);
+        return across * glm::transpose(linear) * g.shape_operator * linear /
+               glm::length(glm::transpose(linear) * g.normal);
+    }
+    const TriangleFrame f = triangle(key, 0);
+    if (f.mesh->mesh->normals.empty()) return dmat3(0);
+    const auto n = vertex_normals(f);
+    const dvec3 from_a = at.position - f.a;
+    const double b1 = glm::dot(from_a, f.gradient1), b2 = glm::dot(from_a, f.gradient2);
+    const double length = glm::length((1 - b1 - b2) * n[0] + b1 * n[1] + b2 * n[2]);
+    if (!(length > 0)) return dmat3(0);
+    return across *
+           (glm::outerProduct(n[1] - n[0], f.gradient1) + glm::outerProduct(n[2] - n[0], f.gradient2)) /
+           length;
+}
+
+SurfacePoint RayScene::surface(const HitKey& key, const dvec3& o, const dvec3& d, double t, double time) const {
+    const Impl::Entry& entry = impl_->entries[key.instance == HitKey::none ? key.geometry : key.instance];
+    switch (entry.kind) {
+        case Impl::Kind::spheres:
+            return impl_->sphere_surface(key.primitive, o, d, t);
+        case Impl::Kind::analytic: {
+            const AnalyticSet::Item& item = impl_->analytic.items[key.primitive];
+            const dmat3 linear(item.local_from_world);
+            return Impl::analytic_surface({item.shape, item.object_from_local, item.object, linear}, o, d,
+                                          dvec3(item.local_from_world * glm::dvec4(o, 1)), linear * d, t);
+        }
+        case Impl::Kind::moving:
+            return impl_->moving_surface(key.primitive, o, d, t, time);
+        default:
+            return impl_->mesh_surface(key, o, d, time);
+    }
+}
+
+dmat3 RayScene::shape_operator(const HitKey& key, const SurfacePoint& at) const {
+    return impl_->shape_operator(key, at);
+}
+
+}  // namespace postlens
