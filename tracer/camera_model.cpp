@@ -77,6 +77,7 @@ CameraModel::CameraModel(const Camera& camera, double time_s, const CameraOverri
     base[1] = glm::dvec4(glm::cross(right, forward), 0);
     base[2] = glm::dvec4(-forward, 0);
     base[3] = glm::dvec4(camera.position, 1);
+    rest_from_camera = base;
     world_from_camera = camera.keys.empty() ? base : transform_at(camera.keys, time_s) * base;
     right = glm::normalize(dvec3(world_from_camera[0]));
     down = -glm::normalize(dvec3(world_from_camera[1]));

@@ -37,6 +37,7 @@ class CameraModel {
     double pixel_pitch_mm = 0;    ///< on the film; orthographic: in the scene
     double tangent_per_px = 0;    ///< pitch / d; perspective
     glm::dmat4 world_from_camera{1};
+    glm::dmat4 rest_from_camera{1};  ///< the same before the camera's own motion
 
     /// World directions of the raster axes: x right, y down; and of the optical axis. Unit length.
     glm::dvec3 right{1, 0, 0}, down{0, -1, 0}, forward{0, 0, -1}, position{0};

@@ -1,0 +1,26 @@
+#include "core/memory.h"
+
+#include <fstream>
+#include <limits>
+
+#include "core/error.h"
+
+namespace postlens {
+
+std::uint64_t available_memory_bytes() {
+    std::ifstream file("/proc/meminfo");
+    std::string word;
+    while (file >> word) {
+        std::uint64_t kilobytes = 0;
+        if (word == "MemAvailable:" && file >> kilobytes) return kilobytes * 1024;
+    }
+    return std::numeric_limits<std::uint64_t>::max();
+}
+
+void require_memory(std::uint64_t bytes, const std::string& what) {
+    const std::uint64_t free = available_memory_bytes();
+    if (bytes <= free) return;
+    fail(ExitCode::out_of_memory, "{} needs {} MB of memory ({} MB are free)", what, bytes / 1'000'000, free / 1'000'000);
+}
+
+}  // namespace postlens

@@ -1,0 +1,15 @@
+// Asking for memory before taking it: a request that cannot be met ends in one line instead of a killed process.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace postlens {
+
+/// What the system says is free for programs, bytes; the largest number where it says nothing.
+[[nodiscard]] std::uint64_t available_memory_bytes();
+
+/// Throws Error(out_of_memory) "WHAT needs N MB of memory (M MB are free)" where `bytes` are not to be had.
+void require_memory(std::uint64_t bytes, const std::string& what);
+
+}  // namespace postlens

@@ -1,0 +1,161 @@
+#include "tracer/lens_camera.h"
+
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/multiversion.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr int lanes = 16;
+
+}  // namespace
+
+dvec2 disc_point(double u, double v) {
+    const double a = 2 * u - 1, b = 2 * v - 1;
+    if (a == 0 && b == 0) return {0, 0};
+    constexpr double quarter = std::numbers::pi / 4;
+    if (std::abs(a) > std::abs(b)) return {a * std::cos(quarter * b / a), a * std::sin(quarter * b / a)};
+    return {b * std::sin(quarter * a / b), b * std::cos(quarter * a / b)};
+}
+
+LensCamera::LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings)
+    : width_(model.width),
+      height_(model.height),
+      orthographic_(model.projection == Camera::Projection::orthographic),
+      lens_(settings.lens),
+      span_(settings.span),
+      curve_(settings.curve),
+      even_time_(settings.curve.is_box()),
+      path_(camera.keys) {
+    assert(!orthographic_ || lens_.aperture_radius_m == 0);
+    const glm::dmat4& m = model.rest_from_camera;
+    rest_ = {dvec3(m[3]), dvec3(m[0]), -dvec3(m[1]), -dvec3(m[2])};
+    moves_ = path_.moves(span_.open_s, span_.close_s);
+    still_ = frame_at(span_.open_s);
+    optics_.half_width = 0.5F * static_cast<float>(width_);
+    optics_.half_height = 0.5F * static_cast<float>(height_);
+    optics_.tangent_per_px = orthographic_ ? 0.0F : static_cast<float>(1 / lens_.gain_px);
+    optics_.metres_per_px = orthographic_ ? static_cast<float>(model.pixel_pitch_mm * 1e-3) : 0.0F;
+    optics_.aperture_radius_m = static_cast<float>(lens_.aperture_radius_m);
+    optics_.inverse_focus_per_m = static_cast<float>(lens_.inverse_focus_per_m);
+}
+
+LensCamera::Frame LensCamera::frame_at(double time_s) const {
+    const MotionPath::Pose pose = path_.at(time_s);
+    return {pose.point(rest_.position), pose.direction(rest_.right), pose.direction(rest_.down),
+            pose.direction(rest_.forward)};
+}
+
+// Everything in float: a tangent errs by 2^-24 of the half width of the raster, 1e-4 px.
+POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Optics& optics, Local& out) {
+    constexpr float quarter = std::numbers::pi_v<float> / 4;
+    for (std::size_t i = 0; i < lanes; ++i) {
+        const float a = 2 * s.lens_u[i] - 1, b = 2 * s.lens_v[i] - 1;
+        const bool first = std::abs(a) > std::abs(b);
+        const float radius = first ? a : b, other = first ? b : a;
+        const float safe = radius == 0 ? 1.0F : radius;
+        const float angle = quarter * (other / safe), square = angle * angle;
+        // Taylor: within 45 degrees the next terms are below 4e-7 and 3e-8.
+        const float sine =
+            angle * (1 + square * (-1.0F / 6 + square * (1.0F / 120 + square * (-1.0F / 5040))));
+        const float cosine =
+            1 + square * (-0.5F + square * (1.0F / 24 + square * (-1.0F / 720 + square * (1.0F / 40320))));
+        const float along = radius * cosine, across = radius * sine;
+        const float qx = optics.aperture_radius_m * (first ? along : across);
+        const float qy = optics.aperture_radius_m * (first ? across : along);
+        const float px = s.x[i] - optics.half_width, py = s.y[i] - optics.half_height;
+        // From q towards the point of the focal plane that the pinhole sees in this direction.
+        out.tx[i] = px * optics.tangent_per_px - qx * optics.inverse_focus_per_m;
+        out.ty[i] = py * optics.tangent_per_px - qy * optics.inverse_focus_per_m;
+        out.qx[i] = qx + px * optics.metres_per_px;
+        out.qy[i] = qy + py * optics.metres_per_px;
+    }
+}
+
+POSTLENS_MULTIVERSION void LensCamera::world_rays(const Local& local, const Frame& frame, bool parallel,
+                                                  float* const to[6]) {
+    const glm::vec3 position(frame.position), right(frame.right), down(frame.down), forward(frame.forward);
+    float *__restrict ox = to[0], *__restrict oy = to[1], *__restrict oz = to[2];
+    float *__restrict dx = to[3], *__restrict dy = to[4], *__restrict dz = to[5];
+    const float tangents = parallel ? 0.0F : 1.0F;
+    for (std::size_t i = 0; i < lanes; ++i) {
+        const float qx = local.qx[i], qy = local.qy[i];
+        ox[i] = position.x + (qx * right.x + qy * down.x);
+        oy[i] = position.y + (qx * right.y + qy * down.y);
+        oz[i] = position.z + (qx * right.z + qy * down.z);
+        const float tx = tangents * local.tx[i], ty = tangents * local.ty[i];
+        const float x = forward.x + (tx * right.x + ty * down.x);
+        const float y = forward.y + (tx * right.y + ty * down.y);
+        const float z = forward.z + (tx * right.z + ty * down.z);
+        const float scale = 1 / std::sqrt(x * x + y * y + z * z);
+        dx[i] = x * scale;
+        dy[i] = y * scale;
+        dz[i] = z * scale;
+    }
+}
+
+void LensCamera::add_rays(const LensSamples& samples, RayBatch& batch) const {
+    Local local;  // NOLINT(cppcoreguidelines-pro-type-member-init): local_rays fills it
+    local_rays(samples, optics_, local);
+    const std::size_t first = batch.add_group();
+    float* const to[6] = {batch.ox.data() + first, batch.oy.data() + first, batch.oz.data() + first,
+                          batch.dx.data() + first, batch.dy.data() + first, batch.dz.data() + first};
+    std::array<float, lanes> time = samples.time;
+    if (!even_time_ && (moves_ || batch.has_times)) {
+        for (float& t : time) t = static_cast<float>(curve_.time(static_cast<double>(t)));
+    }
+    if (!moves_) {
+        world_rays(local, still_, orthographic_, to);
+    } else {
+        for (std::size_t i = 0; i < lanes; ++i) {
+            const Frame f = frame_at(span_.at(static_cast<double>(time[i])));
+            const double qx = static_cast<double>(local.qx[i]), qy = static_cast<double>(local.qy[i]);
+            const double tx = static_cast<double>(local.tx[i]), ty = static_cast<double>(local.ty[i]);
+            const dvec3 o = f.position + qx * f.right + qy * f.down;
+            const dvec3 d = glm::normalize(f.forward + tx * f.right + ty * f.down);
+            for (int c = 0; c < 3; ++c) {
+                to[c][i] = static_cast<float>(o[c]);
+                to[3 + c][i] = static_cast<float>(d[c]);
+            }
+        }
+    }
+    if (batch.has_times) std::copy(time.begin(), time.end(), batch.time.begin() + static_cast<std::ptrdiff_t>(first));
+    std::fill_n(batch.t_far.begin() + static_cast<std::ptrdiff_t>(first), lanes, std::numeric_limits<float>::infinity());
+}
+
+LensCamera::Ray LensCamera::ray(double x, double y, double lens_u, double lens_v, double time) const {
+    Ray out;
+    out.time = curve_.time(time);
+    const Frame f = frame_at(span_.at(out.time));
+    const double px = x - 0.5 * width_, py = y - 0.5 * height_;
+    if (orthographic_) {
+        const auto metres_per_px = static_cast<double>(optics_.metres_per_px);
+        out.origin = f.position + px * metres_per_px * f.right + py * metres_per_px * f.down;
+        out.direction = f.forward;
+        return out;
+    }
+    const dvec2 q = lens_.aperture_radius_m * disc_point(lens_u, lens_v);
+    const double tx = px / lens_.gain_px - q.x * lens_.inverse_focus_per_m;
+    const double ty = py / lens_.gain_px - q.y * lens_.inverse_focus_per_m;
+    out.origin = f.position + q.x * f.right + q.y * f.down;
+    out.direction = glm::normalize(f.forward + tx * f.right + ty * f.down);
+    return out;
+}
+
+double LensCamera::px_per_m(const dvec3& world, double time_s) const {
+    if (orthographic_) return 1 / static_cast<double>(optics_.metres_per_px);
+    const Frame f = frame_at(time_s);
+    const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
+    if (!(depth > 0)) return 0;
+    // Close to the plane of the lens the scale has no bound, and what is there is out of the view but for its edge.
+    return lens_.gain_px / std::max(depth, 0.02 * distance);
+}
+
+}  // namespace postlens

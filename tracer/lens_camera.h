@@ -1,0 +1,76 @@
+// The camera with a lens and a shutter: numbers in [0, 1) to eye rays, each from its own point of the lens at its own
+// instant [cook1984].
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+
+#include "lens/focus_geometry.h"
+#include "lens/shutter_curve.h"
+#include "tracer/camera_model.h"
+#include "tracer/motion_path.h"
+#include "tracer/ray_scene.h"
+
+namespace postlens {
+
+/// Sixteen samples: positions on the raster, px; lens and time in [0, 1).
+struct LensSamples {
+    alignas(64) std::array<float, 16> x, y, lens_u, lens_v, time;
+};
+
+/// The point of the unit disc that (u, v) picks, evenly by area; neighbours stay neighbours [shirley1997].
+[[nodiscard]] glm::dvec2 disc_point(double u, double v);
+
+class LensCamera {
+  public:
+    struct Settings {
+        FocusGeometry lens;  ///< aperture radius 0: a pinhole; `gain_px` sets the field of view
+        TimeSpan span;
+        ShutterCurve curve = ShutterCurve::box();
+    };
+    /// `camera` gives raster, projection and the pose at rest. An orthographic camera must come with a pinhole.
+    LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
+
+    /// Adds one group of 16 rays to the batch: unit directions, times where the batch has them.
+    void add_rays(const LensSamples& samples, RayBatch& batch) const;
+
+    /// One of them in double: slow and obvious, for tests. `time`: share of the time span.
+    struct Ray {
+        glm::dvec3 origin{0}, direction{0, 0, -1};
+        double time = 0;
+    };
+    [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
+
+    /// px per metre across the view for a point of the world; 0 behind the camera.
+    [[nodiscard]] double px_per_m(const glm::dvec3& world, double time_s) const;
+    [[nodiscard]] bool moves() const { return moves_; }
+    [[nodiscard]] int width() const { return width_; }
+    [[nodiscard]] int height() const { return height_; }
+
+  private:
+    // Metres on the lens and tangents of directions, in raster axes; what SIMD makes of samples.
+    struct Local {
+        alignas(64) std::array<float, 16> qx, qy, tx, ty;
+    };
+    struct Frame {
+        glm::dvec3 position{0}, right{1, 0, 0}, down{0, -1, 0}, forward{0, 0, -1};
+    };
+    struct Optics {
+        float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
+    };
+    static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
+    static void world_rays(const Local& local, const Frame& frame, bool parallel, float* const to[6]);
+    [[nodiscard]] Frame frame_at(double time_s) const;
+
+    int width_, height_;
+    bool orthographic_, moves_ = false;
+    FocusGeometry lens_;
+    Optics optics_{};
+    TimeSpan span_;
+    ShutterCurve curve_;
+    bool even_time_;
+    Frame rest_, still_;  // before the camera's motion; at the shutter's opening
+    MotionPath path_;
+};
+
+}  // namespace postlens

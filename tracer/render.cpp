@@ -1,0 +1,278 @@
+#include "tracer/render.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <memory>
+
+#include "core/error.h"
+#include "core/memory.h"
+#include "core/output_file.h"
+#include "core/progress.h"
+#include "core/threads.h"
+#include "tracer/render_setup.h"
+#include "tracer/render_state.h"
+
+namespace postlens {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr int tile_px = 8;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Tiles times rounds of a few samples. What a tile traces together is the same however rounds are scheduled, and its
+// sums grow sample by sample: so neither threads nor interruptions change a bit.
+class Renderer {
+  public:
+    Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)
+        : setup_(setup),
+          state_(state),
+          halves_(settings.halves ? 2 : 1),
+          spp_(settings.spp / halves_),
+          group_(std::min(spp_, RayBatch::group)),
+          groups_((spp_ + group_ - 1) / group_),
+          columns_((setup.width() + tile_px - 1) / tile_px),
+          tiles_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>((setup.height() + tile_px - 1) / tile_px)) {
+        for (int h = 0; h < halves_; ++h) {
+            // Halves differ by their seeds alone. Mixed, so that neighbouring seeds share no half.
+            const std::uint64_t seed =
+                settings.halves ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1) : settings.seed;
+            samplers_.push_back(std::make_unique<Sampler>(settings.sampler, spp_, seed));
+            tracers_.push_back(std::make_unique<DistributedTracer>(setup.rays(), *samplers_.back(), settings.tracing));
+        }
+    }
+
+    [[nodiscard]] int rounds() const { return groups_ * halves_; }
+    [[nodiscard]] std::size_t tiles() const { return tiles_; }
+    [[nodiscard]] const RayCounts& counts() const { return counts_; }
+
+    // Rounds that a tile has behind it, from the samples of its first pixel.
+    [[nodiscard]] int rounds_done(std::size_t tile) const {
+        const std::size_t pixel = first_pixel(tile);
+        int done = 0;
+        for (std::size_t h = 0; h < static_cast<std::size_t>(halves_); ++h)
+            done += static_cast<int>((state_.samples[h][pixel] + static_cast<unsigned>(group_) - 1) / static_cast<unsigned>(group_));
+        return done;
+    }
+
+    // Traces round `round` of the tiles [begin, end) that have not yet done it.
+    void trace(int round, std::size_t begin, std::size_t end) {
+        std::vector<RayCounts> counts(end - begin);
+        // Whatever is thrown, what was traced is in the state and counted.
+        const std::function<void()> sum = [&] { for (const RayCounts& c : counts) counts_ += c; };
+        struct AtEnd {
+            const std::function<void()>& call;
+            ~AtEnd() { call(); }
+        } at_end{sum};
+        parallel_for(end - begin, [&](std::size_t i) {
+            if (rounds_done(begin + i) == round) trace_tile(begin + i, round, counts[i]);
+        });
+    }
+
+  private:
+    [[nodiscard]] std::size_t first_pixel(std::size_t tile) const {
+        const std::size_t x = tile % static_cast<std::size_t>(columns_) * tile_px,
+                          y = tile / static_cast<std::size_t>(columns_) * tile_px;
+        return y * static_cast<std::size_t>(setup_.width()) + x;
+    }
+
+    void trace_tile(std::size_t tile, int round, RayCounts& counts) {
+        thread_local EyeRays eye;
+        const auto half = static_cast<std::size_t>(round % halves_);
+        const int first = round / halves_ * group_, count = std::min(group_, spp_ - first);
+        const int x0 = static_cast<int>(tile % static_cast<std::size_t>(columns_)) * tile_px;
+        const int y0 = static_cast<int>(tile / static_cast<std::size_t>(columns_)) * tile_px;
+        const int x1 = std::min(x0 + tile_px, setup_.width()), y1 = std::min(y0 + tile_px, setup_.height());
+        make_rays({x0, y0, x1, y1}, half, first, count, eye);
+        tracers_[half]->trace(eye, counts);
+        std::size_t ray = 0;
+        for (int y = y0; y < y1; ++y) {
+            for (int x = x0; x < x1; ++x) {
+                const std::size_t pixel = index(x, y);
+                double* sum = state_.sums[half].data() + 3 * pixel;
+                for (int i = 0; i < count; ++i, ++ray) {
+                    const glm::dvec3& c = eye.radiance[ray];
+                    sum[0] += c.x, sum[1] += c.y, sum[2] += c.z;
+                }
+                state_.samples[half][pixel] += static_cast<std::uint32_t>(count);
+            }
+        }
+    }
+
+    struct Tile {
+        int x0, y0, x1, y1;
+    };
+    void make_rays(const Tile& tile, std::size_t half, int first, int count, EyeRays& eye) const {
+        eye.rays.clear(false, tracers_[half]->needs_times());
+        eye.pixel.clear();
+        eye.index.clear();
+        Sampler::EyeSamples numbers;  // NOLINT(cppcoreguidelines-pro-type-member-init): fill_eye fills it
+        LensSamples samples;          // NOLINT(cppcoreguidelines-pro-type-member-init): filled lane by lane
+        std::size_t lane = 0;
+        for (int y = tile.y0; y < tile.y1; ++y) {
+            for (int x = tile.x0; x < tile.x1; ++x) {
+                const auto pixel = static_cast<std::uint32_t>(index(x, y));
+                samplers_[half]->fill_eye(pixel, first, count, numbers);
+                const auto left = static_cast<float>(x), top = static_cast<float>(y);
+                for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+                    samples.x[lane] = left + numbers.pixel_u[i];
+                    samples.y[lane] = top + numbers.pixel_v[i];
+                    samples.lens_u[lane] = numbers.lens_u[i];
+                    samples.lens_v[lane] = numbers.lens_v[i];
+                    samples.time[lane] = numbers.time_u[i];
+                    eye.pixel.push_back(pixel);
+                    eye.index.push_back(first + static_cast<int>(i));
+                    if (++lane < 16) continue;
+                    setup_.camera().add_rays(samples, eye.rays);
+                    lane = 0;
+                }
+            }
+        }
+        if (lane == 0) return;
+        // The last group is not full: its other lanes are made from old numbers and dropped.
+        for (std::size_t i = lane; i < 16; ++i) {
+            samples.x[i] = samples.y[i] = samples.lens_u[i] = samples.lens_v[i] = samples.time[i] = 0;
+        }
+        setup_.camera().add_rays(samples, eye.rays);
+        eye.rays.count -= static_cast<int>(16 - lane);
+    }
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(setup_.width()) + static_cast<std::size_t>(x);
+    }
+
+    const RenderSetup& setup_;
+    RenderState& state_;
+    int halves_, spp_, group_, groups_, columns_;
+    std::size_t tiles_;
+    std::vector<std::unique_ptr<Sampler>> samplers_;
+    std::vector<std::unique_ptr<DistributedTracer>> tracers_;
+    RayCounts counts_;
+};
+
+// Traces all that is missing; `pause` is called several times a second, between parallel loops.
+void trace_all(Renderer& renderer, const RenderSettings& settings, const std::function<void()>& pause) {
+    std::uint64_t left = 0;
+    int first = renderer.rounds();
+    for (std::size_t t = 0; t < renderer.tiles(); ++t) {
+        const int done = renderer.rounds_done(t);
+        left += static_cast<std::uint64_t>(renderer.rounds() - done);
+        first = std::min(first, done);
+    }
+    Progress progress("render", left, settings.quiet);
+    std::size_t slice = 64;
+    for (int round = first; round < renderer.rounds(); ++round) {
+        for (std::size_t begin = 0; begin < renderer.tiles();) {
+            throw_if_interrupted();
+            const std::size_t end = std::min(begin + slice, renderer.tiles());
+            const auto start = Clock::now();
+            renderer.trace(round, begin, end);
+            const double took_s = seconds_since(start);
+            progress.advance(end - begin);
+            // Long enough that starting and ending a loop costs nothing, short enough to stop and save at once.
+            if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
+            if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);
+            begin = end;
+            pause();
+        }
+    }
+}
+
+RenderResult finish(const RenderSetup& setup, const RenderSettings& settings, const Renderer& renderer,
+                    const RenderState& state) {
+    RenderResult out;
+    out.image = state.picture();
+    if (settings.halves) out.halves = {state.half(0), state.half(1)};
+    out.rays = renderer.counts();
+    out.focal_length_mm = setup.lens().focal_length_mm;
+    out.f_number = setup.lens().f_number;
+    out.focus_m = setup.focus_m();
+    out.motion_error_px = setup.rays().motion_error_px();
+    return out;
+}
+
+fs::path with_word(const fs::path& path, const std::string& word, const std::string& ending) {
+    return path.parent_path() / (path.stem().string() + "." + word + ending);
+}
+
+}  // namespace
+
+std::array<fs::path, 2> half_paths(const fs::path& path) {
+    return {with_word(path, "a", path.extension().string()), with_word(path, "b", path.extension().string())};
+}
+
+fs::path partial_path(const fs::path& path) {
+    return with_word(path, "partial", ".exr");
+}
+
+RenderResult render_picture(const Scene& scene, const RenderSettings& settings) {
+    const RenderSetup setup(scene, settings);
+    const int halves = settings.halves ? 2 : 1;
+    require_memory(RenderState::bytes(setup.width(), setup.height(), halves), "the picture");
+    RenderState state(setup.width(), setup.height(), halves);
+    Renderer renderer(setup, settings, state);
+    const auto start = Clock::now();
+    trace_all(renderer, settings, [] {});
+    RenderResult out = finish(setup, settings, renderer, state);
+    out.seconds_render = seconds_since(start);
+    return out;
+}
+
+RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, const fs::path& path) {
+    const fs::path partial = partial_path(path);
+    check_image_path(path);
+    for (const fs::path& target : {path, partial}) const OutputFile writable(target);
+
+    const RenderSetup setup(scene, settings);
+    const int halves = settings.halves ? 2 : 1;
+    require_memory(RenderState::bytes(setup.width(), setup.height(), halves), path.string() + ": the picture");
+    RenderState state(setup.width(), setup.height(), halves);
+    const std::string fingerprint = setup.fingerprint(settings);
+    int resumed = 0;
+    if (settings.resume && fs::exists(partial)) {
+        read_state(partial, fingerprint, state);
+        std::uint32_t least = ~0U;
+        for (std::size_t i = 0; i < state.samples[0].size(); ++i)
+            least = std::min(least, state.samples[0][i] + (halves == 2 ? state.samples[1][i] : 0));
+        resumed = static_cast<int>(least);
+    }
+    Renderer renderer(setup, settings, state);
+    const auto start = Clock::now();
+    auto saved = start;
+    double interval_s = settings.checkpoint_interval_s;
+    const auto save = [&] {
+        const auto began = Clock::now();
+        write_state(partial, state, fingerprint);
+        saved = Clock::now();
+        // Saving may take a twentieth of the time, not more.
+        interval_s = std::max(settings.checkpoint_interval_s, 20 * seconds_since(began));
+    };
+    try {
+        trace_all(renderer, settings, [&] {
+            if (seconds_since(saved) >= interval_s) save();
+        });
+    } catch (const Error& e) {
+        if (e.code() != ExitCode::interrupted) throw;
+        save();
+        fail(ExitCode::interrupted, "interrupted; {} holds the picture so far, and --resume goes on from it",
+             partial.string());
+    }
+    RenderResult out = finish(setup, settings, renderer, state);
+    out.seconds_render = seconds_since(start);
+    out.spp_resumed = resumed;
+    if (settings.halves) {
+        const auto paths = half_paths(path);
+        for (std::size_t h = 0; h < 2; ++h) write_image(paths[h], out.halves[h]);
+    }
+    write_image(path, out.image);
+    std::error_code none;
+    fs::remove(partial, none);
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,131 @@
+#include "tracer/render_setup.h"
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "tracer/recentre.h"
+#include "tracer/trace.h"
+
+namespace postlens {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+void check(const RenderSettings& s) {
+    if (s.spp < 1 || s.spp > Sampler::max_spp) {
+        fail(ExitCode::wrong_arguments, "--spp: out of range (got {}; expected 1 to {})", s.spp, Sampler::max_spp);
+    }
+    if (s.halves && s.spp % 2 != 0) {
+        fail(ExitCode::wrong_arguments, "--spp: cannot be halved (got {}; expected an even number with --halves)",
+             s.spp);
+    }
+    if (s.tracing.max_depth < 1 || s.tracing.max_depth > NodePath::max_bounces + 1) {
+        fail(ExitCode::wrong_arguments, "--max-depth: out of range (got {}; expected 1 to {})", s.tracing.max_depth,
+             NodePath::max_bounces + 1);
+    }
+    if (!(s.tracing.min_contribution >= 0) || !std::isfinite(s.tracing.min_contribution)) {
+        fail(ExitCode::wrong_arguments, "--min-contribution: out of range (got {}; expected a number from 0 on)",
+             s.tracing.min_contribution);
+    }
+    if (s.time_s && !std::isfinite(*s.time_s)) {
+        fail(ExitCode::wrong_arguments, "--time: out of range (got {}; expected seconds)", *s.time_s);
+    }
+    if (s.shutter) {
+        if (!std::isfinite(s.shutter->open_s) || !std::isfinite(s.shutter->close_s)) {
+            fail(ExitCode::wrong_arguments, "--shutter: out of range (got {}:{}; expected seconds)",
+                 s.shutter->open_s, s.shutter->close_s);
+        }
+        if (s.shutter->close_s < s.shutter->open_s) {
+            fail(ExitCode::wrong_arguments, "--shutter: closes before it opens (got {}:{}; expected OPEN <= CLOSE)",
+                 s.shutter->open_s, s.shutter->close_s);
+        }
+    }
+}
+
+}  // namespace
+
+RenderSetup::RenderSetup(const Scene& scene, const RenderSettings& settings) {
+    check(settings);
+    const double time_s = settings.time_s.value_or(scene.time_s);
+    span_ = settings.shutter.value_or(TimeSpan{time_s, time_s});
+    const Camera& asked = find_camera(scene, settings.camera_name);
+    const CameraModel far(asked, span_.open_s, settings.camera);
+    scene_ = recentred(scene, far.position);
+    const Camera& of = find_camera(scene_, asked.name);
+    const CameraModel model(of, span_.open_s, settings.camera);
+    resolve_lens(settings, of, model, settings.time_s.value_or(settings.shutter ? span_.open_s : scene.time_s));
+    camera_.emplace(of, model, LensCamera::Settings{geometry_, span_, settings.curve});
+    const MotionAccuracy accuracy{
+        [this](const glm::dvec3& world, double at) { return camera_->px_per_m(world, at); }};
+    rays_.emplace(scene_, span_, accuracy);
+}
+
+void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, const CameraModel& model,
+                               double time_s) {
+    lens_.focal_length_mm = s.focal_length_mm.value_or(
+        model.projection == Camera::Projection::perspective ? model.film_distance_mm : 50);
+    if (model.projection == Camera::Projection::orthographic) {
+        // Parallel rays meet no lens: there is neither a film distance nor an aperture that they would pass.
+        if (s.f_number && std::isfinite(*s.f_number)) {
+            fail(ExitCode::wrong_arguments,
+                 "--f-number: out of range for an orthographic camera, which has no lens (got {}; expected inf)",
+                 *s.f_number);
+        }
+        if (s.framing != Framing::keep) {
+            fail(ExitCode::wrong_arguments,
+                 "--framing: out of range for an orthographic camera, which has no film distance (expected keep)");
+        }
+        lens_.f_number = focus_m_ = infinity;
+        return;
+    }
+    lens_.f_number = s.f_number.value_or(camera.f_number.value_or(infinity));
+    const std::optional<double> focus = s.focus_m ? s.focus_m : camera.focus_m;
+    if (s.focus_at) {
+        focus_m_ = depth_at(s.focus_at->first, s.focus_at->second, model, time_s);
+    } else if (focus) {
+        focus_m_ = *focus;
+    } else if (std::isfinite(lens_.f_number) || s.framing == Framing::breathing) {
+        fail(ExitCode::wrong_arguments, "--focus: missing (got nothing; expected a value, as the scene names none)");
+    } else {
+        focus_m_ = infinity;  // a pinhole needs none
+    }
+    geometry_ = focus_geometry(lens_, focus_m_, s.framing, {model.film_distance_mm, model.pixel_pitch_mm});
+}
+
+double RenderSetup::depth_at(double x, double y, const CameraModel& model, double time_s) const {
+    const RayScene still(scene_, time_s);
+    const CameraRay ray = model.ray(x, y);
+    RayBatch one;
+    one.clear(false);
+    one.add(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
+    still.intersect(one, false);
+    if (!one.hit(0).valid()) return infinity;
+    return still.surface(one.hit(0), ray.origin, ray.direction, static_cast<double>(one.t[0])).t * ray.cos_axis;
+}
+
+std::string RenderSetup::fingerprint(const RenderSettings& s) const {
+    const auto exact = [](double v) { return fmt::format("{}", v); };  // shortest text that reads back the same
+    const nlohmann::ordered_json json = {
+        {"scene", scene_.sha256},
+        {"metres_per_unit", exact(s.metres_per_unit)},
+        {"camera", s.camera_name},
+        {"size", {width(), height()}},
+        {"film_width_mm", s.camera.film_width_mm ? exact(*s.camera.film_width_mm) : ""},
+        {"focal_length_mm", exact(lens_.focal_length_mm)},
+        {"f_number", exact(lens_.f_number)},
+        {"focus_m", exact(focus_m_)},
+        {"gain_px", exact(geometry_.gain_px)},
+        {"shutter_s", {exact(span_.open_s), exact(span_.close_s)}},
+        {"curve", s.curve.fingerprint()},
+        {"sampler", static_cast<int>(s.sampler)},
+        {"spp", s.spp},
+        {"seed", s.seed},
+        {"halves", s.halves},
+        {"max_depth", s.tracing.max_depth},
+        {"min_contribution", exact(s.tracing.min_contribution)}};
+    return json.dump();
+}
+
+}  // namespace postlens
