@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "focus/focus.h"
+#include "tracer/render.h"
 #include "tracer/trace.h"
 
 namespace postlens {
@@ -49,6 +50,14 @@ struct FocusOptions {
     bool strict = false;
 };
 
+struct RenderOptions {
+    std::string scene, output;
+    double metres_per_unit = 1;
+    LensOptions lens;
+    std::string curve = "box";  ///< box, triangle or a file
+    RenderSettings settings;
+};
+
 struct RecordsOptions {
     std::string input;
     std::pair<double, double> at;
@@ -63,6 +72,7 @@ struct LensCommandOptions {
 };
 
 [[nodiscard]] CommandResult run_trace(const TraceOptions& options);
+[[nodiscard]] CommandResult run_render(const RenderOptions& options);
 [[nodiscard]] CommandResult run_image(const std::string& input, const std::string& output);
 [[nodiscard]] CommandResult run_focus(const FocusOptions& options);
 [[nodiscard]] CommandResult run_records(const RecordsOptions& options);

@@ -1,0 +1,88 @@
+#include <cmath>
+
+#include "apps/command.h"
+
+namespace postlens {
+namespace {
+
+ShutterCurve shutter_curve(const std::string& word) {
+    if (word == "box") return ShutterCurve::box();
+    if (word == "triangle") return ShutterCurve::triangle();
+    return ShutterCurve::read(word);
+}
+
+const char* name(SamplerKind kind) {
+    switch (kind) {
+        case SamplerKind::grid:
+            return "grid";
+        case SamplerKind::jittered:
+            return "jittered";
+        case SamplerKind::random:
+            return "random";
+        case SamplerKind::poisson:
+            return "poisson";
+        case SamplerKind::sobol:
+            break;
+    }
+    return "sobol";
+}
+
+nlohmann::ordered_json shutter_json(const RenderSettings& s) {
+    if (!s.shutter) return nullptr;
+    return {s.shutter->open_s, s.shutter->close_s};
+}
+
+}  // namespace
+
+CommandResult run_render(const RenderOptions& options) {
+    RenderSettings settings = options.settings;
+    settings.focal_length_mm = options.lens.focal_length_mm;
+    settings.f_number = options.lens.f_number;
+    settings.focus_m = options.lens.focus_m;
+    settings.focus_at = options.lens.focus_at;
+    settings.framing = options.lens.framing;
+    settings.metres_per_unit = options.metres_per_unit;
+    settings.curve = shutter_curve(options.curve);
+    const Scene scene = read_scene(options.scene, {.metres_per_unit = options.metres_per_unit});
+    CommandResult out;
+    for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
+    const RenderResult r = render_to_file(scene, settings, options.output);
+    constexpr double tolerance_px = 0.05;
+    if (r.motion_error_px > tolerance_px) {
+        out.warnings.push_back(
+            {"motion", fmt::format("a mesh moves too fast for Embree's time steps: its path errs by up to {:.2g} px",
+                                   r.motion_error_px)});
+    }
+    if (settings.resume && r.spp_resumed == 0) {
+        out.warnings.push_back({"resume", fmt::format("there was nothing to go on from ({} is missing)",
+                                                      partial_path(options.output).string())});
+    }
+    out.json = {{"rays",
+                 {{"eye", r.rays.eye},
+                  {"eye_hits", r.rays.eye_hits},
+                  {"reflect", r.rays.reflect},
+                  {"refract", r.rays.refract},
+                  {"shadow", r.rays.shadow}}},
+                {"spp", settings.spp},
+                {"spp_resumed", r.spp_resumed},
+                {"sampler", name(settings.sampler)},
+                {"seed", settings.seed},
+                {"focus_m", json_number(r.focus_m)},
+                {"focal_length_mm", r.focal_length_mm},
+                {"f_number", json_number(r.f_number)},
+                {"shutter_s", shutter_json(settings)},
+                {"seconds_render", r.seconds_render}};
+    if (settings.halves) {
+        const auto paths = half_paths(options.output);
+        out.json["halves"] = {paths[0].string(), paths[1].string()};
+    }
+    const double rate = static_cast<double>(r.rays.eye) / std::max(r.seconds_render, 1e-9) / 1e6;
+    out.text = fmt::format("{}: {}x{} px, {} samples a pixel ({}), {}, focus {:.4g} m, {:.3g} s, {:.3g} million samples/s",
+                           options.output, r.image.width, r.image.height, settings.spp, name(settings.sampler),
+                           std::isfinite(r.f_number) ? fmt::format("F = {:.4g} mm, f/{:.4g}", r.focal_length_mm, r.f_number)
+                                                     : std::string("pinhole"),
+                           r.focus_m, r.seconds_render, rate);
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,67 @@
+// Random permutations of 0 .. n - 1 of which any element can be asked for without the others.
+#pragma once
+
+#include <bit>
+#include <cassert>
+#include <cstdint>
+
+#include "tracer/sample_hash.h"
+
+namespace postlens {
+
+/// A permutation for any n in 1 .. 2^30, chosen by `key`: rounds of x -> odd * x + c and x -> x ^ (x >> s),
+/// each a bijection of the 2^b >= n words of b bits, walked along its cycle until it comes back below n.
+class Permutation {
+  public:
+    Permutation(std::uint32_t n, std::uint64_t key) : n_(n) {
+        assert(n >= 1 && n <= 1U << 30);
+        const int bits = std::bit_width(n - 1);
+        mask_ = (1U << bits) - 1;
+        shift_ = bits < 2 ? 1 : (bits + 1) / 2;
+        for (std::uint32_t r = 0; r < rounds; ++r) {
+            const std::uint64_t word = mix64(key + r);
+            multiplier_[r] = low_word(word) | 1;
+            offset_[r] = high_word(word);
+        }
+    }
+
+    /// Where x in [0, n) goes.
+    [[nodiscard]] std::uint32_t at(std::uint32_t x) const {
+        assert(x < n_);
+        permute<1>(&x);
+        return x;
+    }
+
+    /// The same for several x, all in [0, n), in place. Ends, since every cycle through [0, n) returns there;
+    /// on average after less than two steps, as n is more than half of 2^b.
+    template <int lanes>
+    [[gnu::always_inline]] void permute(std::uint32_t* x) const {
+        bool walking = step<lanes>(x, true);
+        while (walking) walking = step<lanes>(x, false);
+    }
+
+  private:
+    /// One step for all lanes, or for those that are at n or above; true while there are such.
+    template <int lanes>
+    [[gnu::always_inline]] bool step(std::uint32_t* x, bool all) const {
+        std::uint32_t outside = 0;
+        const std::uint32_t n = all ? 0 : n_;
+        for (int i = 0; i < lanes; ++i) {
+            std::uint32_t y = x[i];
+            for (std::uint32_t r = 0; r < rounds; ++r) {
+                y = (y * multiplier_[r] + offset_[r]) & mask_;
+                y ^= y >> shift_;
+            }
+            x[i] = x[i] >= n ? y : x[i];
+            outside |= x[i] >= n_ ? 1 : 0;
+        }
+        return outside != 0;
+    }
+
+    static constexpr std::uint32_t rounds = 4;
+    std::uint32_t n_, mask_ = 0;
+    int shift_ = 1;
+    std::uint32_t multiplier_[rounds], offset_[rounds];
+};
+
+}  // namespace postlens

@@ -1,0 +1,58 @@
+// Counter-based random words: every number is a hash of what it is for, so that it can be asked for in any
+// order.
+#pragma once
+
+#include <cstdint>
+
+namespace postlens {
+
+/// Samples that are made together; loops over so many lanes become vector instructions.
+inline constexpr int sample_lanes = 16;
+
+/// A bijection of 64-bit words that leaves no visible order in them: the finaliser of SplitMix64
+/// [steele2014].
+[[nodiscard]] constexpr std::uint64_t mix64(std::uint64_t x) {
+    x += 0x9e3779b97f4a7c15ULL;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+    return x ^ (x >> 31);
+}
+
+/// The same for 32-bit words; multiplier and shifts of low bias found by C. Wellons' search.
+[[nodiscard]] constexpr std::uint32_t mix32(std::uint32_t x) {
+    x = (x ^ (x >> 16)) * 0x7feb352dU;
+    x = (x ^ (x >> 15)) * 0x846ca68bU;
+    return x ^ (x >> 16);
+}
+
+[[nodiscard]] constexpr std::uint32_t low_word(std::uint64_t x) {
+    return static_cast<std::uint32_t>(x);
+}
+[[nodiscard]] constexpr std::uint32_t high_word(std::uint64_t x) {
+    return static_cast<std::uint32_t>(x >> 32);
+}
+
+/// 24 bits as a float in [0, 1); exact, so always below 1.
+[[nodiscard]] constexpr float unit_float_24(std::int32_t bits) {
+    return static_cast<float>(bits) * 0x1p-24F;
+}
+/// The upper 24 bits of a word as a float in [0, 1).
+[[nodiscard]] constexpr float unit_float(std::uint32_t word) {
+    return unit_float_24(static_cast<std::int32_t>(word >> 8));
+}
+
+/// Random word `counter` of a stream with a 64-bit key. Words of one stream are distinct.
+[[nodiscard]] constexpr std::uint32_t random_word(std::uint64_t key, std::uint32_t counter) {
+    return mix32(mix32(counter + low_word(key)) ^ high_word(key));
+}
+
+/// What the points of one set of one pixel are made from: 64-bit keys of independent streams.
+struct SetKey {
+    std::uint64_t value;
+    /// Streams with different `purpose` are independent.
+    [[nodiscard]] constexpr std::uint64_t stream(std::uint32_t purpose) const {
+        return mix64(value + (purpose + 1ULL) * 0xd1b54a32d192ed03ULL);
+    }
+};
+
+}  // namespace postlens

@@ -1,0 +1,176 @@
+#include "tracer/sobol.h"
+
+#include <array>
+#include <bit>
+#include <cassert>
+
+#include "core/multiversion.h"
+
+namespace postlens {
+namespace {
+
+constexpr int index_bits = 32;
+using Directions = std::array<std::uint32_t, index_bits>;
+
+/// Primitive polynomial x^s + a_1 x^(s-1) + .. + 1 with a = a_1 .. a_(s-1) in binary, and the first s odd m
+/// [joe2008, table "new-joe-kuo-6"].
+struct Polynomial {
+    int s;
+    std::uint32_t a;
+    std::array<std::uint32_t, 3> m;
+};
+constexpr std::array<Polynomial, 4> polynomials{
+    {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}}};
+
+/// direction[k]: what bit k of the index adds, bit-reversed.
+constexpr Directions directions(int dimension) {
+    Directions v{};
+    if (dimension == 0) {  // van der Corput's sequence: the index mirrored at the point
+        for (int k = 0; k < index_bits; ++k) v[static_cast<std::size_t>(k)] = 1U << k;
+        return v;
+    }
+    const Polynomial p = polynomials[static_cast<std::size_t>(dimension - 1)];
+    for (int k = 0; k < index_bits; ++k) {
+        std::uint32_t word = 0;  // m_k * 2^(31 - k)
+        if (k < p.s) {
+            word = p.m[static_cast<std::size_t>(k)] << (31 - k);
+        } else {
+            const std::uint32_t before = v[static_cast<std::size_t>(k - p.s)];
+            word = before ^ (before >> p.s);
+            for (int j = 1; j < p.s; ++j)
+                if (((p.a >> (p.s - 1 - j)) & 1) != 0) word ^= v[static_cast<std::size_t>(k - j)];
+        }
+        v[static_cast<std::size_t>(k)] = word;
+    }
+    for (std::uint32_t& word : v) word = reverse_bits(word);
+    return v;
+}
+
+constexpr std::array<Directions, sobol_dimensions> all_directions{directions(0), directions(1), directions(2),
+                                                                  directions(3), directions(4)};
+
+constexpr std::uint32_t by_directions(const Directions& v, std::uint32_t index) {
+    std::uint32_t x = 0;
+    for (int k = 0; index != 0; ++k, index >>= 1)
+        if ((index & 1) != 0) x ^= v[static_cast<std::size_t>(k)];
+    return x;
+}
+
+/// The sequence is linear over the bits of the index: a word of the lower ten of 20 bits, one of the upper
+/// ten.
+struct SplitTable {
+    alignas(64) std::array<std::uint32_t, 1024> low, high;
+};
+SplitTable split_table(int dimension) {
+    SplitTable t{};
+    for (std::uint32_t i = 0; i < 1024; ++i) {
+        t.low[i] = sobol_reversed(dimension, i);
+        t.high[i] = sobol_reversed(dimension, i << 10);
+    }
+    return t;
+}
+const SplitTable& table(int dimension) {
+    static const std::array<SplitTable, 3> tables{split_table(2), split_table(3), split_table(4)};
+    return tables[static_cast<std::size_t>(dimension - 2)];
+}
+
+/// Dimension 1: the index times Pascal's triangle modulo 2, which is a product of five simple matrices.
+[[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
+    x ^= (x >> 1) & 0x55555555U;
+    x ^= (x >> 2) & 0x33333333U;
+    x ^= (x >> 4) & 0x0f0f0f0fU;
+    x ^= (x >> 8) & 0x00ff00ffU;
+    return x ^ (x >> 16);
+}
+
+template <int lanes>
+[[gnu::always_inline]] inline void scramble(std::uint32_t* x, std::uint32_t seed, float* u) {
+    for (int i = 0; i < lanes; ++i) u[i] = unit_float(reverse_bits(owen_scramble_reversed(x[i], seed)));
+}
+
+/// Indices in a nested uniform scramble of their own: every aligned block of 2^j samples stays one.
+template <int lanes>
+[[gnu::always_inline]] inline void shuffled(std::uint32_t seed, std::uint32_t reversed_mask, int first,
+                                            std::uint32_t* index) {
+    for (int i = 0; i < lanes; ++i) {
+        const std::uint32_t x = reverse_bits(static_cast<std::uint32_t>(first + i));
+        index[i] = reverse_bits(owen_scramble_reversed(x, seed) & reversed_mask);
+    }
+}
+
+template <int lanes>
+[[gnu::always_inline]] inline void padded(SetKey key, std::uint32_t reversed_mask, int first, float* u,
+                                          float* v) {
+    alignas(64) std::uint32_t index[lanes], second[lanes];
+    const std::uint64_t seeds = key.stream(0);
+    shuffled<lanes>(low_word(key.stream(1)), reversed_mask, first, index);
+    for (int i = 0; i < lanes; ++i) second[i] = pascal(index[i]);
+    scramble<lanes>(index, low_word(seeds), u);
+    if (v != nullptr) scramble<lanes>(second, high_word(seeds), v);
+}
+
+template <int lanes>
+[[gnu::always_inline]] inline void words(int dimension, int first, std::uint32_t* x) {
+    const auto begin = static_cast<std::uint32_t>(first);
+    if (dimension == 0) {
+        for (int i = 0; i < lanes; ++i) x[i] = begin + static_cast<std::uint32_t>(i);
+    } else if (dimension == 1) {
+        for (int i = 0; i < lanes; ++i) x[i] = pascal(begin + static_cast<std::uint32_t>(i));
+    } else {
+        const SplitTable& t = table(dimension);
+        if (begin % lanes == 0) {
+            const std::uint32_t high = t.high[(begin >> 10) & 1023];
+            for (int i = 0; i < lanes; ++i)
+                x[i] = t.low[(begin & 1023) + static_cast<std::uint32_t>(i)] ^ high;
+        } else {
+            for (int i = 0; i < lanes; ++i) {
+                const std::uint32_t index = begin + static_cast<std::uint32_t>(i);
+                x[i] = t.low[index & 1023] ^ t.high[(index >> 10) & 1023];
+            }
+        }
+    }
+}
+
+template <int lanes>
+[[gnu::always_inline]] inline void joint(SetKey key, int dimension, int first, float* u, float* v) {
+    alignas(64) std::uint32_t x[lanes];
+    const std::uint64_t seeds = key.stream(0);
+    words<lanes>(dimension, first, x);
+    scramble<lanes>(x, low_word(seeds), u);
+    if (v == nullptr) return;
+    words<lanes>(dimension + 1, first, x);
+    scramble<lanes>(x, high_word(seeds), v);
+}
+
+POSTLENS_MULTIVERSION void padded_16(SetKey key, std::uint32_t reversed_mask, int first, float* u, float* v) {
+    padded<sample_lanes>(key, reversed_mask, first, u, v);
+}
+POSTLENS_MULTIVERSION void joint_16(SetKey key, int dimension, int first, float* u, float* v) {
+    joint<sample_lanes>(key, dimension, first, u, v);
+}
+
+}  // namespace
+
+std::uint32_t sobol_reversed(int dimension, std::uint32_t index) {
+    assert(dimension >= 0 && dimension < sobol_dimensions);
+    return by_directions(all_directions[static_cast<std::size_t>(dimension)], index);
+}
+
+SobolPoints::SobolPoints(std::uint32_t n) : reversed_mask_(reverse_bits((1U << std::bit_width(n - 1)) - 1)) {
+    assert(n >= 1 && n <= 1U << 20);
+}
+
+void SobolPoints::padded_2d(SetKey key, int first, int lanes, float* u, float* v) const {
+    lanes == 1 ? padded<1>(key, reversed_mask_, first, u, v) : padded_16(key, reversed_mask_, first, u, v);
+}
+void SobolPoints::padded_1d(SetKey key, int first, int lanes, float* u) const {
+    padded_2d(key, first, lanes, u, nullptr);
+}
+void SobolPoints::joint_2d(SetKey key, int dimension, int first, int lanes, float* u, float* v) const {
+    lanes == 1 ? joint<1>(key, dimension, first, u, v) : joint_16(key, dimension, first, u, v);
+}
+void SobolPoints::joint_1d(SetKey key, int dimension, int first, int lanes, float* u) const {
+    joint_2d(key, dimension, first, lanes, u, nullptr);
+}
+
+}  // namespace postlens

@@ -1,0 +1,52 @@
+// Owen-scrambled Sobol points: the sequence, its scramble, and points of a pixel.
+#pragma once
+
+#include <cstdint>
+
+#include "tracer/sample_hash.h"
+
+namespace postlens {
+
+inline constexpr int sobol_dimensions = 5;
+
+/// Coordinate `dimension` (0 .. 4) of Sobol point `index`, bit-reversed: bit 0 halves the unit interval, bit
+/// 1 its halves and so on. Direction numbers of [joe2008].
+[[nodiscard]] std::uint32_t sobol_reversed(int dimension, std::uint32_t index);
+
+[[nodiscard]] constexpr std::uint32_t reverse_bits(std::uint32_t x) {
+    x = __builtin_bswap32(x);
+    x = ((x >> 4) & 0x0f0f0f0fU) | ((x & 0x0f0f0f0fU) << 4);
+    x = ((x >> 2) & 0x33333333U) | ((x & 0x33333333U) << 2);
+    return ((x >> 1) & 0x55555555U) | ((x & 0x55555555U) << 1);
+}
+
+/// A nested uniform scramble [owen1995] of a bit-reversed number, by a hash [laine2011, burley2020] whose
+/// every bit depends only on the bits below it and on the seed. Multipliers: N. Vegdahl, "Building a better
+/// LK hash" (2021).
+[[nodiscard]] constexpr std::uint32_t owen_scramble_reversed(std::uint32_t x, std::uint32_t seed) {
+    x ^= x * 0x3d20adeaU;
+    x += seed;
+    x *= (seed >> 16) | 1;
+    x ^= x * 0x05526c56U;
+    return x ^ x * 0x53a22864U;
+}
+
+/// Points of samples first .. first + lanes - 1, lanes = 16 or 1.
+class SobolPoints {
+  public:
+    /// n: samples of a pixel, 1 .. 2^20.
+    explicit SobolPoints(std::uint32_t n);
+    /// A (0,2)-sequence, in an order of its own: a scrambled index among the first 2^k >= n.
+    void padded_2d(SetKey key, int first, int lanes, float* u, float* v) const;
+    /// A (0,1)-sequence, in an order of its own.
+    void padded_1d(SetKey key, int first, int lanes, float* u) const;
+    /// Coordinates `dimension` and `dimension` + 1, or only one, of the five-dimensional sequence, each
+    /// scrambled.
+    void joint_2d(SetKey key, int dimension, int first, int lanes, float* u, float* v) const;
+    void joint_1d(SetKey key, int dimension, int first, int lanes, float* u) const;
+
+  private:
+    std::uint32_t reversed_mask_;  ///< of the k bits of an index, reversed
+};
+
+}  // namespace postlens
