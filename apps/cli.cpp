@@ -19,6 +19,7 @@ namespace {
 struct State {
     ParsedCommand common;
     TraceOptions trace;
+    RenderOptions render;
     FocusOptions focus;
     RecordsOptions records;
     LensCommandOptions lens;
@@ -87,11 +88,12 @@ void output_option(CLI::App& app, std::string& to, const std::string& help) {
     app.add_option("-o,--output", to, help)->required()->type_name("FILE");
 }
 
-void lens_options(CLI::App& app, LensOptions& to) {
-    number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole [default: the file's]", "N",
-           true);
-    number(app, "--focal-length", to.focal_length_mm, "Focal length F [default: the file's]", "MM");
-    auto* focus = number(app, "--focus", to.focus_m, "Focus distance s [default: the file's]", "M", true);
+// `source`: what names the values that are not given here.
+void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's") {
+    const std::string otherwise = " [default: " + source + "]";
+    number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole" + otherwise, "N", true);
+    number(app, "--focal-length", to.focal_length_mm, "Focal length F" + otherwise, "MM");
+    auto* focus = number(app, "--focus", to.focus_m, "Focus distance s" + otherwise, "M", true);
     app.add_option_function<std::string>(
            "--focus-at", [&to](const std::string& text) { to.focus_at = parse_position("--focus-at", text); },
            "Focus on what is seen at this raster position")
@@ -105,36 +107,43 @@ void lens_options(CLI::App& app, LensOptions& to) {
         "Film at V = F s / (s - F): the view breathes with the focus, as in the 1981 paper");
 }
 
+void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
+                   std::string& camera_name) {
+    app.add_option("scene", scene, "Scene: .toml (docs/scene_format.md) or .nff")
+        ->required()
+        ->type_name("SCENE");
+    number(app, "--metres-per-unit", metres_per_unit, "Length of the scene's unit", "X");
+    app.add_option_function<std::string>(
+           "--size",
+           [&camera](const std::string& text) {
+               std::tie(camera.width, camera.height) = parse_size("--size", text);
+           },
+           "Raster, px [default: the camera's]")
+        ->type_name("WxH");
+    app.add_option("--camera", camera_name, "Camera by name [default: the scene's first]")->type_name("NAME");
+    number(app, "--film-width", camera.film_width_mm, "Width of the film [default: the camera's]", "MM");
+}
+
+void tree_options(CLI::App& app, int& max_depth, double& min_contribution) {
+    whole(app, "--max-depth", max_depth, "Nodes along a path, 1 to 17; the eye ray's is the first", "N");
+    number(app, "--min-contribution", min_contribution,
+           "Subtrees that cannot add this much radiance are not traced; 0 traces all", "C");
+}
+
 void add_trace(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("trace", "Trace a scene through a pinhole into a sample file");
     TraceOptions& o = s.trace;
     TraceSettings& t = o.settings;
-    app.add_option("scene", o.scene, "Scene: .toml (docs/scene_format.md) or .nff")
-        ->required()
-        ->type_name("SCENE");
+    scene_options(app, o.scene, o.metres_per_unit, t.camera, t.camera_name);
     output_option(app, o.output, "Sample file (OpenEXR)");
-    app.add_option_function<std::string>(
-           "--size",
-           [&t](const std::string& text) {
-               std::tie(t.camera.width, t.camera.height) = parse_size("--size", text);
-           },
-           "Raster, px [default: the camera's]")
-        ->type_name("WxH");
-    app.add_option("--camera", t.camera_name, "Camera by name [default: the scene's first]")
-        ->type_name("NAME");
     number(app, "--time", t.time_s, "Instant of the trace [default: the scene's]", "S");
     number(app, "--focal-length", t.camera.focal_length_mm,
            "Film distance of the pinhole view [default: the camera's]", "MM");
-    number(app, "--film-width", t.camera.film_width_mm, "Width of the film [default: the camera's]", "MM");
-    number(app, "--metres-per-unit", o.metres_per_unit, "Length of the scene's unit", "X");
     whole(app, "--subdivide", t.subdivision.levels,
           "Greatest depth of the recursive 2x2 subdivision of a pixel, 0 to 8", "LEVELS");
     number(app, "--threshold", t.subdivision.threshold,
            "Contrast (max-min)/(max+min+0.05) of its corners above which a cell is subdivided", "T");
-    whole(app, "--max-depth", t.whitted.max_depth, "Nodes along a path, 1 to 17; the eye ray's is the first",
-          "N");
-    number(app, "--min-contribution", t.whitted.min_contribution,
-           "Subtrees that cannot add this much radiance are not traced; 0 traces all", "C");
+    tree_options(app, t.whitted.max_depth, t.whitted.min_contribution);
     app.add_option_function<std::string>(
            "--overscan",
            [&t](const std::string& text) {
@@ -155,6 +164,57 @@ void add_trace(CLI::App& root, State& s) {
         s.common.run = [&s] {
             s.trace.settings.quiet = s.common.quiet;
             return run_trace(s.trace);
+        };
+    });
+}
+
+void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve) {
+    app.add_option_function<std::string>(
+           "--shutter",
+           [&shutter](const std::string& text) {
+               const auto [open, close] = parse_span("--shutter", text);
+               shutter = TimeSpan{open, close};
+           },
+           "When the shutter opens and closes, on the scene's clock [default: open for an instant]")
+        ->type_name("OPEN:CLOSE");
+    app.add_option(
+           "--shutter-curve", curve,
+           "Transmission while it is open: box, triangle, or a text file of lines \"time transmission\" "
+           "[default: box]")
+        ->type_name("box|triangle|FILE");
+}
+
+void add_render(CLI::App& root, State& s) {
+    CLI::App& app =
+        *root.add_subcommand("render", "The picture by distributed rays over lens and time: the reference");
+    RenderOptions& o = s.render;
+    RenderSettings& r = o.settings;
+    scene_options(app, o.scene, o.metres_per_unit, r.camera, r.camera_name);
+    output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    whole(app, "--spp", r.spp, "Samples per pixel, 1 to 1048576", "N")->required();
+    lens_options(app, o.lens, "the camera's");
+    number(app, "--time", r.time_s, "Instant without a shutter [default: the scene's]", "S");
+    shutter_options(app, r.shutter, o.curve);
+    choice(app, "--sampler", r.sampler, "How samples spread over pixel, lens, time, lights and gloss",
+           {{"grid", SamplerKind::grid},
+            {"jittered", SamplerKind::jittered},
+            {"random", SamplerKind::random},
+            {"poisson", SamplerKind::poisson},
+            {"sobol", SamplerKind::sobol}});
+    app.add_option_function<std::string>(
+           "--seed", [&r](const std::string& text) { r.seed = parse_seed("--seed", text); },
+           "Of all random numbers; the same seed gives the same bits [default: 0]")
+        ->type_name("N");
+    app.add_flag(
+        "--halves", r.halves,
+        "Also write two independent halves of the samples, NAME.a and NAME.b, to measure the noise by");
+    app.add_flag("--resume", r.resume, "Go on from NAME.partial.exr, which an interrupted run has left");
+    tree_options(app, r.tracing.max_depth, r.tracing.min_contribution);
+    common_options(app, s);
+    app.callback([&s] {
+        s.common.run = [&s] {
+            s.render.settings.quiet = s.common.quiet;
+            return run_render(s.render);
         };
     });
 }
@@ -260,6 +320,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
     add_trace(app, *state);
     add_image(app, *state);
     add_records(app, *state);
+    add_render(app, *state);
     add_focus(app, *state);
     add_lens(app, *state);
     add_info(app, *state);

@@ -55,6 +55,19 @@ std::pair<double, double> parse_position(std::string_view option, std::string_vi
          option, text);
 }
 
+std::pair<double, double> parse_span(std::string_view option, std::string_view text) {
+    const auto span = parsed_pair<double>(text, ":");
+    if (span && std::isfinite(span->first) && std::isfinite(span->second)) return *span;
+    fail(ExitCode::wrong_arguments,
+         "{}: not two instants (got {}; expected OPEN:CLOSE in seconds, e.g. 0:0.02)", option, text);
+}
+
+std::uint64_t parse_seed(std::string_view option, std::string_view text) {
+    if (const auto value = parsed<std::uint64_t>(text)) return *value;
+    fail(ExitCode::wrong_arguments, "{}: not a seed (got {}; expected a whole number from 0 to 2^64 - 1)",
+         option, text.empty() ? "nothing" : text);
+}
+
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected) {
     if (value > low || (including_low && value == low)) return value;
     fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected {})", option, value, expected);

@@ -1,6 +1,7 @@
 // Texts from the command line to numbers: the same rules for every option, in every locale.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,10 @@ namespace postlens {
 [[nodiscard]] int parse_whole(std::string_view option, std::string_view text);
 /// "960x540".
 [[nodiscard]] std::pair<int, int> parse_size(std::string_view option, std::string_view text);
+/// "0:0.02": two finite numbers.
+[[nodiscard]] std::pair<double, double> parse_span(std::string_view option, std::string_view text);
+/// A whole number from 0 to 2^64 - 1.
+[[nodiscard]] std::uint64_t parse_seed(std::string_view option, std::string_view text);
 /// "12.5,34".
 [[nodiscard]] std::pair<double, double> parse_position(std::string_view option, std::string_view text);
 

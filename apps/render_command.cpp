@@ -50,8 +50,9 @@ CommandResult run_render(const RenderOptions& options) {
     constexpr double tolerance_px = 0.05;
     if (r.motion_error_px > tolerance_px) {
         out.warnings.push_back(
-            {"motion", fmt::format("a mesh moves too fast for Embree's time steps: its path errs by up to {:.2g} px",
-                                   r.motion_error_px)});
+            {"motion",
+             fmt::format("a mesh moves too fast for Embree's time steps: its path errs by up to {:.2g} px",
+                         r.motion_error_px)});
     }
     if (settings.resume && r.spp_resumed == 0) {
         out.warnings.push_back({"resume", fmt::format("there was nothing to go on from ({} is missing)",
@@ -77,11 +78,12 @@ CommandResult run_render(const RenderOptions& options) {
         out.json["halves"] = {paths[0].string(), paths[1].string()};
     }
     const double rate = static_cast<double>(r.rays.eye) / std::max(r.seconds_render, 1e-9) / 1e6;
-    out.text = fmt::format("{}: {}x{} px, {} samples a pixel ({}), {}, focus {:.4g} m, {:.3g} s, {:.3g} million samples/s",
-                           options.output, r.image.width, r.image.height, settings.spp, name(settings.sampler),
-                           std::isfinite(r.f_number) ? fmt::format("F = {:.4g} mm, f/{:.4g}", r.focal_length_mm, r.f_number)
-                                                     : std::string("pinhole"),
-                           r.focus_m, r.seconds_render, rate);
+    out.text = fmt::format(
+        "{}: {}x{} px, {} samples a pixel ({}), {}, focus {:.4g} m, {:.3g} s, {:.3g} million samples/s",
+        options.output, r.image.width, r.image.height, settings.spp, name(settings.sampler),
+        std::isfinite(r.f_number) ? fmt::format("F = {:.4g} mm, f/{:.4g}", r.focal_length_mm, r.f_number)
+                                  : std::string("pinhole"),
+        r.focus_m, r.seconds_render, rate);
     return out;
 }
 

@@ -20,7 +20,8 @@ std::uint64_t available_memory_bytes() {
 void require_memory(std::uint64_t bytes, const std::string& what) {
     const std::uint64_t free = available_memory_bytes();
     if (bytes <= free) return;
-    fail(ExitCode::out_of_memory, "{} needs {} MB of memory ({} MB are free)", what, bytes / 1'000'000, free / 1'000'000);
+    fail(ExitCode::out_of_memory, "{} needs {} MB of memory ({} MB are free)", what, bytes / 1'000'000,
+         free / 1'000'000);
 }
 
 }  // namespace postlens

@@ -1,4 +1,5 @@
-// Asking for memory before taking it: a request that cannot be met ends in one line instead of a killed process.
+// Asking for memory before taking it: a request that cannot be met ends in one line instead of a killed
+// process.
 #pragma once
 
 #include <cstdint>

@@ -25,15 +25,16 @@ bool parse_line(std::string_view line, const std::string& where, std::pair<doubl
         double value = 0;
         const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
         if (error != std::errc() || stop != word.data() + word.size() || !std::isfinite(value)) {
-            fail(ExitCode::invalid_input, "{}: not a finite number (got {}; expected time and transmission)", where,
-                 word.substr(0, 40));
+            fail(ExitCode::invalid_input, "{}: not a finite number (got {}; expected time and transmission)",
+                 where, word.substr(0, 40));
         }
         if (count < 2) values[count] = value;
         ++count;
         at = end;
     }
     if (count == 0) return false;
-    if (count != 2) fail(ExitCode::invalid_input, "{}: got {} numbers (expected time and transmission)", where, count);
+    if (count != 2)
+        fail(ExitCode::invalid_input, "{}: got {} numbers (expected time and transmission)", where, count);
     out = {values[0], values[1]};
     return true;
 }
@@ -50,7 +51,8 @@ ShutterCurve ShutterCurve::triangle() {
 
 ShutterCurve ShutterCurve::points(std::vector<std::pair<double, double>> points, const std::string& source) {
     if (points.size() < 2) {
-        fail(ExitCode::invalid_input, "{}: too few points (got {}; expected 2 or more)", source, points.size());
+        fail(ExitCode::invalid_input, "{}: too few points (got {}; expected 2 or more)", source,
+             points.size());
     }
     const double begin = points.front().first, span = points.back().first - begin;
     double highest = 0;
@@ -60,13 +62,15 @@ ShutterCurve ShutterCurve::points(std::vector<std::pair<double, double>> points,
             fail(ExitCode::invalid_input, "{}: times do not grow (got {} at point {})", source, time, i + 1);
         }
         if (!(transmission >= 0) || !std::isfinite(transmission)) {
-            fail(ExitCode::invalid_input, "{}: transmission out of range (got {} at point {}; expected 0 or more)",
-                 source, transmission, i + 1);
+            fail(ExitCode::invalid_input,
+                 "{}: transmission out of range (got {} at point {}; expected 0 or more)", source,
+                 transmission, i + 1);
         }
         highest = std::max(highest, transmission);
     }
     if (!(highest > 0) || !std::isfinite(span)) {
-        fail(ExitCode::invalid_input, "{}: the shutter never opens (expected a transmission above 0)", source);
+        fail(ExitCode::invalid_input, "{}: the shutter never opens (expected a transmission above 0)",
+             source);
     }
     ShutterCurve out;
     double light = 0;
@@ -88,7 +92,8 @@ ShutterCurve ShutterCurve::points(std::vector<std::pair<double, double>> points,
 
 ShutterCurve ShutterCurve::read(const std::filesystem::path& path) {
     if (!std::filesystem::is_regular_file(path)) {
-        fail(ExitCode::invalid_input, "{}: cannot read (expected a file of shutter transmissions)", path.string());
+        fail(ExitCode::invalid_input, "{}: cannot read (expected a file of shutter transmissions)",
+             path.string());
     }
     std::ifstream file(path);
     if (!file) fail(ExitCode::invalid_input, "{}: cannot read", path.string());
@@ -99,8 +104,8 @@ ShutterCurve ShutterCurve::read(const std::filesystem::path& path) {
         if (!parse_line(line, fmt::format("{}:{}", path.string(), number), point)) continue;
         points.push_back(point);
         if (points.size() > most_points) {
-            fail(ExitCode::invalid_input, "{}:{}: too many points (expected at most {})", path.string(), number,
-                 most_points);
+            fail(ExitCode::invalid_input, "{}:{}: too many points (expected at most {})", path.string(),
+                 number, most_points);
         }
     }
     if (file.bad()) fail(ExitCode::invalid_input, "{}: cannot read", path.string());
@@ -111,7 +116,8 @@ double ShutterCurve::time(double u) const {
     const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                         [](double light, const Knot& k) { return light < k.light; });
     const Knot &a = *(after - 1), &b = *after;
-    // a.density x + (b.density - a.density) x^2 / (2 width) = light missing at a, for the root that grows with it.
+    // a.density x + (b.density - a.density) x^2 / (2 width) = light missing at a, for the root that grows
+    // with it.
     const double width = b.time - a.time, missing = std::max(0.0, u - a.light);
     const double slope = (b.density - a.density) / width;
     const double root = std::sqrt(std::max(0.0, a.density * a.density + 2 * slope * missing));
@@ -124,7 +130,8 @@ std::uint64_t ShutterCurve::fingerprint() const {
     for (const Knot& k : knots_) {
         for (const double value : {k.time, k.density}) {
             const auto bits = std::bit_cast<std::uint64_t>(value);
-            for (int shift = 0; shift < 64; shift += 8) hash = (hash ^ ((bits >> shift) & 0xFFU)) * 0x100000001b3U;
+            for (int shift = 0; shift < 64; shift += 8)
+                hash = (hash ^ ((bits >> shift) & 0xFFU)) * 0x100000001b3U;
         }
     }
     return hash;

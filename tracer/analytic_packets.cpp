@@ -251,21 +251,22 @@ void intersect_analytic(const RTCIntersectFunctionNArguments* args) {
 
 void occlude_analytic(const RTCOccludedFunctionNArguments* args) {
     const auto& item = static_cast<const AnalyticSet*>(args->geometryUserPtr)->items[args->primID];
-    occlude_item(args, item.object, [&](const Rays& rays, unsigned i) { return item_crossings(item, rays, i); });
+    occlude_item(args, item.object,
+                 [&](const Rays& rays, unsigned i) { return item_crossings(item, rays, i); });
 }
 
 Crossings<double> moving_crossings(const MovingSet& set, unsigned primitive, const Rays& rays, unsigned i) {
     const MovingSet::Item& item = set.items[primitive];
-    const auto [o, d] = set.local_ray(item, glm::dvec3(rays.ox[i], rays.oy[i], rays.oz[i]),
-                                      glm::dvec3(rays.dx[i], rays.dy[i], rays.dz[i]),
-                                      static_cast<double>(rays.time[i]));
+    const auto [o, d] =
+        set.local_ray(item, glm::dvec3(rays.ox[i], rays.oy[i], rays.oz[i]),
+                      glm::dvec3(rays.dx[i], rays.dy[i], rays.dz[i]), static_cast<double>(rays.time[i]));
     return crossings<double>(item.shape, o, d);
 }
 
 void intersect_moving(const RTCIntersectFunctionNArguments* args) {
     const auto& set = *static_cast<const MovingSet*>(args->geometryUserPtr);
-    intersect_item(args,
-                   [&](const Rays& rays, unsigned i) { return moving_crossings(set, args->primID, rays, i); });
+    intersect_item(
+        args, [&](const Rays& rays, unsigned i) { return moving_crossings(set, args->primID, rays, i); });
 }
 
 void occlude_moving(const RTCOccludedFunctionNArguments* args) {

@@ -99,8 +99,8 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
     if (left < 1) return;
     const Continuation c = continuation(m, f, ray.direction);
     const std::size_t sample = ray.sample;
-    const auto follow = [&](dvec3 direction, double exponent, const dvec3& share, double side, Purpose purpose,
-                            NodePath::Bounce bounce, std::uint64_t& count) {
+    const auto follow = [&](dvec3 direction, double exponent, const dvec3& share, double side,
+                            Purpose purpose, NodePath::Bounce bounce, std::uint64_t& count) {
         const dvec3 throughput = ray.throughput * share;
         if (!(largest(throughput) > 0) ||
             largest(throughput) * bound_[static_cast<std::size_t>(left)] < settings_.min_contribution) {
@@ -111,12 +111,14 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
             const glm::vec2 uv =
                 sampler_.point_2d(eye.pixel[sample], set_for(purpose, ray.path, 0), eye.index[sample]);
             direction = spread_direction(direction, exponent, glm::dvec2(uv));
-            // What the lobe sends to the wrong side of the surface comes back on the right one: no light is lost.
+            // What the lobe sends to the wrong side of the surface comes back on the right one: no light is
+            // lost.
             const double through = glm::dot(direction, off);
             if (through < 0) direction -= 2 * through * off;
         }
         ++count;
-        w.next_rays.push_back({s.position, direction, throughput, ray.sample, ray.time, ray.path.child(bounce)});
+        w.next_rays.push_back(
+            {s.position, direction, throughput, ray.sample, ray.time, ray.path.child(bounce)});
         w.next_batch.add(s.position + RayScene::offset(s.position) * off, direction,
                          std::numeric_limits<float>::infinity(), key, ray.time);
     };
@@ -138,7 +140,8 @@ void DistributedTracer::shade(const PathRay& ray, const SurfacePoint& s, const H
     const dvec3 colour = surface_colour(m, s);
     eye.radiance[ray.sample] += ray.throughput * own_radiance(scene, m, s, colour);
     const bool spawns = m.reflection != dvec3(0) || m.transmission != dvec3(0);
-    const bool answers = m.diffuse != dvec3(0) || m.specular != dvec3(0) || m.diffuse_transmission != dvec3(0);
+    const bool answers =
+        m.diffuse != dvec3(0) || m.specular != dvec3(0) || m.diffuse_transmission != dvec3(0);
     if (!spawns && (lights_.empty() || !answers)) return;
     const Facing f = face(s, ray.direction);
     if (answers) light(ray, s, f, key, m, colour, eye, w, counts);

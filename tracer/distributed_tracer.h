@@ -1,5 +1,5 @@
-// Distributed ray tracing [cook1984]: every eye ray with its own point of the lens and its own instant; shadow rays
-// spread over lights, mirrored and refracted rays about their exact directions.
+// Distributed ray tracing [cook1984]: every eye ray with its own point of the lens and its own instant;
+// shadow rays spread over lights, mirrored and refracted rays about their exact directions.
 #pragma once
 
 #include <cstdint>
@@ -32,8 +32,8 @@ class DistributedTracer {
     /// Keeps references to scene and sampler.
     DistributedTracer(const RayScene& scene, const Sampler& sampler, const DistributedSettings& settings);
 
-    /// Follows the rays to the end of their shading trees. Thread-safe; the same rays in the same groups give the same
-    /// bits.
+    /// Follows the rays to the end of their shading trees. Thread-safe; the same rays in the same groups give
+    /// the same bits.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
     /// Whether rays need their times: something other than the camera moves.
@@ -44,23 +44,25 @@ class DistributedTracer {
     struct Workspace;
     void shade(const PathRay& ray, const SurfacePoint& s, const HitKey& key, EyeRays& eye, Workspace& w,
                RayCounts& counts) const;
-    void light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key, const Material& m,
-               const glm::dvec3& colour, EyeRays& eye, Workspace& w, RayCounts& counts) const;
-    void spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key, const Material& m,
-               const EyeRays& eye, Workspace& w, RayCounts& counts) const;
+    void light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
+               const Material& m, const glm::dvec3& colour, EyeRays& eye, Workspace& w,
+               RayCounts& counts) const;
+    void spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
+               const Material& m, const EyeRays& eye, Workspace& w, RayCounts& counts) const;
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
 
     const RayScene& scene_;
     const Sampler& sampler_;
     DistributedSettings settings_;
     std::vector<double> bound_;
-    std::vector<PlacedLight> lights_;        // at the shutter's opening
-    std::vector<MotionPath> light_paths_;    // of lights that move while it is open; else empty
+    std::vector<PlacedLight> lights_;      // at the shutter's opening
+    std::vector<MotionPath> light_paths_;  // of lights that move while it is open; else empty
     std::vector<bool> light_moves_;
     bool moving_lights_ = false;
 };
 
-/// A direction spread about `axis` in a lobe cos^exponent [phong1975]; (u, v) in [0, 1)^2. Infinity: the axis itself.
+/// A direction spread about `axis` in a lobe cos^exponent [phong1975]; (u, v) in [0, 1)^2. Infinity: the axis
+/// itself.
 [[nodiscard]] glm::dvec3 spread_direction(const glm::dvec3& axis, double exponent, const glm::dvec2& uv);
 
 }  // namespace postlens

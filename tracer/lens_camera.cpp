@@ -82,8 +82,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
 POSTLENS_MULTIVERSION void LensCamera::world_rays(const Local& local, const Frame& frame, bool parallel,
                                                   float* const to[6]) {
     const glm::vec3 position(frame.position), right(frame.right), down(frame.down), forward(frame.forward);
-    float *__restrict ox = to[0], *__restrict oy = to[1], *__restrict oz = to[2];
-    float *__restrict dx = to[3], *__restrict dy = to[4], *__restrict dz = to[5];
+    float* __restrict ox = to[0], * __restrict oy = to[1], * __restrict oz = to[2];
+    float* __restrict dx = to[3], * __restrict dy = to[4], * __restrict dz = to[5];
     const float tangents = parallel ? 0.0F : 1.0F;
     for (std::size_t i = 0; i < lanes; ++i) {
         const float qx = local.qx[i], qy = local.qy[i];
@@ -126,8 +126,10 @@ void LensCamera::add_rays(const LensSamples& samples, RayBatch& batch) const {
             }
         }
     }
-    if (batch.has_times) std::copy(time.begin(), time.end(), batch.time.begin() + static_cast<std::ptrdiff_t>(first));
-    std::fill_n(batch.t_far.begin() + static_cast<std::ptrdiff_t>(first), lanes, std::numeric_limits<float>::infinity());
+    if (batch.has_times)
+        std::copy(time.begin(), time.end(), batch.time.begin() + static_cast<std::ptrdiff_t>(first));
+    std::fill_n(batch.t_far.begin() + static_cast<std::ptrdiff_t>(first), lanes,
+                std::numeric_limits<float>::infinity());
 }
 
 LensCamera::Ray LensCamera::ray(double x, double y, double lens_u, double lens_v, double time) const {
@@ -154,7 +156,8 @@ double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     const Frame f = frame_at(time_s);
     const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
     if (!(depth > 0)) return 0;
-    // Close to the plane of the lens the scale has no bound, and what is there is out of the view but for its edge.
+    // Close to the plane of the lens the scale has no bound, and what is there is out of the view but for its
+    // edge.
     return lens_.gain_px / std::max(depth, 0.02 * distance);
 }
 

@@ -1,5 +1,5 @@
-// The camera with a lens and a shutter: numbers in [0, 1) to eye rays, each from its own point of the lens at its own
-// instant [cook1984].
+// The camera with a lens and a shutter: numbers in [0, 1) to eye rays, each from its own point of the lens at
+// its own instant [cook1984].
 #pragma once
 
 #include <array>
@@ -28,7 +28,8 @@ class LensCamera {
         TimeSpan span;
         ShutterCurve curve = ShutterCurve::box();
     };
-    /// `camera` gives raster, projection and the pose at rest. An orthographic camera must come with a pinhole.
+    /// `camera` gives raster, projection and the pose at rest. An orthographic camera must come with a
+    /// pinhole.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
     /// Adds one group of 16 rays to the batch: unit directions, times where the batch has them.

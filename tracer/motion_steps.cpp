@@ -78,7 +78,8 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
     // How far the true box reaches out of the one between steps: looked for between steps and at keys, where
-    // the motion may have a kink, and doubled, since the greatest excess may lie between the places looked at.
+    // the motion may have a kink, and doubled, since the greatest excess may lie between the places looked
+    // at.
     std::vector<double> shares;
     constexpr int looks = 8;
     for (int i = 0; i < steps * looks; ++i) shares.push_back((i + 0.5) / (steps * looks));

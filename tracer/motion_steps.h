@@ -24,15 +24,17 @@ inline constexpr int most_motion_steps = 128;
 /// linearly, matrix entry by matrix entry.
 struct MotionSteps {
     std::vector<glm::dmat4> world_from_object;
-    double error_px = 0;  ///< how far a corner of the box strays from the true motion; may exceed the tolerance
+    double error_px =
+        0;  ///< how far a corner of the box strays from the true motion; may exceed the tolerance
 };
-/// As few steps as keep the corners of `box` (object space, before `base`) within the tolerance, doubling from
-/// one to most_motion_steps. No key of the path may lie between begin and end.
+/// As few steps as keep the corners of `box` (object space, before `base`) within the tolerance, doubling
+/// from one to most_motion_steps. No key of the path may lie between begin and end.
 [[nodiscard]] MotionSteps motion_steps(const MotionPath& path, const glm::dmat4& base, const Bounds& box,
                                        double begin_s, double end_s, const MotionAccuracy& accuracy);
 
 /// Boxes at `steps` + 1 equal times which, taken linearly between, hold the moving shape all the time.
 [[nodiscard]] std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape,
-                                                const glm::dmat4& base, double begin_s, double end_s, int steps);
+                                                const glm::dmat4& base, double begin_s, double end_s,
+                                                int steps);
 
 }  // namespace postlens

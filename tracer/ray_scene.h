@@ -1,6 +1,6 @@
-// A scene ready for rays, at one instant or over the time that a shutter is open: Embree finds what is hit, in
-// float; the hit itself is then solved again in double, so that normals, mirrors and ray differentials are exact
-// at any scale.
+// A scene ready for rays, at one instant or over the time that a shutter is open: Embree finds what is hit,
+// in float; the hit itself is then solved again in double, so that normals, mirrors and ray differentials are
+// exact at any scale.
 #pragma once
 
 #include <cstdint>
@@ -100,8 +100,8 @@ class RayScene {
     /// The scene at one instant. Keeps a reference to `scene`. Throws Error(interrupted) when the user
     /// interrupts the build.
     RayScene(const Scene& scene, double time_s);
-    /// The scene while a shutter is open, every ray at its own instant. Shapes with a formula move by their true
-    /// transforms; meshes go linearly from step to step, with as many steps as `accuracy` asks for.
+    /// The scene while a shutter is open, every ray at its own instant. Shapes with a formula move by their
+    /// true transforms; meshes go linearly from step to step, with as many steps as `accuracy` asks for.
     RayScene(const Scene& scene, const TimeSpan& span, const MotionAccuracy& accuracy);
     ~RayScene();
     RayScene(const RayScene&) = delete;
@@ -118,8 +118,8 @@ class RayScene {
     /// `time`: the ray's share of the time span.
     [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t,
                                        double time = 0) const;
-    /// How the outward unit normal of that hit changes: d(normal) = shape_operator * d(position), 1/m. Only for
-    /// what does not move.
+    /// How the outward unit normal of that hit changes: d(normal) = shape_operator * d(position), 1/m. Only
+    /// for what does not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
     /// How far to move a ray's origin off a surface at `p`, m: above float's rounding there, far below all
     /// else.

@@ -169,12 +169,14 @@ void RayScene::Impl::add_moving_mesh(const std::shared_ptr<const Mesh>& mesh, co
         };
         const float begin = share(times[i]), end = i + 2 == times.size() ? 1.0F : share(times[i + 1]);
         InstanceGeometry g{object, shared, std::move(steps.world_from_object), static_cast<double>(begin), 0};
-        g.per_step = (static_cast<double>(end) - g.begin) / static_cast<double>(g.world_from_object.size() - 1);
+        g.per_step =
+            (static_cast<double>(end) - g.begin) / static_cast<double>(g.world_from_object.size() - 1);
         add_instance(std::move(g), begin, end);
     }
 }
 
-void RayScene::Impl::add_moving(const MotionPath& path, std::uint32_t object, const MotionAccuracy& accuracy) {
+void RayScene::Impl::add_moving(const MotionPath& path, std::uint32_t object,
+                                const MotionAccuracy& accuracy) {
     any_moves = true;
     const Object& o = scene->objects[object];
     if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&o.shape)) {
@@ -198,21 +200,23 @@ void RayScene::Impl::bound_moving() {
         dvec3 before(0);
         for (int i = 0; i <= most_steps; ++i) {
             const Bounds b = shape_bounds(
-                o.shape,
-                moving.paths[item.path].at(span.at(static_cast<double>(i) / most_steps)).matrix() * o.motion_base);
+                o.shape, moving.paths[item.path].at(span.at(static_cast<double>(i) / most_steps)).matrix() *
+                             o.motion_base);
             const dvec3 middle = 0.5 * (b.min + b.max);
             if (i > 0) way += glm::length(middle - before);
             before = middle;
             size = std::max(size, glm::length(b.max - b.min));
         }
         const double wanted = way / size;  // not a number for what is infinite
-        steps = std::max(steps, wanted < most_steps ? static_cast<int>(std::ceil(wanted)) : wanted >= most_steps ? most_steps : 1);
+        steps = std::max(steps, wanted < most_steps    ? static_cast<int>(std::ceil(wanted))
+                                : wanted >= most_steps ? most_steps
+                                                       : 1);
     }
     moving.steps = steps;
     for (const MovingSet::Item& item : moving.items) {
         const Object& o = scene->objects[item.object];
-        for (const Bounds& b :
-             moving_bounds(moving.paths[item.path], o.shape, o.motion_base, span.open_s, span.close_s, steps)) {
+        for (const Bounds& b : moving_bounds(moving.paths[item.path], o.shape, o.motion_base, span.open_s,
+                                             span.close_s, steps)) {
             moving.lower.emplace_back(b.min);
             moving.upper.emplace_back(b.max);
         }

@@ -86,16 +86,16 @@ struct RayScene::Impl {
                    std::uint32_t object);
     [[nodiscard]] std::size_t shared_mesh(const std::shared_ptr<const Mesh>& mesh, std::uint32_t object);
     void add_instance(InstanceGeometry instance, float begin, float end);
-    void add_moving_mesh(const std::shared_ptr<const Mesh>& mesh, const MotionPath& path, std::uint32_t object,
-                         const MotionAccuracy& accuracy);
+    void add_moving_mesh(const std::shared_ptr<const Mesh>& mesh, const MotionPath& path,
+                         std::uint32_t object, const MotionAccuracy& accuracy);
     void add_moving(const MotionPath& path, std::uint32_t object, const MotionAccuracy& accuracy);
     void bound_moving();
     void add_objects(const MotionAccuracy& accuracy);
     std::map<const Mesh*, std::size_t> shared_meshes;
 
     // Solving hits: ray_scene_surface.cpp.
-    [[nodiscard]] SurfacePoint sphere_surface(std::uint32_t primitive, const glm::dvec3& o, const glm::dvec3& d,
-                                              double t) const;
+    [[nodiscard]] SurfacePoint sphere_surface(std::uint32_t primitive, const glm::dvec3& o,
+                                              const glm::dvec3& d, double t) const;
     struct AnalyticHit {
         const AnalyticShape& shape;
         const glm::dmat4& object_from_local;
@@ -105,8 +105,8 @@ struct RayScene::Impl {
     [[nodiscard]] static SurfacePoint analytic_surface(const AnalyticHit& item, const glm::dvec3& o,
                                                        const glm::dvec3& d, const glm::dvec3& local_o,
                                                        const glm::dvec3& local_d, double t);
-    [[nodiscard]] SurfacePoint moving_surface(std::uint32_t primitive, const glm::dvec3& o, const glm::dvec3& d,
-                                              double t, double time) const;
+    [[nodiscard]] SurfacePoint moving_surface(std::uint32_t primitive, const glm::dvec3& o,
+                                              const glm::dvec3& d, double t, double time) const;
     [[nodiscard]] TriangleFrame triangle(const HitKey& key, double time) const;
     [[nodiscard]] static std::array<glm::dvec3, 3> vertex_normals(const TriangleFrame& f);
     [[nodiscard]] SurfacePoint mesh_surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,

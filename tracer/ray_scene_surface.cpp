@@ -170,7 +170,8 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
            length;
 }
 
-SurfacePoint RayScene::surface(const HitKey& key, const dvec3& o, const dvec3& d, double t, double time) const {
+SurfacePoint RayScene::surface(const HitKey& key, const dvec3& o, const dvec3& d, double t,
+                               double time) const {
     const Impl::Entry& entry = impl_->entries[key.instance == HitKey::none ? key.geometry : key.instance];
     switch (entry.kind) {
         case Impl::Kind::spheres:

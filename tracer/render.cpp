@@ -26,8 +26,8 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Tiles times rounds of a few samples. What a tile traces together is the same however rounds are scheduled, and its
-// sums grow sample by sample: so neither threads nor interruptions change a bit.
+// Tiles times rounds of a few samples. What a tile traces together is the same however rounds are scheduled,
+// and its sums grow sample by sample: so neither threads nor interruptions change a bit.
 class Renderer {
   public:
     Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)
@@ -38,13 +38,16 @@ class Renderer {
           group_(std::min(spp_, RayBatch::group)),
           groups_((spp_ + group_ - 1) / group_),
           columns_((setup.width() + tile_px - 1) / tile_px),
-          tiles_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>((setup.height() + tile_px - 1) / tile_px)) {
+          tiles_(static_cast<std::size_t>(columns_) *
+                 static_cast<std::size_t>((setup.height() + tile_px - 1) / tile_px)) {
         for (int h = 0; h < halves_; ++h) {
             // Halves differ by their seeds alone. Mixed, so that neighbouring seeds share no half.
-            const std::uint64_t seed =
-                settings.halves ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1) : settings.seed;
+            const std::uint64_t seed = settings.halves
+                                           ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1)
+                                           : settings.seed;
             samplers_.push_back(std::make_unique<Sampler>(settings.sampler, spp_, seed));
-            tracers_.push_back(std::make_unique<DistributedTracer>(setup.rays(), *samplers_.back(), settings.tracing));
+            tracers_.push_back(
+                std::make_unique<DistributedTracer>(setup.rays(), *samplers_.back(), settings.tracing));
         }
     }
 
@@ -57,7 +60,8 @@ class Renderer {
         const std::size_t pixel = first_pixel(tile);
         int done = 0;
         for (std::size_t h = 0; h < static_cast<std::size_t>(halves_); ++h)
-            done += static_cast<int>((state_.samples[h][pixel] + static_cast<unsigned>(group_) - 1) / static_cast<unsigned>(group_));
+            done += static_cast<int>((state_.samples[h][pixel] + static_cast<unsigned>(group_) - 1) /
+                                     static_cast<unsigned>(group_));
         return done;
     }
 
@@ -65,7 +69,9 @@ class Renderer {
     void trace(int round, std::size_t begin, std::size_t end) {
         std::vector<RayCounts> counts(end - begin);
         // Whatever is thrown, what was traced is in the state and counted.
-        const std::function<void()> sum = [&] { for (const RayCounts& c : counts) counts_ += c; };
+        const std::function<void()> sum = [&] {
+            for (const RayCounts& c : counts) counts_ += c;
+        };
         struct AtEnd {
             const std::function<void()>& call;
             ~AtEnd() { call(); }
@@ -143,7 +149,8 @@ class Renderer {
         eye.rays.count -= static_cast<int>(16 - lane);
     }
     [[nodiscard]] std::size_t index(int x, int y) const {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(setup_.width()) + static_cast<std::size_t>(x);
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(setup_.width()) +
+               static_cast<std::size_t>(x);
     }
 
     const RenderSetup& setup_;
@@ -174,7 +181,8 @@ void trace_all(Renderer& renderer, const RenderSettings& settings, const std::fu
             renderer.trace(round, begin, end);
             const double took_s = seconds_since(start);
             progress.advance(end - begin);
-            // Long enough that starting and ending a loop costs nothing, short enough to stop and save at once.
+            // Long enough that starting and ending a loop costs nothing, short enough to stop and save at
+            // once.
             if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
             if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);
             begin = end;
@@ -230,7 +238,8 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
 
     const RenderSetup setup(scene, settings);
     const int halves = settings.halves ? 2 : 1;
-    require_memory(RenderState::bytes(setup.width(), setup.height(), halves), path.string() + ": the picture");
+    require_memory(RenderState::bytes(setup.width(), setup.height(), halves),
+                   path.string() + ": the picture");
     RenderState state(setup.width(), setup.height(), halves);
     const std::string fingerprint = setup.fingerprint(settings);
     int resumed = 0;

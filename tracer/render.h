@@ -1,5 +1,5 @@
-// `render`: the picture by distributed rays over lens and time, the reference that post-processed pictures are held
-// against.
+// `render`: the picture by distributed rays over lens and time, the reference that post-processed pictures
+// are held against.
 #pragma once
 
 #include <array>
@@ -25,9 +25,9 @@ struct RenderSettings {
     std::string camera_name;       ///< empty: the scene's first
     std::optional<double> time_s;  ///< the instant without a shutter; absent: the scene's own
 
-    std::optional<double> focal_length_mm;  ///< F; absent: the film distance of the camera
-    std::optional<double> f_number;         ///< absent: the camera's; a pinhole where it has none
-    std::optional<double> focus_m;          ///< absent: the camera's
+    std::optional<double> focal_length_mm;              ///< F; absent: the film distance of the camera
+    std::optional<double> f_number;                     ///< absent: the camera's; a pinhole where it has none
+    std::optional<double> focus_m;                      ///< absent: the camera's
     std::optional<std::pair<double, double>> focus_at;  ///< raster px; instead of focus_m
     Framing framing = Framing::keep;
 
@@ -41,9 +41,9 @@ struct RenderSettings {
     bool resume = false;  ///< go on from what an interrupted run left
     DistributedSettings tracing;
 
-    double metres_per_unit = 1;       ///< as the scene was read; only recorded
+    double metres_per_unit = 1;        ///< as the scene was read; only recorded
     double checkpoint_interval_s = 5;  ///< how often the picture so far is written
-    bool quiet = true;                ///< no progress bar
+    bool quiet = true;                 ///< no progress bar
 };
 
 struct RenderResult {
@@ -53,19 +53,21 @@ struct RenderResult {
     int spp_resumed = 0;          ///< samples per pixel (at least) that were there from the run before
     double seconds_render = 0;    ///< tracing alone
     double focal_length_mm = 0, f_number = 0, focus_m = 0;  ///< as resolved
-    double motion_error_px = 0;   ///< how far Embree's steps stray from the true motion of meshes
+    double motion_error_px = 0;  ///< how far Embree's steps stray from the true motion of meshes
 };
 
 /// The two files of `halves`: NAME.a.EXT and NAME.b.EXT.
 [[nodiscard]] std::array<std::filesystem::path, 2> half_paths(const std::filesystem::path& path);
-/// Where an unfinished picture waits: NAME.partial.exr, a picture for any viewer with the sums in further channels.
+/// Where an unfinished picture waits: NAME.partial.exr, a picture for any viewer with the sums in further
+/// channels.
 [[nodiscard]] std::filesystem::path partial_path(const std::filesystem::path& path);
 
-/// Renders to `path` (and half_paths). Deterministic: the same bits for any number of threads, and for a run that was
-/// interrupted and resumed. Throws Error(wrong_arguments) for settings out of range, Error(interrupted) after
-/// writing partial_path, Error(invalid_input) where that file is damaged or of other settings,
-/// Error(out_of_memory), Error(cannot_write).
-RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, const std::filesystem::path& path);
+/// Renders to `path` (and half_paths). Deterministic: the same bits for any number of threads, and for a run
+/// that was interrupted and resumed. Throws Error(wrong_arguments) for settings out of range,
+/// Error(interrupted) after writing partial_path, Error(invalid_input) where that file is damaged or of other
+/// settings, Error(out_of_memory), Error(cannot_write).
+RenderResult render_to_file(const Scene& scene, const RenderSettings& settings,
+                            const std::filesystem::path& path);
 
 /// The same without files, interruption or resuming; for tests and benchmarks.
 RenderResult render_picture(const Scene& scene, const RenderSettings& settings);

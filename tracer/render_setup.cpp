@@ -15,18 +15,20 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void check(const RenderSettings& s) {
     if (s.spp < 1 || s.spp > Sampler::max_spp) {
-        fail(ExitCode::wrong_arguments, "--spp: out of range (got {}; expected 1 to {})", s.spp, Sampler::max_spp);
+        fail(ExitCode::wrong_arguments, "--spp: out of range (got {}; expected 1 to {})", s.spp,
+             Sampler::max_spp);
     }
     if (s.halves && s.spp % 2 != 0) {
-        fail(ExitCode::wrong_arguments, "--spp: cannot be halved (got {}; expected an even number with --halves)",
-             s.spp);
+        fail(ExitCode::wrong_arguments,
+             "--spp: cannot be halved (got {}; expected an even number with --halves)", s.spp);
     }
     if (s.tracing.max_depth < 1 || s.tracing.max_depth > NodePath::max_bounces + 1) {
-        fail(ExitCode::wrong_arguments, "--max-depth: out of range (got {}; expected 1 to {})", s.tracing.max_depth,
-             NodePath::max_bounces + 1);
+        fail(ExitCode::wrong_arguments, "--max-depth: out of range (got {}; expected 1 to {})",
+             s.tracing.max_depth, NodePath::max_bounces + 1);
     }
     if (!(s.tracing.min_contribution >= 0) || !std::isfinite(s.tracing.min_contribution)) {
-        fail(ExitCode::wrong_arguments, "--min-contribution: out of range (got {}; expected a number from 0 on)",
+        fail(ExitCode::wrong_arguments,
+             "--min-contribution: out of range (got {}; expected a number from 0 on)",
              s.tracing.min_contribution);
     }
     if (s.time_s && !std::isfinite(*s.time_s)) {
@@ -38,8 +40,9 @@ void check(const RenderSettings& s) {
                  s.shutter->open_s, s.shutter->close_s);
         }
         if (s.shutter->close_s < s.shutter->open_s) {
-            fail(ExitCode::wrong_arguments, "--shutter: closes before it opens (got {}:{}; expected OPEN <= CLOSE)",
-                 s.shutter->open_s, s.shutter->close_s);
+            fail(ExitCode::wrong_arguments,
+                 "--shutter: closes before it opens (got {}:{}; expected OPEN <= CLOSE)", s.shutter->open_s,
+                 s.shutter->close_s);
         }
     }
 }
@@ -55,7 +58,8 @@ RenderSetup::RenderSetup(const Scene& scene, const RenderSettings& settings) {
     scene_ = recentred(scene, far.position);
     const Camera& of = find_camera(scene_, asked.name);
     const CameraModel model(of, span_.open_s, settings.camera);
-    resolve_lens(settings, of, model, settings.time_s.value_or(settings.shutter ? span_.open_s : scene.time_s));
+    resolve_lens(settings, of, model,
+                 settings.time_s.value_or(settings.shutter ? span_.open_s : scene.time_s));
     camera_.emplace(of, model, LensCamera::Settings{geometry_, span_, settings.curve});
     const MotionAccuracy accuracy{
         [this](const glm::dvec3& world, double at) { return camera_->px_per_m(world, at); }};
@@ -70,12 +74,14 @@ void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, co
         // Parallel rays meet no lens: there is neither a film distance nor an aperture that they would pass.
         if (s.f_number && std::isfinite(*s.f_number)) {
             fail(ExitCode::wrong_arguments,
-                 "--f-number: out of range for an orthographic camera, which has no lens (got {}; expected inf)",
+                 "--f-number: out of range for an orthographic camera, which has no lens (got {}; expected "
+                 "inf)",
                  *s.f_number);
         }
         if (s.framing != Framing::keep) {
             fail(ExitCode::wrong_arguments,
-                 "--framing: out of range for an orthographic camera, which has no film distance (expected keep)");
+                 "--framing: out of range for an orthographic camera, which has no film distance (expected "
+                 "keep)");
         }
         lens_.f_number = focus_m_ = infinity;
         return;
@@ -87,7 +93,8 @@ void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, co
     } else if (focus) {
         focus_m_ = *focus;
     } else if (std::isfinite(lens_.f_number) || s.framing == Framing::breathing) {
-        fail(ExitCode::wrong_arguments, "--focus: missing (got nothing; expected a value, as the scene names none)");
+        fail(ExitCode::wrong_arguments,
+             "--focus: missing (got nothing; expected a value, as the scene names none)");
     } else {
         focus_m_ = infinity;  // a pinhole needs none
     }
@@ -102,11 +109,14 @@ double RenderSetup::depth_at(double x, double y, const CameraModel& model, doubl
     one.add(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
     still.intersect(one, false);
     if (!one.hit(0).valid()) return infinity;
-    return still.surface(one.hit(0), ray.origin, ray.direction, static_cast<double>(one.t[0])).t * ray.cos_axis;
+    return still.surface(one.hit(0), ray.origin, ray.direction, static_cast<double>(one.t[0])).t *
+           ray.cos_axis;
 }
 
 std::string RenderSetup::fingerprint(const RenderSettings& s) const {
-    const auto exact = [](double v) { return fmt::format("{}", v); };  // shortest text that reads back the same
+    const auto exact = [](double v) {
+        return fmt::format("{}", v);
+    };  // shortest text that reads back the same
     const nlohmann::ordered_json json = {
         {"scene", scene_.sha256},
         {"metres_per_unit", exact(s.metres_per_unit)},

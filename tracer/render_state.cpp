@@ -43,7 +43,8 @@ std::vector<std::uint32_t> pack(const RenderState& s) {
     std::vector<std::uint32_t> out;
     out.reserve(pixels * words_per_pixel(s.halves));
     for (std::size_t i = 0; i < pixels; ++i) {
-        for (std::size_t c = 0; c < 3; ++c) out.push_back(std::bit_cast<std::uint32_t>(picture.rgb[3 * i + c]));
+        for (std::size_t c = 0; c < 3; ++c)
+            out.push_back(std::bit_cast<std::uint32_t>(picture.rgb[3 * i + c]));
         for (std::size_t h = 0; h < static_cast<std::size_t>(s.halves); ++h) {
             out.push_back(s.samples[h][i]);
             for (std::size_t c = 0; c < 3; ++c) {
@@ -127,15 +128,16 @@ void write_state(const std::filesystem::path& path, const RenderState& state, co
     auto out = OIIO::ImageOutput::create("exr");
     if (!out || !out->open(file.temporary_path().string(), spec) ||
         !out->write_image(OIIO::TypeDesc::UNKNOWN, words.data()) || !out->close()) {
-        fail(ExitCode::cannot_write, "{}: cannot write: {}", path.string(), out ? out->geterror() : OIIO::geterror());
+        fail(ExitCode::cannot_write, "{}: cannot write: {}", path.string(),
+             out ? out->geterror() : OIIO::geterror());
     }
     file.commit();
 }
 
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state) {
     const auto bad = [&](const std::string& what) {
-        fail(ExitCode::invalid_input, "{}: cannot go on from this file: {} (without --resume it is made anew)",
-             path.string(), what);
+        fail(ExitCode::invalid_input,
+             "{}: cannot go on from this file: {} (without --resume it is made anew)", path.string(), what);
     };
     auto in = OIIO::ImageInput::open(path.string());
     if (!in) {
@@ -167,7 +169,8 @@ void read_state(const std::filesystem::path& path, const std::string& settings, 
             for (const std::size_t c : channel) words.push_back(row[x * n + c]);
         }
     }
-    if (checksum(words) != spec.get_string_attribute(checksum_attribute)) bad("damaged: its checksum is wrong");
+    if (checksum(words) != spec.get_string_attribute(checksum_attribute))
+        bad("damaged: its checksum is wrong");
     unpack(words, state);
 }
 

@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// Sums of radiance by pixel (3 doubles each, row-major), of one or two halves, and how many samples are in them.
+/// Sums of radiance by pixel (3 doubles each, row-major), of one or two halves, and how many samples are in
+/// them.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     std::array<std::vector<double>, 2> sums;
@@ -25,12 +26,12 @@ struct RenderState {
     [[nodiscard]] Image half(int which) const;
 };
 
-/// Writes an OpenEXR file: R, G, B as far as they are, and every sum and count bit by bit in further channels.
-/// `settings` identifies what is rendered. Throws Error(cannot_write).
+/// Writes an OpenEXR file: R, G, B as far as they are, and every sum and count bit by bit in further
+/// channels. `settings` identifies what is rendered. Throws Error(cannot_write).
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings);
 
-/// Fills `state`, whose size and halves are set, from a file of the same settings. Throws Error(invalid_input) where
-/// the file is not one of ours, damaged, or of other settings.
+/// Fills `state`, whose size and halves are set, from a file of the same settings. Throws
+/// Error(invalid_input) where the file is not one of ours, damaged, or of other settings.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 
 }  // namespace postlens

@@ -108,8 +108,8 @@ struct Light {
         0;  ///< spot: full angle at which the fall-off begins; = cone_degrees: hard edge
     glm::dvec3 attenuation{1, 0, 0};  ///< 1 / (a0 + a1 r + a2 r^2), r in m
     /// Lights with an extent give penumbrae to distributed rays; a point sample sees them as points.
-    double radius = 0;                   ///< sphere
-    glm::dvec3 edge_u{0}, edge_v{0};     ///< rectangle
+    double radius = 0;                ///< sphere
+    glm::dvec3 edge_u{0}, edge_v{0};  ///< rectangle
     [[nodiscard]] bool has_extent() const { return kind == Kind::sphere || kind == Kind::rectangle; }
     bool casts_shadows = true;
     std::vector<TransformKey> keys;  ///< moves position and direction; empty: still

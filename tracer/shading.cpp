@@ -74,8 +74,8 @@ dvec3 light_point(const PlacedLight& placed, const dvec3& from, const dvec2& uv)
     return from + (distance * cosine - std::sqrt(std::max(0.0, l.radius * l.radius - across2))) * direction;
 }
 
-Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, const Facing& f, const Material& m,
-           const dvec3& colour, const dvec3& direction) {
+Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, const Facing& f,
+           const Material& m, const dvec3& colour, const dvec3& direction) {
     const Light& l = *placed.light;
     Lit out;
     const bool directional = l.kind == Light::Kind::directional;

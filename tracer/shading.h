@@ -1,5 +1,5 @@
-// Whitted's shading model [whitted1980], shared by everything that traces: what a surface sends towards a ray, light
-// by light, and where its mirrored and refracted rays go.
+// Whitted's shading model [whitted1980], shared by everything that traces: what a surface sends towards a
+// ray, light by light, and where its mirrored and refracted rays go.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -37,8 +37,8 @@ struct PlacedLight {
 /// By the matrix that its keys give at that instant.
 [[nodiscard]] PlacedLight place_light(const Light& light, const glm::dmat4& motion);
 
-/// The point of the light's extent that (u, v) in [0, 1)^2 picks as seen from `from`: of a sphere, evenly over the
-/// solid angle that it covers; of a rectangle, evenly over its area; else the light's position.
+/// The point of the light's extent that (u, v) in [0, 1)^2 picks as seen from `from`: of a sphere, evenly
+/// over the solid angle that it covers; of a rectangle, evenly over its area; else the light's position.
 [[nodiscard]] glm::dvec3 light_point(const PlacedLight& placed, const glm::dvec3& from, const glm::dvec2& uv);
 
 /// What one light adds, were nothing in between.
@@ -51,21 +51,23 @@ struct Lit {
     float reach = 0;
 };
 /// `at`: light_point. `direction`: of the ray that sees the surface.
-[[nodiscard]] Lit lit_by(const PlacedLight& placed, const glm::dvec3& at, const SurfacePoint& s, const Facing& f,
-                         const Material& m, const glm::dvec3& colour, const glm::dvec3& direction);
+[[nodiscard]] Lit lit_by(const PlacedLight& placed, const glm::dvec3& at, const SurfacePoint& s,
+                         const Facing& f, const Material& m, const glm::dvec3& colour,
+                         const glm::dvec3& direction);
 
 /// Where mirrored and refracted rays go and what of their light arrives.
 struct Continuation {
     glm::dvec3 reflected{0}, transmitted{0};  ///< shares; total internal reflection adds to `reflected`
-    double d_n = 0, eta = 1, root = 0;        ///< direction . normal; index ratio; cosine of the refracted ray
+    double d_n = 0, eta = 1, root = 0;  ///< direction . normal; index ratio; cosine of the refracted ray
     bool refracts = false;
 };
 [[nodiscard]] Continuation continuation(const Material& m, const Facing& f, const glm::dvec3& direction);
-/// Unit directions. `inwards`: the interpolated normal would have sent the ray into the surface, and the facet's own
-/// stood in.
-[[nodiscard]] glm::dvec3 mirrored_direction(const Continuation& c, const Facing& f, const glm::dvec3& direction,
-                                            bool& inwards);
-[[nodiscard]] glm::dvec3 refracted_direction(const Continuation& c, const Facing& f, const glm::dvec3& direction);
+/// Unit directions. `inwards`: the interpolated normal would have sent the ray into the surface, and the
+/// facet's own stood in.
+[[nodiscard]] glm::dvec3 mirrored_direction(const Continuation& c, const Facing& f,
+                                            const glm::dvec3& direction, bool& inwards);
+[[nodiscard]] glm::dvec3 refracted_direction(const Continuation& c, const Facing& f,
+                                             const glm::dvec3& direction);
 
 /// By the number of nodes left below, 0 to max_depth: the most radiance that a subtree can have.
 [[nodiscard]] std::vector<double> radiance_bounds(const Scene& scene, int max_depth);

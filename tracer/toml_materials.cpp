@@ -104,10 +104,22 @@ std::shared_ptr<const Texture> find_texture(const TomlTable& t, std::string_view
 }
 
 Material read_material(const TomlTable& t, const TexturesByName& textures) {
-    static constexpr std::array<Name, 13> known{
-        "name",     "colour",         "ambient",         "diffuse",      "diffuse_transmission",
-        "specular", "shininess",      "reflection",      "transmission", "ior",
-        "emission", "colour_texture", "emission_texture"};
+    static constexpr std::array<Name, 15> known{"name",
+                                                "colour",
+                                                "ambient",
+                                                "diffuse",
+                                                "diffuse_transmission",
+                                                "specular",
+                                                "shininess",
+                                                "reflection",
+                                                "transmission",
+                                                "ior",
+                                                "emission",
+                                                "colour_texture",
+                                                "emission_texture",
+                                                "reflection_exponent",
+                                                "transmission_exponent"};
+    constexpr NumberRange exponent{.min = 0, .max = 1e12, .may_be_infinite = true};
     t.allow_only({known});
     Material m;
     m.name = t.required(t.text("name"), "name");
@@ -122,6 +134,8 @@ Material read_material(const TomlTable& t, const TexturesByName& textures) {
     m.reflection = t.number_or_vec3("reflection", share_range).value_or(m.reflection);
     m.transmission = t.number_or_vec3("transmission", share_range).value_or(m.transmission);
     m.ior = t.number("ior", {.min = 0.01, .max = 100}).value_or(m.ior);
+    m.reflection_exponent = t.number("reflection_exponent", exponent).value_or(m.reflection_exponent);
+    m.transmission_exponent = t.number("transmission_exponent", exponent).value_or(m.transmission_exponent);
     m.emission = t.number_or_vec3("emission", colour_range).value_or(m.emission);
     m.colour_texture = find_texture(t, "colour_texture", textures);
     m.emission_texture = find_texture(t, "emission_texture", textures);

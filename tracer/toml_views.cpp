@@ -109,20 +109,27 @@ void read_spot(const TomlTable& t, Light& light) {
 }
 
 Light read_light(const TomlTable& t, double unit) {
-    static constexpr std::array<Name, 3> kinds{"point", "directional", "spot"};
+    static constexpr std::array<Name, 5> kinds{"point", "directional", "spot", "sphere", "rectangle"};
     static constexpr std::array<Name, 5> common{"name", "kind", "intensity", "casts_shadows", "keys"};
     static constexpr std::array<Name, 2> placed{"position_m", "attenuation"};
     static constexpr std::array<Name, 1> aimed{"direction"};
     static constexpr std::array<Name, 2> spot{"cone_degrees", "cone_soft_degrees"};
-    if (!t.has("kind")) t.allow_only({common, placed, aimed, spot});
+    static constexpr std::array<Name, 1> sphere{"radius_m"};
+    static constexpr std::array<Name, 2> rectangle{"edge_u_m", "edge_v_m"};
+    if (!t.has("kind")) t.allow_only({common, placed, aimed, spot, sphere, rectangle});
     Light light;
     light.kind = static_cast<Light::Kind>(t.required(t.choice("kind", kinds), "kind"));
     const bool has_place = light.kind != Light::Kind::directional;
-    const bool has_aim = light.kind != Light::Kind::point;
     const bool is_spot = light.kind == Light::Kind::spot;
+    const bool has_aim = is_spot || light.kind == Light::Kind::directional;
+    const bool is_sphere = light.kind == Light::Kind::sphere,
+               is_rectangle = light.kind == Light::Kind::rectangle;
     using List = std::span<const Name>;
     t.allow_only({common, has_place ? List(placed) : List(), has_aim ? List(aimed) : List(),
-                  is_spot ? List(spot) : List()});
+                  is_spot        ? List(spot)
+                  : is_sphere    ? List(sphere)
+                  : is_rectangle ? List(rectangle)
+                                 : List()});
     light.intensity =
         t.number_or_vec3("intensity", {.min = 0, .max = largest_colour}).value_or(light.intensity);
     light.casts_shadows = t.flag("casts_shadows").value_or(light.casts_shadows);
@@ -136,6 +143,15 @@ Light read_light(const TomlTable& t, double unit) {
     }
     if (has_aim) light.direction = t.required(read_direction(t, "direction"), "direction");
     if (is_spot) read_spot(t, light);
+    if (is_sphere) light.radius = unit * t.required(t.number("radius_m", extent_range(unit)), "radius_m");
+    if (is_rectangle) {
+        light.edge_u = unit * t.required(t.vec3("edge_u_m", length_range(unit)), "edge_u_m");
+        light.edge_v = unit * t.required(t.vec3("edge_v_m", length_range(unit)), "edge_v_m");
+        if (!(glm::length(glm::cross(light.edge_u, light.edge_v)) >
+              1e-9 * glm::length(light.edge_u) * glm::length(light.edge_v))) {
+            t.fail_at("edge_v_m", "'edge_u_m' and 'edge_v_m' span no area (expected two that do)");
+        }
+    }
     light.keys = read_motion(t, unit, true);
     return light;
 }

@@ -243,8 +243,7 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
         bool inwards = false;
         const dvec3 direction = mirrored_direction(c, f, ray.direction, inwards);
         ++counts.reflect;
-        child(ray, s, key, direction, f.geometric_normal, reflected,
-              NodePath::Bounce::reflected, w);
+        child(ray, s, key, direction, f.geometric_normal, reflected, NodePath::Bounce::reflected, w);
         if (refocus && inwards) {
             w.next_differentials.add() = reflect(*here, ray.direction, f.geometric_normal, glm::dmat3(0));
         } else if (refocus) {
@@ -254,8 +253,7 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
     if (refracts) {
         const dvec3 direction = refracted_direction(c, f, ray.direction);
         ++counts.refract;
-        child(ray, s, key, direction, -f.geometric_normal, transmitted,
-              NodePath::Bounce::transmitted, w);
+        child(ray, s, key, direction, -f.geometric_normal, transmitted, NodePath::Bounce::transmitted, w);
         if (refocus)
             w.next_differentials.add() = refract(*here, ray.direction, f.normal, shape_operator, c.eta);
     }
