@@ -541,7 +541,7 @@ TEST_F(TomlText, UnknownWordsNameTheNearestKnownOne) {
               "below what it repeats");
     EXPECT_EQ(error("[[light]]\nkind = 'sport'\n" + ball),
               "2:8: light 1: 'kind' is unknown (got 'sport'; nearest known: 'spot'; expected one of point, "
-              "directional, spot)");
+              "directional, spot, sphere, rectangle)");
 }
 
 TEST_F(TomlText, MissingKeysAreNamed) {

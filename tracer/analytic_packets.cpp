@@ -1,181 +1,15 @@
-// Embree's callbacks for analytic shapes. Rays come as structures of arrays of N = 1, 4, 8 or 16.
+// Embree's callbacks for analytic shapes, still and moving, and its filters for triangles. Rays come as
+// structures of arrays of N = 1, 4, 8 or 16.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "core/multiversion.h"
-#include "tracer/ray_scene_geometry.h"
+#include "tracer/packet_pairs.h"
 
 namespace postlens {
 namespace {
-
-const RayContext& context_of(const RTCIntersectContext* context) {
-    return *reinterpret_cast<const RayContext*>(context);
-}
-
-// Views of Embree's ray and hit arrays: the field order of RTCRay and RTCHit, each field N wide.
-struct Rays {
-    float *ox, *oy, *oz, *tnear, *dx, *dy, *dz, *time, *tfar;
-    unsigned* id;
-    Rays(RTCRayN* rays, unsigned n) {
-        auto* f = reinterpret_cast<float*>(rays);
-        ox = f, oy = f + n, oz = f + 2 * n, tnear = f + 3 * n;
-        dx = f + 4 * n, dy = f + 5 * n, dz = f + 6 * n, time = f + 7 * n, tfar = f + 8 * n;
-        id = reinterpret_cast<unsigned*>(f + 10 * n);
-    }
-};
-struct Hits {
-    unsigned *primitive, *geometry, *instance;
-    Hits(RTCRayHitN* rayhit, unsigned n) {
-        auto* u = reinterpret_cast<unsigned*>(RTCRayHitN_HitN(rayhit, n));
-        primitive = u + 5 * n, geometry = u + 6 * n, instance = u + 7 * n;
-    }
-};
-
-struct SphereF {
-    float x, y, z, r2;
-};
-
-/// Both crossings of N rays with a sphere, measured from the point of each ray nearest to the centre, where
-/// nothing large cancels. near > far where the sphere is missed.
-template <int N>
-[[gnu::always_inline]] inline void sphere_packet(const Rays& rays, const SphereF& s, float* near,
-                                                 float* far) {
-    for (int i = 0; i < N; ++i) {
-        const float ox = rays.ox[i] - s.x, oy = rays.oy[i] - s.y, oz = rays.oz[i] - s.z;
-        const float dx = rays.dx[i], dy = rays.dy[i], dz = rays.dz[i];
-        const float inverse_dd = 1.0F / (dx * dx + dy * dy + dz * dz);
-        const float tc = -(ox * dx + oy * dy + oz * dz) * inverse_dd;
-        const float lx = ox + tc * dx, ly = oy + tc * dy, lz = oz + tc * dz;
-        const float h2 = (s.r2 - (lx * lx + ly * ly + lz * lz)) * inverse_dd;
-        const float h = std::sqrt(h2 > 0 ? h2 : 0.0F);
-        near[i] = h2 >= 0 ? tc - h : std::numeric_limits<float>::infinity();
-        far[i] = h2 >= 0 ? tc + h : -std::numeric_limits<float>::infinity();
-    }
-}
-
-template <int N>
-[[gnu::always_inline]] inline void intersect_spheres(const RTCIntersectFunctionNArguments* args) {
-    const auto& set = *static_cast<const SphereSet*>(args->geometryUserPtr);
-    const auto& context = context_of(args->context);
-    Rays rays(RTCRayHitN_RayN(args->rayhit, N), N);
-    Hits hits(args->rayhit, N);
-    const glm::vec3 c = set.centre[args->primID];
-    const float r = set.radius[args->primID];
-    alignas(64) float near[N], far[N], t[N];
-    sphere_packet<N>(rays, {c.x, c.y, c.z, r * r}, near, far);
-    for (int i = 0; i < N; ++i) {
-        // The far crossing counts for rays that start inside.
-        const float first = near[i] > rays.tnear[i] ? near[i] : far[i];
-        const bool hit =
-            first > rays.tnear[i] && first < rays.tfar[i] && near[i] <= far[i] && args->valid[i] != 0;
-        t[i] = hit ? first : std::numeric_limits<float>::infinity();
-    }
-    if (context.sources != nullptr) {
-        for (int i = 0; i < N; ++i) {
-            if (args->valid[i] == 0) continue;
-            const HitKey& from = context.sources[rays.id[i]];
-            if (from.geometry != args->geomID || from.primitive != args->primID) continue;
-            // Leaving this very sphere: of the two crossings one is the start, the other may be the exit.
-            const float other = std::abs(near[i]) < std::abs(far[i]) ? far[i] : near[i];
-            const bool hit = near[i] <= far[i] && other > rays.tnear[i] && other < rays.tfar[i];
-            t[i] = hit ? other : std::numeric_limits<float>::infinity();
-        }
-    }
-    const unsigned primitive = args->primID, geometry = args->geomID, instance = args->context->instID[0];
-    for (int i = 0; i < N; ++i) {
-        const bool hit = t[i] < rays.tfar[i];
-        rays.tfar[i] = hit ? t[i] : rays.tfar[i];
-        hits.primitive[i] = hit ? primitive : hits.primitive[i];
-        hits.geometry[i] = hit ? geometry : hits.geometry[i];
-        hits.instance[i] = hit ? instance : hits.instance[i];
-    }
-}
-
-template <int N>
-[[gnu::always_inline]] inline void occlude_spheres(const RTCOccludedFunctionNArguments* args) {
-    const auto& set = *static_cast<const SphereSet*>(args->geometryUserPtr);
-    const auto& context = context_of(args->context);
-    Rays rays(args->ray, N);
-    const glm::vec3 c = set.centre[args->primID];
-    const float r = set.radius[args->primID];
-    alignas(64) float near[N], far[N];
-    alignas(64) int crossed[N];
-    sphere_packet<N>(rays, {c.x, c.y, c.z, r * r}, near, far);
-    int any = 0;
-    for (int i = 0; i < N; ++i) {
-        const int n = static_cast<int>(near[i] > rays.tnear[i] && near[i] < rays.tfar[i]) +
-                      static_cast<int>(far[i] > rays.tnear[i] && far[i] < rays.tfar[i]);
-        crossed[i] = args->valid[i] != 0 && near[i] <= far[i] ? n : 0;
-        any |= crossed[i];
-    }
-    if (any == 0) return;
-    const std::uint32_t object = set.object[args->primID];
-    for (int i = 0; i < N; ++i) {
-        if (crossed[i] == 0) continue;
-        if (context.sources != nullptr) {
-            const HitKey& from = context.sources[rays.id[i]];
-            if (from.geometry == args->geomID && from.primitive == args->primID) {
-                const float other = std::abs(near[i]) < std::abs(far[i]) ? far[i] : near[i];
-                crossed[i] = other > rays.tnear[i] && other < rays.tfar[i] ? 1 : 0;
-                if (crossed[i] == 0) continue;
-            }
-        }
-        if (stops_light(context, object, rays.id[i], crossed[i]))
-            rays.tfar[i] = -std::numeric_limits<float>::infinity();
-    }
-}
-
-// Everything above is inlined here, so that it is compiled for each instruction set.
-POSTLENS_MULTIVERSION void intersect_spheres_16(const RTCIntersectFunctionNArguments* a) {
-    intersect_spheres<16>(a);
-}
-POSTLENS_MULTIVERSION void occlude_spheres_16(const RTCOccludedFunctionNArguments* a) {
-    occlude_spheres<16>(a);
-}
-
-void intersect_spheres_n(const RTCIntersectFunctionNArguments* args) {
-    switch (args->N) {
-        case 1:
-            intersect_spheres<1>(args);
-            break;
-        case 4:
-            intersect_spheres<4>(args);
-            break;
-        case 8:
-            intersect_spheres<8>(args);
-            break;
-        default:
-            intersect_spheres_16(args);
-            break;
-    }
-}
-
-void occlude_spheres_n(const RTCOccludedFunctionNArguments* args) {
-    switch (args->N) {
-        case 1:
-            occlude_spheres<1>(args);
-            break;
-        case 4:
-            occlude_spheres<4>(args);
-            break;
-        case 8:
-            occlude_spheres<8>(args);
-            break;
-        default:
-            occlude_spheres_16(args);
-            break;
-    }
-}
-
-void sphere_bounds(const RTCBoundsFunctionArguments* args) {
-    const auto& set = *static_cast<const SphereSet*>(args->geometryUserPtr);
-    const glm::vec3 c = set.centre[args->primID];
-    // A little wider than exact: the packet's own rounding must not reach outside its box.
-    const float grown = set.radius[args->primID] * 1.000001F +
-                        4e-7F * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
-    *args->bounds_o = {c.x - grown, c.y - grown, c.z - grown, 0, c.x + grown, c.y + grown, c.z + grown, 0};
-}
 
 Crossings<float> item_crossings(const AnalyticSet::Item& item, const Rays& rays, unsigned i) {
     const glm::vec3 o =
@@ -196,12 +30,6 @@ void drop_start(Crossings<T>& c) {
         c.t[nearest] = c.t[c.count];
         c.part[nearest] = c.part[c.count];
     }
-}
-
-bool leaves(const RayContext& context, unsigned ray_id, unsigned geometry, unsigned primitive) {
-    if (context.sources == nullptr) return false;
-    const HitKey& from = context.sources[ray_id];
-    return from.geometry == geometry && from.primitive == primitive;
 }
 
 // One item for every ray of a packet; `of(i)` are the crossings of ray i.
@@ -244,13 +72,81 @@ void occlude_item(const RTCOccludedFunctionNArguments* args, std::uint32_t objec
     }
 }
 
+// Everything is loaded before anything is stored: pointers into Embree's packet could otherwise alias.
+template <unsigned N>
+[[gnu::always_inline]] inline void take_nearest_of(const RTCIntersectFunctionNArguments* args, const Rays& rays,
+                                                   const Hits& hits, const Pairs& pairs) {
+    const unsigned primitive = args->primID, geometry = args->geomID, instance = args->context->instID[0];
+    alignas(64) float from[N], to[N];
+    alignas(64) unsigned old[3][N];
+    alignas(64) int hit[N];
+    std::memcpy(from, rays.tnear, sizeof from);
+    std::memcpy(to, rays.tfar, sizeof to);
+    std::memcpy(hit, args->valid, sizeof hit);
+    std::memcpy(old[0], hits.primitive, sizeof old[0]);
+    std::memcpy(old[1], hits.geometry, sizeof old[1]);
+    std::memcpy(old[2], hits.instance, sizeof old[2]);
+    for (unsigned i = 0; i < N; ++i) {
+        const float near = pairs.near[i], far = pairs.far[i];
+        const bool first = (near > from[i]) & (near < to[i]), second = (far > from[i]) & (far < to[i]);
+        const bool taken = (hit[i] != 0) & (first | second);
+        to[i] = taken ? (first ? near : far) : to[i];
+        old[0][i] = taken ? primitive : old[0][i];
+        old[1][i] = taken ? geometry : old[1][i];
+        old[2][i] = taken ? instance : old[2][i];
+    }
+    std::memcpy(rays.tfar, to, sizeof to);
+    std::memcpy(hits.primitive, old[0], sizeof old[0]);
+    std::memcpy(hits.geometry, old[1], sizeof old[1]);
+    std::memcpy(hits.instance, old[2], sizeof old[2]);
+}
+
+POSTLENS_MULTIVERSION void take_nearest(const RTCIntersectFunctionNArguments* args, const Rays& rays,
+                                        const Hits& hits, const Pairs& pairs) {
+    if (args->N == 8) {
+        take_nearest_of<8>(args, rays, hits, pairs);
+    } else {
+        take_nearest_of<16>(args, rays, hits, pairs);
+    }
+}
+
+// The packets that Embree makes on processors with AVX and beyond; false for others.
+bool intersect_packet(const RTCIntersectFunctionNArguments* args, const AnalyticSet::Item& item) {
+    const Rays rays(RTCRayHitN_RayN(args->rayhit, args->N), args->N);
+    Pairs pairs;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
+    if (!packet_pairs(item, rays, args->N, context_of(args->context), args->geomID, args->primID, args->valid,
+                      pairs))
+        return false;
+    take_nearest(args, rays, Hits(args->rayhit, args->N), pairs);
+    return true;
+}
+
+bool occlude_packet(const RTCOccludedFunctionNArguments* args, const AnalyticSet::Item& item) {
+    const Rays rays(args->ray, args->N);
+    const auto& context = context_of(args->context);
+    Pairs pairs;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
+    if (!packet_pairs(item, rays, args->N, context, args->geomID, args->primID, args->valid, pairs))
+        return false;
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (args->valid[i] == 0) continue;
+        const int crossed = static_cast<int>(pairs.near[i] > rays.tnear[i] && pairs.near[i] < rays.tfar[i]) +
+                            static_cast<int>(pairs.far[i] > rays.tnear[i] && pairs.far[i] < rays.tfar[i]);
+        if (crossed > 0 && stops_light(context, item.object, rays.id[i], crossed)) {
+            rays.tfar[i] = -std::numeric_limits<float>::infinity();
+        }
+    }
+    return true;
+}
+
 void intersect_analytic(const RTCIntersectFunctionNArguments* args) {
     const auto& item = static_cast<const AnalyticSet*>(args->geometryUserPtr)->items[args->primID];
+    if (intersect_packet(args, item)) return;
     intersect_item(args, [&](const Rays& rays, unsigned i) { return item_crossings(item, rays, i); });
 }
 
 void occlude_analytic(const RTCOccludedFunctionNArguments* args) {
     const auto& item = static_cast<const AnalyticSet*>(args->geometryUserPtr)->items[args->primID];
+    if (occlude_packet(args, item)) return;
     occlude_item(args, item.object,
                  [&](const Rays& rays, unsigned i) { return item_crossings(item, rays, i); });
 }
@@ -307,16 +203,6 @@ std::int64_t fixed_log(double transmission) {
 
 double from_fixed_log(std::int64_t sum) {
     return sum >= log_opaque ? 0.0 : std::exp2(-static_cast<double>(sum) / 4294967296.0);
-}
-
-RTCGeometry sphere_geometry(RTCDevice device, SphereSet& set) {
-    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(g, static_cast<unsigned>(set.radius.size()));
-    rtcSetGeometryUserData(g, &set);
-    rtcSetGeometryBoundsFunction(g, sphere_bounds, nullptr);
-    rtcSetGeometryIntersectFunction(g, intersect_spheres_n);
-    rtcSetGeometryOccludedFunction(g, occlude_spheres_n);
-    return g;
 }
 
 RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set) {

@@ -183,32 +183,44 @@ Crossings<T> crossings(const AnalyticShape& shape, const glm::vec<3, T>& o, cons
 template Crossings<float> crossings(const AnalyticShape&, const glm::vec3&, const glm::vec3&);
 template Crossings<double> crossings(const AnalyticShape&, const glm::dvec3&, const glm::dvec3&);
 
+dvec2 local_uv(const AnalyticShape& shape, int part, const dvec3& p) {
+    switch (shape.kind) {
+        case AnalyticShape::Kind::sphere:
+            return {turn(p.x, p.y),
+                    std::acos(std::clamp(-p.z / glm::length(p), -1.0, 1.0)) / std::numbers::pi};
+        case AnalyticShape::Kind::box: {
+            const int axis = part / 2;
+            return axis == 0 ? dvec2(p.y, p.z) : axis == 1 ? dvec2(p.x, p.z) : dvec2(p.x, p.y);
+        }
+        case AnalyticShape::Kind::disc:
+            return {turn(p.x, p.y), std::hypot(p.x, p.y)};
+        case AnalyticShape::Kind::rectangle:
+        case AnalyticShape::Kind::plane:
+            return {p.x, p.y};
+        case AnalyticShape::Kind::cone:
+            break;
+    }
+    return {turn(p.x, p.y), p.z / shape.height};
+}
+
 LocalGeometry local_geometry(const AnalyticShape& shape, int part, const dvec3& p) {
     LocalGeometry out;
-    constexpr double pi = std::numbers::pi;
     switch (shape.kind) {
-        case AnalyticShape::Kind::sphere: {
+        case AnalyticShape::Kind::sphere:
             out.normal = glm::normalize(p);
             out.shape_operator = tangential(out.normal);
-            out.uv = {turn(p.x, p.y), std::acos(std::clamp(-out.normal.z, -1.0, 1.0)) / pi};
             break;
-        }
         case AnalyticShape::Kind::box: {
             const int axis = part / 2;
             out.normal = dvec3(0);
             out.normal[axis] = part % 2 == 0 ? -1 : 1;
-            out.uv = axis == 0 ? dvec2(p.y, p.z) : axis == 1 ? dvec2(p.x, p.z) : dvec2(p.x, p.y);
             break;
         }
         case AnalyticShape::Kind::disc:
-            out.uv = {turn(p.x, p.y), std::hypot(p.x, p.y)};
-            break;
         case AnalyticShape::Kind::rectangle:
         case AnalyticShape::Kind::plane:
-            out.uv = {p.x, p.y};
             break;
         case AnalyticShape::Kind::cone: {
-            out.uv = {turn(p.x, p.y), p.z / shape.height};
             if (part != part_lateral) {
                 out.normal = dvec3(0, 0, part == part_base ? -1 : 1);
                 break;

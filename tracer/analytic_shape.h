@@ -18,6 +18,10 @@ struct AnalyticShape {
     double inner = 0;
     double height = 1, radius0 = 1, radius1 = 1;
     bool capped = false;
+    /// In the plane z = 0.
+    [[nodiscard]] bool flat() const {
+        return kind == Kind::disc || kind == Kind::rectangle || kind == Kind::plane;
+    }
 };
 
 /// The canonical shape and where it lies in object space. Empty for a mesh.
@@ -49,8 +53,9 @@ template <typename T>
 struct LocalGeometry {
     glm::dvec3 normal{0, 0, 1};    ///< unit, outward
     glm::dmat3 shape_operator{0};  ///< dN = shape_operator * dP for moves within the surface, 1/length
-    glm::dvec2 uv{0};
 };
 [[nodiscard]] LocalGeometry local_geometry(const AnalyticShape& shape, int part, const glm::dvec3& p);
+/// Surface coordinates there.
+[[nodiscard]] glm::dvec2 local_uv(const AnalyticShape& shape, int part, const glm::dvec3& p);
 
 }  // namespace postlens

@@ -55,6 +55,16 @@ DistributedTracer::DistributedTracer(const RayScene& scene, const Sampler& sampl
     settings_.max_depth = std::clamp(settings.max_depth, 1, NodePath::max_bounces + 1);
     bound_ = radiance_bounds(scene.scene(), settings_.max_depth);
     const TimeSpan& span = scene.span();
+    for (const Object& o : scene.scene().objects) {
+        const Material& m = scene.scene().materials[o.material];
+        const bool spawns =
+            (m.reflection != dvec3(0) || m.transmission != dvec3(0)) && settings_.max_depth > 1;
+        const bool lit = !scene.scene().lights.empty() && (m.diffuse != dvec3(0) || m.specular != dvec3(0) ||
+                                                           m.diffuse_transmission != dvec3(0));
+        const bool textured = m.colour_texture != nullptr || m.emission_texture != nullptr;
+        answers_.push_back(spawns || lit ? Answer::full : textured ? Answer::texture : Answer::constant);
+        constant_.push_back(textured ? dvec3(0) : own_radiance(scene.scene(), m, {}, dvec3(1)));
+    }
     for (const Light& l : scene.scene().lights) {
         lights_.push_back(place_light(l, span.open_s));
         light_paths_.emplace_back(l.keys);
@@ -180,12 +190,23 @@ void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
             continue;
         }
         ++counts.eye_hits;
+        const std::uint32_t object = scene_.object(key);
+        if (answers_[object] == Answer::constant) {
+            eye.radiance[i] = constant_[object];
+            continue;
+        }
         PathRay ray;
         ray.origin = dvec3(glm::vec3(b.ox[i], b.oy[i], b.oz[i]));
         ray.direction = glm::normalize(dvec3(glm::vec3(b.dx[i], b.dy[i], b.dz[i])));
         ray.sample = static_cast<std::uint32_t>(i);
         ray.time = times ? b.time[i] : 0.0F;
         const double t = static_cast<double>(b.t[i]), time = static_cast<double>(ray.time);
+        if (answers_[object] == Answer::texture) {
+            const Material& m = scene_.scene().materials[scene_.scene().objects[object].material];
+            const SurfacePoint s = scene_.texture_point(key, ray.origin, ray.direction, t, time);
+            eye.radiance[i] = own_radiance(scene_.scene(), m, s, surface_colour(m, s));
+            continue;
+        }
         shade(ray, scene_.surface(key, ray.origin, ray.direction, t, time), key, eye, w, counts);
     }
     resolve_shadows(eye, w);

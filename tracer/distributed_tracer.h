@@ -42,6 +42,12 @@ class DistributedTracer {
   private:
     struct PathRay;
     struct Workspace;
+    // What a hit on an object asks for, from the least to all.
+    enum class Answer : std::uint8_t {
+        constant,  // the same radiance everywhere
+        texture,   // radiance by texture alone
+        full,      // lights, mirrors, glass
+    };
     void shade(const PathRay& ray, const SurfacePoint& s, const HitKey& key, EyeRays& eye, Workspace& w,
                RayCounts& counts) const;
     void light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
@@ -55,6 +61,8 @@ class DistributedTracer {
     const Sampler& sampler_;
     DistributedSettings settings_;
     std::vector<double> bound_;
+    std::vector<Answer> answers_;          // per object
+    std::vector<glm::dvec3> constant_;     // per object
     std::vector<PlacedLight> lights_;      // at the shutter's opening
     std::vector<MotionPath> light_paths_;  // of lights that move while it is open; else empty
     std::vector<bool> light_moves_;

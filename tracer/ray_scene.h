@@ -118,6 +118,11 @@ class RayScene {
     /// `time`: the ray's share of the time span.
     [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t,
                                        double time = 0) const;
+    /// Of the same hit only the object and where its textures are looked up (and the distance): cheaper.
+    [[nodiscard]] SurfacePoint texture_point(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,
+                                             double t, double time = 0) const;
+    /// The object of that hit, index into Scene::objects.
+    [[nodiscard]] std::uint32_t object(const HitKey& key) const;
     /// How the outward unit normal of that hit changes: d(normal) = shape_operator * d(position), 1/m. Only
     /// for what does not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;

@@ -223,6 +223,15 @@ void RayScene::Impl::bound_moving() {
     }
 }
 
+RayScene::Impl::TextureUse RayScene::Impl::texture_use(const Material& m) {
+    TextureUse use = TextureUse::none;
+    for (const Texture* texture : {m.colour_texture.get(), m.emission_texture.get()}) {
+        if (texture != nullptr)
+            use = std::max(use, texture->uses_uv() ? TextureUse::uv : TextureUse::position);
+    }
+    return use;
+}
+
 void RayScene::Impl::add_objects(const MotionAccuracy& accuracy) {
     std::map<const Mesh*, int> uses;
     for (const Object& o : scene->objects) {
@@ -236,6 +245,7 @@ void RayScene::Impl::add_objects(const MotionAccuracy& accuracy) {
         object_from_world.push_back(glm::inverse(world_from_object));
         mirrored.push_back(glm::determinant(dmat3(world_from_object)) < 0);
         shadows.push_back(shadow_of(*scene, object));
+        texture_uses.push_back(texture_use(scene->materials[object.material]));
         all_opaque = all_opaque && shadows.back().casts && !shadows.back().transmits;
         if (!object.keys.empty()) {
             const MotionPath path(object.keys);

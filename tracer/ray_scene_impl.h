@@ -68,6 +68,9 @@ struct RayScene::Impl {
     std::vector<bool> mirrored;                 // per object
     std::vector<ObjectShadow> shadows;          // per object
     bool all_opaque = true;                     // no object lets light through
+    enum class TextureUse : std::uint8_t { none, position, uv };
+    std::vector<TextureUse> texture_uses;  // per object
+    [[nodiscard]] static TextureUse texture_use(const Material& m);
 
     enum class Kind { spheres, analytic, moving, mesh, instance };
     struct Entry {
@@ -96,26 +99,29 @@ struct RayScene::Impl {
     // Solving hits: ray_scene_surface.cpp.
     [[nodiscard]] SurfacePoint sphere_surface(std::uint32_t primitive, const glm::dvec3& o,
                                               const glm::dvec3& d, double t) const;
-    struct AnalyticHit {
-        const AnalyticShape& shape;
-        const glm::dmat4& object_from_local;
-        std::uint32_t object;
-        glm::dmat3 local_from_world;  // its linear part
+    // A hit on a shape with a formula in the shape's own frame.
+    struct LocalHit {
+        glm::dvec3 o, d;  // the ray
+        double t = 0;
+        int part = 0;
+        [[nodiscard]] glm::dvec3 position() const { return o + t * d; }
     };
-    [[nodiscard]] static SurfacePoint analytic_surface(const AnalyticHit& item, const glm::dvec3& o,
-                                                       const glm::dvec3& d, const glm::dvec3& local_o,
-                                                       const glm::dvec3& local_d, double t);
+    static void solve(const AnalyticShape& shape, LocalHit& hit);
+    void look_up_texture(const AnalyticShape& shape, const glm::dmat4& object_from_local, const LocalHit& hit,
+                         SurfacePoint& out) const;
+    [[nodiscard]] SurfacePoint analytic_surface(const AnalyticSet::Item& item, const glm::dvec3& o,
+                                                const glm::dvec3& d, double t, bool normals) const;
     [[nodiscard]] SurfacePoint moving_surface(std::uint32_t primitive, const glm::dvec3& o,
-                                              const glm::dvec3& d, double t, double time) const;
+                                              const glm::dvec3& d, double t, double time, bool normals) const;
     [[nodiscard]] TriangleFrame triangle(const HitKey& key, double time) const;
     [[nodiscard]] static std::array<glm::dvec3, 3> vertex_normals(const TriangleFrame& f);
     [[nodiscard]] SurfacePoint mesh_surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,
                                             double time) const;
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
     [[nodiscard]] bool textured(std::uint32_t object) const {
-        const Material& m = scene->materials[scene->objects[object].material];
-        return m.colour_texture != nullptr || m.emission_texture != nullptr;
+        return texture_uses[object] != TextureUse::none;
     }
+    [[nodiscard]] bool wants_uv(std::uint32_t object) const { return texture_uses[object] == TextureUse::uv; }
 };
 
 }  // namespace postlens

@@ -36,46 +36,69 @@ SurfacePoint RayScene::Impl::sphere_surface(std::uint32_t primitive, const dvec3
     if (textured(s.object)) {
         s.object_position = dvec3(object_from_world[s.object] * glm::dvec4(s.position, 1));
         const auto& shape = std::get<Sphere>(scene->objects[s.object].shape);
-        s.uv = local_geometry({}, 0, (s.object_position - shape.centre) / shape.radius).uv;
+        if (wants_uv(s.object)) s.uv = local_uv({}, 0, (s.object_position - shape.centre) / shape.radius);
     }
     return s;
 }
 
-SurfacePoint RayScene::Impl::analytic_surface(const AnalyticHit& item, const dvec3& o, const dvec3& d,
-                                              const dvec3& local_o, const dvec3& local_d, double t) {
-    const Crossings<double> found = crossings<double>(item.shape, local_o, local_d);
-    SurfacePoint s;
-    s.object = item.object;
-    s.t = t;  // kept where float saw a silhouette that double just misses
+void RayScene::Impl::solve(const AnalyticShape& shape, LocalHit& hit) {
+    if (shape.flat()) {
+        hit.t = -hit.o.z / hit.d.z;
+        return;
+    }
+    const Crossings<double> found = crossings<double>(shape, hit.o, hit.d);
+    const double t = hit.t;  // kept where float saw a silhouette that double just misses
     double best = std::numeric_limits<double>::infinity();
     for (int k = 0; k < found.count; ++k) {
         if (std::abs(found.t[k] - t) >= best) continue;
         best = std::abs(found.t[k] - t);
-        s.t = found.t[k];
-        s.part = found.part[k];
+        hit.t = found.t[k];
+        hit.part = found.part[k];
     }
+}
+
+void RayScene::Impl::look_up_texture(const AnalyticShape& shape, const dmat4& object_from_local,
+                                     const LocalHit& hit, SurfacePoint& out) const {
+    out.t = hit.t;
+    out.part = hit.part;
+    if (!textured(out.object)) return;
+    const dvec3 local = hit.position();
+    if (wants_uv(out.object)) out.uv = local_uv(shape, hit.part, local);
+    out.object_position = dvec3(object_from_local * glm::dvec4(local, 1));
+}
+
+SurfacePoint RayScene::Impl::analytic_surface(const AnalyticSet::Item& item, const dvec3& o, const dvec3& d,
+                                              double t, bool normals) const {
+    const dmat3 linear(item.local_from_world);
+    LocalHit hit{dvec3(item.local_from_world * glm::dvec4(o, 1)), linear * d, t};
+    solve(item.shape, hit);
+    SurfacePoint s;
+    s.object = item.object;
+    look_up_texture(item.shape, item.object_from_local, hit, s);
+    if (!normals) return s;
     s.position = o + s.t * d;
-    const dvec3 local = local_o + s.t * local_d;
-    const LocalGeometry g = local_geometry(item.shape, s.part, local);
-    s.geometric_normal = s.normal =
-        glm::normalize(glm::transpose(item.local_from_world) * g.normal);  // normals go over as covectors
-    s.uv = g.uv;
-    s.object_position = dvec3(item.object_from_local * glm::dvec4(local, 1));
+    const LocalGeometry g = local_geometry(item.shape, s.part, hit.position());
+    s.geometric_normal = s.normal = glm::normalize(g.normal * linear);  // normals go over as covectors
     return s;
 }
 
 SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3& o, const dvec3& d, double t,
-                                            double time) const {
+                                            double time, bool normals) const {
     const MovingSet::Item& item = moving.items[primitive];
     const MotionPath::Pose pose = moving.paths[item.path].at(span.at(time));
     const dmat3 base(item.local_from_base);
-    // d(unmoved) / d(world): the transposed rotation, its rows divided by the scale.
-    dmat3 unmoved = glm::transpose(pose.rotation);
-    for (int axis = 0; axis < 3; ++axis) unmoved[axis] /= pose.scale;
-    const dvec3 local_o(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1));
-    const dvec3 local_d = base * pose.unmoved_direction(d);
-    return analytic_surface({item.shape, item.object_from_local, item.object, base * unmoved}, o, d, local_o,
-                            local_d, t);
+    LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
+                 base * pose.unmoved_direction(d), t};
+    solve(item.shape, hit);
+    SurfacePoint s;
+    s.object = item.object;
+    look_up_texture(item.shape, item.object_from_local, hit, s);
+    if (!normals) return s;
+    s.position = o + s.t * d;
+    const LocalGeometry g = local_geometry(item.shape, s.part, hit.position());
+    // As a covector back through both maps; the motion's is scale, then rotation.
+    s.geometric_normal = s.normal = glm::normalize(pose.rotation * ((g.normal * base) / pose.scale));
+    return s;
 }
 
 TriangleFrame RayScene::Impl::triangle(const HitKey& key, double time) const {
@@ -176,16 +199,35 @@ SurfacePoint RayScene::surface(const HitKey& key, const dvec3& o, const dvec3& d
     switch (entry.kind) {
         case Impl::Kind::spheres:
             return impl_->sphere_surface(key.primitive, o, d, t);
-        case Impl::Kind::analytic: {
-            const AnalyticSet::Item& item = impl_->analytic.items[key.primitive];
-            const dmat3 linear(item.local_from_world);
-            return Impl::analytic_surface({item.shape, item.object_from_local, item.object, linear}, o, d,
-                                          dvec3(item.local_from_world * glm::dvec4(o, 1)), linear * d, t);
-        }
+        case Impl::Kind::analytic:
+            return impl_->analytic_surface(impl_->analytic.items[key.primitive], o, d, t, true);
         case Impl::Kind::moving:
-            return impl_->moving_surface(key.primitive, o, d, t, time);
+            return impl_->moving_surface(key.primitive, o, d, t, time, true);
         default:
             return impl_->mesh_surface(key, o, d, time);
+    }
+}
+
+SurfacePoint RayScene::texture_point(const HitKey& key, const dvec3& o, const dvec3& d, double t,
+                                     double time) const {
+    const Impl::Entry& entry = impl_->entries[key.instance == HitKey::none ? key.geometry : key.instance];
+    if (entry.kind == Impl::Kind::analytic)
+        return impl_->analytic_surface(impl_->analytic.items[key.primitive], o, d, t, false);
+    if (entry.kind == Impl::Kind::moving) return impl_->moving_surface(key.primitive, o, d, t, time, false);
+    return surface(key, o, d, t, time);
+}
+
+std::uint32_t RayScene::object(const HitKey& key) const {
+    const std::uint32_t top = key.instance == HitKey::none ? key.geometry : key.instance;
+    switch (impl_->entries[top].kind) {
+        case Impl::Kind::spheres:
+            return impl_->spheres.object[key.primitive];
+        case Impl::Kind::analytic:
+            return impl_->analytic.items[key.primitive].object;
+        case Impl::Kind::moving:
+            return impl_->moving.items[key.primitive].object;
+        default:
+            return impl_->object_of_geometry[top];
     }
 }
 

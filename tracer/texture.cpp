@@ -5,13 +5,34 @@
 #include <cmath>
 #include <utility>
 
+#include "core/multiversion.h"
+
 namespace postlens {
 namespace {
 
-glm::dvec3 checker_colour(const Checker& checker, const glm::dvec3& p) {
+// Compiled where it is used: floor, round and fma are instructions there, calls here.
+[[gnu::always_inline]] inline double exact_cell(double c, double offset, double size) {
+    if (std::isinf(size)) return 0;
+    const double d = c - offset;
+    const double quotient = d / size;
+    const double cell = std::floor(quotient);
+    // Rounding can carry the quotient over a border only from very near it; there the remainder decides. Its
+    // sign is exact: fma rounds once, and what the subtraction lost comes back as `lost` (Knuth's two-sum).
+    const double within = quotient - cell;
+    const double near = 1e-9 * std::max(1.0, std::abs(quotient));
+    if (within > near && 1 - within > near) return cell;
+    const double border = std::round(quotient);
+    const double part = d - c;
+    const double lost = (c - (d - part)) - (offset + part);
+    const double remainder = std::fma(-border, size, d);
+    const bool below = remainder == 0 ? lost < 0 : remainder + lost < 0;
+    return below ? border - 1 : border;
+}
+
+POSTLENS_MULTIVERSION glm::dvec3 checker_colour(const Checker& checker, const glm::dvec3& p) {
     double sum = 0;
     for (int axis = 0; axis < checker.dimensions; ++axis) {
-        sum += checker_cell(p[axis], checker.offset[axis], checker.size[axis]);
+        sum += exact_cell(p[axis], checker.offset[axis], checker.size[axis]);
     }
     return sum - 2 * std::floor(sum / 2) == 0 ? checker.even : checker.odd;
 }
@@ -55,19 +76,7 @@ glm::dvec3 image_colour(const ImageTexture& image, const glm::dvec2& uv) {
 }  // namespace
 
 double checker_cell(double c, double offset, double size) {
-    if (std::isinf(size)) return 0;
-    const double d = c - offset;
-    const double quotient = d / size;
-    const double cell = std::floor(quotient);
-    // Rounding can carry the quotient over a border only from very near it; there the remainder decides. Its
-    // sign is exact: fma rounds once, and what the subtraction lost comes back as `lost` (Knuth's two-sum).
-    const double border = std::round(quotient);
-    if (std::abs(quotient - border) > 1e-9 * std::max(1.0, std::abs(quotient))) return cell;
-    const double part = d - c;
-    const double lost = (c - (d - part)) - (offset + part);
-    const double remainder = std::fma(-border, size, d);
-    const bool below = remainder == 0 ? lost < 0 : remainder + lost < 0;
-    return below ? border - 1 : border;
+    return exact_cell(c, offset, size);
 }
 
 Texture::Texture(Checker checker) : checker_(checker) {

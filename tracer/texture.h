@@ -36,6 +36,8 @@ class Texture {
     explicit Texture(ImageTexture image);
     /// object: the hit in object space, m. uv: of the hit. A pure function.
     [[nodiscard]] glm::dvec3 colour(const glm::dvec3& object, const glm::dvec2& uv) const;
+    /// Whether `colour` looks at uv; else at the object position.
+    [[nodiscard]] bool uses_uv() const { return is_image_ || checker_.dimensions == 2; }
     /// The greatest channel value that `colour` can return; bounds what a surface can add.
     [[nodiscard]] double maximum() const { return maximum_; }
 

@@ -1,0 +1,40 @@
+// Embree's packets as the callbacks for user geometry see them. Only *_packets.cpp and packet_pairs include
+// this.
+#pragma once
+
+#include <limits>
+
+#include "tracer/ray_scene_geometry.h"
+
+namespace postlens {
+
+inline const RayContext& context_of(const RTCIntersectContext* context) {
+    return *reinterpret_cast<const RayContext*>(context);
+}
+
+// Views of Embree's ray and hit arrays: the field order of RTCRay and RTCHit, each field N wide.
+struct Rays {
+    float *ox, *oy, *oz, *tnear, *dx, *dy, *dz, *time, *tfar;
+    unsigned* id;
+    Rays(RTCRayN* rays, unsigned n) {
+        auto* f = reinterpret_cast<float*>(rays);
+        ox = f, oy = f + n, oz = f + 2 * n, tnear = f + 3 * n;
+        dx = f + 4 * n, dy = f + 5 * n, dz = f + 6 * n, time = f + 7 * n, tfar = f + 8 * n;
+        id = reinterpret_cast<unsigned*>(f + 10 * n);
+    }
+};
+struct Hits {
+    unsigned *primitive, *geometry, *instance;
+    Hits(RTCRayHitN* rayhit, unsigned n) {
+        auto* u = reinterpret_cast<unsigned*>(RTCRayHitN_HitN(rayhit, n));
+        primitive = u + 5 * n, geometry = u + 6 * n, instance = u + 7 * n;
+    }
+};
+
+inline bool leaves(const RayContext& context, unsigned ray_id, unsigned geometry, unsigned primitive) {
+    if (context.sources == nullptr) return false;
+    const HitKey& from = context.sources[ray_id];
+    return from.geometry == geometry && from.primitive == primitive;
+}
+
+}  // namespace postlens
