@@ -17,7 +17,7 @@ void report(benchmark::State& state, double samples) {
 void eye(benchmark::State& state, SamplerKind kind) {
     const int spp = static_cast<int>(state.range(0)), pixels = 4096 / spp;
     const Sampler sampler(kind, spp, 1);
-    Sampler::EyeSamples out;
+    Sampler::EyeSamples out{};
     for (auto _ : state) {
         for (int p = 0; p < pixels; ++p) {
             for (int first = 0; first < spp; first += sample_lanes) {

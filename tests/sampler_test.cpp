@@ -74,7 +74,7 @@ TEST_P(EverySampler, SameBitsHoweverAsked) {
             for (int first = 0; first < spp; first += std::max(1, spp / 37)) {
                 for (const int wanted : {1, 3, 15, 16}) {
                     const int count = std::min(wanted, spp - first);
-                    Sampler::EyeSamples eye;
+                    Sampler::EyeSamples eye{};
                     s.fill_eye(pixel, first, count, eye);
                     // One more, to see that nothing is written behind `count`.
                     float u[sample_lanes + 1], v[sample_lanes + 1], t[sample_lanes + 1];
@@ -197,7 +197,7 @@ TEST_P(EverySampler, SetsOfAPixelArePairedEvenly) {
     const Sampler s(GetParam(), spp, 9);
     std::vector<std::vector<double>> x(6);
     for (std::uint32_t p = 0; p < pixels; ++p) {
-        Sampler::EyeSamples e;
+        Sampler::EyeSamples e{};
         s.fill_eye(p, 0, 16, e);
         for (std::size_t i = 0; i < spp; ++i) {
             x[0].push_back(e.pixel_u[i]), x[1].push_back(e.pixel_v[i]), x[2].push_back(e.lens_u[i]);
@@ -270,7 +270,7 @@ double rmse(SamplerKind kind, int spp) {
         for (std::uint32_t p = 0; p < pixels; ++p) {
             double total = 0;
             for (int first = 0; first < spp; first += 16) {
-                Sampler::EyeSamples e;
+                Sampler::EyeSamples e{};
                 s.fill_eye(p, first, 16, e);
                 for (int i = 0; i < 16; ++i)
                     total += smooth(e.pixel_u[i]) * smooth(e.pixel_v[i]) * smooth(e.lens_u[i]) *

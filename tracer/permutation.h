@@ -67,8 +67,8 @@ class Permutation {
     /// percent.
     static constexpr std::uint32_t rounds = 6;
     std::uint32_t n_, mask_ = 0;
-    std::uint32_t multiplier_[rounds], offset_[rounds];
-    int shift_[rounds];
+    std::uint32_t multiplier_[rounds] = {}, offset_[rounds] = {};
+    int shift_[rounds] = {};
 };
 
 }  // namespace postlens
