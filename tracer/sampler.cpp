@@ -40,7 +40,7 @@ Sampler::Sampler(SamplerKind kind, int spp, std::uint64_t seed)
       key_1d_(SetKey{mix64(seed)}.stream(1)),
       key_2d_(SetKey{mix64(seed)}.stream(2)),
       strata_(static_cast<std::uint32_t>(spp_)),
-      sobol_(static_cast<std::uint32_t>(spp_)) {
+      padding_(static_cast<std::uint32_t>(spp_)) {
     if (kind == SamplerKind::poisson)
         poisson_.emplace(static_cast<std::uint32_t>(spp_), SetKey{mix64(seed)}.stream(3));
 }
@@ -59,9 +59,12 @@ void Sampler::lanes_2d(std::uint32_t pixel, SampleSet set, int first, int lanes,
         case SamplerKind::poisson:
             return poisson_->fill_2d(key, permuted, first, std::min(lanes, spp_ - first), u, v);
         case SamplerKind::sobol:
-            if (set.id == pixel_set.id) return sobol_.joint_2d(key, 0, first, lanes, u, v);
-            if (set.id == lens_set.id) return sobol_.joint_2d(key, 2, first, lanes, u, v);
-            return sobol_.padded_2d(key, first, lanes, u, v);
+            if (set.id == pixel_set.id || set.id == lens_set.id) {
+                const int dimension = set.id == pixel_set.id ? 0 : 2;
+                sobol_joint(dimension, low_word(key.value), first, lanes, u);
+                return sobol_joint(dimension + 1, high_word(key.value), first, lanes, v);
+            }
+            return padding_.fill_2d(key, first, lanes, u, v);
     }
 }
 
@@ -77,8 +80,8 @@ void Sampler::lanes_1d(std::uint32_t pixel, SampleSet set, int first, int lanes,
         case SamplerKind::poisson:
             return poisson_->fill_1d(key, true, first, std::min(lanes, spp_ - first), u);
         case SamplerKind::sobol:
-            if (set.id == time_set.id) return sobol_.joint_1d(key, 4, first, lanes, u);
-            return sobol_.padded_1d(key, first, lanes, u);
+            if (set.id == time_set.id) return sobol_joint(4, low_word(key.value), first, lanes, u);
+            return padding_.fill_1d(key, first, lanes, u);
     }
 }
 
@@ -101,6 +104,14 @@ void Sampler::fill_1d(std::uint32_t pixel, SampleSet set, int first, int count, 
 
 void Sampler::fill_eye(std::uint32_t pixel, int first, [[maybe_unused]] int count, EyeSamples& out) const {
     assert(first >= 0 && count >= 1 && count <= sample_lanes && first + count <= spp_);
+    if (kind_ == SamplerKind::sobol) {
+        const std::uint64_t in_pixel = set_key(key_2d_, pixel, pixel_set).value,
+                            on_lens = set_key(key_2d_, pixel, lens_set).value,
+                            in_time = set_key(key_1d_, pixel, time_set).value;
+        return sobol_joint_16({low_word(in_pixel), high_word(in_pixel), low_word(on_lens), high_word(on_lens),
+                               low_word(in_time)},
+                              first, {out.pixel_u, out.pixel_v, out.lens_u, out.lens_v, out.time_u});
+    }
     lanes_2d(pixel, pixel_set, first, sample_lanes, out.pixel_u, out.pixel_v);
     lanes_2d(pixel, lens_set, first, sample_lanes, out.lens_u, out.lens_v);
     lanes_1d(pixel, time_set, first, sample_lanes, out.time_u);

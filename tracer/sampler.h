@@ -77,7 +77,7 @@ class Sampler {
     int spp_;
     std::uint64_t key_1d_, key_2d_;
     Strata strata_;
-    SobolPoints sobol_;
+    SobolPadding padding_;
     std::optional<PoissonPoints> poisson_;
 };
 

@@ -69,9 +69,10 @@ SplitTable split_table(int dimension) {
     }
     return t;
 }
-const SplitTable& table(int dimension) {
-    static const std::array<SplitTable, 3> tables{split_table(2), split_table(3), split_table(4)};
-    return tables[static_cast<std::size_t>(dimension - 2)];
+const std::array<SplitTable, sobol_dimensions>& split_tables() {
+    static const std::array<SplitTable, sobol_dimensions> tables{
+        split_table(0), split_table(1), split_table(2), split_table(3), split_table(4)};
+    return tables;
 }
 
 /// Dimension 1: the index times Pascal's triangle modulo 2, which is a product of five simple matrices.
@@ -83,9 +84,8 @@ const SplitTable& table(int dimension) {
     return x ^ (x >> 16);
 }
 
-template <int lanes>
-[[gnu::always_inline]] inline void scramble(std::uint32_t* x, std::uint32_t seed, float* u) {
-    for (int i = 0; i < lanes; ++i) u[i] = unit_float(reverse_bits(owen_scramble_reversed(x[i], seed)));
+[[gnu::always_inline]] inline float scrambled(std::uint32_t x, std::uint32_t seed) {
+    return unit_float(reverse_bits(owen_scramble_reversed(x, seed)));
 }
 
 /// Indices in a nested uniform scramble of their own: every aligned block of 2^j samples stays one.
@@ -101,52 +101,52 @@ template <int lanes>
 template <int lanes>
 [[gnu::always_inline]] inline void padded(SetKey key, std::uint32_t reversed_mask, int first, float* u,
                                           float* v) {
-    alignas(64) std::uint32_t index[lanes], second[lanes];
+    alignas(64) std::uint32_t index[lanes];
     const std::uint64_t seeds = key.stream(0);
     shuffled<lanes>(low_word(key.stream(1)), reversed_mask, first, index);
-    for (int i = 0; i < lanes; ++i) second[i] = pascal(index[i]);
-    scramble<lanes>(index, low_word(seeds), u);
-    if (v != nullptr) scramble<lanes>(second, high_word(seeds), v);
-}
-
-template <int lanes>
-[[gnu::always_inline]] inline void words(int dimension, int first, std::uint32_t* x) {
-    const auto begin = static_cast<std::uint32_t>(first);
-    if (dimension == 0) {
-        for (int i = 0; i < lanes; ++i) x[i] = begin + static_cast<std::uint32_t>(i);
-    } else if (dimension == 1) {
-        for (int i = 0; i < lanes; ++i) x[i] = pascal(begin + static_cast<std::uint32_t>(i));
-    } else {
-        const SplitTable& t = table(dimension);
-        if (begin % lanes == 0) {
-            const std::uint32_t high = t.high[(begin >> 10) & 1023];
-            for (int i = 0; i < lanes; ++i)
-                x[i] = t.low[(begin & 1023) + static_cast<std::uint32_t>(i)] ^ high;
-        } else {
-            for (int i = 0; i < lanes; ++i) {
-                const std::uint32_t index = begin + static_cast<std::uint32_t>(i);
-                x[i] = t.low[index & 1023] ^ t.high[(index >> 10) & 1023];
-            }
-        }
-    }
-}
-
-template <int lanes>
-[[gnu::always_inline]] inline void joint(SetKey key, int dimension, int first, float* u, float* v) {
-    alignas(64) std::uint32_t x[lanes];
-    const std::uint64_t seeds = key.stream(0);
-    words<lanes>(dimension, first, x);
-    scramble<lanes>(x, low_word(seeds), u);
+    for (int i = 0; i < lanes; ++i) u[i] = scrambled(index[i], low_word(seeds));
     if (v == nullptr) return;
-    words<lanes>(dimension + 1, first, x);
-    scramble<lanes>(x, high_word(seeds), v);
+    for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
+}
+
+/// The words of samples first .. first + lanes - 1 are low[i] ^ high where `first` is a multiple of 16: they
+/// share the upper bits of their index.
+struct AlignedWords {
+    const std::uint32_t* low;
+    std::uint32_t high;
+};
+[[gnu::always_inline]] inline AlignedWords aligned_words(const SplitTable& t, std::uint32_t first) {
+    return {t.low.data() + (first & 1023), t.high[(first >> 10) & 1023]};
+}
+
+template <int lanes>
+[[gnu::always_inline]] inline void joint(const SplitTable& t, std::uint32_t seed, int first, float* u) {
+    const auto begin = static_cast<std::uint32_t>(first);
+    if (begin % lanes == 0) {
+        const AlignedWords w = aligned_words(t, begin);
+        for (int i = 0; i < lanes; ++i) u[i] = scrambled(w.low[i] ^ w.high, seed);
+        return;
+    }
+    for (int i = 0; i < lanes; ++i) {
+        const std::uint32_t index = begin + static_cast<std::uint32_t>(i);
+        u[i] = scrambled(t.low[index & 1023] ^ t.high[(index >> 10) & 1023], seed);
+    }
 }
 
 POSTLENS_MULTIVERSION void padded_16(SetKey key, std::uint32_t reversed_mask, int first, float* u, float* v) {
     padded<sample_lanes>(key, reversed_mask, first, u, v);
 }
-POSTLENS_MULTIVERSION void joint_16(SetKey key, int dimension, int first, float* u, float* v) {
-    joint<sample_lanes>(key, dimension, first, u, v);
+POSTLENS_MULTIVERSION void joint_16(const SplitTable& t, std::uint32_t seed, int first, float* u) {
+    joint<sample_lanes>(t, seed, first, u);
+}
+POSTLENS_MULTIVERSION void joint_aligned_16(const SplitTable* t, const std::uint32_t* seeds,
+                                            std::uint32_t first, float* const* u) {
+    for (int d = 0; d < sobol_dimensions; ++d) {
+        const AlignedWords w = aligned_words(t[d], first);
+        const std::uint32_t seed = seeds[d];
+        float* out = u[d];
+        for (int i = 0; i < sample_lanes; ++i) out[i] = scrambled(w.low[i] ^ w.high, seed);
+    }
 }
 
 }  // namespace
@@ -156,21 +156,31 @@ std::uint32_t sobol_reversed(int dimension, std::uint32_t index) {
     return by_directions(all_directions[static_cast<std::size_t>(dimension)], index);
 }
 
-SobolPoints::SobolPoints(std::uint32_t n) : reversed_mask_(reverse_bits((1U << std::bit_width(n - 1)) - 1)) {
+SobolPadding::SobolPadding(std::uint32_t n)
+    : reversed_mask_(reverse_bits((1U << std::bit_width(n - 1)) - 1)) {
     assert(n >= 1 && n <= 1U << 20);
 }
-
-void SobolPoints::padded_2d(SetKey key, int first, int lanes, float* u, float* v) const {
+void SobolPadding::fill_2d(SetKey key, int first, int lanes, float* u, float* v) const {
     lanes == 1 ? padded<1>(key, reversed_mask_, first, u, v) : padded_16(key, reversed_mask_, first, u, v);
 }
-void SobolPoints::padded_1d(SetKey key, int first, int lanes, float* u) const {
-    padded_2d(key, first, lanes, u, nullptr);
+void SobolPadding::fill_1d(SetKey key, int first, int lanes, float* u) const {
+    fill_2d(key, first, lanes, u, nullptr);
 }
-void SobolPoints::joint_2d(SetKey key, int dimension, int first, int lanes, float* u, float* v) const {
-    lanes == 1 ? joint<1>(key, dimension, first, u, v) : joint_16(key, dimension, first, u, v);
+
+void sobol_joint(int dimension, std::uint32_t seed, int first, int lanes, float* u) {
+    const SplitTable& t = split_tables()[static_cast<std::size_t>(dimension)];
+    lanes == 1 ? joint<1>(t, seed, first, u) : joint_16(t, seed, first, u);
 }
-void SobolPoints::joint_1d(SetKey key, int dimension, int first, int lanes, float* u) const {
-    joint_2d(key, dimension, first, lanes, u, nullptr);
+
+void sobol_joint_16(const std::array<std::uint32_t, sobol_dimensions>& seeds, int first,
+                    const std::array<float*, sobol_dimensions>& u) {
+    if (first % sample_lanes == 0)
+        return joint_aligned_16(split_tables().data(), seeds.data(), static_cast<std::uint32_t>(first),
+                                u.data());
+    for (int d = 0; d < sobol_dimensions; ++d) {
+        const auto k = static_cast<std::size_t>(d);
+        sobol_joint(d, seeds[k], first, sample_lanes, u[k]);
+    }
 }
 
 }  // namespace postlens

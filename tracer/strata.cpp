@@ -16,18 +16,23 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-// Quotients of integers below 2^31 by integers below 2^21 are exact at their floor and ceiling in double: a
-// quotient that is no integer is 2^-20 or more away from one, its rounding error below 2^-22.
-[[gnu::always_inline]] inline std::int32_t floor_divided(double a, double b) {
-    return static_cast<std::int32_t>(a / b);
-}
+/// A divisor up to 2^20 with its reciprocal, for quotients of integers rounded down or up. Half a unit added
+/// to the dividend keeps them 2^-21 or more away from an integer; as they are at most 2^24, their error is
+/// below 2^-27.
+struct Divisor {
+    explicit Divisor(double d) : value(d), inverse(1 / d) {}
+    double value, inverse;
+    [[nodiscard, gnu::always_inline]] std::int32_t rounded_down(double a) const {
+        return static_cast<std::int32_t>((a + 0.5) * inverse);
+    }
+    /// Edge `cell` of `value` equal intervals of [0, 1), rounded up to 24 bits.
+    [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
+        return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
+    }
+};
 
-/// A multiple of 2^-24 in the interval `cell` of `count` equal ones, as 24 bits.
-[[gnu::always_inline]] inline std::int32_t inside(double cell, double count, double share) {
-    const double low = cell * 0x1p24 / count, high = (cell + 1) * 0x1p24 / count;
-    auto begin = static_cast<std::int32_t>(low), end = static_cast<std::int32_t>(high);
-    begin += static_cast<double>(begin) < low ? 1 : 0;
-    end += static_cast<double>(end) < high ? 1 : 0;
+/// A multiple of 2^-24 in [begin, end), as 24 bits.
+[[gnu::always_inline]] inline std::int32_t between(std::int32_t begin, std::int32_t end, double share) {
     return begin + static_cast<std::int32_t>(share * (end - begin));
 }
 
@@ -57,19 +62,24 @@ template <int lanes>
     cells<lanes>(t, cell);
     shares<lanes>(t, 1, share_u);
     shares<lanes>(t, 2, share_v);
-    const double n = t.n, rows = t.rows;
+    const Divisor n(t.n), rows(t.rows);
+    const std::uint32_t few = t.n / t.rows;  // cells of a row, or one more
+    const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // The last row that begins at or before cell c: row_begin(row) <= c means row * n < (c + 1) * rows.
-        const std::int32_t row = floor_divided((c + 1) * rows - 1, n);
-        const std::int32_t begin = floor_divided(row * n, rows), end = floor_divided((row + 1) * n, rows);
-        u[i] = unit_float_24(inside(c - begin, end - begin, share_u[i]));
+        // The last row that begins at or before cell c: floor(row * n / rows) <= c means row * n < (c + 1) *
+        // rows.
+        const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
+        const std::int32_t begin = rows.rounded_down(row * n.value),
+                           end = rows.rounded_down((row + 1) * n.value);
+        const bool is_few = end - begin == static_cast<std::int32_t>(few);
+        const double column = c - begin;
+        Divisor cells_of_row = more_cells;
+        cells_of_row.value = is_few ? few_cells.value : more_cells.value;
+        cells_of_row.inverse = is_few ? few_cells.inverse : more_cells.inverse;
+        u[i] = unit_float_24(between(cells_of_row.edge(column), cells_of_row.edge(column + 1), share_u[i]));
         // The row's height is its share of the cells.
-        const double low = begin * 0x1p24 / n, high = end * 0x1p24 / n;
-        auto bottom = static_cast<std::int32_t>(low), top = static_cast<std::int32_t>(high);
-        bottom += static_cast<double>(bottom) < low ? 1 : 0;
-        top += static_cast<double>(top) < high ? 1 : 0;
-        v[i] = unit_float_24(bottom + static_cast<std::int32_t>(share_v[i] * (top - bottom)));
+        v[i] = unit_float_24(between(n.edge(begin), n.edge(end), share_v[i]));
     }
 }
 
@@ -79,8 +89,11 @@ template <int lanes>
     alignas(64) double share[lanes];
     cells<lanes>(t, cell);
     shares<lanes>(t, 1, share);
-    for (int i = 0; i < lanes; ++i)
-        u[i] = unit_float_24(inside(static_cast<std::int32_t>(cell[i]), t.n, share[i]));
+    const Divisor n(t.n);
+    for (int i = 0; i < lanes; ++i) {
+        const double c = static_cast<std::int32_t>(cell[i]);
+        u[i] = unit_float_24(between(n.edge(c), n.edge(c + 1), share[i]));
+    }
 }
 
 POSTLENS_MULTIVERSION void strata_2d_16(const StrataTask& t, float* u, float* v) {
