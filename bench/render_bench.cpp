@@ -224,7 +224,7 @@ void eye_rays(benchmark::State& state, const std::string& name) {
     over_tiles(state, [&](std::size_t t) {
         thread_local RayBatch batch;
         p.make_rays(t, batch);
-        p.rays.intersect(batch, true);
+        p.rays.intersect(batch, p.tracer.coherent());
         std::uint64_t count = 0;
         for (int i = 0; i < batch.count; ++i) count += batch.hit(static_cast<std::size_t>(i)).valid() ? 1 : 0;
         return count;
@@ -282,6 +282,9 @@ POSTLENS_SCENE(pinhole_mesh);
 POSTLENS_SCENE(moving_mesh);
 POSTLENS_SCENE(balls);
 BENCHMARK_CAPTURE(picture, bars_lens, "bars.toml", 1.4, false)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(picture, motion, "motion.toml", std::numeric_limits<double>::infinity(), true)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK_CAPTURE(picture, bars_pinhole, "bars.toml", std::numeric_limits<double>::infinity(), false)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();

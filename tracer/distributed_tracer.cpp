@@ -171,7 +171,7 @@ void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
     const auto count = static_cast<std::size_t>(eye.rays.count);
     eye.radiance.assign(count, dvec3(0));
     counts.eye += count;
-    scene_.intersect(eye.rays, true);
+    scene_.intersect(eye.rays, coherent());
 
     const bool times = needs_times();
     const auto begin = [&] {
