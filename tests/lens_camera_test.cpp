@@ -1,4 +1,6 @@
 // The camera with a lens: its fast rays against the obvious ones, and what a thin lens promises.
+#include "tracer/lens_camera.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +12,6 @@
 
 #include "tests/random_motion.h"
 #include "tests/scene_builder.h"
-#include "tracer/lens_camera.h"
 #include "tracer/render.h"
 
 namespace postlens::test {
@@ -54,11 +55,11 @@ std::vector<TransformKey> rigid_keys(RandomNumbers& random, const std::vector<do
     return random_keys(random, times, {1, 1, 1, 1});
 }
 
-// In float: a tangent is the product of px <= 32 and pitch / d, rounded three times, and the lens's part the same
-// with sines and cosines whose series err by 4e-7 of the radius. Then three sums of three products, and a root and
-// a product to make the length 1: below 12 roundings of numbers that, with a half width of the film over d of
-// 18 / 35, stay below 2 - and the lens's part, focused at s, adds its error over s. Origins: the position's own
-// rounding and the lens's.
+// In float: a tangent is the product of px <= 32 and pitch / d, rounded three times, and the lens's part the
+// same with sines and cosines whose series err by 4e-7 of the radius. Then three sums of three products, and
+// a root and a product to make the length 1: below 12 roundings of numbers that, with a half width of the
+// film over d of 18 / 35, stay below 2 - and the lens's part, focused at s, adds its error over s. Origins:
+// the position's own rounding and the lens's.
 void expect_same_rays(const View& v, RandomNumbers& random, bool with_times) {
     const LensCamera camera = v.lens();
     const double aperture_m = v.geometry().aperture_radius_m;
@@ -72,7 +73,8 @@ void expect_same_rays(const View& v, RandomNumbers& random, bool with_times) {
             s.lens_u[i] = static_cast<float>(random.in(0, 0.9999999));
             s.lens_v[i] = static_cast<float>(random.in(0, 0.9999999));
             s.time[i] = static_cast<float>(random.in(0, 0.9999999));
-            if (group == 0) s.lens_u[i] = i % 2 == 0 ? 0.5F : static_cast<float>(i) / 16;  // middle and diagonal
+            if (group == 0)
+                s.lens_u[i] = i % 2 == 0 ? 0.5F : static_cast<float>(i) / 16;  // middle and diagonal
             if (group == 0) s.lens_v[i] = s.lens_u[i];
         }
         RayBatch batch;
@@ -80,10 +82,9 @@ void expect_same_rays(const View& v, RandomNumbers& random, bool with_times) {
         camera.add_rays(s, batch);
         ASSERT_EQ(batch.count, 16);
         for (std::size_t i = 0; i < 16; ++i) {
-            const LensCamera::Ray r =
-                camera.ray(static_cast<double>(s.x[i]), static_cast<double>(s.y[i]),
-                           static_cast<double>(s.lens_u[i]), static_cast<double>(s.lens_v[i]),
-                           static_cast<double>(s.time[i]));
+            const LensCamera::Ray r = camera.ray(
+                static_cast<double>(s.x[i]), static_cast<double>(s.y[i]), static_cast<double>(s.lens_u[i]),
+                static_cast<double>(s.lens_v[i]), static_cast<double>(s.time[i]));
             const dvec3 o(glm::vec3(batch.ox[i], batch.oy[i], batch.oz[i]));
             const dvec3 d(glm::vec3(batch.dx[i], batch.dy[i], batch.dz[i]));
             const double far = std::max({std::abs(r.origin.x), std::abs(r.origin.y), std::abs(r.origin.z)});
@@ -120,8 +121,8 @@ TEST(LensCameras, FastRaysOfParallelProjectionToo) {
     }
 }
 
-// Without a lens, without a shutter: the rays that `trace` takes. The parallel camera's pitch is a float, wrong by
-// 2^-24 over half of the 2 m that it sees.
+// Without a lens, without a shutter: the rays that `trace` takes. The parallel camera's pitch is a float,
+// wrong by 2^-24 over half of the 2 m that it sees.
 TEST(LensCameras, APinholeOfAnInstantIsTheCameraModel) {
     RandomNumbers random(13);
     for (const auto projection : {Camera::Projection::perspective, Camera::Projection::orthographic}) {
@@ -169,9 +170,9 @@ TEST(LensCameras, RaysOfOnePointMeetInTheFocalPlane) {
                     return o + d * (focus_m / glm::dot(d, m.forward));
                 };
                 // Roundings of 2^-53 of positions of a few metres and of a way of focus_m.
-                EXPECT_LE(glm::length(at_focus(r.origin, r.direction) -
-                                      at_focus(m.position, pinhole.direction)),
-                          1e-14 * (5 + focus_m));
+                EXPECT_LE(
+                    glm::length(at_focus(r.origin, r.direction) - at_focus(m.position, pinhole.direction)),
+                    1e-14 * (5 + focus_m));
             }
         }
     }
@@ -199,7 +200,8 @@ TEST(LensCameras, APointOutOfFocusMovesAsTheGeometrySays) {
             const LensCamera::Ray r = camera.ray(x, y, random.in(0, 1), random.in(0, 1), 0.5);
             const dvec3 p = r.origin + r.direction * (depth / glm::dot(r.direction, m.forward)) - m.position;
             const dvec3 q = r.origin - m.position;
-            const dvec2 seen(32 + gain * glm::dot(p, m.right) / depth, 24 + gain * glm::dot(p, m.down) / depth);
+            const dvec2 seen(32 + gain * glm::dot(p, m.right) / depth,
+                             24 + gain * glm::dot(p, m.down) / depth);
             const dvec2 lens(glm::dot(q, m.right), glm::dot(q, m.down));
             // Seen from the lens's middle at `seen`; from q it moved to (x, y).
             const dvec2 moved = gain * (1 / v.focus_m - 1 / depth) * lens;
@@ -210,8 +212,8 @@ TEST(LensCameras, APointOutOfFocusMovesAsTheGeometrySays) {
 }
 
 TEST(DiscPoints, AreSpreadEvenly) {
-    // 16 rings of equal area, 16 sectors: n points in 256 cells. The statistic has the mean 255 and the standard
-    // deviation sqrt(2 * 255).
+    // 16 rings of equal area, 16 sectors: n points in 256 cells. The statistic has the mean 255 and the
+    // standard deviation sqrt(2 * 255).
     constexpr int rings = 16, sectors = 16, cells = rings * sectors, n = 1 << 16;
     std::vector<int> count(cells, 0);
     RandomNumbers random(16);
@@ -220,7 +222,8 @@ TEST(DiscPoints, AreSpreadEvenly) {
         const double area = glm::dot(p, p), turn = std::atan2(p.y, p.x) / (2 * std::numbers::pi) + 0.5;
         ASSERT_LE(area, 1 + 1e-15);
         const int ring = std::min(static_cast<int>(area * rings), rings - 1);
-        ++count[static_cast<std::size_t>(ring * sectors + std::min(static_cast<int>(turn * sectors), sectors - 1))];
+        ++count[static_cast<std::size_t>(ring * sectors +
+                                         std::min(static_cast<int>(turn * sectors), sectors - 1))];
     }
     const double expected = static_cast<double>(n) / cells;
     double statistic = 0;
@@ -235,12 +238,13 @@ TEST(DiscPoints, NeighboursStayNeighbours) {
     for (int i = 0; i < 100000; ++i) {
         const double u = random.in(0, 1), v = random.in(0, 1), angle = random.in(0, 7);
         constexpr double step = 1e-4;
-        const dvec2 a = disc_point(u, v), b = disc_point(u + step * std::cos(angle), v + step * std::sin(angle));
+        const dvec2 a = disc_point(u, v),
+                    b = disc_point(u + step * std::cos(angle), v + step * std::sin(angle));
         most = std::max(most, glm::length(a - b) / step);
     }
     // The map (r, phi) = (a, (pi/4) b/a) with a = 2u - 1, b = 2v - 1: its columns, 2 (1, -(pi/4) b/a) and
-    // 2 (0, pi/4) in the directions of r and phi, have a Frobenius norm below 2 sqrt(1 + 2 (pi/4)^2) = 2.99, over
-    // the seams too, where the map is continuous.
+    // 2 (0, pi/4) in the directions of r and phi, have a Frobenius norm below 2 sqrt(1 + 2 (pi/4)^2) = 2.99,
+    // over the seams too, where the map is continuous.
     EXPECT_LE(most, 2.99);
     EXPECT_EQ(disc_point(0.5, 0.5), dvec2(0));
     EXPECT_NEAR(disc_point(1, 0.5).x, 1, 1e-15);
@@ -313,8 +317,8 @@ RenderSettings lens_and_shutter() {
     return s;
 }
 
-// Every place above is a multiple of 1/8 and so is the offset: sums and differences with it are exact, and the
-// scene moved to the camera is the same to the last bit.
+// Every place above is a multiple of 1/8 and so is the offset: sums and differences with it are exact, and
+// the scene moved to the camera is the same to the last bit.
 TEST(FarFromTheOrigin, ThePictureIsTheSame) {
     const Image near = render_picture(placed_scene(dvec3(0)).scene, lens_and_shutter()).image;
     const Image far = render_picture(placed_scene({1e6, -2e6, 5e5}).scene, lens_and_shutter()).image;

@@ -190,8 +190,8 @@ TEST(MotionStepCounts, KeepTheirPromiseAndAreNotMoreThanItTakes) {
         EXPECT_LE(steps.error_px, accuracy.tolerance_px);
         for (int k = 0; k < 200; ++k) {
             const double share = random.in(0, 1);
-            const double error_m = strays_m(steps.world_from_object, path, base, box, share,
-                                            begin + share * (end - begin));
+            const double error_m =
+                strays_m(steps.world_from_object, path, base, box, share, begin + share * (end - begin));
             EXPECT_LE(error_m * px_per_m, unseen * accuracy.tolerance_px) << count << " steps";
         }
         // Every step is the true transform.

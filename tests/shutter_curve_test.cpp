@@ -1,4 +1,6 @@
 // Shutter curves: closed forms, the inverse of the light that has come, and files of points.
+#include "lens/shutter_curve.h"
+
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,7 +10,6 @@
 #include <vector>
 
 #include "core/error.h"
-#include "lens/shutter_curve.h"
 #include "tests/temporary_folder.h"
 
 namespace postlens::test {
@@ -62,10 +63,10 @@ TEST(ShutterCurves, TimeIsTheInverseOfTheLightThatHasCome) {
     const std::vector<std::vector<std::pair<double, double>>> all{
         {{0, 0}, {0.5, 1}, {1, 0}},
         {{-2, 0.1}, {-1, 3}, {0, 0.5}, {5, 0.7}},
-        {{0, 1}, {0.25, 0}, {0.75, 0}, {1, 2}},            // shut in between
-        {{0, 0}, {0.2, 0}, {0.4, 1}, {0.9, 0}, {1, 0}},    // shut at both ends
-        {{0, 0}, {1e-6, 1}, {1 - 1e-6, 1}, {1, 0}},        // steep blades
-        {{0, 1e-12}, {0.5, 1e12}, {1, 1e-12}},             // heights do not matter
+        {{0, 1}, {0.25, 0}, {0.75, 0}, {1, 2}},          // shut in between
+        {{0, 0}, {0.2, 0}, {0.4, 1}, {0.9, 0}, {1, 0}},  // shut at both ends
+        {{0, 0}, {1e-6, 1}, {1 - 1e-6, 1}, {1, 0}},      // steep blades
+        {{0, 1e-12}, {0.5, 1e12}, {1, 1e-12}},           // heights do not matter
         {{1e9, 1}, {1e9 + 1, 0.2}},
     };
     for (std::size_t which = 0; which < all.size(); ++which) {

@@ -78,10 +78,10 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
     // How far the true box reaches out of the one between steps. Within a step and between two keys, at which
-    // the motion may have a kink, the excess is smooth but for bends where another corner takes over, which only
-    // bend away from the box: between places a distance h apart it rises above both by h^2/8 of its second
-    // derivative at most. That is taken from second differences, twice as much as they say, since it changes from
-    // place to place.
+    // the motion may have a kink, the excess is smooth but for bends where another corner takes over, which
+    // only bend away from the box: between places a distance h apart it rises above both by h^2/8 of its
+    // second derivative at most. That is taken from second differences, twice as much as they say, since it
+    // changes from place to place.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

@@ -86,6 +86,33 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
+// Embree 3.13 cuts time up on its way down, and asks a packet for occlusion with all its rays wherever one of
+// them belongs: a ray meets instances that are not there at its own time (left out here), and the same thing
+// once for every stretch of time that has it (which matters where light is coloured at each crossing: see
+// `one_by_one`).
+void filter_absent(const RTCFilterFunctionNArguments* args) {
+    const auto& context = *reinterpret_cast<const RayContext*>(args->context);
+    for (unsigned i = 0; i < args->N; ++i) {
+        const unsigned instance = RTCHitN_instID(args->hit, args->N, i, 0);
+        if (args->valid[i] == 0 || instance == RTC_INVALID_GEOMETRY_ID) continue;
+        const Lifetime& life = context.lifetimes[instance];
+        const float time = RTCRayN_time(args->ray, args->N, i);
+        if (!(time >= life.begin && time < life.end)) args->valid[i] = 0;
+    }
+    context.log_transmission == nullptr ? filter_source(args) : filter_shadow(args);
+}
+
+// A ray alone meets everything once: its own time leads it down.
+void occlude_singly(RTCRay16& p, const int* valid, RTCScene scene, RayContext& context) {
+    for (unsigned i = 0; i < RayBatch::group; ++i) {
+        if (valid[i] == 0) continue;
+        RTCRay ray{p.org_x[i], p.org_y[i], p.org_z[i], p.tnear[i], p.dir_x[i], p.dir_y[i],
+                   p.dir_z[i], p.time[i],  p.tfar[i],  p.mask[i],  p.id[i],    p.flags[i]};
+        rtcOccluded1(scene, &context.base, &ray);
+        p.tfar[i] = ray.tfar;
+    }
+}
+
 }  // namespace
 
 void RayScene::intersect(RayBatch& rays, bool coherent) const {
@@ -124,6 +151,10 @@ void RayScene::occlude(RayBatch& rays) const {
     if (rays.has_sources) context.sources = rays.source.data();
     if (rays.has_sources || !impl_->all_opaque)
         context.base.filter = impl_->all_opaque ? filter_source : filter_shadow;
+    if (impl_->any_cut) {
+        context.lifetimes = impl_->lifetimes.data();
+        context.base.filter = filter_absent;
+    }
     constexpr std::size_t n = RayBatch::group;
     const auto count = static_cast<std::size_t>(rays.count);
     std::vector<std::array<std::int64_t, 3>> logs;
@@ -131,11 +162,16 @@ void RayScene::occlude(RayBatch& rays) const {
         logs.assign((count + n - 1) / n * n, {});
         context.log_transmission = logs.data();
     }
+    const bool one_by_one = impl_->any_moves && !impl_->all_opaque;
     RTCRay16 p;  // NOLINT(cppcoreguidelines-pro-type-member-init): `load` fills it
     alignas(64) std::array<int, n> valid{};
     for (std::size_t first = 0; first < count; first += n) {
         load(rays, first, p, valid.data());
-        rtcOccluded16(valid.data(), impl_->top, &context.base, &p);
+        if (one_by_one) {
+            occlude_singly(p, valid.data(), impl_->top, context);
+        } else {
+            rtcOccluded16(valid.data(), impl_->top, &context.base, &p);
+        }
         for (std::size_t i = 0; i < n && first + i < count; ++i) {
             dvec3 passed(p.tfar[i] < 0 ? 0.0 : 1.0);
             if (passed.x > 0 && !logs.empty()) {

@@ -61,6 +61,7 @@ void RayScene::Impl::attach(RTCGeometry geometry, const Entry& entry, std::uint3
     rtcReleaseGeometry(geometry);
     entries.resize(std::max<std::size_t>(entries.size(), id + 1));
     object_of_geometry.resize(entries.size());
+    lifetimes.resize(entries.size());
     entries[id] = entry;
     object_of_geometry[id] = object;
 }
@@ -150,6 +151,9 @@ void RayScene::Impl::add_instance(InstanceGeometry instance, float begin, float 
     const std::uint32_t object = instance.object;
     attach(g, {Kind::instance, instances.size()}, object);
     instances.push_back(std::move(instance));
+    if (begin > 0) lifetimes.back().begin = begin;
+    if (end < 1) lifetimes.back().end = end;
+    any_cut = any_cut || begin > 0 || end < 1;
 }
 
 // One instance for each stretch between two keys: at a key the motion may have a kink, which equal time steps

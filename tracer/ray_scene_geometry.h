@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <embree3/rtcore.h>
 #include <glm/glm.hpp>
+#include <limits>
 #include <vector>
 
 #include "tracer/analytic_shape.h"
@@ -25,6 +26,11 @@ inline constexpr std::int64_t log_opaque = std::int64_t{1} << 50;
 [[nodiscard]] std::int64_t fixed_log(double transmission);
 [[nodiscard]] double from_fixed_log(std::int64_t sum);
 
+/// When an instance is there: shares of the time span, from `begin` on until just before `end`.
+struct Lifetime {
+    float begin = 0, end = std::numeric_limits<float>::infinity();
+};
+
 /// Travels with every ray query. `base` must stay first: Embree hands its address to the callbacks.
 struct RayContext {
     RTCIntersectContext base{};
@@ -33,6 +39,8 @@ struct RayContext {
     const std::uint32_t* object_of_geometry =
         nullptr;  ///< by geometry id of the top scene; meshes, instances
     std::array<std::int64_t, 3>* log_transmission = nullptr;  ///< by ray id; sums
+    const Lifetime* lifetimes =
+        nullptr;  ///< by geometry id of the top scene; null: all are there all the time
 };
 
 /// Spheres that a similarity placed: structure of arrays for packets of rays.

@@ -79,6 +79,8 @@ struct RayScene::Impl {
     };
     std::vector<Entry> entries;                     // by geometry id of the top scene
     std::vector<std::uint32_t> object_of_geometry;  // the same; meshes and instances
+    std::vector<Lifetime> lifetimes;                // the same; instances
+    bool any_cut = false;                           // some instance is there for a part of the time only
 
     // Building: ray_scene_build.cpp.
     void attach(RTCGeometry geometry, const Entry& entry, std::uint32_t object);
