@@ -170,7 +170,7 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
 }
 
 void warn_of_range(const Comparison& c, CommandResult& out) {
-    if (!c.identical && std::isinf(c.whole.errors.psnr_db)) {
+    if (c.whole.errors.rmse > 0 && std::isinf(c.whole.errors.psnr_db)) {
         out.warnings.push_back(
             {"beyond_range", "the pictures differ only where PSNR does not see it: outside 0..1 (see RMSE)",
              c.clipped_share});
