@@ -23,6 +23,7 @@ struct State {
     FocusOptions focus;
     RecordsOptions records;
     LensCommandOptions lens;
+    CompareCommandOptions compare;
     std::string input, output;
 };
 
@@ -291,6 +292,38 @@ void add_lens(CLI::App& root, State& s) {
     dof.callback([&s] { s.common.run = [&s] { return run_lens_dof(s.lens); }; });
 }
 
+void add_compare(CLI::App& root, State& s) {
+    CLI::App& app = *root.add_subcommand("compare", "How far a picture is from its reference, in figures");
+    CompareCommandOptions& o = s.compare;
+    app.add_option("image", o.image, "Picture to judge, or a sample file: its pinhole picture")
+        ->required()
+        ->type_name("IMAGE");
+    app.add_option("reference", o.reference, "Picture to hold it against, of the same size")
+        ->required()
+        ->type_name("REFERENCE");
+    app.add_option("--noise", o.noise,
+                   "An independent render of the reference (another seed, as many rays): tells how good the "
+                   "reference is and the error above its noise")
+        ->type_name("IMAGE");
+    app.add_option("--pinhole", o.pinhole,
+                   "The pinhole picture: figures also for the affected pixels, where it differs from the "
+                   "reference by more than 1/255 (sRGB)")
+        ->type_name("IMAGE");
+    app.add_option("--map", o.map, "Write where they differ, as colours with a legend")->type_name("PNG");
+    app.add_option("--side-by-side", o.side_by_side, "Write both pictures, the map and the figures")
+        ->type_name("PNG");
+    number(app, "--fail-psnr", o.limits.least_psnr_db, "Exit with 1 where the PSNR is less, 0 or more", "DB");
+    number(app, "--fail-relmse", o.limits.greatest_relmse, "Exit with 1 where relMSE is more, 0 or more",
+           "X");
+    number(app, "--fail-flip", o.limits.greatest_flip, "Exit with 1 where FLIP is more, 0 to 1", "X");
+    number(app, "--flip-white", o.flip_white,
+           "Luminance that HDR-FLIP takes for white, 0.18 being grey, more than 0 [default: the reference's "
+           "maximum and median]",
+           "Y");
+    common_options(app, s);
+    app.callback([&s] { s.common.run = [&s] { return run_compare(s.compare); }; });
+}
+
 void add_info(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("info", "What is in a file: scene, sample file or image");
     app.add_option("file", s.input, "Any of them")->required()->type_name("FILE");
@@ -323,6 +356,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
     add_render(app, *state);
     add_focus(app, *state);
     add_lens(app, *state);
+    add_compare(app, *state);
     add_info(app, *state);
     check_subcommand(app, arguments);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/comparison.h"
 #include "core/error.h"
 #include "focus/focus.h"
 #include "tracer/render.h"
@@ -71,6 +72,14 @@ struct LensCommandOptions {
     double pixel_pitch_um = 18.75;  ///< 36 mm over 1920 px
 };
 
+struct CompareCommandOptions {
+    std::string image, reference;
+    std::optional<std::string> pinhole, noise;     ///< further pictures to read
+    std::optional<std::string> map, side_by_side;  ///< pictures to write
+    std::optional<double> flip_white;
+    CompareLimits limits;
+};
+
 [[nodiscard]] CommandResult run_trace(const TraceOptions& options);
 [[nodiscard]] CommandResult run_render(const RenderOptions& options);
 [[nodiscard]] CommandResult run_image(const std::string& input, const std::string& output);
@@ -78,6 +87,7 @@ struct LensCommandOptions {
 [[nodiscard]] CommandResult run_records(const RecordsOptions& options);
 [[nodiscard]] CommandResult run_lens_coc(const LensCommandOptions& options);
 [[nodiscard]] CommandResult run_lens_dof(const LensCommandOptions& options);
+[[nodiscard]] CommandResult run_compare(const CompareCommandOptions& options);
 [[nodiscard]] CommandResult run_info(const std::string& input);
 
 /// Settings of the lens for this file: what was asked for, else what the file names. Throws

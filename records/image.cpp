@@ -17,6 +17,7 @@
 #include "core/error.h"
 #include "core/output_file.h"
 #include "core/threads.h"
+#include "records/srgb.h"
 
 namespace postlens {
 namespace {
@@ -41,17 +42,6 @@ std::string one_line(std::string text) {
     while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.pop_back();
     std::replace(text.begin(), text.end(), '\n', ' ');
     return text.empty() ? "no reason given" : text;
-}
-
-// [iec61966-2-1], the sRGB transfer curve.
-float srgb_from_linear(float v) {
-    if (!(v > 0)) return 0;  // NaN too
-    if (v >= 1) return 1;
-    return v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F;
-}
-
-float linear_from_srgb(float v) {
-    return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
 }
 
 /// RGB with alpha 1, as OpenEXR pictures are expected to have.
@@ -143,31 +133,81 @@ void write_image(const fs::path& path, const Image& image) {
     file.commit();
 }
 
-Image read_image(const fs::path& path) {
+namespace {
+
+struct OpenedImage {
+    std::unique_ptr<OIIO::ImageInput> in;
+    /// The display window, in the file's coordinates.
+    int x = 0, y = 0, width = 0, height = 0;
+};
+
+OpenedImage open_image(const fs::path& path) {
     const std::string name = path.string();
     std::error_code ec;
     if (!fs::exists(path, ec)) fail(ExitCode::invalid_input, "{}: cannot read (no such file)", name);
     if (!fs::is_regular_file(path, ec)) {
         fail(ExitCode::invalid_input, "{}: cannot read (expected an image file)", name);
     }
-    const auto in = OIIO::ImageInput::open(name);
-    if (!in) fail(ExitCode::invalid_input, "{}: cannot read ({})", name, one_line(OIIO::geterror()));
-    const OIIO::ImageSpec& spec = in->spec();
+    OpenedImage out{OIIO::ImageInput::open(name)};
+    if (!out.in) fail(ExitCode::invalid_input, "{}: cannot read ({})", name, one_line(OIIO::geterror()));
+    const OIIO::ImageSpec& spec = out.in->spec();
     if (spec.deep)
         fail(ExitCode::invalid_input, "{}: cannot read (got deep pixels; expected a flat image)", name);
     if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1) {
         fail(ExitCode::invalid_input, "{}: cannot read (got {}x{}x{} with {} channels; expected a picture)",
              name, spec.width, spec.height, spec.depth, spec.nchannels);
     }
+    const bool has_display_window = spec.full_width > 0 && spec.full_height > 0;
+    out.x = has_display_window ? spec.full_x : spec.x;
+    out.y = has_display_window ? spec.full_y : spec.y;
+    out.width = has_display_window ? spec.full_width : spec.width;
+    out.height = has_display_window ? spec.full_height : spec.height;
     // A damaged header must not ask for much memory. Deflate, the densest of the formats, packs 1 to 1032.
     const std::uint64_t bytes = fs::file_size(path, ec);
-    const std::uint64_t needed =
-        static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height) * 3 * sizeof(float);
-    constexpr std::uint64_t unquestioned = 256U << 20U;
-    if (needed > unquestioned && needed / 4096 > bytes) {
-        fail(ExitCode::invalid_input, "{}: header is damaged (got {}x{} pixels in {} bytes)", name,
-             spec.width, spec.height, bytes);
+    const auto check_size = [&](int width, int height) {
+        const std::uint64_t needed =
+            static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * 3 * sizeof(float);
+        constexpr std::uint64_t unquestioned = 256U << 20U;
+        if (needed > unquestioned && needed / 4096 > bytes) {
+            fail(ExitCode::invalid_input, "{}: header is damaged (got {}x{} pixels in {} bytes)", name, width,
+                 height, bytes);
+        }
+    };
+    check_size(spec.width, spec.height);
+    check_size(out.width, out.height);
+    return out;
+}
+
+/// The part of the stored pixels that the display window shows, black where it shows none.
+Image in_display_window(const OpenedImage& file, const Image& stored, const std::string& name) {
+    const OIIO::ImageSpec& spec = file.in->spec();
+    const std::int64_t shift_x = std::int64_t{spec.x} - file.x, shift_y = std::int64_t{spec.y} - file.y;
+    const std::int64_t x_begin = std::max<std::int64_t>(0, shift_x);
+    const std::int64_t x_end = std::min<std::int64_t>(file.width, shift_x + spec.width);
+    const std::int64_t y_begin = std::max<std::int64_t>(0, shift_y);
+    const std::int64_t y_end = std::min<std::int64_t>(file.height, shift_y + spec.height);
+    if (x_begin >= x_end || y_begin >= y_end) {
+        fail(ExitCode::invalid_input,
+             "{}: no pixels to see (the data window lies outside the display window)", name);
     }
+    Image shown(file.width, file.height);
+    for (std::int64_t y = y_begin; y < y_end; ++y) {
+        std::copy_n(stored.pixel(static_cast<int>(x_begin - shift_x), static_cast<int>(y - shift_y)),
+                    3 * (x_end - x_begin), shown.pixel(static_cast<int>(x_begin), static_cast<int>(y)));
+    }
+    return shown;
+}
+
+}  // namespace
+
+ImageSize read_image_size(const fs::path& path) {
+    const OpenedImage file = open_image(path);
+    return {file.width, file.height};
+}
+
+Image read_image(const fs::path& path) {
+    const OpenedImage file = open_image(path);
+    const OIIO::ImageSpec& spec = file.in->spec();
     const int channels = spec.nchannels >= 3 ? 3 : 1;
     const bool is_float = spec.format == OIIO::TypeDesc::FLOAT || spec.format == OIIO::TypeDesc::HALF ||
                           spec.format == OIIO::TypeDesc::DOUBLE;
@@ -175,8 +215,8 @@ Image read_image(const fs::path& path) {
     const bool srgb = colour_space == "sRGB" || (!is_float && colour_space != "Linear");
     Image image(spec.width, spec.height);
     // Grey values go to the front and are spread out below.
-    if (!in->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, image.rgb.data())) {
-        fail(ExitCode::invalid_input, "{}: cannot read ({})", name, one_line(in->geterror()));
+    if (!file.in->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, image.rgb.data())) {
+        fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(), one_line(file.in->geterror()));
     }
     if (channels == 1) {
         for (std::size_t i = image.rgb.size() / 3; i-- > 0;) {
@@ -185,7 +225,9 @@ Image read_image(const fs::path& path) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
-    return image;
+    const bool whole =
+        spec.x == file.x && spec.y == file.y && spec.width == file.width && spec.height == file.height;
+    return whole ? image : in_display_window(file, image, path.string());
 }
 
 }  // namespace postlens

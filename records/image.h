@@ -32,8 +32,18 @@ void write_image(const std::filesystem::path& path, const Image& image);
 /// Throws Error(wrong_arguments) where `write_image` would refuse the path, before any work is done.
 void check_image_path(const std::filesystem::path& path);
 
-/// Reads the first three channels (one channel: grey) of any file OpenImageIO knows; integer formats and
-/// formats tagged sRGB are made scene-linear. Throws Error(invalid_input).
+struct ImageSize {
+    int width = 0, height = 0;
+    [[nodiscard]] bool operator==(const ImageSize&) const = default;
+};
+
+/// The size that `read_image` would give, from the header alone. Throws Error(invalid_input).
+[[nodiscard]] ImageSize read_image_size(const std::filesystem::path& path);
+
+/// Reads the first three channels (one or two channels: the first is grey) of any file OpenImageIO knows, of
+/// a file of several parts the first; integer formats and formats tagged sRGB are made scene-linear. The
+/// picture is what the display window shows: pixels outside of it are left out, those that the file does not
+/// store are black. Throws Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path);
 
 }  // namespace postlens

@@ -1,0 +1,39 @@
+// Separable filters over a tile of a picture, the part that FLIP and SSIM share.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/threads.h"
+
+namespace postlens {
+
+/// Results of one tile; a filter of radius r reads r pixels more on every side. Chosen so that the planes of
+/// a tile stay in a core's cache: with r = 10 one plane is 50 kB.
+inline constexpr int tile_width = 128, tile_height = 64;
+
+/// Calls body(x0, y0) for the tiles that cover width x height, in parallel.
+template <typename Body>
+void for_each_tile(int width, int height, const Body& body) {
+    const int columns = (width + tile_width - 1) / tile_width,
+              rows = (height + tile_height - 1) / tile_height;
+    parallel_for(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t i) {
+        const int tile = static_cast<int>(i);
+        body(tile % columns * tile_width, tile / columns * tile_height);
+    });
+}
+
+/// A plane of tile_height + 2r rows: `tile_width + 2r` values each before the filter along rows, `tile_width`
+/// after it.
+using Plane = std::vector<float>;
+
+/// Along rows: `in` has rows of tile_width + taps - 1 values, `out` gets rows of tile_width. taps: the
+/// filter, applied as a correlation, out[x] = sum_k taps[k] in[x + k].
+void filter_rows(const Plane& in, int rows, std::span<const float> taps, Plane& out);
+
+/// Along columns: `in` has tile_height + taps - 1 rows of tile_width, `out` gets tile_height rows.
+void filter_columns(const Plane& in, std::span<const float> taps, Plane& out);
+
+}  // namespace postlens

@@ -1,0 +1,20 @@
+// The sRGB transfer curve, between scene-linear values and those that 8-bit pictures hold.
+#pragma once
+
+#include <cmath>
+
+namespace postlens {
+
+/// Linear to encoded, clamped to 0..1; NaN becomes 0. [iec61966-2-1]
+[[nodiscard]] inline float srgb_from_linear(float v) {
+    if (!(v > 0)) return 0;
+    if (v >= 1) return 1;
+    return v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F;
+}
+
+/// Encoded to linear, for 0 or more. [iec61966-2-1]
+[[nodiscard]] inline float linear_from_srgb(float v) {
+    return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
+}
+
+}  // namespace postlens
