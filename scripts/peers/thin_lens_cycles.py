@@ -1,0 +1,202 @@
+#!/usr/bin/env python3
+"""postlens' distributed rays and Blender's Cycles on the same lens and the same shutter: agreement and speed.
+
+    thin_lens_cycles.py BUILD [--spp N] [--rounds N] [--size WxH] [--only NAME] [--out DIR] [--self] ...
+
+Each round renders every picture once with both programs, by turns first, with a seed of its own; the odd rounds make one
+half of a program's samples and the even ones the other (compare_halves.py says what is made of them). Blender comes from
+Debian: apt-get install --no-install-recommends blender python3-numpy
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+BARS = os.path.join(HERE, "..", "..", "samples", "scenes", "bars.toml")
+MOTION = os.path.join(HERE, "scenes", "motion.toml")
+PICTURES = {
+    "lens": (BARS, ["--f-number", "1.4", "--focus", "5"]),
+    "motion": (MOTION, ["--f-number", "inf", "--shutter", "0:1"]),
+    "both": (MOTION, ["--f-number", "1.4", "--focus", "4", "--shutter", "0:1"]),
+}
+TIMEOUT_S = 3600
+
+
+def fail(text):
+    sys.exit(f"thin_lens_cycles.py: {text}")
+
+
+def run(command, log, environment=None):
+    """Runs a program to its end. Returns its wall time and its processor time, s."""
+    start = time.monotonic()
+    with open(log, "w", encoding="utf-8") as file:
+        process = subprocess.Popen(["timeout", str(TIMEOUT_S), *command], stdout=file, stderr=file, env=environment)
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        with open(log, encoding="utf-8", errors="replace") as file:
+            lines = [line.strip() for line in file if line.strip() and not line.startswith("Fra:")]
+        told = [line for line in lines if line.startswith(("postlens:", "toml_to_blender.py:", "compare_halves.py:"))]
+        fail(f"{os.path.basename(command[0])} failed: {(told or lines or ['it said nothing'])[-1]}")
+    return time.monotonic() - start, used.ru_utime + used.ru_stime
+
+
+def blender(script, words, log):
+    # The Python within Blender takes its library from where the path's first python3 is: that must be Debian's, with numpy.
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
+    command = ["blender", "-b", "--factory-startup", "-noaudio", "-P", os.path.join(HERE, script), "--", *words]
+    return run(command, log, environment)
+
+
+def cycles_seconds(log, spp):
+    """From the first sample to the last, by Cycles' own lines of progress, s. What goes before (copying the scene,
+    hierarchies) and after (the file) is left out."""
+    clock = r"Time:(?:(\d+):)?(\d+):(\d+\.\d+)"
+    with open(log, encoding="utf-8", errors="replace") as file:
+        text = file.read()
+    found = []
+    for ending in (rf"Sample 0/{spp}$", "Finished$"):
+        line = re.search(rf"^Fra:.*?{clock}.*\| {ending}", text, re.MULTILINE)
+        if line is None:
+            fail(f"{log}: Cycles told no time (expected a line that ends with {ending})")
+        found.append(int(line[1] or 0) * 3600 + int(line[2]) * 60 + float(line[3]))
+    return found[1] - found[0]
+
+
+def render_cycles(stem, scene, words, spp):
+    wall_s, processor_s = blender("toml_to_blender.py", [scene, stem + ".exr", *words], stem + ".log")
+    with open(stem + ".log", encoding="utf-8", errors="replace") as file:
+        said = re.search(r"^toml_to_blender: (\{.*)$", file.read(), re.MULTILINE)
+    if said is None or not os.path.exists(stem + ".exr"):
+        fail(f"{stem}.log: Blender wrote no picture")
+    times = {"render_s": cycles_seconds(stem + ".log", spp), "process_s": wall_s, "processor_s": processor_s}
+    return times | json.loads(said[1])
+
+
+def render_postlens(program, stem, scene, words):
+    wall_s, processor_s = run([program, "render", scene, "-o", stem + ".exr", "--json", *words], stem + ".log")
+    with open(stem + ".log", encoding="utf-8") as file:
+        said = json.load(file)
+    return {"render_s": said["seconds_render"], "process_s": wall_s, "processor_s": processor_s}
+
+
+def speed(runs, samples):
+    """Million samples per second of rendering, least, median and most; and the other times' medians."""
+    rates = sorted(samples / r["render_s"] / 1e6 for r in runs)
+    middle = {key: statistics.median(r[key] for r in runs) for key in ("render_s", "process_s", "processor_s")}
+    return middle | {
+        "msamples_per_s": statistics.median(rates),
+        "msamples_per_s_range": [rates[0], rates[-1]],
+        "msamples_per_processor_s": samples / middle["processor_s"] / 1e6,
+    }
+
+
+def compare_picture(name, arguments, folder):
+    scene, camera = PICTURES[name]
+    width_px, height_px = (int(x) for x in arguments.size.split("x"))
+    common = ["--spp", str(arguments.spp), "--size", arguments.size, "--threads", str(arguments.threads), *camera]
+    ours, theirs, stems = [], [], {"ours": [], "theirs": []}
+    for number in range(1, arguments.rounds + 1):
+        stem = os.path.join(folder, f"{name}.%s.{number}")
+        # By turns first, so that what the one leaves behind (clock, caches) does not always meet the same other.
+        for whose in ("ours", "theirs") if number % 2 else ("theirs", "ours"):
+            seed = ["--seed", str(number)]
+            if whose == "theirs":
+                theirs.append(render_cycles(stem % whose, scene, common + seed + arguments.cycles, arguments.spp))
+            elif arguments.self:
+                seed = ["--seed", str(number + arguments.rounds)]
+                ours.append(render_cycles(stem % whose, scene, common + seed + arguments.cycles, arguments.spp))
+            else:
+                ours.append(render_postlens(arguments.program, stem % whose, scene, common + seed + arguments.postlens))
+            stems[whose].append(stem % whose + ".exr")
+    out, words = os.path.join(folder, f"{name}.json"), []
+    for whose in ("ours", "theirs"):
+        words += ["--" + whose, *stems[whose]]
+    blender("compare_halves.py", [out, *words, "--map", os.path.join(folder, f"{name}.map.png")], out + ".log")
+    if not os.path.exists(out):
+        fail(f"{out}.log: nothing was compared")
+    with open(out, encoding="utf-8") as file:
+        result = json.load(file)
+    samples = width_px * height_px * arguments.spp
+    return result | {
+        "picture": name,
+        "scene": os.path.basename(scene),
+        "options": camera,
+        "spp_of_each_program": arguments.spp * arguments.rounds,
+        "ours": speed(ours, samples),
+        "theirs": speed(theirs, samples),
+        "outline_px": theirs[0]["outline_px"],
+        "motion_px": theirs[0]["motion_px"],
+    }
+
+
+def report(results, arguments):
+    whose = "Cycles, other seeds" if arguments.self else "postlens"
+    print(f"{whose} (ours) and Cycles (theirs), {arguments.size}, {arguments.rounds} rounds of {arguments.spp} samples per"
+          f" pixel, {arguments.threads} threads")
+    print("\nAgreement of the means of all rounds; PSNR in dB for a peak of 1")
+    print("  noise: what the noise of both would leave; bias^2: above it, with its standard error; under: PSNR of the bias")
+    print("  is above this (two standard errors); mean: difference of the pictures' means; shift: theirs to ours, px")
+    print(f"{'picture':8} {'colour':8} {'PSNR':>6} {'noise':>6} {'ours':>6} {'theirs':>6} {'bias^2':>10} {'error':>9}"
+          f" {'above':>6} {'mean':>10} {'error':>9} {'shift':>16}")
+    for r in results:
+        for colour in ("linear", "encoded"):
+            c = r[colour]
+            shift = f"{r['shift_px'][0]:.4f}, {r['shift_px'][1]:.4f}" if colour == "linear" else ""
+            print(f"{r['picture']:8} {colour:8} {c['psnr_db']:6.2f} {c['noise_psnr_db']:6.2f}"
+                  f" {c['ours_noise_psnr_db']:6.2f} {c['theirs_noise_psnr_db']:6.2f} {c['squared_bias']:10.2e}"
+                  f" {c['squared_bias_error']:9.1e} {c['bias_at_most_psnr_db']:6.1f} {c['mean_difference']:10.2e}"
+                  f" {c['mean_difference_error']:9.1e} {shift:>16}")
+    print("\nSpeed, medians of the rounds; million samples per second, of rendering alone (least to most) and per second of")
+    print("  processor time of the whole process; seconds of rendering, of the process, and of processor time")
+    for r in results:
+        for side in ("ours", "theirs"):
+            s = r[side]
+            least, most = s["msamples_per_s_range"]
+            print(f"{r['picture']:8} {side:8} {s['msamples_per_s']:7.2f} ({least:.2f}-{most:.2f})"
+                  f" {s['msamples_per_processor_s']:7.2f} {s['render_s']:9.2f} {s['process_s']:9.2f}"
+                  f" {s['processor_s']:9.2f}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", metavar="BUILD", help="build folder with apps/postlens, a release build")
+    parser.add_argument("--spp", type=int, default=64, help="samples per pixel of a round (default: 64)")
+    parser.add_argument("--rounds", type=int, default=4, help="an even number (default: 4)")
+    parser.add_argument("--size", default="960x540", metavar="WxH", help="raster (default: 960x540)")
+    parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)), help="of both (default: all)")
+    parser.add_argument("--only", action="append", choices=PICTURES, help="a picture; may be given again")
+    parser.add_argument("--out", metavar="DIR", help="keep pictures, maps of the difference and results.json here")
+    parser.add_argument("--self", action="store_true", help="Cycles in postlens' place: what no difference looks like")
+    parser.add_argument("--cycles", default=[], type=str.split, metavar="OPTIONS", help="more for toml_to_blender.py")
+    parser.add_argument("--postlens", default=[], type=str.split, metavar="OPTIONS", help="more for postlens render")
+    arguments = parser.parse_args()
+    if arguments.rounds < 2 or arguments.rounds % 2 or arguments.spp < 1 or arguments.threads < 1:
+        parser.error("--rounds is an even number, --spp and --threads at least 1")
+    if not re.fullmatch(r"[1-9]\d*x[1-9]\d*", arguments.size):
+        parser.error(f"--size is not WxH (got {arguments.size})")
+    arguments.program = os.path.join(arguments.build, "apps", "postlens")
+    if not arguments.self and not os.access(arguments.program, os.X_OK):
+        fail(f"{arguments.program} is missing; build the target postlens")
+    if shutil.which("blender") is None:
+        fail("blender is missing; install it with: apt-get install --no-install-recommends blender python3-numpy")
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = os.path.abspath(arguments.out or scratch)
+        os.makedirs(folder, exist_ok=True)
+        results = [compare_picture(name, arguments, folder) for name in arguments.only or PICTURES]
+        with open(os.path.join(folder, "results.json"), "w", encoding="utf-8") as file:
+            json.dump(results, file, indent=2)
+    report(results, arguments)
+
+
+if __name__ == "__main__":
+    main()
