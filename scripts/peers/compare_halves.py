@@ -1,6 +1,7 @@
 """Holds two renderers' pictures of one scene against each other, above the noise of both.
 
-    blender -b --factory-startup -P compare_halves.py -- OUT.json --ours A B [A B ...] --theirs A B [A B ...] [--map PNG]
+    blender -b --factory-startup -P compare_halves.py -- OUT.json --ours A B [A B ...] --theirs A B [A B ...]
+        [--map PNG]
 
 Runs inside Blender, for its reader of images and its numpy. Each renderer gives pictures that are independent of each
 other; A and B go by turns into its first and second half. With P1, P2 and C1, C2 the means of these halves and P, C the

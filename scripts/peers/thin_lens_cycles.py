@@ -3,9 +3,9 @@
 
     thin_lens_cycles.py BUILD [--spp N] [--rounds N] [--size WxH] [--only NAME] [--out DIR] [--self] ...
 
-Each round renders every picture once with both programs, by turns first, with a seed of its own; the odd rounds make one
-half of a program's samples and the even ones the other (compare_halves.py says what is made of them). Blender comes from
-Debian: apt-get install --no-install-recommends blender python3-numpy
+Each round renders every picture once with both programs, by turns first, with a seed of its own; the odd rounds make
+one half of a program's samples and the even ones the other (compare_halves.py says what is made of them). Blender comes
+from Debian: apt-get install --no-install-recommends blender python3-numpy
 """
 
 import argparse
@@ -50,11 +50,11 @@ def run(command, log, environment=None):
 
 
 def blender(script, words, log):
-    # The Python within Blender takes its library from where the path's first python3 is: that must be Debian's, with numpy.
+    # Blender's Python takes its library from where the first python3 of the path is: that must be Debian's, with numpy.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
-    command = ["blender", "-b", "--factory-startup", "-noaudio", "-P", os.path.join(HERE, script), "--", *words]
-    return run(command, log, environment)
+    quiet = ["-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]
+    return run(["blender", *quiet, "-P", os.path.join(HERE, script), "--", *words], log, environment)
 
 
 def cycles_seconds(log, spp):
@@ -141,11 +141,12 @@ def compare_picture(name, arguments, folder):
 
 def report(results, arguments):
     whose = "Cycles, other seeds" if arguments.self else "postlens"
-    print(f"{whose} (ours) and Cycles (theirs), {arguments.size}, {arguments.rounds} rounds of {arguments.spp} samples per"
-          f" pixel, {arguments.threads} threads")
+    print(f"{whose} (ours) and Cycles (theirs), {arguments.size}, {arguments.rounds} rounds of {arguments.spp} samples"
+          f" per pixel, {arguments.threads} threads")
     print("\nAgreement of the means of all rounds; PSNR in dB for a peak of 1")
-    print("  noise: what the noise of both would leave; bias^2: above it, with its standard error; under: PSNR of the bias")
-    print("  is above this (two standard errors); mean: difference of the pictures' means; shift: theirs to ours, px")
+    print("  noise: what the noise of both would leave (ours, theirs: of each); bias^2: squared bias beyond that, with")
+    print("  its standard error; above: the bias alone has at least this PSNR (two standard errors); mean: difference")
+    print("  of the pictures' means; shift: how far theirs lies to the right and below, px")
     print(f"{'picture':8} {'colour':8} {'PSNR':>6} {'noise':>6} {'ours':>6} {'theirs':>6} {'bias^2':>10} {'error':>9}"
           f" {'above':>6} {'mean':>10} {'error':>9} {'shift':>16}")
     for r in results:
@@ -156,15 +157,16 @@ def report(results, arguments):
                   f" {c['ours_noise_psnr_db']:6.2f} {c['theirs_noise_psnr_db']:6.2f} {c['squared_bias']:10.2e}"
                   f" {c['squared_bias_error']:9.1e} {c['bias_at_most_psnr_db']:6.1f} {c['mean_difference']:10.2e}"
                   f" {c['mean_difference_error']:9.1e} {shift:>16}")
-    print("\nSpeed, medians of the rounds; million samples per second, of rendering alone (least to most) and per second of")
-    print("  processor time of the whole process; seconds of rendering, of the process, and of processor time")
+    print("\nSpeed, medians of the rounds: million samples per second of rendering alone (least to most), the same per")
+    print("  second of the process's processor time; seconds of rendering, of the process, of processor time")
+    print(f"{'picture':8} {'whose':8} {'Ms/s':>19} {'Ms/proc.s':>9} {'rendering':>9} {'process':>9} {'processor':>9}")
     for r in results:
         for side in ("ours", "theirs"):
             s = r[side]
             least, most = s["msamples_per_s_range"]
-            print(f"{r['picture']:8} {side:8} {s['msamples_per_s']:7.2f} ({least:.2f}-{most:.2f})"
-                  f" {s['msamples_per_processor_s']:7.2f} {s['render_s']:9.2f} {s['process_s']:9.2f}"
-                  f" {s['processor_s']:9.2f}")
+            rate = f"{s['msamples_per_s']:.2f} ({least:.2f}-{most:.2f})"
+            print(f"{r['picture']:8} {side:8} {rate:>19} {s['msamples_per_processor_s']:9.2f} {s['render_s']:9.2f}"
+                  f" {s['process_s']:9.2f} {s['processor_s']:9.2f}")
 
 
 def main():
@@ -177,8 +179,9 @@ def main():
     parser.add_argument("--only", action="append", choices=PICTURES, help="a picture; may be given again")
     parser.add_argument("--out", metavar="DIR", help="keep pictures, maps of the difference and results.json here")
     parser.add_argument("--self", action="store_true", help="Cycles in postlens' place: what no difference looks like")
-    parser.add_argument("--cycles", default=[], type=str.split, metavar="OPTIONS", help="more for toml_to_blender.py")
-    parser.add_argument("--postlens", default=[], type=str.split, metavar="OPTIONS", help="more for postlens render")
+    for name, what in (("--cycles", "toml_to_blender.py"), ("--postlens", "postlens render")):
+        words = f"more for {what}, as in {name}=--sampler=sobol"
+        parser.add_argument(name, default=[], type=str.split, metavar="OPTIONS", help=words)
     arguments = parser.parse_args()
     if arguments.rounds < 2 or arguments.rounds % 2 or arguments.spp < 1 or arguments.threads < 1:
         parser.error("--rounds is an even number, --spp and --threads at least 1")
