@@ -157,6 +157,8 @@ def report(results, arguments):
                   f" {c['ours_noise_psnr_db']:6.2f} {c['theirs_noise_psnr_db']:6.2f} {c['squared_bias']:10.2e}"
                   f" {c['squared_bias_error']:9.1e} {c['bias_at_most_psnr_db']:6.1f} {c['mean_difference']:10.2e}"
                   f" {c['mean_difference_error']:9.1e} {shift:>16}")
+    outline_px, motion_px = (max(r[key] for r in results) for key in ("outline_px", "motion_px"))
+    print(f"  In Cycles' scenes outlines are off by {outline_px:.4f} px at most, paths by {motion_px:.4f} px")
     print("\nSpeed, medians of the rounds: million samples per second of rendering alone (least to most), the same per")
     print("  second of the process's processor time; seconds of rendering, of the process, of processor time")
     print(f"{'picture':8} {'whose':8} {'Ms/s':>19} {'Ms/proc.s':>9} {'rendering':>9} {'process':>9} {'processor':>9}")
