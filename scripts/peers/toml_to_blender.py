@@ -463,7 +463,7 @@ def parse(words):
     parser.add_argument("--focus", type=float, metavar="M")
     parser.add_argument("--shutter", type=pair(":", float), metavar="OPEN:CLOSE")
     parser.add_argument("--whole-frame", action="store_true", help="do not make up for SHUTTER_COVERED")
-    # Cycles' own default is pmj, from a table of point sets. With lens and shutter together its pictures have a bias.
+    # Cycles' own default, pmj, needs more samples than Sobol points until its pictures are without a bias (README.md).
     parser.add_argument("--sampler", choices=["sobol", "pmj"], default="sobol")
     parser.add_argument("--threads", type=int, default=0)
     return parser.parse_args(words)
