@@ -1,7 +1,8 @@
 // Distributed rays beside a bare Embree loop over the very same rays, and whole pictures.
 //   render_bench --benchmark_enable_random_interleaving=true --benchmark_repetitions=5
-// The balls are looked for in $POSTLENS_SPD (a folder with balls.nff), the sample scenes in $POSTLENS_SAMPLES (the
-// folder samples/scenes). What limits the ways of asking Embree: Intersect1, and packets of 8 and 16, coherent or not.
+// The balls are looked for in $POSTLENS_SPD (a folder with balls.nff), the sample scenes in $POSTLENS_SAMPLES
+// (the folder samples/scenes). The ways of asking Embree: ray by ray, packets of 8 and 16, coherent or not,
+// and streams.
 #include <atomic>
 #include <benchmark/benchmark.h>
 #include <cmath>
@@ -41,7 +42,8 @@ Scene mesh_scene(bool moving) {
     }
     for (int i = 0; i < rings; ++i) {
         for (int k = 0; k < sectors; ++k) {
-            const auto p = static_cast<unsigned>(i * (sectors + 1) + k), q = p + static_cast<unsigned>(sectors) + 1;
+            const auto p = static_cast<unsigned>(i * (sectors + 1) + k),
+                       q = p + static_cast<unsigned>(sectors) + 1;
             mesh->triangles.emplace_back(p, q, p + 1);
             mesh->triangles.emplace_back(p + 1, q, q + 1);
         }
@@ -69,7 +71,8 @@ struct Prepared {
           model(scene.cameras.at(0), 0, {.width = width, .height = height}),
           camera(scene.cameras.at(0), model,
                  {.lens = {aperture_radius_m, 1 / focus_m, 1 / model.tangent_per_px, 1}, .span = {0, 1}}),
-          rays(scene, TimeSpan{0, 1}, {[this](const glm::dvec3& p, double t) { return camera.px_per_m(p, t); }}),
+          rays(scene, TimeSpan{0, 1},
+               {[this](const glm::dvec3& p, double t) { return camera.px_per_m(p, t); }}),
           sampler(SamplerKind::sobol, spp, 0),
           tracer(rays, sampler, {.max_depth = 1}) {}
     Prepared(const Prepared&) = delete;
@@ -88,7 +91,8 @@ struct Prepared {
     // The eye rays of a tile, as `render` makes them.
     void make_rays(std::size_t index, RayBatch& batch) const {
         constexpr std::size_t columns = width / tile;
-        const int x0 = static_cast<int>(index % columns) * tile, y0 = static_cast<int>(index / columns) * tile;
+        const int x0 = static_cast<int>(index % columns) * tile,
+                  y0 = static_cast<int>(index / columns) * tile;
         batch.clear(false, tracer.needs_times());
         Sampler::EyeSamples n;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
         LensSamples s;          // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
@@ -116,7 +120,8 @@ Prepared& prepared(const std::string& name) {
     if (name == "balls") {
         p = std::make_unique<Prepared>(read_scene(from_environment("POSTLENS_SPD", "balls.nff")), 0.05, 2.5);
     } else {
-        p = std::make_unique<Prepared>(mesh_scene(name == "moving_mesh"), name == "pinhole_mesh" ? 0.0 : 0.05, 3);
+        p = std::make_unique<Prepared>(mesh_scene(name == "moving_mesh"), name == "pinhole_mesh" ? 0.0 : 0.05,
+                                       3);
     }
     return *p;
 }
@@ -174,7 +179,19 @@ void load(const RayBatch& b, std::size_t first, std::size_t n, Packet& p) {
     }
 }
 
-enum class Way { packet16_coherent, packet16, packet8_coherent, single };
+RTCRayHit single_ray(const RayBatch& b, std::size_t k) {
+    RTCRayHit r{};
+    r.ray.org_x = b.ox[k], r.ray.org_y = b.oy[k], r.ray.org_z = b.oz[k];
+    r.ray.dir_x = b.dx[k], r.ray.dir_y = b.dy[k], r.ray.dir_z = b.dz[k];
+    r.ray.tfar = std::numeric_limits<float>::infinity();
+    r.ray.time = b.has_times ? b.time[k] : 0.0F;
+    r.ray.mask = ~0U;
+    r.ray.id = static_cast<unsigned>(k);
+    r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return r;
+}
+
+enum class Way { packet16_coherent, packet16, packet8_coherent, single, stream };
 
 void bare_embree(benchmark::State& state, const std::string& name, Way way) {
     if (missing(state, name)) return;
@@ -189,13 +206,20 @@ void bare_embree(benchmark::State& state, const std::string& name, Way way) {
         std::fill_n(valid, 16, -1);
         const RayBatch& b = batches[t];
         std::uint64_t count = 0;
+        if (way == Way::stream) {
+            thread_local std::vector<RTCRayHit> rays;
+            rays.clear();
+            for (std::size_t k = 0; k < static_cast<std::size_t>(b.count); ++k)
+                rays.push_back(single_ray(b, k));
+            rtcIntersect1M(scene, &context.base, rays.data(), static_cast<unsigned>(rays.size()),
+                           sizeof(RTCRayHit));
+            for (const RTCRayHit& r : rays) count += r.hit.geomID != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
+            return count;
+        }
         for (std::size_t first = 0; first < static_cast<std::size_t>(b.count); first += 16) {
             if (way == Way::single) {
                 for (std::size_t k = first; k < first + 16; ++k) {
-                    RTCRayHit r{{b.ox[k], b.oy[k], b.oz[k], 0, b.dx[k], b.dy[k], b.dz[k],
-                                 b.has_times ? b.time[k] : 0.0F, std::numeric_limits<float>::infinity(), ~0U, 0, 0},
-                                {}};
-                    r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+                    RTCRayHit r = single_ray(b, k);
                     rtcIntersect1(scene, &context.base, &r);
                     count += r.hit.geomID != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
                 }
@@ -266,16 +290,23 @@ void picture(benchmark::State& state, const std::string& file, double f_number, 
     state.counters["samples/s"] = rays / seconds;
 }
 
-#define POSTLENS_SCENE(scene)                                                                                        \
-    BENCHMARK_CAPTURE(bare_embree, scene##_16_coherent, #scene, Way::packet16_coherent)                              \
-        ->Unit(benchmark::kMillisecond)                                                                              \
-        ->UseRealTime();                                                                                             \
-    BENCHMARK_CAPTURE(bare_embree, scene##_16, #scene, Way::packet16)->Unit(benchmark::kMillisecond)->UseRealTime(); \
-    BENCHMARK_CAPTURE(bare_embree, scene##_8_coherent, #scene, Way::packet8_coherent)                                \
-        ->Unit(benchmark::kMillisecond)                                                                              \
-        ->UseRealTime();                                                                                             \
-    BENCHMARK_CAPTURE(bare_embree, scene##_1, #scene, Way::single)->Unit(benchmark::kMillisecond)->UseRealTime();    \
-    BENCHMARK_CAPTURE(eye_rays, scene, #scene)->Unit(benchmark::kMillisecond)->UseRealTime();                        \
+#define POSTLENS_SCENE(scene)                                                                 \
+    BENCHMARK_CAPTURE(bare_embree, scene##_16_coherent, #scene, Way::packet16_coherent)       \
+        ->Unit(benchmark::kMillisecond)                                                       \
+        ->UseRealTime();                                                                      \
+    BENCHMARK_CAPTURE(bare_embree, scene##_16, #scene, Way::packet16)                         \
+        ->Unit(benchmark::kMillisecond)                                                       \
+        ->UseRealTime();                                                                      \
+    BENCHMARK_CAPTURE(bare_embree, scene##_8_coherent, #scene, Way::packet8_coherent)         \
+        ->Unit(benchmark::kMillisecond)                                                       \
+        ->UseRealTime();                                                                      \
+    BENCHMARK_CAPTURE(bare_embree, scene##_1, #scene, Way::single)                            \
+        ->Unit(benchmark::kMillisecond)                                                       \
+        ->UseRealTime();                                                                      \
+    BENCHMARK_CAPTURE(bare_embree, scene##_stream, #scene, Way::stream)                       \
+        ->Unit(benchmark::kMillisecond)                                                       \
+        ->UseRealTime();                                                                      \
+    BENCHMARK_CAPTURE(eye_rays, scene, #scene)->Unit(benchmark::kMillisecond)->UseRealTime(); \
     BENCHMARK_CAPTURE(ray_making, scene, #scene)->Unit(benchmark::kMillisecond)->UseRealTime()
 POSTLENS_SCENE(mesh);
 POSTLENS_SCENE(pinhole_mesh);

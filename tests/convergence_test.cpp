@@ -18,8 +18,8 @@ Scene smooth_scene() {
     for (std::size_t i = 0; i < waves.rgb.size(); ++i) {
         const auto x = static_cast<double>(i / 3 % 128), y = static_cast<double>(i / 3 / 128);
         const double turn = 2 * std::numbers::pi / 128;
-        waves.rgb[i] = static_cast<float>(
-            1 + 0.5 * std::cos(turn * (3 * x + static_cast<double>(i % 3))) * std::cos(turn * 2 * y));
+        waves.rgb[i] = static_cast<float>(1 + 0.5 * std::cos(turn * (3 * x + static_cast<double>(i % 3))) *
+                                                  std::cos(turn * 2 * y));
     }
     test::SceneBuilder b;
     Material m = test::glowing(glm::dvec3(1));
@@ -71,9 +71,9 @@ double slope(const Scene& scene, SamplerKind sampler) {
     return (count * sxy - sx * sy) / (count * sxx - sx * sx);
 }
 
-// A noise is measured from 15 degrees of freedom at each of 96 pixels (its three channels hardly differ): it errs by
-// 1 / sqrt(2 * 15 * 96) = 1.9 %, one standard error. Over four decades of log 4 = 1.386 apart the slope then errs by
-// 0.019 / (1.386 * sqrt(5)) = 0.006. Bands are four of these, 0.025.
+// A noise is measured from 15 degrees of freedom at each of 96 pixels (its three channels hardly differ): it
+// errs by 1 / sqrt(2 * 15 * 96) = 1.9 %, one standard error. Over four decades of log 4 = 1.386 apart the
+// slope then errs by 0.019 / (1.386 * sqrt(5)) = 0.006. Bands are four of these, 0.025.
 constexpr double band = 0.025;
 
 TEST(Convergence, RandomFallsAsTheRoot) {
@@ -84,15 +84,16 @@ TEST(Convergence, SobolFallsFasterOnSmoothScenes) {
     EXPECT_LT(slope(smooth_scene(), SamplerKind::sobol), -0.7 - band);
 }
 
-// Pixel, lens and time are stratified each, but paired at random: what couples them still falls as the root, what does
-// not falls faster.
+// Pixel, lens and time are stratified each, but paired at random: what couples them still falls as the root,
+// what does not falls faster.
 TEST(Convergence, StrataAreBetweenTheTwo) {
     const Scene scene = smooth_scene();
     for (const SamplerKind kind : {SamplerKind::jittered, SamplerKind::poisson}) {
         const double s = slope(scene, kind);
         EXPECT_LT(s, -0.5 + band) << static_cast<int>(kind);
         EXPECT_GT(s, slope(scene, SamplerKind::sobol) - band) << static_cast<int>(kind);
-        EXPECT_LT(noise(scene, kind, 64, 16), noise(scene, SamplerKind::random, 64, 16)) << static_cast<int>(kind);
+        EXPECT_LT(noise(scene, kind, 64, 16), noise(scene, SamplerKind::random, 64, 16))
+            << static_cast<int>(kind);
     }
 }
 

@@ -74,8 +74,8 @@ void occlude_item(const RTCOccludedFunctionNArguments* args, std::uint32_t objec
 
 // Everything is loaded before anything is stored: pointers into Embree's packet could otherwise alias.
 template <unsigned N>
-[[gnu::always_inline]] inline void take_nearest_of(const RTCIntersectFunctionNArguments* args, const Rays& rays,
-                                                   const Hits& hits, const Pairs& pairs) {
+[[gnu::always_inline]] inline void take_nearest_of(const RTCIntersectFunctionNArguments* args,
+                                                   const Rays& rays, const Hits& hits, const Pairs& pairs) {
     const unsigned primitive = args->primID, geometry = args->geomID, instance = args->context->instID[0];
     alignas(64) float from[N], to[N];
     alignas(64) unsigned old[3][N];

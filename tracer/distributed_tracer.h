@@ -36,8 +36,8 @@ class DistributedTracer {
     /// the same bits.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
-    /// Whether eye rays go to Embree as coherent: with a lens it makes no difference, with a pinhole twice the speed,
-    /// and where geometry moves it costs nearly half (docs/performance.md).
+    /// Whether eye rays go to Embree as coherent: with a lens it makes no difference, with a pinhole twice
+    /// the speed, and where geometry moves it costs nearly half (docs/performance.md).
     [[nodiscard]] bool coherent() const { return !scene_.moves(); }
     /// Whether rays need their times: something other than the camera moves.
     [[nodiscard]] bool needs_times() const { return scene_.moves() || moving_lights_; }

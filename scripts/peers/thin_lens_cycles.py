@@ -21,7 +21,7 @@ import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 BARS = os.path.join(HERE, "..", "..", "samples", "scenes", "bars.toml")
-MOTION = os.path.join(HERE, "scenes", "motion.toml")
+MOTION = os.path.join(HERE, "..", "..", "samples", "scenes", "motion.toml")
 PICTURES = {
     "lens": (BARS, ["--f-number", "1.4", "--focus", "5"]),
     "motion": (MOTION, ["--f-number", "inf", "--shutter", "0:1"]),
