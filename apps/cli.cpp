@@ -1,11 +1,11 @@
 #include "apps/cli.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <limits>
 #include <map>
 #include <memory>
 
+#include "apps/cli_options.h"
 #include "apps/numbers.h"
 
 #ifndef POSTLENS_VERSION
@@ -26,110 +26,6 @@ struct State {
     CompareCommandOptions compare;
     std::string input, output;
 };
-
-// Options whose text is parsed by our own rules (inf, ranges, messages) rather than CLI11's.
-CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
-                    const std::string& help, const std::string& unit, bool infinite = false) {
-    return app
-        .add_option_function<std::string>(
-            name, [&to, name, infinite](const std::string& text) { to = parse_number(name, text, infinite); },
-            help)
-        ->type_name(infinite ? unit + "|inf" : unit);
-}
-
-CLI::Option* number(CLI::App& app, const std::string& name, double& to, const std::string& help,
-                    const std::string& unit, bool infinite = false) {
-    return app
-        .add_option_function<std::string>(
-            name, [&to, name, infinite](const std::string& text) { to = parse_number(name, text, infinite); },
-            fmt::format("{} [default: {:g}]", help, to))
-        ->type_name(infinite ? unit + "|inf" : unit);
-}
-
-CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
-                   const std::string& unit) {
-    return app
-        .add_option_function<std::string>(
-            name, [&to, name](const std::string& text) { to = parse_whole(name, text); },
-            fmt::format("{} [default: {}]", help, to))
-        ->type_name(unit);
-}
-
-template <typename Enum>
-CLI::Option* choice(CLI::App& app, const std::string& name, Enum& to, const std::string& help,
-                    std::vector<std::pair<std::string, Enum>> values) {
-    std::string words, default_word;
-    for (const auto& [word, value] : values) {
-        words += (words.empty() ? "" : "|") + word;
-        if (value == to) default_word = word;
-    }
-    return app
-        .add_option_function<std::string>(
-            name,
-            [&to, name, words, values = std::move(values)](const std::string& text) {
-                for (const auto& [word, value] : values) {
-                    if (word == text) {
-                        to = value;
-                        return;
-                    }
-                }
-                fail(ExitCode::wrong_arguments, "{}: unknown (got {}; expected {})", name, text, words);
-            },
-            fmt::format("{} [default: {}]", help, default_word))
-        ->type_name(words);
-}
-
-void common_options(CLI::App& app, State& s) {
-    whole(app, "--threads", s.common.threads, "Threads to use, 0: all the machine has", "N");
-    app.add_flag("--quiet", s.common.quiet, "No progress, no summary, no warnings; errors only");
-    app.add_flag("--json", s.common.json, "The result as JSON on standard output");
-}
-
-void output_option(CLI::App& app, std::string& to, const std::string& help) {
-    app.add_option("-o,--output", to, help)->required()->type_name("FILE");
-}
-
-// `source`: what names the values that are not given here.
-void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's") {
-    const std::string otherwise = " [default: " + source + "]";
-    number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole" + otherwise, "N", true);
-    number(app, "--focal-length", to.focal_length_mm, "Focal length F" + otherwise, "MM");
-    auto* focus = number(app, "--focus", to.focus_m, "Focus distance s" + otherwise, "M", true);
-    app.add_option_function<std::string>(
-           "--focus-at", [&to](const std::string& text) { to.focus_at = parse_position("--focus-at", text); },
-           "Focus on what is seen at this raster position")
-        ->type_name("X,Y")
-        ->excludes(focus);
-    choice(app, "--framing", to.framing,
-           "What F does to the view: keep: only the aperture changes; lens: film at F",
-           {{"keep", Framing::keep}, {"lens", Framing::lens}});
-    app.add_flag_function(
-        "--breathing", [&to](std::int64_t) { to.framing = Framing::breathing; },
-        "Film at V = F s / (s - F): the view breathes with the focus, as in the 1981 paper");
-}
-
-void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
-                   std::string& camera_name) {
-    app.add_option("scene", scene, "Scene: .toml (docs/scene_format.md) or .nff")
-        ->required()
-        ->type_name("SCENE");
-    number(app, "--metres-per-unit", metres_per_unit, "Length of the scene's unit", "X");
-    app.add_option_function<std::string>(
-           "--size",
-           [&camera](const std::string& text) {
-               std::tie(camera.width, camera.height) = parse_size("--size", text);
-           },
-           "Raster, px [default: the camera's]")
-        ->type_name("WxH");
-    app.add_option("--camera", camera_name, "Camera by name [default: the scene's first]")->type_name("NAME");
-    number(app, "--film-width", camera.film_width_mm, "Width of the film [default: the camera's]", "MM");
-}
-
-void tree_options(CLI::App& app, int& max_depth, double& min_contribution) {
-    whole(app, "--max-depth", max_depth, "Nodes along a path, 1 to 17; the eye ray's is the first", "N");
-    number(app, "--min-contribution", min_contribution,
-           "Subtrees that cannot add this much radiance are not traced; 0 traces all", "C");
-}
 
 void add_trace(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("trace", "Trace a scene through a pinhole into a sample file");
@@ -160,29 +56,13 @@ void add_trace(CLI::App& root, State& s) {
            {{"none", RecordCompression::none},
             {"rle", RecordCompression::rle},
             {"zips", RecordCompression::zips}});
-    common_options(app, s);
+    common_options(app, s.common);
     app.callback([&s] {
         s.common.run = [&s] {
             s.trace.settings.quiet = s.common.quiet;
             return run_trace(s.trace);
         };
     });
-}
-
-void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve) {
-    app.add_option_function<std::string>(
-           "--shutter",
-           [&shutter](const std::string& text) {
-               const auto [open, close] = parse_span("--shutter", text);
-               shutter = TimeSpan{open, close};
-           },
-           "When the shutter opens and closes, on the scene's clock [default: open for an instant]")
-        ->type_name("OPEN:CLOSE");
-    app.add_option(
-           "--shutter-curve", curve,
-           "Transmission while it is open: box, triangle, or a text file of lines \"time transmission\" "
-           "[default: box]")
-        ->type_name("box|triangle|FILE");
 }
 
 void add_render(CLI::App& root, State& s) {
@@ -211,7 +91,7 @@ void add_render(CLI::App& root, State& s) {
         "Also write two independent halves of the samples, NAME.a and NAME.b, to measure the noise by");
     app.add_flag("--resume", r.resume, "Go on from NAME.partial.exr, which an interrupted run has left");
     tree_options(app, r.tracing.max_depth, r.tracing.min_contribution);
-    common_options(app, s);
+    common_options(app, s.common);
     app.callback([&s] {
         s.common.run = [&s] {
             s.render.settings.quiet = s.common.quiet;
@@ -224,7 +104,7 @@ void add_image(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("image", "The pinhole picture, from the records alone");
     app.add_option("frame", s.input, "Sample file")->required()->type_name("FRAME");
     output_option(app, s.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
-    common_options(app, s);
+    common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_image(s.input, s.output); }; });
 }
 
@@ -239,7 +119,7 @@ void add_records(CLI::App& root, State& s) {
         ->required()
         ->type_name("X,Y");
     lens_options(app, o.lens);
-    common_options(app, s);
+    common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_records(s.records); }; });
 }
 
@@ -263,7 +143,7 @@ void add_focus(CLI::App& root, State& s) {
             {"path", DepthModel::path},
             {"first-hit", DepthModel::first_hit}});
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
-    common_options(app, s);
+    common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_focus(s.focus); }; });
 }
 
@@ -284,11 +164,11 @@ void add_lens(CLI::App& root, State& s) {
         *lens.add_subcommand("coc", "Circle of confusion of what lies at a depth, on a film at V");
     lens_numbers(coc, s.lens);
     number(coc, "--depth", s.lens.depth_m, "Depth z' of the object, more than 0", "M", true)->required();
-    common_options(coc, s);
+    common_options(coc, s.common);
     coc.callback([&s] { s.common.run = [&s] { return run_lens_coc(s.lens); }; });
     CLI::App& dof = *lens.add_subcommand("dof", "Depth of field: between which depths the picture is sharp");
     lens_numbers(dof, s.lens);
-    common_options(dof, s);
+    common_options(dof, s.common);
     dof.callback([&s] { s.common.run = [&s] { return run_lens_dof(s.lens); }; });
 }
 
@@ -320,14 +200,14 @@ void add_compare(CLI::App& root, State& s) {
            "Luminance that HDR-FLIP takes for white, 0.18 being grey, more than 0 [default: the reference's "
            "maximum and median]",
            "Y");
-    common_options(app, s);
+    common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_compare(s.compare); }; });
 }
 
 void add_info(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("info", "What is in a file: scene, sample file or image");
     app.add_option("file", s.input, "Any of them")->required()->type_name("FILE");
-    common_options(app, s);
+    common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_info(s.input); }; });
 }
 

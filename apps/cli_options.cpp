@@ -1,0 +1,104 @@
+#include "apps/cli_options.h"
+
+#include <tuple>
+
+#include "apps/numbers.h"
+
+namespace postlens {
+
+CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
+                    const std::string& help, const std::string& unit, bool infinite) {
+    return app
+        .add_option_function<std::string>(
+            name, [&to, name, infinite](const std::string& text) { to = parse_number(name, text, infinite); },
+            help)
+        ->type_name(infinite ? unit + "|inf" : unit);
+}
+
+CLI::Option* number(CLI::App& app, const std::string& name, double& to, const std::string& help,
+                    const std::string& unit, bool infinite) {
+    return app
+        .add_option_function<std::string>(
+            name, [&to, name, infinite](const std::string& text) { to = parse_number(name, text, infinite); },
+            fmt::format("{} [default: {:g}]", help, to))
+        ->type_name(infinite ? unit + "|inf" : unit);
+}
+
+CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
+                   const std::string& unit) {
+    return app
+        .add_option_function<std::string>(
+            name, [&to, name](const std::string& text) { to = parse_whole(name, text); },
+            fmt::format("{} [default: {}]", help, to))
+        ->type_name(unit);
+}
+
+void common_options(CLI::App& app, ParsedCommand& to) {
+    whole(app, "--threads", to.threads, "Threads to use, 0: all the machine has", "N");
+    app.add_flag("--quiet", to.quiet, "No progress, no summary, no warnings; errors only");
+    app.add_flag("--json", to.json, "The result as JSON on standard output");
+}
+
+void output_option(CLI::App& app, std::string& to, const std::string& help) {
+    app.add_option("-o,--output", to, help)->required()->type_name("FILE");
+}
+
+// `source`: what names the values that are not given here.
+void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
+    const std::string otherwise = " [default: " + source + "]";
+    number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole" + otherwise, "N", true);
+    number(app, "--focal-length", to.focal_length_mm, "Focal length F" + otherwise, "MM");
+    auto* focus = number(app, "--focus", to.focus_m, "Focus distance s" + otherwise, "M", true);
+    app.add_option_function<std::string>(
+           "--focus-at", [&to](const std::string& text) { to.focus_at = parse_position("--focus-at", text); },
+           "Focus on what is seen at this raster position")
+        ->type_name("X,Y")
+        ->excludes(focus);
+    choice(app, "--framing", to.framing,
+           "What F does to the view: keep: only the aperture changes; lens: film at F",
+           {{"keep", Framing::keep}, {"lens", Framing::lens}});
+    app.add_flag_function(
+        "--breathing", [&to](std::int64_t) { to.framing = Framing::breathing; },
+        "Film at V = F s / (s - F): the view breathes with the focus, as in the 1981 paper");
+}
+
+void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
+                   std::string& camera_name) {
+    app.add_option("scene", scene, "Scene: .toml (docs/scene_format.md) or .nff")
+        ->required()
+        ->type_name("SCENE");
+    number(app, "--metres-per-unit", metres_per_unit, "Length of the scene's unit", "X");
+    app.add_option_function<std::string>(
+           "--size",
+           [&camera](const std::string& text) {
+               std::tie(camera.width, camera.height) = parse_size("--size", text);
+           },
+           "Raster, px [default: the camera's]")
+        ->type_name("WxH");
+    app.add_option("--camera", camera_name, "Camera by name [default: the scene's first]")->type_name("NAME");
+    number(app, "--film-width", camera.film_width_mm, "Width of the film [default: the camera's]", "MM");
+}
+
+void tree_options(CLI::App& app, int& max_depth, double& min_contribution) {
+    whole(app, "--max-depth", max_depth, "Nodes along a path, 1 to 17; the eye ray's is the first", "N");
+    number(app, "--min-contribution", min_contribution,
+           "Subtrees that cannot add this much radiance are not traced; 0 traces all", "C");
+}
+
+void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve) {
+    app.add_option_function<std::string>(
+           "--shutter",
+           [&shutter](const std::string& text) {
+               const auto [open, close] = parse_span("--shutter", text);
+               shutter = TimeSpan{open, close};
+           },
+           "When the shutter opens and closes, on the scene's clock [default: open for an instant]")
+        ->type_name("OPEN:CLOSE");
+    app.add_option(
+           "--shutter-curve", curve,
+           "Transmission while it is open: box, triangle, or a text file of lines \"time transmission\" "
+           "[default: box]")
+        ->type_name("box|triangle|FILE");
+}
+
+}  // namespace postlens

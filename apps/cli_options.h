@@ -1,0 +1,54 @@
+// Options that several subcommands share, and the rules by which texts become values. Only cli*.cpp include
+// this: CLI11 is slow to compile.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/cli.h"
+
+namespace postlens {
+
+// Options whose text is parsed by our own rules (inf, ranges, messages) rather than CLI11's.
+CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
+                    const std::string& help, const std::string& unit, bool infinite = false);
+CLI::Option* number(CLI::App& app, const std::string& name, double& to, const std::string& help,
+                    const std::string& unit, bool infinite = false);
+CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
+                   const std::string& unit);
+void common_options(CLI::App& app, ParsedCommand& to);
+void output_option(CLI::App& app, std::string& to, const std::string& help);
+void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
+void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
+                   std::string& camera_name);
+void tree_options(CLI::App& app, int& max_depth, double& min_contribution);
+void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve);
+
+template <typename Enum>
+CLI::Option* choice(CLI::App& app, const std::string& name, Enum& to, const std::string& help,
+                    std::vector<std::pair<std::string, Enum>> values) {
+    std::string words, default_word;
+    for (const auto& [word, value] : values) {
+        words += (words.empty() ? "" : "|") + word;
+        if (value == to) default_word = word;
+    }
+    return app
+        .add_option_function<std::string>(
+            name,
+            [&to, name, words, values = std::move(values)](const std::string& text) {
+                for (const auto& [word, value] : values) {
+                    if (word == text) {
+                        to = value;
+                        return;
+                    }
+                }
+                fail(ExitCode::wrong_arguments, "{}: unknown (got {}; expected {})", name, text, words);
+            },
+            fmt::format("{} [default: {}]", help, default_word))
+        ->type_name(words);
+}
+
+}  // namespace postlens
