@@ -10,7 +10,7 @@ namespace postlens {
 [[nodiscard]] inline float cube_root(float v) {
     // A third of the exponent, then twice Halley's step, which cubes the relative error (at first below
     // 0.06).
-    float r = std::bit_cast<float>(std::bit_cast<std::uint32_t>(v) / 3 + 709921077U);
+    auto r = std::bit_cast<float>(std::bit_cast<std::uint32_t>(v) / 3 + 709921077U);
     for (int i = 0; i < 2; ++i) {
         const float cube = r * r * r;
         r = r * (cube + 2 * v) / (2 * cube + v);
@@ -25,7 +25,7 @@ namespace postlens {
     // 0.172.
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(v) - 0x3f3504f3U;
     const auto e = static_cast<float>(static_cast<std::int32_t>(bits) >> 23);
-    const float m = std::bit_cast<float>((bits & 0x007fffffU) + 0x3f3504f3U);
+    const auto m = std::bit_cast<float>((bits & 0x007fffffU) + 0x3f3504f3U);
     const float s = (m - 1) / (m + 1), ss = s * s;
     const float log2 =
         e +

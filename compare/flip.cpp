@@ -68,6 +68,7 @@ std::vector<float> hdr_flip_map(const Image& reference, const Image& test, const
     const double step = exposures.count > 1 ? (exposures.stop - exposures.start) / (exposures.count - 1) : 0;
     // Equal exposures give equal errors.
     const int different = step > 0 ? exposures.count : 1;
+    displays.reserve(static_cast<std::size_t>(different));
     for (int i = 0; i < different; ++i)
         displays.push_back(FlipDisplay::at_exposure(exposures.start + i * step));
     std::vector<float> map;

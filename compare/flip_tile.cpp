@@ -7,6 +7,13 @@
 #include "compare/fast_math.h"
 #include "core/multiversion.h"
 
+// Before a loop: more pointers than the compiler would look at by itself.
+#if defined(__clang__)
+#define POSTLENS_PLANES_DO_NOT_OVERLAP _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define POSTLENS_PLANES_DO_NOT_OVERLAP _Pragma("GCC ivdep")
+#endif
+
 namespace postlens {
 namespace {
 
@@ -194,7 +201,7 @@ void to_opponent(const Tile& tile, const FlipDisplay& display, Scratch& s) {
     float* const red_green = s.in[1].data();
     float* const blue_yellow = s.in[2].data();
     const std::size_t size = s.in[0].size();
-#pragma GCC ivdep  // planes never overlap
+    POSTLENS_PLANES_DO_NOT_OVERLAP
     for (std::size_t i = 0; i < size; ++i) {
         const Colour c = times(xyz_from_rgb, {display(r[i]), display(g[i]), display(b[i])});
         luminance[i] = c.y;
@@ -213,7 +220,7 @@ void to_seen(const std::array<Plane, 8>& filtered, Seen& to) {
     float* const b = to.b.data();
     float* const edges = to.edges.data();
     float* const points = to.points.data();
-#pragma GCC ivdep  // planes never overlap
+    POSTLENS_PLANES_DO_NOT_OVERLAP
     for (std::size_t i = 0; i < tile_width * tile_height; ++i) {
         const float y = f[0][i];
         const Colour rgb = times(rgb_from_xyz, {y + f[1][i], y, y - (f[2][i] + f[3][i])});
@@ -252,13 +259,12 @@ void raise_errors(const Seen& p, const Seen& q, Plane& errors) {
     const float greatest = colour_distance(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1}));
     const float knee = 0.4F * greatest;
     const float slope1 = 0.95F / knee, slope2 = 0.05F / (greatest - knee);
-    // Pointers, as through vectors the loop is not vectorised.
     const std::array<const float*, 5> f{p.lightness.data(), p.a.data(), p.b.data(), p.edges.data(),
                                         p.points.data()};
     const std::array<const float*, 5> g{q.lightness.data(), q.a.data(), q.b.data(), q.edges.data(),
                                         q.points.data()};
     float* const out = errors.data();
-#pragma GCC ivdep  // planes never overlap
+    POSTLENS_PLANES_DO_NOT_OVERLAP
     for (std::size_t i = 0; i < tile_width * tile_height; ++i) {
         const float distance = colour_distance({f[0][i], f[1][i], f[2][i]}, {g[0][i], g[1][i], g[2][i]});
         const float colour = distance < knee ? slope1 * distance : 0.95F + slope2 * (distance - knee);

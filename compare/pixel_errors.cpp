@@ -18,7 +18,7 @@ double square(double v) {
 double relative_squared_error(const float* a, const float* b) {
     double sum = 0;
     for (int c = 0; c < 3; ++c) {
-        const double wanted = static_cast<double>(b[c]);
+        const auto wanted = static_cast<double>(b[c]);
         sum += square(static_cast<double>(a[c]) - wanted) / (square(wanted) + relmse_epsilon);
     }
     return sum / 3;

@@ -16,9 +16,9 @@ constexpr int gap_px = 8, line_px = 18;
 
 // Panels have one width, that of the map.
 struct Layout {
-    double scale;
+    double scale = 0;
     int panel, gap, line, width, height, text_top;
-    Layout(ImageSize pictures, std::size_t lines) : scale(0), panel(error_map_size(pictures).width) {
+    Layout(ImageSize pictures, std::size_t lines) : panel(error_map_size(pictures).width) {
         scale = std::clamp(panel / 1280.0, 1.0, 8.0);
         gap = static_cast<int>(std::lround(gap_px * scale));
         line = static_cast<int>(std::lround(line_px * scale));
