@@ -1,4 +1,6 @@
 // What a render must be whatever it shows: its limits, its repeatability, its halves.
+#include "tracer/render.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +15,8 @@
 #include "tests/repeated_renders.h"
 #include "tests/scene_builder.h"
 #include "tests/temporary_folder.h"
-#include "tracer/render.h"
+#include "tracer/render_setup.h"
+#include "tracer/render_state.h"
 
 namespace postlens::test {
 namespace {
@@ -111,9 +114,9 @@ TEST(RenderLimits, AnOpenShutterBeforeAStillSceneIsAStill) {
     EXPECT_EQ(render_picture(scene, s).image.rgb, still.rgb);
 }
 
-// Camera, lights and all objects on the same way: nothing moves before the camera. Their places at an instant are sums
-// of floats and doubles that err by 2^-24 of a few metres, so that only samples within 1e-6 of an outline may
-// differ; sharp shadows and outlines are met by some 4000 samples of which 1 in 10^4 does.
+// Camera, lights and all objects on the same way: nothing moves before the camera. Their places at an instant
+// are sums of floats and doubles that err by 2^-24 of a few metres, so that only samples within 1e-6 of an
+// outline may differ; sharp shadows and outlines are met by some 4000 samples of which 1 in 10^4 does.
 TEST(RenderLimits, WhatMovesWithTheCameraStandsStill) {
     SceneBuilder b;
     b.scene.cameras[0].width = 24;
@@ -150,8 +153,8 @@ TEST(RenderLimits, WhatMovesWithTheCameraStandsStill) {
         sum += difference;
         other += std::abs(difference) > 1e-3 ? 1 : 0;
     }
-    // The mesh errs by motion_error_px <= 0.05 px, against which its own outline, 40 px long, is 2 px of 432 that may
-    // change a sample in 16.
+    // The mesh errs by motion_error_px <= 0.05 px, against which its own outline, 40 px long, is 2 px of 432
+    // that may change a sample in 16.
     EXPECT_LE(other, static_cast<int>(still.rgb.size()) / 50);
     EXPECT_LE(std::abs(sum) / static_cast<double>(still.rgb.size()), 1e-3);
     // And it is not for want of motion.
@@ -211,16 +214,16 @@ TEST(RenderHalves, ThePictureIsTheirMean) {
     EXPECT_TRUE(render_picture(busy_scene().scene, s).halves[0].rgb.empty());
 }
 
-// The errors of two halves, against a picture of many more samples, are independent: over n pixels their correlation
-// has the standard error 1 / sqrt(n), but for what the reference's own error, 1/64 of theirs in variance, adds to
-// both.
+// The errors of two halves, against a picture of many more samples, are independent: over n pixels their
+// correlation has the standard error 1 / sqrt(n), but for what the reference's own error, 1/64 of theirs in
+// variance, adds to both.
 TEST(RenderHalves, AreUncorrelated) {
     const Scene scene = busy_scene().scene;
     RenderSettings s = everything(1024);
     s.seed = 1000;
     const Image truth = render_picture(scene, s).image;
-    for (const SamplerKind sampler : {SamplerKind::sobol, SamplerKind::jittered, SamplerKind::poisson,
-                                      SamplerKind::random}) {
+    for (const SamplerKind sampler :
+         {SamplerKind::sobol, SamplerKind::jittered, SamplerKind::poisson, SamplerKind::random}) {
         s = everything(16);
         s.sampler = sampler;
         s.halves = true;
@@ -275,6 +278,29 @@ TEST(RenderFiles, AreWhatRenderPictureMakes) {
     EXPECT_EQ(file.rays.eye, 30U * 21 * 8);
 }
 
+// Interrupted before every pixel had its first samples: there is nothing whole to count, but a file to go on
+// from.
+TEST(RenderFiles, GoOnFromAnUnfinishedFirstRound) {
+    const TemporaryFolder folder;
+    const Scene scene = busy_scene().scene;
+    RenderSettings s = everything();
+    const fs::path path = folder.path() / "x.exr";
+    const RenderResult fresh = render_to_file(scene, s, path);
+    EXPECT_FALSE(fresh.resumed);
+    {
+        const RenderSetup setup(scene, s);
+        write_state(partial_path(path), RenderState(setup.width(), setup.height(), 1), setup.fingerprint(s));
+    }
+    s.resume = true;
+    const RenderResult resumed = render_to_file(scene, s, path);
+    EXPECT_TRUE(resumed.resumed);
+    EXPECT_EQ(resumed.spp_resumed, 0);
+    EXPECT_EQ(resumed.image.rgb, fresh.image.rgb);
+    const RenderResult again = render_to_file(scene, s, path);
+    EXPECT_FALSE(again.resumed);
+    EXPECT_EQ(again.image.rgb, fresh.image.rgb);
+}
+
 TEST(RenderFiles, ResolvedLensIsReported) {
     Scene scene = busy_scene(false).scene;
     scene.cameras[0].f_number = 4;
@@ -287,7 +313,8 @@ TEST(RenderFiles, ResolvedLensIsReported) {
     EXPECT_EQ(r.focal_length_mm, 50);
     s.f_number = 2;
     s.focal_length_mm = 85;
-    s.focus_at = {15.0, 10.5};  // the middle: between the balls, above the floor's horizon it would be infinity
+    s.focus_at = {15.0,
+                  10.5};  // the middle: between the balls, above the floor's horizon it would be infinity
     r = render_picture(scene, s);
     EXPECT_EQ(r.f_number, 2);
     EXPECT_EQ(r.focal_length_mm, 85);
