@@ -19,7 +19,7 @@
 #include "core/error.h"
 #include "records/image.h"
 #include "records/sample_file.h"
-#include "tests/temporary_folder.h"
+#include "tests/command_test.h"
 
 namespace postlens::test {
 namespace {
@@ -34,56 +34,8 @@ constexpr double seconds_to_stop = 10;
 constexpr double seconds_to_stop = 1;
 #endif
 
-struct Outcome {
-    int exit_code = -1;
-    std::string out, err;
-};
-
-std::string text_of(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-std::string quoted(const std::string& word) {
-    std::string out(1, '\'');
-    for (const char c : word) {
-        if (c == '\'') out.append("'\\'");  // ends the quoted text, adds a quote, begins again
-        out.push_back(c);
-    }
-    out.push_back('\'');
-    return out;
-}
-
-class Cli : public testing::Test {
+class Cli : public CommandTest {
   protected:
-    Outcome run(const std::vector<std::string>& words, const std::string& before = "") {
-        std::string command = before + quoted(POSTLENS_BINARY);
-        for (const std::string& w : words) command.append(" ").append(quoted(w));
-        const fs::path out = folder_.path() / ".out", err = folder_.path() / ".err";
-        command.append(" >")
-            .append(quoted(out.string()))
-            .append(" 2>")
-            .append(quoted(err.string()))
-            .append(" </dev/null");
-        const int status = std::system(command.c_str());
-        Outcome r{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text_of(out), text_of(err)};
-        fs::remove(out);
-        fs::remove(err);
-        return r;
-    }
-    // Refused: this exit code, one line that begins as it should, and nothing on disk.
-    void refused(const std::vector<std::string>& words, ExitCode code, const std::string& part) {
-        const std::size_t before = folder_.file_count();
-        const Outcome r = run(words);
-        std::string all;
-        for (const auto& w : words) all.append(" ").append(w);
-        EXPECT_EQ(r.exit_code, static_cast<int>(code)) << all << "\n" << r.err;
-        EXPECT_EQ(r.err.rfind("postlens: ", 0), 0U) << all << "\n" << r.err;
-        EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << all << "\n" << r.err;
-        EXPECT_NE(r.err.find(part), std::string::npos) << all << "\n" << r.err;
-        EXPECT_EQ(folder_.file_count(), before) << all;
-    }
-    std::string in(const std::string& name) { return (folder_.path() / name).string(); }
     std::string scene() { return std::string(POSTLENS_TEST_DATA) + "/nff/balls_s2.nff"; }
     std::string traced() {
         std::string path = in("frame.exr");
@@ -92,7 +44,6 @@ class Cli : public testing::Test {
         EXPECT_EQ(r.exit_code, 0) << r.err;
         return path;
     }
-    TemporaryFolder folder_;
 };
 
 TEST_F(Cli, HelpNamesEverySubcommandWithUnits) {
@@ -270,12 +221,7 @@ TEST_F(Cli, StrictTurnsAShortfallIntoSix) {
 TEST_F(Cli, CtrlCStopsWithinASecondAndLeavesNothing) {
     const std::string scene_file = std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml";
     const std::string out = in("big.exr");
-    const pid_t child = ::fork();
-    if (child == 0) {
-        ::execl(POSTLENS_BINARY, POSTLENS_BINARY, "trace", scene_file.c_str(), "-o", out.c_str(), "--size",
-                "7680x4320", "--quiet", nullptr);
-        ::_exit(127);
-    }
+    const pid_t child = begin({"trace", scene_file, "-o", out, "--size", "7680x4320", "--quiet"});
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     ASSERT_EQ(::kill(child, SIGINT), 0);
     const auto start = std::chrono::steady_clock::now();

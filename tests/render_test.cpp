@@ -15,6 +15,8 @@
 #include "tests/repeated_renders.h"
 #include "tests/scene_builder.h"
 #include "tests/temporary_folder.h"
+#include "tracer/render_setup.h"
+#include "tracer/render_state.h"
 
 namespace postlens::test {
 namespace {
@@ -274,6 +276,29 @@ TEST(RenderFiles, AreWhatRenderPictureMakes) {
     EXPECT_EQ(folder.file_count(), 3U) << "the unfinished picture should be gone";
     EXPECT_EQ(file.rays.eye, memory.rays.eye);
     EXPECT_EQ(file.rays.eye, 30U * 21 * 8);
+}
+
+// Interrupted before every pixel had its first samples: there is nothing whole to count, but a file to go on
+// from.
+TEST(RenderFiles, GoOnFromAnUnfinishedFirstRound) {
+    const TemporaryFolder folder;
+    const Scene scene = busy_scene().scene;
+    RenderSettings s = everything();
+    const fs::path path = folder.path() / "x.exr";
+    const RenderResult fresh = render_to_file(scene, s, path);
+    EXPECT_FALSE(fresh.resumed);
+    {
+        const RenderSetup setup(scene, s);
+        write_state(partial_path(path), RenderState(setup.width(), setup.height(), 1), setup.fingerprint(s));
+    }
+    s.resume = true;
+    const RenderResult resumed = render_to_file(scene, s, path);
+    EXPECT_TRUE(resumed.resumed);
+    EXPECT_EQ(resumed.spp_resumed, 0);
+    EXPECT_EQ(resumed.image.rgb, fresh.image.rgb);
+    const RenderResult again = render_to_file(scene, s, path);
+    EXPECT_FALSE(again.resumed);
+    EXPECT_EQ(again.image.rgb, fresh.image.rgb);
 }
 
 TEST(RenderFiles, ResolvedLensIsReported) {

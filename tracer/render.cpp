@@ -242,13 +242,14 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
                    path.string() + ": the picture");
     RenderState state(setup.width(), setup.height(), halves);
     const std::string fingerprint = setup.fingerprint(settings);
-    int resumed = 0;
-    if (settings.resume && fs::exists(partial)) {
+    const bool resumes = settings.resume && fs::exists(partial);
+    int spp_resumed = 0;
+    if (resumes) {
         read_state(partial, fingerprint, state);
         std::uint32_t least = ~0U;
         for (std::size_t i = 0; i < state.samples[0].size(); ++i)
             least = std::min(least, state.samples[0][i] + (halves == 2 ? state.samples[1][i] : 0));
-        resumed = static_cast<int>(least);
+        spp_resumed = static_cast<int>(least);
     }
     Renderer renderer(setup, settings, state);
     const auto start = Clock::now();
@@ -273,7 +274,8 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
     }
     RenderResult out = finish(setup, settings, renderer, state);
     out.seconds_render = seconds_since(start);
-    out.spp_resumed = resumed;
+    out.resumed = resumes;
+    out.spp_resumed = spp_resumed;
     if (settings.halves) {
         const auto paths = half_paths(path);
         for (std::size_t h = 0; h < 2; ++h) write_image(paths[h], out.halves[h]);

@@ -50,6 +50,7 @@ struct RenderResult {
     Image image;
     std::array<Image, 2> halves;  ///< empty without `halves`
     RayCounts rays;               ///< of this run
+    bool resumed = false;         ///< went on from what an interrupted run left
     int spp_resumed = 0;          ///< samples per pixel (at least) that were there from the run before
     double seconds_render = 0;    ///< tracing alone
     double focal_length_mm = 0, f_number = 0, focus_m = 0;  ///< as resolved
