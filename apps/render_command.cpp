@@ -54,6 +54,10 @@ CommandResult run_render(const RenderOptions& options) {
              fmt::format("a mesh moves too fast for Embree's time steps: its path errs by up to {:.2g} px",
                          r.motion_error_px)});
     }
+    if (settings.halves && settings.sampler == SamplerKind::grid) {
+        out.warnings.push_back(
+            {"halves", "both halves have the grid's own error, which their difference does not show"});
+    }
     if (settings.resume && !r.resumed) {
         out.warnings.push_back({"resume", fmt::format("there was nothing to go on from ({} is missing)",
                                                       partial_path(options.output).string())});

@@ -70,6 +70,12 @@ class Render : public CommandTest {
     }
 };
 
+TEST_F(Render, HalvesOfAGridAreSaidToShareItsError) {
+    const Words words = render("x.exr", {"--spp", "16", "--halves", "--json"});
+    EXPECT_NE(run(words + Words{"--sampler", "grid"}).out.find("the grid's own error"), std::string::npos);
+    EXPECT_EQ(run(words + Words{"--sampler", "sobol"}).out.find("the grid's own error"), std::string::npos);
+}
+
 TEST_F(Render, WritesThePictureAndItsHalves) {
     const Outcome r = run(render("x.exr", {"--spp", "16", "--halves", "--json", "--seed", "7"}));
     ASSERT_EQ(r.exit_code, 0) << r.err;
