@@ -39,7 +39,13 @@ SceneBuilder floor_scene(int width = 24, int height = 2) {
     return b;
 }
 
-// The mean over each pixel of what floor points show. Four by four points are exact for what is smooth over a
+// The middle of cell i of n x n in the unit square.
+dvec2 cell_middle(int i, int n) {
+    const int row = i / n, column = i % n;
+    return (dvec2(column, row) + 0.5) / static_cast<double>(n);
+}
+
+// The mean over each pixel of what floor points show. Six by six points are exact for what is smooth over a
 // pixel; at kinks of a penumbra they err by less than 1e-3 (below: `pixel_m` / width of the penumbra
 // squared).
 std::vector<double> floor_pixels(const Scene& scene, const std::function<double(const dvec3&)>& shown) {
@@ -50,7 +56,8 @@ std::vector<double> floor_pixels(const Scene& scene, const std::function<double(
         for (int x = 0; x < camera.width; ++x) {
             double sum = 0;
             for (int i = 0; i < n * n; ++i) {
-                const CameraRay r = camera.ray(x + (i % n + 0.5) / n, y + (i / n + 0.5) / n);
+                const dvec2 in_pixel = cell_middle(i, n);
+                const CameraRay r = camera.ray(x + in_pixel.x, y + in_pixel.y);
                 sum += shown(r.origin - r.direction * (r.origin.y / r.direction.y));
             }
             out.push_back(sum / (n * n));
@@ -88,8 +95,8 @@ TEST(Penumbra, OfARectangleIsTheShareOfItsArea) {
         double sum = 0;
         constexpr int n = 100;
         for (int i = 0; i < n * n; ++i) {
-            const dvec3 at = light.position + ((i % n + 0.5) / n - 0.5) * light.edge_u +
-                             ((i / n + 0.5) / n - 0.5) * light.edge_v;
+            const dvec2 cell = cell_middle(i, n) - 0.5;
+            const dvec3 at = light.position + cell.x * light.edge_u + cell.y * light.edge_v;
             if (open(p, at)) sum += 2 * glm::normalize(at - p).y;
         }
         return sum / (n * n);
@@ -117,8 +124,9 @@ TEST(Penumbra, OfASphereIsTheShareOfItsSolidAngle) {
         double sum = 0;
         constexpr int n = 100;
         for (int i = 0; i < n * n; ++i) {
-            const double c = 1 - (1 - lowest) * (i % n + 0.5) / n, s = std::sqrt(1 - c * c);
-            const double turn = 2 * std::numbers::pi * (i / n + 0.5) / n;
+            const dvec2 cell = cell_middle(i, n);
+            const double c = 1 - (1 - lowest) * cell.x, s = std::sqrt(1 - c * c);
+            const double turn = 2 * std::numbers::pi * cell.y;
             const dvec3 d = c * axis + s * std::cos(turn) * x + s * std::sin(turn) * y;
             // A direction upwards meets the half-plane's level before the light.
             if (p.x + d.x / d.y * occluder_height < 0) sum += 2 * d.y;
@@ -221,7 +229,8 @@ SceneBuilder narrow_view() {
 std::vector<double> whole_mean(const Image& image) {
     double sum = 0;
     for (const double v : pixels(image)) sum += v;
-    return {sum / static_cast<double>(image.rgb.size() / 3)};
+    const std::size_t count = image.rgb.size() / 3;
+    return {sum / static_cast<double>(count)};
 }
 
 // Of a lobe (n + 1) / (2 pi) cos^n about the axis, the share 1 - cos^(n + 1) lies within the angle alpha. The

@@ -15,7 +15,7 @@ dvec3 apply(const dmat4& m, const dvec3& p) {
 }
 
 std::array<dvec3, 8> corners(const Bounds& box) {
-    std::array<dvec3, 8> out;
+    std::array<dvec3, 8> out{};
     for (std::size_t i = 0; i < 8; ++i) {
         out[i] = {(i & 1U) != 0 ? box.max.x : box.min.x, (i & 2U) != 0 ? box.max.y : box.min.y,
                   (i & 4U) != 0 ? box.max.z : box.min.z};

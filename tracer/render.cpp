@@ -68,17 +68,18 @@ class Renderer {
     // Traces round `round` of the tiles [begin, end) that have not yet done it.
     void trace(int round, std::size_t begin, std::size_t end) {
         std::vector<RayCounts> counts(end - begin);
-        // Whatever is thrown, what was traced is in the state and counted.
-        const std::function<void()> sum = [&] {
+        const auto add_up = [&] {
             for (const RayCounts& c : counts) counts_ += c;
         };
-        struct AtEnd {
-            const std::function<void()>& call;
-            ~AtEnd() { call(); }
-        } at_end{sum};
-        parallel_for(end - begin, [&](std::size_t i) {
-            if (rounds_done(begin + i) == round) trace_tile(begin + i, round, counts[i]);
-        });
+        try {
+            parallel_for(end - begin, [&](std::size_t i) {
+                if (rounds_done(begin + i) == round) trace_tile(begin + i, round, counts[i]);
+            });
+        } catch (...) {
+            add_up();  // what was traced before an interruption is in the state
+            throw;
+        }
+        add_up();
     }
 
   private:
