@@ -200,7 +200,7 @@ void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
         ray.direction = glm::normalize(dvec3(glm::vec3(b.dx[i], b.dy[i], b.dz[i])));
         ray.sample = static_cast<std::uint32_t>(i);
         ray.time = times ? b.time[i] : 0.0F;
-        const double t = static_cast<double>(b.t[i]), time = static_cast<double>(ray.time);
+        const auto t = static_cast<double>(b.t[i]), time = static_cast<double>(ray.time);
         if (answers_[object] == Answer::texture) {
             const Material& m = scene_.scene().materials[scene_.scene().objects[object].material];
             const SurfacePoint s = scene_.texture_point(key, ray.origin, ray.direction, t, time);
@@ -222,7 +222,7 @@ void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
                 eye.radiance[ray.sample] += ray.throughput * background;
                 continue;
             }
-            const double t = static_cast<double>(w.batch.t[i]), time = static_cast<double>(ray.time);
+            const auto t = static_cast<double>(w.batch.t[i]), time = static_cast<double>(ray.time);
             shade(ray, scene_.surface(key, ray.origin, ray.direction, t, time), key, eye, w, counts);
         }
         resolve_shadows(eye, w);

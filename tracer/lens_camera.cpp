@@ -116,8 +116,8 @@ void LensCamera::add_rays(const LensSamples& samples, RayBatch& batch) const {
     } else {
         for (std::size_t i = 0; i < lanes; ++i) {
             const Frame f = frame_at(span_.at(static_cast<double>(time[i])));
-            const double qx = static_cast<double>(local.qx[i]), qy = static_cast<double>(local.qy[i]);
-            const double tx = static_cast<double>(local.tx[i]), ty = static_cast<double>(local.ty[i]);
+            const auto qx = static_cast<double>(local.qx[i]), qy = static_cast<double>(local.qy[i]);
+            const auto tx = static_cast<double>(local.tx[i]), ty = static_cast<double>(local.ty[i]);
             const dvec3 o = f.position + qx * f.right + qy * f.down;
             const dvec3 d = glm::normalize(f.forward + tx * f.right + ty * f.down);
             for (int c = 0; c < 3; ++c) {

@@ -30,7 +30,7 @@ template <int N>
     constexpr float none = std::numeric_limits<float>::infinity();
     const bool rectangle = item.shape.kind == AnalyticShape::Kind::rectangle;
     const bool disc = item.shape.kind == AnalyticShape::Kind::disc;
-    const float inner2 = static_cast<float>(item.shape.inner * item.shape.inner);
+    const auto inner2 = static_cast<float>(item.shape.inner * item.shape.inner);
     for (int i = 0; i < N; ++i) {
         const float t = -o[2][i] / d[2][i];
         const float x = o[0][i] + t * d[0][i], y = o[1][i] + t * d[1][i];
@@ -56,8 +56,8 @@ template <int N>
             const float t0 = -from / along, t1 = (1.0F - from) / along;
             const bool parallel = along == 0;
             const float low = t0 > t1 ? t1 : t0, high = t0 > t1 ? t0 : t1;
-            t_in = !parallel & (low > t_in) ? low : t_in;
-            t_out = !parallel & (high < t_out) ? high : t_out;
+            t_in = (!parallel & (low > t_in)) ? low : t_in;
+            t_out = (!parallel & (high < t_out)) ? high : t_out;
             missed = missed | (parallel & ((from < 0) | (from > 1)));
         }
         const bool hit = !missed & !(t_in > t_out);
@@ -100,14 +100,14 @@ template <int N>
         const bool on_base = flat & (bx * bx + by * by <= r0 * r0),
                    on_apex = flat & (ax * ax + ay * ay <= r1 * r1);
         float first = none, last = -none;
-        first = on0 & (t0 < first) ? t0 : first;
-        last = on0 & (t0 > last) ? t0 : last;
-        first = on1 & (t1 < first) ? t1 : first;
-        last = on1 & (t1 > last) ? t1 : last;
-        first = on_base & (base < first) ? base : first;
-        last = on_base & (base > last) ? base : last;
-        first = on_apex & (apex < first) ? apex : first;
-        last = on_apex & (apex > last) ? apex : last;
+        first = (on0 & (t0 < first)) ? t0 : first;
+        last = (on0 & (t0 > last)) ? t0 : last;
+        first = (on1 & (t1 < first)) ? t1 : first;
+        last = (on1 & (t1 > last)) ? t1 : last;
+        first = (on_base & (base < first)) ? base : first;
+        last = (on_base & (base > last)) ? base : last;
+        first = (on_apex & (apex < first)) ? apex : first;
+        last = (on_apex & (apex > last)) ? apex : last;
         out.near[i] = shift + first;  // infinity stays infinity
         out.far[i] = last > first ? shift + last : none;
     }

@@ -14,9 +14,9 @@ namespace postlens {
 
 /// The surface as the ray sees it: normals turned against the ray.
 struct Facing {
-    glm::dvec3 normal, geometric_normal;
-    double sign;  ///< of the turn
-    bool smooth;  ///< false: the facet's own normal stands in for the interpolated one
+    glm::dvec3 normal{0}, geometric_normal{0};
+    double sign = 1;      ///< of the turn
+    bool smooth = false;  ///< false: the facet's own normal stands in for the interpolated one
     [[nodiscard]] bool entering() const { return sign > 0; }
 };
 [[nodiscard]] Facing face(const SurfacePoint& s, const glm::dvec3& direction);
@@ -29,9 +29,9 @@ struct Facing {
 
 /// A light at an instant.
 struct PlacedLight {
-    const Light* light;
-    glm::dvec3 position, direction, edge_u, edge_v;
-    double cos_outer, cos_inner;
+    const Light* light = nullptr;
+    glm::dvec3 position{0}, direction{0}, edge_u{0}, edge_v{0};
+    double cos_outer = 0, cos_inner = 0;
 };
 [[nodiscard]] PlacedLight place_light(const Light& light, double time_s);
 /// By the matrix that its keys give at that instant.
