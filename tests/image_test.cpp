@@ -1,13 +1,17 @@
 #include "records/image.h"
 
 #include <OpenImageIO/imageio.h>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <sys/resource.h>
+#include <thread>
+#include <vector>
 
 #include "core/error.h"
 #include "tests/temporary_folder.h"
@@ -162,6 +166,22 @@ TEST(Image, AFullDiskIsAnErrorAndLeavesNothing) {
         EXPECT_EQ(text.find('\n'), std::string::npos) << text;
     }
     EXPECT_EQ(folder.file_count(), 0U);
+}
+
+// Times of writing would make equal pictures unequal files; they have whole seconds.
+TEST(Image, EqualPicturesAreEqualFiles) {
+    const TemporaryFolder folder;
+    const auto bytes = [&](const std::string& name) {
+        write_image(folder.path() / name, ramp(8, 6));
+        std::ifstream in(folder.path() / name, std::ios::binary);
+        return std::string{std::istreambuf_iterator<char>(in), {}};
+    };
+    std::vector<std::string> before;
+    const std::vector<std::string> names{"a.exr", "a.png", "a.tif", "a.jpg"};
+    before.reserve(names.size());
+    for (const std::string& name : names) before.push_back(bytes(name));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+    for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(bytes(names[i]), before[i]) << names[i];
 }
 
 TEST(Image, UnreadableFilesAreInvalidInput) {

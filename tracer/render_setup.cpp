@@ -89,7 +89,8 @@ void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, co
     lens_.f_number = s.f_number.value_or(camera.f_number.value_or(infinity));
     const std::optional<double> focus = s.focus_m ? s.focus_m : camera.focus_m;
     if (s.focus_at) {
-        focus_m_ = depth_at(s.focus_at->first, s.focus_at->second, model, time_s);
+        const CameraModel then(camera, time_s, s.camera);
+        focus_m_ = depth_at(s.focus_at->first, s.focus_at->second, then, time_s);
     } else if (focus) {
         focus_m_ = *focus;
     } else if (std::isfinite(lens_.f_number) || s.framing == Framing::breathing) {
