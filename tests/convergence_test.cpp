@@ -16,7 +16,8 @@ Scene smooth_scene() {
     waves.width = waves.height = 128;
     waves.rgb.resize(3 * 128 * 128);
     for (std::size_t i = 0; i < waves.rgb.size(); ++i) {
-        const auto x = static_cast<double>(i / 3 % 128), y = static_cast<double>(i / 3 / 128);
+        const std::size_t texel = i / 3, row = texel / 128, column = texel % 128;
+        const auto x = static_cast<double>(column), y = static_cast<double>(row);
         const double turn = 2 * std::numbers::pi / 128;
         waves.rgb[i] = static_cast<float>(1 + 0.5 * std::cos(turn * (3 * x + static_cast<double>(i % 3))) *
                                                   std::cos(turn * 2 * y));
