@@ -98,6 +98,9 @@ struct ResolvedLens {
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
 
+/// The rays of a tracer, as `--json` lists them.
+[[nodiscard]] nlohmann::ordered_json rays_json(const RayCounts& rays);
+
 /// A number for JSON, which has no infinity: null.
 [[nodiscard]] nlohmann::ordered_json json_number(double value);
 

@@ -47,8 +47,7 @@ CommandResult run_render(const RenderOptions& options) {
     CommandResult out;
     for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
     const RenderResult r = render_to_file(scene, settings, options.output);
-    constexpr double tolerance_px = 0.05;
-    if (r.motion_error_px > tolerance_px) {
+    if (r.motion_error_px > MotionAccuracy().tolerance_px) {
         out.warnings.push_back(
             {"motion",
              fmt::format("a mesh moves too fast for Embree's time steps: its path errs by up to {:.2g} px",
@@ -62,12 +61,7 @@ CommandResult run_render(const RenderOptions& options) {
         out.warnings.push_back({"resume", fmt::format("there was nothing to go on from ({} is missing)",
                                                       partial_path(options.output).string())});
     }
-    out.json = {{"rays",
-                 {{"eye", r.rays.eye},
-                  {"eye_hits", r.rays.eye_hits},
-                  {"reflect", r.rays.reflect},
-                  {"refract", r.rays.refract},
-                  {"shadow", r.rays.shadow}}},
+    out.json = {{"rays", rays_json(r.rays)},
                 {"spp", settings.spp},
                 {"spp_resumed", r.spp_resumed},
                 {"sampler", name(settings.sampler)},

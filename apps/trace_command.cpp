@@ -30,6 +30,14 @@ void warn_of_spread(const Scene& scene, CommandResult& out) {
 
 }  // namespace
 
+nlohmann::ordered_json rays_json(const RayCounts& rays) {
+    return {{"eye", rays.eye},
+            {"eye_hits", rays.eye_hits},
+            {"reflect", rays.reflect},
+            {"refract", rays.refract},
+            {"shadow", rays.shadow}};
+}
+
 CommandResult run_trace(const TraceOptions& options) {
     const Scene scene = read_scene(options.scene, {.metres_per_unit = options.metres_per_unit});
     CommandResult out;
@@ -38,12 +46,7 @@ CommandResult run_trace(const TraceOptions& options) {
     const TraceResult r = trace_to_file(scene, options.settings, options.output);
     out.json = {{"records", r.records},
                 {"bytes", r.bytes},
-                {"rays",
-                 {{"eye", r.rays.eye},
-                  {"eye_hits", r.rays.eye_hits},
-                  {"reflect", r.rays.reflect},
-                  {"refract", r.rays.refract},
-                  {"shadow", r.rays.shadow}}},
+                {"rays", rays_json(r.rays)},
                 {"overscan_px", r.overscan_px}};
     out.text = fmt::format("{}: {} records, {:.1f} MB; {} eye, {} reflected, {} refracted, {} shadow rays",
                            options.output, r.records, static_cast<double>(r.bytes) / 1e6, r.rays.eye,

@@ -67,19 +67,26 @@ void RayScene::Impl::look_up_texture(const AnalyticShape& shape, const dmat4& ob
     out.object_position = dvec3(object_from_local * glm::dvec4(local, 1));
 }
 
-SurfacePoint RayScene::Impl::analytic_surface(const AnalyticSet::Item& item, const dvec3& o, const dvec3& d,
-                                              double t, bool normals) const {
-    const dmat3 linear(item.local_from_world);
-    LocalHit hit{dvec3(item.local_from_world * glm::dvec4(o, 1)), linear * d, t};
+template <typename Item, typename ToWorld>
+SurfacePoint RayScene::Impl::solved_surface(const Item& item, LocalHit hit, const dvec3& o, const dvec3& d,
+                                            bool normals, const ToWorld& normal_to_world) const {
     solve(item.shape, hit);
     SurfacePoint s;
     s.object = item.object;
     look_up_texture(item.shape, item.object_from_local, hit, s);
     if (!normals) return s;
     s.position = o + s.t * d;
-    const LocalGeometry g = local_geometry(item.shape, s.part, hit.position());
-    s.geometric_normal = s.normal = glm::normalize(g.normal * linear);  // normals go over as covectors
+    const dvec3 local_normal = local_geometry(item.shape, s.part, hit.position()).normal;
+    s.geometric_normal = s.normal = glm::normalize(normal_to_world(local_normal));
     return s;
+}
+
+SurfacePoint RayScene::Impl::analytic_surface(const AnalyticSet::Item& item, const dvec3& o, const dvec3& d,
+                                              double t, bool normals) const {
+    const dmat3 linear(item.local_from_world);
+    const LocalHit hit{dvec3(item.local_from_world * glm::dvec4(o, 1)), linear * d, t};
+    // Normals go over as covectors.
+    return solved_surface(item, hit, o, d, normals, [&](const dvec3& n) { return n * linear; });
 }
 
 SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3& o, const dvec3& d, double t,
@@ -87,18 +94,11 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const MovingSet::Item& item = moving.items[primitive];
     const MotionPath::Pose pose = moving.paths[item.path].at(span.at(time));
     const dmat3 base(item.local_from_base);
-    LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
-                 base * pose.unmoved_direction(d), t};
-    solve(item.shape, hit);
-    SurfacePoint s;
-    s.object = item.object;
-    look_up_texture(item.shape, item.object_from_local, hit, s);
-    if (!normals) return s;
-    s.position = o + s.t * d;
-    const LocalGeometry g = local_geometry(item.shape, s.part, hit.position());
+    const LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
+                       base * pose.unmoved_direction(d), t};
     // As a covector back through both maps; the motion's is scale, then rotation.
-    s.geometric_normal = s.normal = glm::normalize(pose.rotation * ((g.normal * base) / pose.scale));
-    return s;
+    return solved_surface(item, hit, o, d, normals,
+                          [&](const dvec3& n) { return pose.rotation * ((n * base) / pose.scale); });
 }
 
 TriangleFrame RayScene::Impl::triangle(const HitKey& key, double time) const {

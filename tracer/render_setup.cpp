@@ -22,18 +22,7 @@ void check(const RenderSettings& s) {
         fail(ExitCode::wrong_arguments,
              "--spp: cannot be halved (got {}; expected an even number with --halves)", s.spp);
     }
-    if (s.tracing.max_depth < 1 || s.tracing.max_depth > NodePath::max_bounces + 1) {
-        fail(ExitCode::wrong_arguments, "--max-depth: out of range (got {}; expected 1 to {})",
-             s.tracing.max_depth, NodePath::max_bounces + 1);
-    }
-    if (!(s.tracing.min_contribution >= 0) || !std::isfinite(s.tracing.min_contribution)) {
-        fail(ExitCode::wrong_arguments,
-             "--min-contribution: out of range (got {}; expected a number from 0 on)",
-             s.tracing.min_contribution);
-    }
-    if (s.time_s && !std::isfinite(*s.time_s)) {
-        fail(ExitCode::wrong_arguments, "--time: out of range (got {}; expected seconds)", *s.time_s);
-    }
+    check_tracing(s.tracing.max_depth, s.tracing.min_contribution, s.time_s);
     if (s.shutter) {
         if (!std::isfinite(s.shutter->open_s) || !std::isfinite(s.shutter->close_s)) {
             fail(ExitCode::wrong_arguments, "--shutter: out of range (got {}:{}; expected seconds)",

@@ -42,27 +42,25 @@ std::string motion_of(const Scene& scene, const Camera& camera, std::vector<std:
     return json.is_null() ? std::string() : json.dump();
 }
 
-void check(const TraceSettings& s) {
-    const auto whole = [](const char* option, int value, int low, int high) {
-        if (value < low || value > high) {
-            fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected {} to {})", option, value,
-                 low, high);
-        }
-    };
-    whole("--subdivide", s.subdivision.levels, 0, largest_levels);
-    whole("--max-depth", s.whitted.max_depth, 1, NodePath::max_bounces + 1);
-    whole("--overscan", s.overscan_px, 0, 16384);
-    const auto not_negative = [](const char* option, double value) {
-        if (!(value >= 0) || !std::isfinite(value)) {
-            fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected a number from 0 on)", option,
-                 value);
-        }
-    };
-    not_negative("--threshold", s.subdivision.threshold);
-    not_negative("--min-contribution", s.whitted.min_contribution);
-    if (s.time_s && !std::isfinite(*s.time_s)) {
-        fail(ExitCode::wrong_arguments, "--time: out of range (got {}; expected seconds)", *s.time_s);
+void check_whole(const char* option, int value, int low, int high) {
+    if (value < low || value > high) {
+        fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected {} to {})", option, value, low,
+             high);
     }
+}
+
+void check_not_negative(const char* option, double value) {
+    if (!(value >= 0) || !std::isfinite(value)) {
+        fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected a number from 0 on)", option,
+             value);
+    }
+}
+
+void check(const TraceSettings& s) {
+    check_whole("--subdivide", s.subdivision.levels, 0, largest_levels);
+    check_whole("--overscan", s.overscan_px, 0, 16384);
+    check_not_negative("--threshold", s.subdivision.threshold);
+    check_tracing(s.whitted.max_depth, s.whitted.min_contribution, s.time_s);
     if (s.overscan_auto && !(s.for_f_number && s.for_focus_m)) {
         fail(ExitCode::wrong_arguments,
              "--overscan auto: needs to know the lens (expected --for-f-number and --for-focus)");
@@ -116,6 +114,14 @@ int find_overscan(const WhittedTracer& tracer, const CameraModel& camera, const 
 }
 
 }  // namespace
+
+void check_tracing(int max_depth, double min_contribution, const std::optional<double>& time_s) {
+    check_whole("--max-depth", max_depth, 1, NodePath::max_bounces + 1);
+    check_not_negative("--min-contribution", min_contribution);
+    if (time_s && !std::isfinite(*time_s)) {
+        fail(ExitCode::wrong_arguments, "--time: out of range (got {}; expected seconds)", *time_s);
+    }
+}
 
 const Camera& find_camera(const Scene& scene, const std::string& name) {
     if (scene.cameras.empty()) fail(ExitCode::invalid_input, "{}: the scene has no camera", scene.name);

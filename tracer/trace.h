@@ -41,6 +41,9 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings,
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
                                          const CameraModel& camera, double time_s, int overscan_px);
 
+/// What `trace` and `render` ask of a tree and of an instant. Throws Error(wrong_arguments).
+void check_tracing(int max_depth, double min_contribution, const std::optional<double>& time_s);
+
 /// The camera by name; the first for an empty name. Throws Error(wrong_arguments), naming those there are.
 [[nodiscard]] const Camera& find_camera(const Scene& scene, const std::string& name);
 
