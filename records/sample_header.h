@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "records/scene_motion.h"
+
 namespace postlens {
 
 enum class Projection { perspective, orthographic };
@@ -46,8 +48,7 @@ struct SampleHeader {
     std::map<std::uint32_t, std::string> object_names;  ///< without id 0
     std::vector<std::uint32_t> moving_ids;
     bool lights_move = false;
-    std::string
-        motion_json;  ///< keyframed rigid motion of the moving ids and the camera; empty if none moves
+    SceneMotion motion;
 
     bool has_w = false;       ///< false: no node is deeper than primary, W is I / z' everywhere
     bool has_layers = false;  ///< false: every record is of layer 0

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <xxhash.h>
 
 #include "core/error.h"
@@ -59,7 +58,7 @@ std::string header_checksum(const SampleHeader& h) {
     bytes.number(static_cast<std::uint32_t>(h.moving_ids.size()));
     for (const std::uint32_t id : h.moving_ids) bytes.number(id);
     for (const bool v : {h.lights_move, h.has_w, h.has_layers}) bytes.number<std::uint8_t>(v ? 1 : 0);
-    bytes.text(h.motion_json);
+    bytes.text(motion_text(h.motion));
     bytes.optional(h.sufficient.smallest_f_number);
     bytes.optional(h.sufficient.nearest_focus_m);
     bytes.optional(h.sufficient.farthest_focus_m);
@@ -120,7 +119,7 @@ void check_sample_header(const SampleHeader& h, const std::string& file) {
     demand(std::isfinite(h.min_contribution) && h.min_contribution >= 0, "smallest contribution",
            h.min_contribution, "0 or more");
     demand(!h.object_names.contains(0), "object name", "one for id 0", "none, as 0 is nothing");
-    demand(h.motion_json.empty() || nlohmann::json::accept(h.motion_json), "motion", "other text", "JSON");
+    static_cast<void>(motion_of_text(motion_text(h.motion), file));
 }
 
 }  // namespace postlens

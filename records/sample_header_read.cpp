@@ -146,7 +146,7 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
     h.scene_sha256 = need_text(scene_sha256_name);
     h.moving_ids = ids_of_text(need_text(moving_ids_name), file);
     h.lights_move = need_int(lights_move_name) != 0;
-    h.motion_json = part.get_string(motion_name).value_or("");
+    h.motion = motion_of_text(part.get_string(motion_name).value_or(""), file);
     h.sufficient.smallest_f_number = part.get_double(sufficient_f_number_name);
     h.sufficient.nearest_focus_m = part.get_double(sufficient_near_name);
     h.sufficient.farthest_focus_m = part.get_double(sufficient_far_name);

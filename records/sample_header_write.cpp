@@ -93,7 +93,7 @@ void add_own_attributes(Imf::Header& out, const SampleHeader& h) {
     add_text(scene_sha256_name, h.scene_sha256);
     add_text(moving_ids_name, nlohmann::json(h.moving_ids).dump());
     add_int(lights_move_name, h.lights_move ? 1 : 0);
-    if (!h.motion_json.empty()) add_text(motion_name, h.motion_json);
+    if (!h.motion.empty()) add_text(motion_name, motion_text(h.motion));
     add_optional(sufficient_f_number_name, h.sufficient.smallest_f_number);
     add_optional(sufficient_near_name, h.sufficient.nearest_focus_m);
     add_optional(sufficient_far_name, h.sufficient.farthest_focus_m);

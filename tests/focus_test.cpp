@@ -61,7 +61,7 @@ TEST(FocusPicture, PinholeIsTheTracedPictureBitForBit) {
     const RandomOptions options{.levels = 4, .probability = 0.3, .has_w = true, .has_layers = true};
     SampleHeader header = full_header(60, 150, 4, options);
     header.moving_ids.clear();
-    header.motion_json.clear();
+    header.motion = {};
     const RecordBand band = random_frame(random, header, options);
     const SampleFileReader file = written(folder, band, header);
     Image expected(60, 150);
@@ -86,7 +86,7 @@ TEST(FocusPicture, TendsToTheTracedPicture) {
     const RandomOptions options{.levels = 3, .probability = 0.4, .has_w = true, .has_layers = true};
     SampleHeader header = full_header(50, 140, 2, options);
     header.moving_ids.clear();
-    header.motion_json.clear();
+    header.motion = {};
     const SampleFileReader file = written(folder, random_frame(random, header, options), header);
     const Image expected = pinhole_picture(file);
     for (const DepthModel model : {DepthModel::ray_differentials, DepthModel::path, DepthModel::first_hit}) {

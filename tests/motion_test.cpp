@@ -7,9 +7,9 @@
 #include <limits>
 #include <vector>
 
+#include "records/motion_path.h"
 #include "tests/random_motion.h"
 #include "tests/scene_builder.h"
-#include "tracer/motion_path.h"
 #include "tracer/motion_steps.h"
 
 namespace postlens::test {

@@ -130,7 +130,10 @@ inline SampleHeader full_header(int width, int height, int overscan_px, const Ra
     h.object_names = {{1, "floor"}, {7, "mirror ball"}, {4000000000U, "lamp"}};
     h.moving_ids = {7, 4000000000U};
     h.lights_move = true;
-    h.motion_json = R"({"7":[{"time_s":0,"position":[0,0,0]}]})";
+    h.motion.objects[7] = {{{.time_s = 0}, {.time_s = 0.1, .translation = {1.0 / 3, 0, -2}}}, {0, 0, 1}, 0.7};
+    h.motion.camera = {{.time_s = 0.05, .rotation = {0.6, 0, 0.8, 0}}};
+    h.motion.lights = {{.directional = true, .place = {0, 0.6, -0.8}},
+                       {.place = {1, 2, 3}, .casts_shadows = false, .keys = {{.time_s = -1}}}};
     h.has_w = options.has_w;
     h.has_layers = options.has_layers;
     h.sufficient = {1.4, 0.8, std::numeric_limits<double>::infinity()};

@@ -92,7 +92,7 @@ void expect_equal_headers(const SampleHeader& a, const SampleHeader& b) {
     EXPECT_EQ(a.object_names, b.object_names);
     EXPECT_EQ(a.moving_ids, b.moving_ids);
     EXPECT_EQ(a.lights_move, b.lights_move);
-    EXPECT_EQ(a.motion_json, b.motion_json);
+    EXPECT_EQ(a.motion, b.motion);
     EXPECT_EQ(a.has_w, b.has_w);
     EXPECT_EQ(a.has_layers, b.has_layers);
     EXPECT_EQ(a.sufficient.smallest_f_number, b.sufficient.smallest_f_number);
@@ -466,7 +466,10 @@ TEST(SampleFile, BadHeadersAreRefused) {
         {"film distance", [](auto& h) { h.film_distance_mm = std::nan(""); }},
         {"camera", [](auto& h) { h.world_from_camera = glm::dmat4(0); }},
         {"f-number", [](auto& h) { h.f_number = -2; }},
-        {"motion", [](auto& h) { h.motion_json = "{"; }},
+        {"motion",
+         [](auto& h) {
+             h.motion.objects[3] = {{{.time_s = std::nan("")}}, {}, 1};
+         }},
         {"id 0", [](auto& h) { h.object_names[0] = "nothing"; }},
         {"version", [](auto& h) { h.version = 2; }},
     };

@@ -7,8 +7,8 @@
 
 #include "lens/focus_geometry.h"
 #include "lens/shutter_curve.h"
+#include "records/motion_path.h"
 #include "tracer/camera_model.h"
-#include "tracer/motion_path.h"
 #include "tracer/ray_scene.h"
 
 namespace postlens {

@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "tracer/motion_path.h"
+#include "records/motion_path.h"
 #include "tracer/shape_bounds.h"
 
 namespace postlens {

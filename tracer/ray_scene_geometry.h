@@ -9,8 +9,8 @@
 #include <limits>
 #include <vector>
 
+#include "records/motion_path.h"
 #include "tracer/analytic_shape.h"
-#include "tracer/motion_path.h"
 #include "tracer/ray_scene.h"
 
 namespace postlens {

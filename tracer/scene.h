@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "records/transform_key.h"
 #include "tracer/texture.h"
 
 namespace postlens {
@@ -73,15 +74,6 @@ struct Mesh {
     std::vector<glm::vec2> uvs;      ///< per position, or empty
 };
 using Shape = std::variant<Sphere, Box, Disc, Rectangle, Plane, Cone, std::shared_ptr<const Mesh>>;
-
-/// Position and orientation at one instant; between keys translation and scale go linearly, rotation by
-/// slerp.
-struct TransformKey {
-    double time_s = 0;
-    glm::dvec3 translation{0};
-    glm::dquat rotation{1, 0, 0, 0};
-    glm::dvec3 scale{1};
-};
 
 struct Object {
     std::string name;
@@ -157,8 +149,5 @@ struct SceneReadOptions {
 
 /// By the file's ending: .toml, .nff. Throws Error(invalid_input) "FILE:LINE[:COLUMN]: ...".
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
-
-/// The transform of the keys at an instant; clamped before the first and after the last.
-[[nodiscard]] glm::dmat4 transform_at(const std::vector<TransformKey>& keys, double time_s);
 
 }  // namespace postlens

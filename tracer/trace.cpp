@@ -3,43 +3,47 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
-#include <set>
+#include <map>
 
 #include "core/error.h"
 #include "core/progress.h"
 #include "core/threads.h"
 #include "lens/focus_geometry.h"
+#include "tracer/shape_bounds.h"
 
 namespace postlens {
 namespace {
 
 constexpr int largest_levels = 8;
 
-nlohmann::json key_json(const TransformKey& k) {
-    return {{"time_s", k.time_s},
-            {"translation_m", {k.translation.x, k.translation.y, k.translation.z}},
-            {"rotation_wxyz", {k.rotation.w, k.rotation.x, k.rotation.y, k.rotation.z}},
-            {"scale", {k.scale.x, k.scale.y, k.scale.z}}};
+// A sphere around a box, m; finite also for infinite planes.
+void bound(const Bounds& box, ObjectMotion& motion) {
+    constexpr double farthest_m = 1e9;
+    const glm::dvec3 low = glm::max(box.min, glm::dvec3(-farthest_m)),
+                     high = glm::min(box.max, glm::dvec3(farthest_m));
+    if (box.empty()) return;
+    motion.centre_m = 0.5 * (low + high);
+    motion.radius_m = 0.5 * glm::length(high - low);
 }
 
-nlohmann::json keys_json(const std::vector<TransformKey>& keys) {
-    nlohmann::json out = nlohmann::json::array();
-    for (const TransformKey& k : keys) out.push_back(key_json(k));
-    return out;
-}
-
-// The rigid motion of what moves, as text for the header: {"objects": {"ID": [keys]}, "camera": [keys]}.
-std::string motion_of(const Scene& scene, const Camera& camera, std::vector<std::uint32_t>& moving) {
-    nlohmann::json json;
-    std::set<std::uint32_t> ids;
+// What moves, and the lights whose shadows may.
+SceneMotion motion_of(const Scene& scene, const Camera& camera) {
+    SceneMotion out;
+    std::map<std::uint32_t, Bounds> boxes;
     for (const Object& o : scene.objects) {
-        if (o.keys.empty() || !ids.insert(o.id).second) continue;
-        json["objects"][std::to_string(o.id)] = keys_json(o.keys);
+        if (o.keys.empty()) continue;
+        out.objects.try_emplace(o.id, ObjectMotion{.keys = o.keys});
+        boxes[o.id].add(shape_bounds(o.shape, o.motion_base));
     }
-    if (!camera.keys.empty()) json["camera"] = keys_json(camera.keys);
-    moving.assign(ids.begin(), ids.end());
-    return json.is_null() ? std::string() : json.dump();
+    for (auto& [id, motion] : out.objects) bound(boxes[id], motion);
+    out.camera = camera.keys;
+    const bool shadows_move = !out.objects.empty();
+    for (const Light& l : scene.lights) {
+        if (l.keys.empty() && !(shadows_move && l.casts_shadows)) continue;
+        const bool directional = l.kind == Light::Kind::directional;
+        out.lights.push_back({directional, directional ? l.direction : l.position, l.casts_shadows, l.keys});
+    }
+    return out;
 }
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -158,7 +162,8 @@ SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, co
     h.scene_name = scene.name;
     h.scene_sha256 = scene.sha256;
     for (const Object& o : scene.objects) h.object_names.emplace(o.id, o.name);
-    h.motion_json = motion_of(scene, of, h.moving_ids);
+    h.motion = motion_of(scene, of);
+    for (const auto& [id, motion] : h.motion.objects) h.moving_ids.push_back(id);
     h.lights_move =
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return !l.keys.empty(); });
     h.sufficient.smallest_f_number = settings.for_f_number;

@@ -1,4 +1,4 @@
-#include "tracer/motion_path.h"
+#include "records/motion_path.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <vector>
 
-#include "tracer/scene.h"
+#include "records/transform_key.h"
 
 namespace postlens {
 

@@ -1,7 +1,7 @@
+#include "records/transform_key.h"
+
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
-
-#include "tracer/scene.h"
 
 namespace postlens {
 namespace {

@@ -1,0 +1,23 @@
+// Keyframed rigid motion, as scenes, sample files and paths state it.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <vector>
+
+namespace postlens {
+
+/// Position and orientation at one instant; between keys translation and scale go linearly, rotation by
+/// slerp.
+struct TransformKey {
+    double time_s = 0;
+    glm::dvec3 translation{0};
+    glm::dquat rotation{1, 0, 0, 0};
+    glm::dvec3 scale{1};
+    [[nodiscard]] bool operator==(const TransformKey&) const = default;
+};
+
+/// The transform of the keys at an instant; clamped before the first and after the last.
+[[nodiscard]] glm::dmat4 transform_at(const std::vector<TransformKey>& keys, double time_s);
+
+}  // namespace postlens
