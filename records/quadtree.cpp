@@ -201,6 +201,37 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     }
 }
 
+void find_leaves(const RecordBand& band, int y_begin, int y_end, PixelLeaves& out) {
+    assert(y_begin >= band.y_begin && y_end < band.y_end && y_begin < y_end);
+    PointSamples& points = out.points;
+    points.samples.clear();
+    points.offsets.assign(1, 0);
+    out.leaves.clear();
+    out.leaf_offsets.assign(1, 0);
+    for (int y = y_begin; y <= y_end; ++y) append_row(band, y, points);
+    const auto width = static_cast<std::size_t>(band.width());
+    const auto row_at = [&](int y) -> Row<PointSample> {
+        return {points.samples.data(), points.offsets.data() + static_cast<std::size_t>(y - y_begin) * width};
+    };
+    const PointSample* first = points.samples.data();
+    for (int y = y_begin; y < y_end; ++y) {
+        const Row<PointSample> upper = row_at(y), lower = row_at(y + 1);
+        for (std::size_t column = 0; column < width; ++column) {
+            if (column + 1 < width) {
+                for_each_leaf_of_pixel(
+                    upper, lower, band.x_begin + static_cast<int>(column), y, column,
+                    [&](const std::array<PointSample*, 4>& corners, float size) {
+                        Leaf leaf{{}, size};
+                        for (std::size_t c = 0; c < 4; ++c)
+                            leaf.corner[c] = static_cast<std::uint32_t>(corners[c] - first);
+                        out.leaves.push_back(leaf);
+                    });
+            }
+            out.leaf_offsets.push_back(static_cast<std::uint32_t>(out.leaves.size()));
+        }
+    }
+}
+
 void picture_row(const RecordBand& band, int y, int x_begin, int x_end, std::span<float> rgb) {
     assert(y >= band.y_begin && y + 1 < band.y_end && x_begin >= band.x_begin && x_end < band.x_end);
     assert(rgb.size() == static_cast<std::size_t>(x_end - x_begin) * 3);

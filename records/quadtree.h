@@ -41,6 +41,24 @@ struct PointSamples {
 void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixel_y_begin, int pixel_y_end,
                         PointSamples& out);
 
+/// A leaf of a pixel's quadtree: a square of `size` px whose corners are the point samples up-left, up-right,
+/// down-left, down-right.
+struct Leaf {
+    std::array<std::uint32_t, 4> corner{};  ///< indices into PointSamples::samples
+    float size = 1;
+};
+/// The leaves of the pixels [x_begin, x_end - 1) x [y_begin, y_end) of `band`, pixel by pixel, and their point
+/// samples: of the rows from y_begin to y_end inclusive, as find_point_samples lists them but without weights.
+/// `band` must hold those rows. Leaves of pixel k of the rows are [leaf_offsets[k], leaf_offsets[k + 1]), the
+/// pixels counted with the band's whole width (the last column has none). Throws Error(invalid_input) on a
+/// quadtree with missing corners.
+struct PixelLeaves {
+    PointSamples points;
+    std::vector<Leaf> leaves;
+    std::vector<std::uint32_t> leaf_offsets;
+};
+void find_leaves(const RecordBand& band, int y_begin, int y_end, PixelLeaves& out);
+
 /// The traced picture of pixel row y, columns [x_begin, x_end) of the raster, from the records alone: the
 /// mean over the quadtree's leaves of the mean of each leaf's corners, summed in double in a fixed order, so
 /// that the result is the same bits wherever it is computed. `band` must hold rows y and y + 1.

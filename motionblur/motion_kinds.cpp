@@ -1,0 +1,126 @@
+#include "motionblur/motion_kinds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <optional>
+
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+constexpr int even_probes = 33;
+
+}  // namespace
+
+void IdExtent::add(double x, double y, double inverse_z) {
+    if (records == 0) {
+        x_min = x_max = x;
+        y_min = y_max = y;
+        inverse_z_min = inverse_z_max = inverse_z;
+    } else {
+        x_min = std::min(x_min, x);
+        x_max = std::max(x_max, x);
+        y_min = std::min(y_min, y);
+        y_max = std::max(y_max, y);
+        inverse_z_min = std::min(inverse_z_min, inverse_z);
+        inverse_z_max = std::max(inverse_z_max, inverse_z);
+    }
+    ++records;
+    inverse_z_sum += inverse_z;
+}
+
+void IdExtent::add(const IdExtent& o) {
+    if (o.records == 0) return;
+    if (records == 0) {
+        *this = o;
+        return;
+    }
+    x_min = std::min(x_min, o.x_min);
+    x_max = std::max(x_max, o.x_max);
+    y_min = std::min(y_min, o.y_min);
+    y_max = std::max(y_max, o.y_max);
+    inverse_z_min = std::min(inverse_z_min, o.inverse_z_min);
+    inverse_z_max = std::max(inverse_z_max, o.inverse_z_max);
+    records += o.records;
+    inverse_z_sum += o.inverse_z_sum;
+}
+
+RasterPoint IdExtent::centre() const {
+    return {0.5 * (x_min + x_max), 0.5 * (y_min + y_max),
+            records == 0 ? 0 : inverse_z_sum / static_cast<double>(records)};
+}
+
+IdExtents find_extents(const std::vector<RecordBand>& bands, const std::vector<std::uint32_t>& only) {
+    std::vector<IdExtents> by_band(bands.size());
+    parallel_for(bands.size(), [&](std::size_t i) {
+        IdExtents& out = by_band[i];
+        std::uint32_t last_id = 0;
+        IdExtent* last = nullptr;
+        for (const Record& r : bands[i].records) {
+            if (r.path.bits() != 0) continue;
+            if (last == nullptr || r.id != last_id) {
+                if (!only.empty() && !std::binary_search(only.begin(), only.end(), r.id)) continue;
+                last = &out[r.id];
+                last_id = r.id;
+            }
+            last->add(static_cast<double>(r.x), static_cast<double>(r.y),
+                      std::isinf(r.z) ? 0 : 1 / static_cast<double>(r.z));
+        }
+    });
+    IdExtents out;
+    for (const IdExtents& band : by_band) {
+        for (const auto& [id, extent] : band) out[id].add(extent);
+    }
+    return out;
+}
+
+std::vector<double> probe_times(const std::vector<double>& breaks_s, const Exposure& exposure) {
+    std::vector<double> out;
+    for (int i = 0; i < even_probes; ++i)
+        out.push_back(exposure.open_s + (exposure.close_s - exposure.open_s) * i / (even_probes - 1));
+    for (const double t : breaks_s) {
+        if (t > exposure.open_s && t < exposure.close_s) out.push_back(t);
+    }
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+}
+
+IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& extent, double recorded_s,
+                  const Exposure& exposure) {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    IdMotion out;
+    out.id = id;
+    out.centre = extent.centre();
+    out.inverse_z = out.centre.inverse_z;
+    for (const double t : probe_times(motion.breaks_s(id), exposure)) {
+        const RasterMap map = motion.map(id, recorded_s, t);
+        if (map.identity()) continue;
+        const std::optional<RasterPoint> middle = map(out.centre);
+        for (int k = 0; k < 8; ++k) {
+            const RasterPoint from{(k & 1) != 0 ? extent.x_max : extent.x_min,
+                                   (k & 2) != 0 ? extent.y_max : extent.y_min,
+                                   (k & 4) != 0 ? extent.inverse_z_max : extent.inverse_z_min};
+            const std::optional<RasterPoint> to = map(from);
+            if (!to || !middle) {
+                out.largest_move_px = out.deviation_px = infinite;
+                break;
+            }
+            const double dx = to->x - from.x, dy = to->y - from.y;
+            out.largest_move_px = std::max(out.largest_move_px, std::hypot(dx, dy));
+            out.deviation_px = std::max(out.deviation_px, std::hypot(dx - (middle->x - out.centre.x),
+                                                                     dy - (middle->y - out.centre.y)));
+        }
+    }
+    if (!(out.largest_move_px >= still_px)) {
+        out.kind = MotionKind::still;
+    } else {
+        out.kind = out.deviation_px <= translation_px ? MotionKind::translation : MotionKind::general;
+    }
+    return out;
+}
+
+}  // namespace postlens

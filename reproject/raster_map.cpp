@@ -1,0 +1,110 @@
+#include "reproject/raster_map.h"
+
+#include <algorithm>
+
+namespace postlens {
+
+using glm::dmat4;
+using glm::dvec4;
+
+namespace {
+
+std::vector<double> times_of(const std::vector<TransformKey>& keys) {
+    std::vector<double> out;
+    for (const TransformKey& k : keys) out.push_back(k.time_s);
+    return out;
+}
+
+// The camera's frame from raster coordinates, both homogeneous; x right, y up, looking along -z.
+dmat4 camera_from_raster(const SampleHeader& h) {
+    const bool perspective = h.projection == Projection::perspective;
+    const double scale =
+        perspective ? h.pixel_pitch_mm / h.film_distance_mm : h.pixel_pitch_mm * 1e-3;  // tangent or m per px
+    const double x0 = -0.5 * h.width * scale, y0 = 0.5 * h.height * scale;
+    // Perspective: (x, y, 1, 1/z) to the point times 1/z; orthographic: (x, y, z, 1) to the point.
+    return perspective ? dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(x0, y0, -1, 0), dvec4(0, 0, 0, 1))
+                       : dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(0, 0, -1, 0), dvec4(x0, y0, 0, 1));
+}
+
+}  // namespace
+
+std::optional<RasterPoint> RasterMap::operator()(const RasterPoint& p) const {
+    if (projection_ == Projection::perspective) {
+        const dvec4 q = m_ * dvec4(p.x, p.y, 1, p.inverse_z);
+        if (!(q.z > 0)) return std::nullopt;
+        return RasterPoint{q.x / q.z, q.y / q.z, p.inverse_z / q.z};
+    }
+    if (p.inverse_z == 0) return p;
+    const dvec4 q = m_ * dvec4(p.x, p.y, 1 / p.inverse_z, 1);
+    if (!(q.z > 0)) return std::nullopt;
+    return RasterPoint{q.x, q.y, 1 / q.z};
+}
+
+FrameMotion::FrameMotion(const SampleHeader& header)
+    : projection_(header.projection),
+      camera_from_raster_(camera_from_raster(header)),
+      raster_from_camera_(glm::inverse(camera_from_raster_)),
+      world_from_camera_(header.world_from_camera),
+      time_s_(header.time_s),
+      camera_(header.motion.camera),
+      camera_breaks_s_(times_of(header.motion.camera)) {
+    for (const auto& [id, motion] : header.motion.objects) set_keys(id, motion.keys);
+}
+
+void FrameMotion::set_displacement(std::uint32_t id, Displacement displacement, std::vector<double> breaks_s) {
+    screen_[id] = {std::move(displacement), std::move(breaks_s)};
+}
+
+void FrameMotion::set_keys(std::uint32_t id, const std::vector<TransformKey>& keys) {
+    screen_.erase(id);
+    rigid_[id] = MotionPath(keys);
+    rigid_breaks_s_[id] = times_of(keys);
+}
+
+dmat4 FrameMotion::world_from_camera(double time_s) const {
+    if (!camera_.moves(std::min(time_s, time_s_), std::max(time_s, time_s_))) return world_from_camera_;
+    return camera_.at(time_s).matrix() * glm::inverse(camera_.at(time_s_).matrix()) * world_from_camera_;
+}
+
+RasterMap FrameMotion::map(std::uint32_t id, double from_s, double to_s) const {
+    if (const auto screen = screen_.find(id); screen != screen_.end()) {
+        const glm::dvec2 d = screen->second.displacement(to_s) - screen->second.displacement(from_s);
+        dmat4 m(1);
+        m[projection_ == Projection::perspective ? 2 : 3] += dvec4(d, 0, 0);
+        return {m, projection_};
+    }
+    const double first = std::min(from_s, to_s), last = std::max(from_s, to_s);
+    const auto rigid = rigid_.find(id);
+    const bool object_moves = rigid != rigid_.end() && rigid->second.moves(first, last);
+    if (!object_moves && !camera_moves(first, last)) return {dmat4(1), projection_};
+    dmat4 world(1);
+    if (object_moves)
+        world = rigid->second.at(to_s).matrix() * glm::inverse(rigid->second.at(from_s).matrix());
+    const dmat4 camera = glm::inverse(world_from_camera(to_s)) * world * world_from_camera(from_s);
+    return {raster_from_camera_ * camera * camera_from_raster_, projection_};
+}
+
+std::vector<double> FrameMotion::breaks_s(std::uint32_t id) const {
+    if (const auto screen = screen_.find(id); screen != screen_.end()) return screen->second.breaks_s;
+    std::vector<double> out = camera_breaks_s_;
+    if (const auto rigid = rigid_breaks_s_.find(id); rigid != rigid_breaks_s_.end())
+        out.insert(out.end(), rigid->second.begin(), rigid->second.end());
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+}
+
+bool FrameMotion::camera_moves(double open_s, double close_s) const {
+    return camera_.moves(open_s, close_s);
+}
+
+std::vector<std::uint32_t> FrameMotion::moving_ids() const {
+    std::vector<std::uint32_t> out;
+    for (const auto& [id, motion] : rigid_) out.push_back(id);
+    for (const auto& [id, motion] : screen_) out.push_back(id);
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+}
+
+}  // namespace postlens
