@@ -24,7 +24,8 @@ struct ScanlineFacts {
     std::uint64_t checksum = 0;
 };
 
-/// Writes bands in order, top to bottom, in bounded memory. Nothing appears at `path` before `finish()`.
+/// Writes bands in order, top to bottom, first those of the frame's own instant, then those of each key, in
+/// bounded memory. Nothing appears at `path` before `finish()`.
 class SampleFileWriter {
   public:
     SampleFileWriter(const std::filesystem::path& path, const SampleHeader& header,
@@ -36,9 +37,12 @@ class SampleFileWriter {
     SampleFileWriter& operator=(SampleFileWriter&&) = delete;
 
     /// The next rows of records: the first band begins at -overscan, the last ends at height + overscan + 1,
-    /// columns always [-overscan, width + overscan + 1). The pinhole picture (part 0) is computed from them
-    /// here.
+    /// columns always [-overscan, width + overscan + 1). The pinhole picture (part 0) is computed here, from
+    /// those of the frame's own instant.
     void write(const RecordBand& band);
+    /// Goes on to the next of the header's `key_times_s`, once an instant is complete; its bands begin at the
+    /// top again. Throws Error(invalid_input) where rows are missing or no key is left.
+    void next_instant();
     /// Completes the file and puts it in place. Returns its size in bytes.
     std::uint64_t finish();
     /// The pinhole picture as it stands in part 0; complete after the last band.
@@ -61,8 +65,12 @@ class SampleFileReader {
     SampleFileReader& operator=(SampleFileReader&&) = delete;
 
     [[nodiscard]] const SampleHeader& header() const;
+    /// How many instants there are records of: the frame's own, which is number 0, and the keys.
+    [[nodiscard]] std::size_t instants() const;
+    [[nodiscard]] double instant_s(std::size_t instant) const;
     /// One entry per record scanline, first at y = -overscan.
-    [[nodiscard]] std::span<const ScanlineFacts> scanlines() const;
+    [[nodiscard]] std::span<const ScanlineFacts> scanlines(std::size_t instant = 0) const;
+    /// Of all instants together.
     [[nodiscard]] std::uint64_t record_count() const;
     [[nodiscard]] std::uint64_t file_bytes() const;
     /// The record rows: [-overscan, height + overscan + 1).
@@ -72,9 +80,9 @@ class SampleFileReader {
     [[nodiscard]] int x_begin() const;
     [[nodiscard]] int x_end() const;
 
-    /// Rows [y_begin, y_end) in canonical order. Checksums, ids of paths, positions and finiteness are
-    /// verified. A buffer given again is reused. Random access is allowed.
-    void read(int y_begin, int y_end, RecordBand& band) const;
+    /// Rows [y_begin, y_end) of an instant in canonical order. Checksums, ids of paths, positions and
+    /// finiteness are verified. A buffer given again is reused. Random access is allowed.
+    void read(int y_begin, int y_end, RecordBand& band, std::size_t instant = 0) const;
     /// Part 0 as stored.
     [[nodiscard]] Image picture() const;
     /// True where the file begins like a sample file (an OpenEXR file with postlens' version attribute).

@@ -34,6 +34,13 @@ std::uint64_t joined(std::uint32_t hi, std::uint32_t lo) {
 
 }  // namespace
 
+std::string part_name(const PartPlace& place) {
+    constexpr std::array<const char*, parts_of_first_instant> names{"picture", "records", "scanlines"};
+    std::string name = names[static_cast<std::size_t>(place.part)];
+    if (place.instant > 0) name += ".k" + std::to_string(place.instant);
+    return name;
+}
+
 std::vector<ExrChannel> channels_of(Part part, RecordChannels channels) {
     using Type = ExrChannel::Type;
     if (part == picture_part) return {{"B", Type::float32}, {"G", Type::float32}, {"R", Type::float32}};

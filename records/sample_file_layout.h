@@ -1,7 +1,8 @@
-// The parts of a sample file: their names, channels and windows, and the rows of the small part `scanlines`.
+// The parts of a sample file: their names, channels and windows, and the rows of the small parts `scanlines`.
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "records/exr_input.h"
@@ -10,10 +11,28 @@
 
 namespace postlens::layout {
 
-enum Part : int { picture_part, records_part, scanlines_part, part_count };
-inline constexpr std::array<const char*, part_count> part_names{"picture", "records", "scanlines"};
-inline constexpr std::array<const char*, part_count> part_types{"scanlineimage", "deepscanline",
-                                                                "scanlineimage"};
+/// What a part is; as a number, which one it is among the parts of the frame's own instant.
+enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
+inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
+                                                                            "scanlineimage"};
+/// Where a part of `instant` stands in the file: the picture, then records and scanlines by turns.
+[[nodiscard]] inline int part_index(Part part, std::size_t instant) {
+    return static_cast<int>(part) + (part == picture_part ? 0 : 2 * static_cast<int>(instant));
+}
+[[nodiscard]] inline std::size_t parts_of(std::size_t keys) {
+    return parts_of_first_instant + 2 * keys;
+}
+/// The part at a place, and the instant it belongs to.
+struct PartPlace {
+    Part part;
+    std::size_t instant;
+};
+[[nodiscard]] inline PartPlace part_at(std::size_t index) {
+    if (index == 0) return {picture_part, 0};
+    return {index % 2 == 1 ? records_part : scanlines_part, (index - 1) / 2};
+}
+/// "picture", "records", "scanlines"; of key i "records.k<i>", "scanlines.k<i>", i from 1.
+[[nodiscard]] std::string part_name(const PartPlace& place);
 /// What OpenEXR can state as the size of a chunk.
 inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
 

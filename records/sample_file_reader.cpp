@@ -45,6 +45,13 @@ struct DeepChunk {
     std::uint64_t counts_at = 0, counts_bytes = 0, data_bytes = 0;
 };
 
+/// What is kept of one instant: where its chunks lie, and what its scanlines hold.
+struct Instant {
+    double time_s = 0;
+    std::vector<std::uint64_t> record_chunks, scanline_chunks;
+    std::vector<ScanlineFacts> facts;
+};
+
 /// Scratch of one thread.
 struct Workplace {
     Workplace(int width, RecordChannels channels)
@@ -59,7 +66,7 @@ struct Workplace {
 
 struct SampleFileReader::Impl {
     explicit Impl(const std::filesystem::path& path) : file(path) {
-        const ExrHeaders headers = read_exr_headers(file, part_count + 1);
+        const ExrHeaders headers = read_exr_headers(file, parts_of(SampleHeader::most_keys) + 1);
         header = sample_header_of(headers, file.name());
         channels = {header.has_w, header.has_layers};
         window = data_window(records_part, header);
@@ -67,7 +74,8 @@ struct SampleFileReader::Impl {
         codec = *headers.parts[records_part].compression();
         picture_codec = *headers.parts[picture_part].compression();
         read_chunk_tables(headers.end);
-        read_scanlines();
+        for (std::size_t i = 0; i < instants.size(); ++i) read_scanlines(i);
+        check_record_count();
     }
 
     InputFile file;
@@ -75,9 +83,9 @@ struct SampleFileReader::Impl {
     RecordChannels channels;
     Window window;
     ChunkCompression codec = ChunkCompression::none, picture_codec = ChunkCompression::none;
-    std::array<std::vector<std::uint64_t>, part_count> chunk_offsets;
-    std::vector<ScanlineFacts> facts;
+    std::vector<std::uint64_t> picture_chunks;
     std::vector<std::uint64_t> picture_checksums;  ///< per row of the raster
+    std::vector<Instant> instants;                 ///< the frame's own, then the keys
     std::uint64_t record_count = 0;
     /// Kept from read to read, so that small bands cost no allocations.
     mutable std::optional<tbb::enumerable_thread_specific<Workplace>> workplaces;
@@ -88,40 +96,56 @@ struct SampleFileReader::Impl {
     [[nodiscard]] std::size_t row_index(int y) const { return static_cast<std::size_t>(y - window.y_min); }
 
     void read_chunk_tables(std::uint64_t at);
-    void read_scanlines();
-    /// Position and size of the data of a flat chunk whose first row is y, of at most `most_bytes`.
-    [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> flat_chunk(Part part, std::size_t index, int y,
+    void read_scanlines(std::size_t instant);
+    void check_record_count() const;
+    /// Position and size of the data of the flat chunk at `at`, which must be that of row y of `part` and of
+    /// at most `most_bytes`.
+    [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> flat_chunk(int part, std::uint64_t at, int y,
                                                                      std::uint64_t most_bytes) const;
-    [[nodiscard]] DeepChunk deep_chunk(int y) const;
-    void read_row(int y, const DeepChunk& chunk, std::uint32_t base, Workplace& work, RecordBand& band) const;
-    void check_row(int y, RecordBand& band) const;
+    [[nodiscard]] DeepChunk deep_chunk(std::size_t instant, int y) const;
+    void read_row(int y, const ScanlineFacts& expected, const DeepChunk& chunk, std::uint32_t base,
+                  Workplace& work, RecordBand& band) const;
+    void check_row(int y, const ScanlineFacts& expected, RecordBand& band) const;
+    [[nodiscard]] const Instant& instant_at(std::size_t instant) const;
 };
 
+const Instant& SampleFileReader::Impl::instant_at(std::size_t instant) const {
+    if (instant >= instants.size()) {
+        fail(ExitCode::invalid_input, "{}: no such instant (got {}; expected 0 to {})", file.name(), instant,
+             instants.size() - 1);
+    }
+    return instants[instant];
+}
+
 void SampleFileReader::Impl::read_chunk_tables(std::uint64_t at) {
-    std::array<std::size_t, part_count> counts{};
-    counts[picture_part] = chunks_of(header.height, picture_codec);
-    counts[records_part] = chunks_of(rows_of(window), codec);
-    counts[scanlines_part] = counts[records_part];
+    const std::size_t picture_count = chunks_of(header.height, picture_codec);
+    const std::size_t rows = chunks_of(rows_of(window), codec);
+    const std::uint64_t instant_bytes =
+        rows * (8 + deep_head_bytes) + rows * (8 + flat_head_bytes + ScanlineRow::byte_count);
     const std::uint64_t least_bytes =
-        at + counts[picture_part] * (8 + flat_head_bytes) + counts[records_part] * (8 + deep_head_bytes) +
-        counts[scanlines_part] * (8 + flat_head_bytes + ScanlineRow::byte_count);
+        at + picture_count * (8 + flat_head_bytes) + (1 + header.key_times_s.size()) * instant_bytes;
     if (file.size() < least_bytes) {
         fail(ExitCode::invalid_input, "{}: file is cut off (got {} bytes; expected more than {})",
              file.name(), file.size(), least_bytes);
     }
-    for (std::size_t part = 0; part < part_count; ++part) {
-        Bytes bytes(counts[part] * 8);
+    const auto next_table = [&](std::size_t count, std::vector<std::uint64_t>& table) {
+        Bytes bytes(count * 8);
         file.read_at(at, bytes);
         at += bytes.size();
-        chunk_offsets[part].resize(counts[part]);
-        std::memcpy(chunk_offsets[part].data(), bytes.data(), bytes.size());
+        table.resize(count);
+        std::memcpy(table.data(), bytes.data(), bytes.size());
+    };
+    next_table(picture_count, picture_chunks);
+    instants.resize(1 + header.key_times_s.size());
+    for (std::size_t i = 0; i < instants.size(); ++i) {
+        instants[i].time_s = i == 0 ? header.time_s : header.key_times_s[i - 1];
+        next_table(rows, instants[i].record_chunks);
+        next_table(rows, instants[i].scanline_chunks);
     }
 }
 
-std::pair<std::uint64_t, std::uint64_t> SampleFileReader::Impl::flat_chunk(Part part, std::size_t index,
-                                                                           int y,
+std::pair<std::uint64_t, std::uint64_t> SampleFileReader::Impl::flat_chunk(int part, std::uint64_t at, int y,
                                                                            std::uint64_t most_bytes) const {
-    const std::uint64_t at = chunk_offsets[part][index];
     std::array<std::uint8_t, flat_head_bytes> head{};
     file.read_at(at, head);
     const auto size = load<std::int32_t>(head.data() + 8);
@@ -132,31 +156,40 @@ std::pair<std::uint64_t, std::uint64_t> SampleFileReader::Impl::flat_chunk(Part 
     return {at + flat_head_bytes, static_cast<std::uint64_t>(size)};
 }
 
-void SampleFileReader::Impl::read_scanlines() {
-    facts.reserve(chunk_offsets[scanlines_part].size());
-    picture_checksums.resize(static_cast<std::size_t>(header.height));
+void SampleFileReader::Impl::read_scanlines(std::size_t instant) {
+    Instant& of = instants[instant];
+    of.facts.reserve(of.scanline_chunks.size());
+    if (instant == 0) picture_checksums.resize(static_cast<std::size_t>(header.height));
+    const int part = part_index(scanlines_part, instant);
     const auto columns = static_cast<std::uint32_t>(columns_of(window));
     for (int y = window.y_min; y <= window.y_max; ++y) {
-        const auto [at, size] = flat_chunk(scanlines_part, row_index(y), y, ScanlineRow::byte_count);
+        const auto [at, size] =
+            flat_chunk(part, of.scanline_chunks[row_index(y)], y, ScanlineRow::byte_count);
         std::array<std::uint8_t, ScanlineRow::byte_count> bytes{};
         if (size != bytes.size()) fail_damaged(y, "a row of part scanlines of another size");
         file.read_at(at, bytes);
         const auto row = ScanlineRow::from_bytes(bytes, y);
         if (!row) fail_damaged(y, "row of part scanlines does not match its check");
         if (row->facts.records < columns) fail_damaged(y, "fewer records than pixels");
-        facts.push_back(row->facts);
+        of.facts.push_back(row->facts);
         record_count += row->facts.records;
-        if (y >= 0 && y < header.height)
+        if (instant == 0 && y >= 0 && y < header.height) {
             picture_checksums[static_cast<std::size_t>(y)] = row->picture_checksum;
+        } else if (row->picture_checksum != 0) {
+            fail_damaged(y, "a checksum of a picture where there is none");
+        }
     }
+}
+
+void SampleFileReader::Impl::check_record_count() const {
     if (record_count * bytes_per_record(channels) / best_deflate_ratio > file.size()) {
         fail(ExitCode::invalid_input, "{}: file is damaged (got {} bytes for {} records)", file.name(),
              file.size(), record_count);
     }
 }
 
-DeepChunk SampleFileReader::Impl::deep_chunk(int y) const {
-    const std::uint64_t at = chunk_offsets[records_part][row_index(y)];
+DeepChunk SampleFileReader::Impl::deep_chunk(std::size_t instant, int y) const {
+    const std::uint64_t at = instants[instant].record_chunks[row_index(y)];
     std::array<std::uint8_t, deep_head_bytes> head{};
     file.read_at(at, head);
     DeepChunk chunk;
@@ -166,14 +199,15 @@ DeepChunk SampleFileReader::Impl::deep_chunk(int y) const {
     const auto unpacked_bytes = load<std::uint64_t>(head.data() + 24);
     const std::uint64_t room = file.size() - chunk.counts_at;
     const auto count_table_bytes = static_cast<std::uint64_t>(columns_of(window)) * 4;
-    if (load<std::int32_t>(head.data()) != records_part || load<std::int32_t>(head.data() + 4) != y) {
+    if (load<std::int32_t>(head.data()) != part_index(records_part, instant) ||
+        load<std::int32_t>(head.data() + 4) != y) {
         fail_damaged(y, "a chunk that does not belong there");
     }
     if (chunk.counts_bytes > std::min(room, count_table_bytes) ||
         chunk.data_bytes > room - chunk.counts_bytes) {
         fail_damaged(y, "its chunk reaches beyond the end of the file");
     }
-    const std::uint64_t records = facts[row_index(y)].records;
+    const std::uint64_t records = instants[instant].facts[row_index(y)].records;
     if (unpacked_bytes != records * bytes_per_record(channels) || unpacked_bytes > largest_chunk_bytes ||
         chunk.data_bytes > unpacked_bytes) {
         fail_damaged(y, "its size does not match its number of records");
@@ -184,9 +218,8 @@ DeepChunk SampleFileReader::Impl::deep_chunk(int y) const {
     return chunk;
 }
 
-void SampleFileReader::Impl::read_row(int y, const DeepChunk& chunk, std::uint32_t base, Workplace& work,
-                                      RecordBand& band) const {
-    const ScanlineFacts& expected = facts[row_index(y)];
+void SampleFileReader::Impl::read_row(int y, const ScanlineFacts& expected, const DeepChunk& chunk,
+                                      std::uint32_t base, Workplace& work, RecordBand& band) const {
     work.bytes.prepare(y, expected.records);
     const auto fill = [&](std::uint64_t at, std::uint64_t packed_bytes, std::span<std::uint8_t> raw,
                           const char* what) {
@@ -211,10 +244,10 @@ void SampleFileReader::Impl::read_row(int y, const DeepChunk& chunk, std::uint32
     // The row's first and last entry, which it shares with its neighbours, are in place already.
     for (std::size_t i = 1; i + 1 < work.offsets.size(); ++i)
         band.offsets[first + i] = base + work.offsets[i];
-    check_row(y, band);
+    check_row(y, expected, band);
 }
 
-void SampleFileReader::Impl::check_row(int y, RecordBand& band) const {
+void SampleFileReader::Impl::check_row(int y, const ScanlineFacts& expected, RecordBand& band) const {
     const std::span<Record> records = band.records;
     float nearest_z = std::numeric_limits<float>::infinity();
     float farthest_z = 0;
@@ -234,7 +267,6 @@ void SampleFileReader::Impl::check_row(int y, RecordBand& band) const {
             farthest_z = std::max(farthest_z, r.z);
         }
     }
-    const ScanlineFacts& expected = facts[row_index(y)];
     if (nearest_z != expected.nearest_z || farthest_z != expected.farthest_z) {
         fail_damaged(y, "its nearest and farthest z' are not as stated");
     }
@@ -246,8 +278,14 @@ SampleFileReader::~SampleFileReader() = default;
 const SampleHeader& SampleFileReader::header() const {
     return impl_->header;
 }
-std::span<const ScanlineFacts> SampleFileReader::scanlines() const {
-    return impl_->facts;
+std::size_t SampleFileReader::instants() const {
+    return impl_->instants.size();
+}
+double SampleFileReader::instant_s(std::size_t instant) const {
+    return impl_->instant_at(instant).time_s;
+}
+std::span<const ScanlineFacts> SampleFileReader::scanlines(std::size_t instant) const {
+    return impl_->instant_at(instant).facts;
 }
 std::uint64_t SampleFileReader::record_count() const {
     return impl_->record_count;
@@ -268,8 +306,9 @@ int SampleFileReader::x_end() const {
     return impl_->window.x_max + 1;
 }
 
-void SampleFileReader::read(int y_begin, int y_end, RecordBand& band) const {
+void SampleFileReader::read(int y_begin, int y_end, RecordBand& band, std::size_t instant) const {
     const Impl& impl = *impl_;
+    const Instant& of = impl.instant_at(instant);
     if (y_begin < this->y_begin() || y_end > this->y_end() || y_begin > y_end) {
         fail(ExitCode::invalid_input, "{}: no such rows (got {} to {}; expected {} to {})", impl.file.name(),
              y_begin, y_end, this->y_begin(), this->y_end());
@@ -280,9 +319,9 @@ void SampleFileReader::read(int y_begin, int y_end, RecordBand& band) const {
     std::uint64_t total = 0;
     for (std::size_t i = 0; i < rows; ++i) {
         const int y = y_begin + static_cast<int>(i);
-        chunks[i] = impl.deep_chunk(y);
+        chunks[i] = impl.deep_chunk(instant, y);
         bases[i] = static_cast<std::uint32_t>(total);
-        total += impl.facts[impl.row_index(y)].records;
+        total += of.facts[impl.row_index(y)].records;
         if (total > std::numeric_limits<std::uint32_t>::max()) {
             fail(ExitCode::invalid_input, "{}: rows {} to {} hold more records than can be read at once",
                  impl.file.name(), y_begin, y_end);
@@ -299,7 +338,9 @@ void SampleFileReader::read(int y_begin, int y_end, RecordBand& band) const {
         band.offsets.back() = static_cast<std::uint32_t>(total);
         band.records.resize(total);
         parallel_for(rows, [&](std::size_t i) {
-            impl.read_row(y_begin + static_cast<int>(i), chunks[i], bases[i], impl.workplaces->local(), band);
+            const int y = y_begin + static_cast<int>(i);
+            impl.read_row(y, of.facts[impl.row_index(y)], chunks[i], bases[i], impl.workplaces->local(),
+                          band);
         });
     } catch (const std::bad_alloc&) {
         fail(ExitCode::out_of_memory, "{}: not enough memory for rows {} to {} (needs {} MB)",
@@ -319,12 +360,13 @@ Image SampleFileReader::picture() const {
         ChunkCodec codec;
     };
     tbb::enumerable_thread_specific<Work> workplaces;
-    parallel_for(impl.chunk_offsets[picture_part].size(), [&](std::size_t block) {
+    parallel_for(impl.picture_chunks.size(), [&](std::size_t block) {
         Work& work = workplaces.local();
         const int y_begin = static_cast<int>(block) * step;
         const int y_end = std::min(y_begin + step, height);
         work.planes.resize(row_bytes * static_cast<std::size_t>(y_end - y_begin));
-        const auto [at, size] = impl.flat_chunk(picture_part, block, y_begin, work.planes.size());
+        const auto [at, size] =
+            impl.flat_chunk(picture_part, impl.picture_chunks[block], y_begin, work.planes.size());
         work.packed.resize(size);
         impl.file.read_at(at, work.packed);
         if (!work.codec.decompress(impl.picture_codec, work.packed, work.planes)) {

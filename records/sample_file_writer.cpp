@@ -86,8 +86,9 @@ struct SampleFileWriter::Impl {
     std::optional<OutputFile> file;
     std::optional<ExrOutput> output;
     Image picture;
-    int next_y = 0;       ///< row of records that comes next
-    RecordBand last_row;  ///< row next_y - 1 and, while a band is written, the row after it
+    std::size_t instant = 0;  ///< that is being written: the frame's own, then the keys
+    int next_y = 0;           ///< row of records that comes next
+    RecordBand last_row;      ///< row next_y - 1 and, while a band is written, the row after it
     std::optional<ScanlineFacts> last_facts;  ///< of row next_y - 1, not yet written
     std::vector<std::uint64_t> picture_checksums;
     std::vector<PackedRow> rows;
@@ -95,6 +96,7 @@ struct SampleFileWriter::Impl {
     bool finished = false;
 
     void check_band(const RecordBand& band) const;
+    void end_instant();
     void pack_row(const RecordBand& band, int y, PackedRow& row);
     void compute_picture_row(const RecordBand& band, int y);
     void write_batch(const RecordBand& band, int y_begin, int y_end);
@@ -165,7 +167,7 @@ Bytes SampleFileWriter::Impl::picture_planes(int y_begin, int y_end) const {
 
 /// Picture row y needs the records of rows y and y + 1, both in `band`.
 void SampleFileWriter::Impl::compute_picture_row(const RecordBand& band, int y) {
-    if (y < 0 || y >= header.height) return;
+    if (instant > 0 || y < 0 || y >= header.height) return;
     const std::span<float> rgb(picture.pixel(0, y), static_cast<std::size_t>(header.width) * 3);
     picture_row(band, y, 0, header.width, rgb);
     for (const float v : rgb) {
@@ -178,9 +180,19 @@ void SampleFileWriter::Impl::compute_picture_row(const RecordBand& band, int y) 
 }
 
 void SampleFileWriter::Impl::write_scanline_row(int y, const ScanlineFacts& facts) {
-    const bool in_raster = y >= 0 && y < header.height;
-    const ScanlineRow row{facts, in_raster ? picture_checksums[static_cast<std::size_t>(y)] : 0};
-    output->write_flat_chunk(scanlines_part, y, row.bytes(y));
+    const bool in_picture = instant == 0 && y >= 0 && y < header.height;
+    const ScanlineRow row{facts, in_picture ? picture_checksums[static_cast<std::size_t>(y)] : 0};
+    output->write_flat_chunk(part_index(scanlines_part, instant), y, row.bytes(y));
+}
+
+/// Writes what is held back of a complete instant.
+void SampleFileWriter::Impl::end_instant() {
+    if (next_y != window.y_max + 1) {
+        fail(ExitCode::invalid_input, "{}: records are missing (got rows up to {}; expected up to {})", name,
+             next_y, window.y_max + 1);
+    }
+    if (last_facts) write_scanline_row(window.y_max, *last_facts);
+    last_facts.reset();
 }
 
 void SampleFileWriter::Impl::write_picture_block(int block) {
@@ -208,10 +220,12 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);
-        output->write_deep_chunk(records_part, y, rows[i].counts, rows[i].data, rows[i].data_bytes);
+        output->write_deep_chunk(part_index(records_part, instant), y, rows[i].counts, rows[i].data,
+                                 rows[i].data_bytes);
         if (last_facts) write_scanline_row(y - 1, *last_facts);
         last_facts = rows[i].facts;
-        const bool ends_block = y >= 1 && y <= header.height && (y % block_rows == 0 || y == header.height);
+        const bool ends_block =
+            instant == 0 && y >= 1 && y <= header.height && (y % block_rows == 0 || y == header.height);
         if (ends_block) write_picture_block((y - 1) / block_rows);
     }
 }
@@ -253,12 +267,22 @@ void SampleFileWriter::write(const RecordBand& band) {
     impl_->next_y = band.y_end;
 }
 
-std::uint64_t SampleFileWriter::finish() {
-    if (impl_->next_y != impl_->window.y_max + 1 || impl_->finished) {
-        fail(ExitCode::invalid_input, "{}: records are missing (got rows up to {}; expected up to {})",
-             impl_->name, impl_->next_y, impl_->window.y_max + 1);
+void SampleFileWriter::next_instant() {
+    if (impl_->instant == impl_->header.key_times_s.size()) {
+        fail(ExitCode::invalid_input, "{}: records of an instant that the header does not name (expected {})",
+             impl_->name, 1 + impl_->header.key_times_s.size());
     }
-    impl_->write_scanline_row(impl_->window.y_max, *impl_->last_facts);
+    impl_->end_instant();
+    ++impl_->instant;
+    impl_->next_y = impl_->window.y_min;
+}
+
+std::uint64_t SampleFileWriter::finish() {
+    if (impl_->instant != impl_->header.key_times_s.size() || impl_->finished) {
+        fail(ExitCode::invalid_input, "{}: records are missing (got {} instants; expected {})", impl_->name,
+             1 + impl_->instant, 1 + impl_->header.key_times_s.size());
+    }
+    impl_->end_instant();
     const std::uint64_t size = impl_->output->finish();
     impl_->file->commit();
     impl_->finished = true;

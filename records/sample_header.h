@@ -15,14 +15,17 @@ namespace postlens {
 
 enum class Projection { perspective, orthographic };
 
-/// Lens settings that the traced records (overscan, hidden layers) were sized for. Absent: any not asked for.
+/// Lens and shutter that the traced records (overscan, hidden layers) were sized for. Absent: any not asked
+/// for.
 struct SufficientRange {
     std::optional<double> smallest_f_number;
     std::optional<double> nearest_focus_m, farthest_focus_m;  ///< farthest may be infinite
+    std::optional<double> shutter_open_s, shutter_close_s;    ///< both or none
 };
 
 struct SampleHeader {
-    static constexpr int current_version = 1;
+    static constexpr int current_version = 2;
+    static constexpr std::size_t most_keys = 64;
 
     int version = current_version;
     int width = 0, height = 0;  ///< raster, px: pixel centres at (i + 0.5, j + 0.5), y downwards
@@ -36,7 +39,9 @@ struct SampleHeader {
     std::optional<double> focus_m;  ///< may be infinite
     std::optional<double> exposure_s;
     glm::dmat4 world_from_camera{1};  ///< camera frame: x right, y up, looking along -z; metres
-    double time_s = 0;                ///< the instant of the trace
+    double time_s = 0;                ///< the instant of the trace, and of the picture
+    /// Further instants at which records were taken, growing, none of them `time_s`; at most `most_keys`.
+    std::vector<double> key_times_s;
 
     int subdivide_levels = 0;  ///< greatest depth of the recursive 2x2 subdivision of a pixel
     double subdivide_threshold = 0;

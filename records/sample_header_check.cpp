@@ -62,8 +62,35 @@ std::string header_checksum(const SampleHeader& h) {
     bytes.optional(h.sufficient.smallest_f_number);
     bytes.optional(h.sufficient.nearest_focus_m);
     bytes.optional(h.sufficient.farthest_focus_m);
+    bytes.number(static_cast<std::uint32_t>(h.key_times_s.size()));
+    for (const double v : h.key_times_s) bytes.number(v);
+    bytes.optional(h.sufficient.shutter_open_s);
+    bytes.optional(h.sufficient.shutter_close_s);
     return bytes.checksum();
 }
+
+namespace {
+
+template <typename Demand>
+void check_instants(const SampleHeader& h, const Demand& demand) {
+    demand(std::isfinite(h.time_s), "frame time in s", h.time_s, "a finite number");
+    demand(h.key_times_s.size() <= SampleHeader::most_keys, "number of key instants", h.key_times_s.size(),
+           "at most 64");
+    for (std::size_t i = 0; i < h.key_times_s.size(); ++i) {
+        const double t = h.key_times_s[i];
+        demand(std::isfinite(t), "key instant in s", t, "a finite number");
+        demand(t != h.time_s, "key instant in s", t, "another than the frame's");
+        demand(i == 0 || t > h.key_times_s[i - 1], "key instant in s", t, "growing instants");
+    }
+    const auto &open = h.sufficient.shutter_open_s, &close = h.sufficient.shutter_close_s;
+    demand(open.has_value() == close.has_value(), "sufficient shutter", "half of one", "open and close");
+    if (!open || !close) return;
+    demand(std::isfinite(*open), "sufficient shutter opening in s", *open, "a finite number");
+    demand(std::isfinite(*close) && *close >= *open, "sufficient shutter closing in s", *close,
+           "a finite number not before the opening");
+}
+
+}  // namespace
 
 void check_sample_header(const SampleHeader& h, const std::string& file) {
     const auto demand = [&](bool ok, const char* what, const auto& got, const char* expected) {
@@ -74,7 +101,7 @@ void check_sample_header(const SampleHeader& h, const std::string& file) {
     const auto demand_positive = [&](const std::optional<double>& value, const char* what) {
         if (value) demand(*value > 0, what, *value, "greater than 0");
     };
-    demand(h.version == SampleHeader::current_version, "format version", h.version, "1");
+    demand(h.version == SampleHeader::current_version, "format version", h.version, "2");
     demand(h.width > 0 && h.width <= largest_extent_px, "width", h.width, "1 to 262144");
     demand(h.height > 0 && h.height <= largest_extent_px, "height", h.height, "1 to 262144");
     demand(h.overscan_px >= 0 && h.overscan_px <= largest_extent_px, "overscan", h.overscan_px,
@@ -111,7 +138,7 @@ void check_sample_header(const SampleHeader& h, const std::string& file) {
     const double determinant = glm::determinant(h.world_from_camera);
     demand(std::isfinite(determinant) && determinant != 0, "camera matrix", "a singular one",
            "one to invert");
-    demand(std::isfinite(h.time_s), "frame time in s", h.time_s, "a finite number");
+    check_instants(h, demand);
     demand(std::isfinite(h.subdivide_threshold) && h.subdivide_threshold >= 0, "subdivision threshold",
            h.subdivide_threshold, "0 or more");
     demand(h.max_depth >= 0 && h.max_depth <= NodePath::max_bounces + 1, "depth of the shading tree",

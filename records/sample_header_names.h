@@ -27,6 +27,9 @@ inline constexpr const char* motion_name = "postlens.motion";
 inline constexpr const char* sufficient_f_number_name = "postlens.sufficient.fNumber";
 inline constexpr const char* sufficient_near_name = "postlens.sufficient.near_m";
 inline constexpr const char* sufficient_far_name = "postlens.sufficient.far_m";
+inline constexpr const char* sufficient_open_name = "postlens.sufficient.shutterOpen_s";
+inline constexpr const char* sufficient_close_name = "postlens.sufficient.shutterClose_s";
+inline constexpr const char* key_time_name = "postlens.time_s";
 inline constexpr const char* checksum_name = "postlens.headerChecksum";
 
 inline constexpr const char* perspective_text = "perspective";

@@ -65,14 +65,17 @@ std::vector<std::uint32_t> ids_of_text(const std::string& text, const std::strin
 /// The parts are those of a sample file of this size; their channels say which optional ones there are.
 void check_parts(const ExrHeaders& headers, const SampleHeader& header, const std::string& file) {
     const RecordChannels channels{header.has_w, header.has_layers};
-    for (int i = 0; i < part_count; ++i) {
-        const ExrPart& part = headers.parts[static_cast<std::size_t>(i)];
-        const auto which = static_cast<Part>(i);
+    for (std::size_t i = 0; i < headers.parts.size(); ++i) {
+        const ExrPart& part = headers.parts[i];
+        const PartPlace place = part_at(i);
+        const Part which = place.part;
         const auto refuse = [&](const char* what) {
             fail(ExitCode::invalid_input, "{}: part {} has an unexpected {}", file, i, what);
         };
-        if (part.get_string("name") != part_names[static_cast<std::size_t>(i)]) refuse("name");
-        if (part.get_string("type") != part_types[static_cast<std::size_t>(i)]) refuse("type");
+        if (part.get_string("name") != part_name(place)) refuse("name");
+        if (part.get_string("type") != part_types[static_cast<std::size_t>(which)]) refuse("type");
+        if (place.instant > 0 && part.get_double(key_time_name) != header.key_times_s[place.instant - 1])
+            refuse("instant");
         if (part.channels() != channels_of(which, channels)) refuse("list of channels");
         if (part.get_window("displayWindow") != display_window(header)) refuse("display window");
         const Window window = data_window(which, header);
@@ -80,6 +83,7 @@ void check_parts(const ExrHeaders& headers, const SampleHeader& header, const st
         const auto compression = part.compression();
         if (!compression || (which == records_part && *compression == ChunkCompression::zip))
             refuse("compression");
+        if (place.instant > 0 && compression != headers.parts[which].compression()) refuse("compression");
         const auto chunks = part.get_int("chunkCount");
         if (!chunks || *chunks != static_cast<int>(chunks_of(rows_of(window), *compression)))
             refuse("chunkCount");
@@ -108,9 +112,10 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
         fail(ExitCode::invalid_input, "{}: sample file of another version (got {}; expected {})", file,
              h.version, SampleHeader::current_version);
     }
-    if (headers.parts.size() != part_count) {
-        fail(ExitCode::invalid_input, "{}: unexpected number of parts (got {}; expected {})", file,
-             headers.parts.size(), static_cast<int>(part_count));
+    if (headers.parts.size() < parts_of(0) || headers.parts.size() > parts_of(SampleHeader::most_keys) ||
+        headers.parts.size() % 2 == 0) {
+        fail(ExitCode::invalid_input, "{}: unexpected number of parts (got {}; expected 3, and 2 for a key)",
+             file, headers.parts.size());
     }
     // Bounded before sizes are computed from them.
     const Window display = need(part.get_window("displayWindow"), "displayWindow");
@@ -138,6 +143,9 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
         h.world_from_camera[static_cast<int>(i / 4)][static_cast<int>(i % 4)] = camera[i];
     }
     h.time_s = need_double(frame_time_name);
+    for (std::size_t i = parts_of(0); i < headers.parts.size(); i += 2) {
+        h.key_times_s.push_back(need(headers.parts[i].get_double(key_time_name), key_time_name));
+    }
     h.subdivide_levels = need_int(subdivide_levels_name);
     h.subdivide_threshold = need_double(subdivide_threshold_name);
     h.max_depth = need_int(max_depth_name);
@@ -150,6 +158,8 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
     h.sufficient.smallest_f_number = part.get_double(sufficient_f_number_name);
     h.sufficient.nearest_focus_m = part.get_double(sufficient_near_name);
     h.sufficient.farthest_focus_m = part.get_double(sufficient_far_name);
+    h.sufficient.shutter_open_s = part.get_double(sufficient_open_name);
+    h.sufficient.shutter_close_s = part.get_double(sufficient_close_name);
 
     const ExrPart& records = headers.parts[records_part];
     h.object_names = names_of_manifest(records, file);

@@ -97,6 +97,8 @@ void add_own_attributes(Imf::Header& out, const SampleHeader& h) {
     add_optional(sufficient_f_number_name, h.sufficient.smallest_f_number);
     add_optional(sufficient_near_name, h.sufficient.nearest_focus_m);
     add_optional(sufficient_far_name, h.sufficient.farthest_focus_m);
+    add_optional(sufficient_open_name, h.sufficient.shutter_open_s);
+    add_optional(sufficient_close_name, h.sufficient.shutter_close_s);
     add_text(checksum_name, header_checksum(h));
 }
 
@@ -107,15 +109,16 @@ std::vector<Imf::Header> exr_headers_of(const SampleHeader& header, ChunkCompres
     const auto box = [](const Window& w) { return Imath::Box2i({w.x_min, w.y_min}, {w.x_max, w.y_max}); };
     const RecordChannels channels{header.has_w, header.has_layers};
     std::vector<Imf::Header> headers;
-    for (int i = 0; i < part_count; ++i) {
-        const auto part = static_cast<Part>(i);
+    for (std::size_t i = 0; i < parts_of(header.key_times_s.size()); ++i) {
+        const PartPlace place = part_at(i);
+        const Part part = place.part;
         const Window window = data_window(part, header);
         const ChunkCompression compression = part == picture_part   ? picture
                                              : part == records_part ? records
                                                                     : ChunkCompression::none;
         Imf::Header out(box(display_window(header)), box(window));
-        out.setName(part_names[static_cast<std::size_t>(i)]);
-        out.setType(part_types[static_cast<std::size_t>(i)]);
+        out.setName(part_name(place));
+        out.setType(part_types[static_cast<std::size_t>(part)]);
         out.compression() = static_cast<Imf::Compression>(compression);
         out.setChunkCount(static_cast<int>(chunks_of(rows_of(window), compression)));
         for (const ExrChannel& c : channels_of(part, channels)) {
@@ -125,8 +128,11 @@ std::vector<Imf::Header> exr_headers_of(const SampleHeader& header, ChunkCompres
             add_standard_attributes(out, header);
             add_own_attributes(out, header);
         }
-        if (part == records_part) {
-            out.setVersion(1);  // of the layout of deep chunks
+        if (place.instant > 0) {
+            out.insert(key_time_name, Imf::DoubleAttribute(header.key_times_s[place.instant - 1]));
+        }
+        if (part == records_part) out.setVersion(1);  // of the layout of deep chunks
+        if (part == records_part && place.instant == 0) {
             Imf::addComments(
                 out, "postlens: the records of a pixel add up, they do not composite; do not flatten");
             if (!header.object_names.empty()) {

@@ -41,6 +41,7 @@ struct RandomOptions {
     double probability = 0.5;  ///< of a cell to be subdivided
     bool has_w = false;
     bool has_layers = false;
+    int keys = 0;  ///< further instants
 };
 
 inline int floor_div(int a, int b) {
@@ -136,7 +137,8 @@ inline SampleHeader full_header(int width, int height, int overscan_px, const Ra
                        {.place = {1, 2, 3}, .casts_shadows = false, .keys = {{.time_s = -1}}}};
     h.has_w = options.has_w;
     h.has_layers = options.has_layers;
-    h.sufficient = {1.4, 0.8, std::numeric_limits<double>::infinity()};
+    h.sufficient = {1.4, 0.8, std::numeric_limits<double>::infinity(), 0.1, 0.15};
+    for (int k = 0; k < options.keys; ++k) h.key_times_s.push_back(0.1 + 0.05 * k + 1e-3);
     return h;
 }
 

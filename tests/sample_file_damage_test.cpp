@@ -43,6 +43,7 @@ void write_bytes(const fs::path& path, std::string_view bytes) {
 /// All that a reader gives.
 struct Content {
     RecordBand records;
+    std::vector<RecordBand> keys;
     std::vector<float> picture;
     std::vector<ScanlineFacts> facts;
     std::string scene_name;
@@ -52,6 +53,9 @@ Content read_all(const fs::path& path) {
     const SampleFileReader reader(path);
     Content content;
     reader.read(reader.y_begin(), reader.y_end(), content.records);
+    for (std::size_t k = 1; k < reader.instants(); ++k) {
+        reader.read(reader.y_begin(), reader.y_end(), content.keys.emplace_back(), k);
+    }
     content.picture = reader.picture().rgb;
     content.facts.assign(reader.scanlines().begin(), reader.scanlines().end());
     content.scene_name = reader.header().scene_name;
@@ -63,8 +67,11 @@ bool same(const Content& a, const Content& b) {
         a.facts.begin(), a.facts.end(), b.facts.begin(), b.facts.end(), [](const auto& x, const auto& y) {
             return x.records == y.records && x.nearest_z == y.nearest_z && x.farthest_z == y.farthest_z;
         });
-    return same_facts && a.records.offsets == b.records.offsets && a.records.records == b.records.records &&
-           a.picture == b.picture && a.scene_name == b.scene_name;
+    const bool same_keys = std::equal(
+        a.keys.begin(), a.keys.end(), b.keys.begin(), b.keys.end(),
+        [](const auto& x, const auto& y) { return x.offsets == y.offsets && x.records == y.records; });
+    return same_facts && same_keys && a.records.offsets == b.records.offsets &&
+           a.records.records == b.records.records && a.picture == b.picture && a.scene_name == b.scene_name;
 }
 
 /// Reads the file; what is not refused must be `good`. Returns whether it was refused.
@@ -99,10 +106,13 @@ void write_byte(const fs::path& path, std::size_t at, char byte) {
 }
 
 void write_small_file(const fs::path& path, RecordCompression compression) {
-    const RandomOptions options{.levels = 1, .probability = 0.3, .has_w = true, .has_layers = true};
+    const RandomOptions options{
+        .levels = 1, .probability = 0.3, .has_w = true, .has_layers = true, .keys = 1};
     std::mt19937 random(5);
     const SampleHeader header = test::full_header(4, 3, 1, options);
     SampleFileWriter writer(path, header, compression);
+    writer.write(test::random_frame(random, header, options));
+    writer.next_instant();
     writer.write(test::random_frame(random, header, options));
     writer.finish();
 }
@@ -154,8 +164,9 @@ TEST(DamagedSampleFile, ChunksOutOfPlaceAreRefused) {
         const std::uint64_t rows = static_cast<std::uint64_t>(reader.y_end() - reader.y_begin());
         const std::uint64_t picture_chunks = compression == RecordCompression::zips ? 1 : 3;
         const std::uint64_t first_chunk = bytes.find(std::string("\1\0\0\0\xff\xff\xff\xff", 8));
-        const std::uint64_t table = first_chunk - 8 * (2 * rows + picture_chunks);
-        for (std::uint64_t i = 0; i + 1 < 2 * rows + picture_chunks; ++i) {
+        const std::uint64_t entries = 2 * reader.instants() * rows + picture_chunks;
+        const std::uint64_t table = first_chunk - 8 * entries;
+        for (std::uint64_t i = 0; i + 1 < entries; ++i) {
             std::string swapped = bytes;
             std::swap_ranges(swapped.begin() + static_cast<std::ptrdiff_t>(table + 8 * i),
                              swapped.begin() + static_cast<std::ptrdiff_t>(table + 8 * i + 8),
@@ -380,9 +391,9 @@ TEST(ForeignFile, AnotherVersionIsNamed) {
     const std::string_view name("postlens.formatVersion\0int\0\4\0\0\0", 31);
     const std::size_t at = bytes.find(name);
     ASSERT_NE(at, std::string::npos);
-    bytes[at + name.size()] = 2;
+    bytes[at + name.size()] = 1;
     write_bytes(path, bytes);
-    EXPECT_NE(refusal_of(path).find("another version (got 2; expected 1)"), std::string::npos)
+    EXPECT_NE(refusal_of(path).find("another version (got 1; expected 2)"), std::string::npos)
         << refusal_of(path);
     EXPECT_TRUE(SampleFileReader::is_sample_file(path));
 }

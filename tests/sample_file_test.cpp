@@ -5,6 +5,7 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDeepFrameBuffer.h>
 #include <OpenEXR/ImfDeepScanLineInputPart.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -42,12 +43,16 @@ constexpr std::array all_compressions{RecordCompression::none, RecordCompression
 struct Frame {
     SampleHeader header;
     RecordBand records;
+    std::vector<RecordBand> keys;  ///< the records of the header's key instants
 };
 
 Frame random_frame(int width, int height, int overscan_px, const RandomOptions& options, unsigned seed = 1) {
     std::mt19937 random(seed);
-    Frame frame{test::full_header(width, height, overscan_px, options), {}};
+    Frame frame{test::full_header(width, height, overscan_px, options), {}, {}};
     frame.records = test::random_frame(random, frame.header, options);
+    for (int k = 0; k < options.keys; ++k) {
+        frame.keys.push_back(test::random_frame(random, frame.header, options));
+    }
     return frame;
 }
 
@@ -55,11 +60,18 @@ Frame random_frame(int width, int height, int overscan_px, const RandomOptions& 
 std::uint64_t write_frame(const fs::path& path, const Frame& frame, RecordCompression compression,
                           const std::vector<int>& heights = {1000000}) {
     SampleFileWriter writer(path, frame.header, compression);
-    std::size_t i = 0;
-    for (int y = frame.records.y_begin; y < frame.records.y_end; ++i) {
-        const int end = std::min(y + heights[i % heights.size()], frame.records.y_end);
-        writer.write(test::rows_of_band(frame.records, y, end));
-        y = end;
+    const auto write_instant = [&](const RecordBand& records) {
+        std::size_t i = 0;
+        for (int y = records.y_begin; y < records.y_end; ++i) {
+            const int end = std::min(y + heights[i % heights.size()], records.y_end);
+            writer.write(test::rows_of_band(records, y, end));
+            y = end;
+        }
+    };
+    write_instant(frame.records);
+    for (const RecordBand& key : frame.keys) {
+        writer.next_instant();
+        write_instant(key);
     }
     return writer.finish();
 }
@@ -98,6 +110,9 @@ void expect_equal_headers(const SampleHeader& a, const SampleHeader& b) {
     EXPECT_EQ(a.sufficient.smallest_f_number, b.sufficient.smallest_f_number);
     EXPECT_EQ(a.sufficient.nearest_focus_m, b.sufficient.nearest_focus_m);
     EXPECT_EQ(a.sufficient.farthest_focus_m, b.sufficient.farthest_focus_m);
+    EXPECT_EQ(a.sufficient.shutter_open_s, b.sufficient.shutter_open_s);
+    EXPECT_EQ(a.sufficient.shutter_close_s, b.sufficient.shutter_close_s);
+    EXPECT_EQ(a.key_times_s, b.key_times_s);
 }
 
 void expect_equal_bands(const RecordBand& a, const RecordBand& b) {
@@ -133,6 +148,8 @@ std::vector<Case> round_trip_cases() {
         {33, 40, 3, {.levels = 1, .has_w = true, .has_layers = true}},
         {9, 7, 1, {.levels = 5, .probability = 0.4, .has_w = true, .has_layers = true}},
         {100, 70, 5, {.levels = 2, .probability = 0.2, .has_w = true}},
+        {1, 1, 0, {.keys = 1}},
+        {33, 40, 3, {.levels = 1, .has_w = true, .has_layers = true, .keys = 3}},
     };
 }
 
@@ -147,7 +164,11 @@ TEST(SampleFile, RoundTripsEverything) {
             const SampleFileReader reader(path);
             expect_equal_headers(reader.header(), frame.header);
             EXPECT_EQ(reader.file_bytes(), size);
-            EXPECT_EQ(reader.record_count(), frame.records.records.size());
+            std::size_t records = frame.records.records.size();
+            for (const RecordBand& key : frame.keys) records += key.records.size();
+            EXPECT_EQ(reader.record_count(), records);
+            ASSERT_EQ(reader.instants(), 1 + frame.keys.size());
+            EXPECT_EQ(reader.instant_s(0), frame.header.time_s);
             EXPECT_EQ(reader.y_begin(), frame.records.y_begin);
             EXPECT_EQ(reader.y_end(), frame.records.y_end);
             EXPECT_EQ(reader.x_begin(), frame.records.x_begin);
@@ -162,6 +183,16 @@ TEST(SampleFile, RoundTripsEverything) {
                 expect_equal_bands(band, test::rows_of_band(frame.records, begin, end));
             }
             EXPECT_EQ(reader.picture().rgb, picture_of(frame).rgb);
+            for (std::size_t k = 0; k < frame.keys.size(); ++k) {
+                EXPECT_EQ(reader.instant_s(k + 1), frame.header.key_times_s[k]);
+                ASSERT_EQ(reader.scanlines(k + 1).size(), reader.scanlines().size());
+                reader.read(reader.y_begin(), reader.y_end(), band, k + 1);
+                expect_equal_bands(band, frame.keys[k]);
+                const int y = reader.y_end() - 1;
+                reader.read(y, y + 1, band, k + 1);
+                expect_equal_bands(band, test::rows_of_band(frame.keys[k], y, y + 1));
+                EXPECT_EQ(reader.scanlines(k + 1).back().records, band.records.size());
+            }
         }
     }
 }
@@ -191,7 +222,7 @@ TEST(SampleFile, WriterKeepsThePictureItStored) {
 
 TEST(SampleFile, BytesDependOnNeitherThreadsNorBands) {
     const TemporaryFolder folder;
-    const Frame frame = random_frame(50, 150, 2, {.levels = 1, .has_w = true});
+    const Frame frame = random_frame(50, 150, 2, {.levels = 1, .has_w = true, .keys = 1});
     for (const RecordCompression compression : all_compressions) {
         std::string first;
         for (const int threads : {1, 2, 5}) {
@@ -205,6 +236,8 @@ TEST(SampleFile, BytesDependOnNeitherThreadsNorBands) {
                 const SampleFileReader reader(folder.path() / "a.exr");
                 reader.read(reader.y_begin(), reader.y_end(), band);
                 expect_equal_bands(band, frame.records);
+                reader.read(reader.y_begin(), reader.y_end(), band, 1);
+                expect_equal_bands(band, frame.keys[0]);
             }
         }
     }
@@ -270,9 +303,9 @@ TEST(SampleFile, OpenImageIoReadsThePicture) {
 /// One channel of the deep part, all its values in file order.
 template <typename T>
 std::vector<T> read_deep_channel(const fs::path& path, const char* name, Imf::PixelType type,
-                                 std::vector<unsigned>& counts) {
+                                 std::vector<unsigned>& counts, int of_part = 1) {
     Imf::MultiPartInputFile file(path.c_str());
-    Imf::DeepScanLineInputPart part(file, 1);
+    Imf::DeepScanLineInputPart part(file, of_part);
     const auto& window = part.header().dataWindow();
     const int width = window.max.x - window.min.x + 1;
     const int height = window.max.y - window.min.y + 1;
@@ -296,6 +329,28 @@ std::vector<T> read_deep_channel(const fs::path& path, const char* name, Imf::Pi
     }
     part.readPixels(window.min.y, window.max.y);
     return values;
+}
+
+TEST(SampleFile, OpenExrFindsThePartsOfEveryKey) {
+    const TemporaryFolder folder;
+    const fs::path path = folder.path() / "a.exr";
+    const Frame frame = random_frame(12, 9, 1, {.levels = 1, .keys = 2});
+    for (const RecordCompression compression : all_compressions) {
+        write_frame(path, frame, compression);
+        Imf::MultiPartInputFile file(path.c_str());
+        ASSERT_EQ(file.parts(), 7);
+        for (int part = 0; part < 7; ++part) EXPECT_TRUE(file.partComplete(part)) << part;
+        EXPECT_EQ(file.header(3).name(), "records.k1");
+        EXPECT_EQ(file.header(6).name(), "scanlines.k2");
+        for (int part = 3; part < 7; ++part) {
+            EXPECT_EQ(file.header(part).typedAttribute<Imf::DoubleAttribute>("postlens.time_s").value(),
+                      frame.header.key_times_s[part < 5 ? 0 : 1]);
+        }
+        std::vector<unsigned> counts;
+        const std::vector<float> z = read_deep_channel<float>(path, "Z", Imf::FLOAT, counts, 5);
+        ASSERT_EQ(z.size(), frame.keys[1].records.size());
+        for (std::size_t i = 0; i < z.size(); ++i) ASSERT_EQ(z[i], frame.keys[1].records[i].z) << i;
+    }
 }
 
 TEST(SampleFile, OpenExrReadsTheRecords) {
@@ -449,6 +504,47 @@ TEST(SampleFile, BandsMustFollowEachOther) {
     EXPECT_EQ(SampleFileReader(folder.path() / "a.exr").record_count(), frame.records.records.size());
 }
 
+TEST(SampleFile, AMissingInstantIsRefusedByWriterAndReader) {
+    const TemporaryFolder folder;
+    const fs::path path = folder.path() / "a.exr";
+    const Frame frame = random_frame(4, 6, 0, {.keys = 2});
+    SampleFileWriter writer(path, frame.header, RecordCompression::rle);
+    const auto refused = [](const auto& act, const char* part) {
+        const auto [code, text] = error_of(act);
+        EXPECT_EQ(code, ExitCode::invalid_input) << part;
+        EXPECT_NE(text.find(part), std::string::npos) << text;
+    };
+    writer.write(test::rows_of_band(frame.records, 0, 3));
+    refused([&] { writer.next_instant(); }, "records are missing");
+    writer.write(test::rows_of_band(frame.records, 3, 7));
+    refused([&] { writer.finish(); }, "got 1 instants; expected 3");
+    writer.next_instant();
+    refused([&] { writer.write(test::rows_of_band(frame.keys[0], 3, 7)); }, "does not fit");
+    writer.write(frame.keys[0]);
+    writer.next_instant();
+    refused([&] { writer.finish(); }, "records are missing");
+    writer.write(frame.keys[1]);
+    refused([&] { writer.next_instant(); }, "does not name");
+    EXPECT_FALSE(fs::exists(path));
+    writer.finish();
+    const SampleFileReader reader(path);
+    RecordBand band;
+    refused([&] { reader.read(0, 1, band, 3); }, "no such instant");
+    refused([&] { (void)reader.scanlines(3); }, "no such instant");
+    refused([&] { (void)reader.instant_s(3); }, "no such instant");
+}
+
+TEST(SampleFile, AsManyKeysAsThereMayBe) {
+    const TemporaryFolder folder;
+    Frame frame = random_frame(2, 2, 0, {.keys = 64});
+    write_frame(folder.path() / "a.exr", frame, RecordCompression::zips);
+    const SampleFileReader reader(folder.path() / "a.exr");
+    ASSERT_EQ(reader.instants(), 65U);
+    RecordBand band;
+    reader.read(0, 3, band, 64);
+    expect_equal_bands(band, frame.keys[63]);
+}
+
 TEST(SampleFile, BadHeadersAreRefused) {
     const TemporaryFolder folder;
     const SampleHeader good = test::full_header(4, 4, 0, {});
@@ -471,7 +567,27 @@ TEST(SampleFile, BadHeadersAreRefused) {
              h.motion.objects[3] = {{{.time_s = std::nan("")}}, {}, 1};
          }},
         {"id 0", [](auto& h) { h.object_names[0] = "nothing"; }},
-        {"version", [](auto& h) { h.version = 2; }},
+        {"version", [](auto& h) { h.version = 1; }},
+        {"another than the frame's",
+         [](auto& h) {
+             h.key_times_s = {0, h.time_s};
+         }},
+        {"growing",
+         [](auto& h) {
+             h.key_times_s = {1, 1};
+         }},
+        {"growing",
+         [](auto& h) {
+             h.key_times_s = {1, 0.5};
+         }},
+        {"key instant", [](auto& h) { h.key_times_s = {std::nan("")}; }},
+        {"number of key instants",
+         [](auto& h) {
+             for (int k = 1; k <= 65; ++k) h.key_times_s.push_back(k);
+         }},
+        {"sufficient shutter", [](auto& h) { h.sufficient.shutter_close_s.reset(); }},
+        {"shutter closing", [](auto& h) { h.sufficient.shutter_close_s = 0.05; }},
+        {"shutter opening", [](auto& h) { h.sufficient.shutter_open_s = std::nan(""); }},
     };
     for (const auto& [text, damage] : damages) {
         SampleHeader header = good;
