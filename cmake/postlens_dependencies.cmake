@@ -11,8 +11,16 @@ find_package(tomlplusplus REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(OpenSSL 3.0 REQUIRED COMPONENTS Crypto)
 find_package(CLI11 2.1 REQUIRED)
+find_package(Ceres 2.1 REQUIRED)
 
 # xxHash ships no CMake package on Debian 12; XXH3 is used header-only.
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 add_library(xxhash_headers INTERFACE)
 target_include_directories(xxhash_headers SYSTEM INTERFACE "${XXHASH_INCLUDE_DIR}")
+
+# FFTW ships none either; single precision, one thread a transform.
+find_path(FFTW3F_INCLUDE_DIR fftw3.h REQUIRED)
+find_library(FFTW3F_LIBRARY fftw3f REQUIRED)
+add_library(fftw3f INTERFACE)
+target_include_directories(fftw3f SYSTEM INTERFACE "${FFTW3F_INCLUDE_DIR}")
+target_link_libraries(fftw3f INTERFACE "${FFTW3F_LIBRARY}")

@@ -125,6 +125,17 @@ double ShutterCurve::time(double u) const {
     return std::min(a.time + std::min(x, width), 1.0);
 }
 
+double ShutterCurve::light(double time) const {
+    if (!(time > 0)) return 0;
+    if (time >= 1) return 1;
+    const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, time,
+                                        [](double t, const Knot& k) { return t < k.time; });
+    const Knot &a = *(after - 1), &b = *after;
+    const double x = time - a.time, slope = (b.density - a.density) / (b.time - a.time);
+    // Rounding must not take it past the end of its stretch: light never falls.
+    return std::min(a.light + x * (a.density + 0.5 * slope * x), b.light);
+}
+
 std::uint64_t ShutterCurve::fingerprint() const {
     std::uint64_t hash = 0xcbf29ce484222325U;  // FNV-1a
     for (const Knot& k : knots_) {

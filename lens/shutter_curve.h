@@ -28,6 +28,9 @@ class ShutterCurve {
     /// The share of the open time by which the share u of the light has come, 0 <= u <= 1: maps evenly spread
     /// numbers to instants that are as frequent as the shutter is open.
     [[nodiscard]] double time(double u) const;
+    /// The inverse of `time`: the share of the light that has come by a share of the open time; 0 before the
+    /// opening, 1 after the closing.
+    [[nodiscard]] double light(double time) const;
     /// Light per unit of time at a share of the open time; its integral from 0 to 1 is 1.
     [[nodiscard]] double density(double time) const;
     /// The same for equal curves, and hardly ever for others.

@@ -24,10 +24,13 @@ TEST(ShutterCurves, ABoxIsExact) {
         const double u = i / 1024.0;
         EXPECT_EQ(box.time(u), u);
         EXPECT_EQ(box.density(u), 1);
+        EXPECT_EQ(box.light(u), u);
     }
     for (const double u : {0.1, 0.3, 1 - 0x1p-24, 0x1p-24}) EXPECT_EQ(box.time(u), u);
     EXPECT_EQ(box.density(-1e-9), 0);
     EXPECT_EQ(box.density(1 + 1e-9), 0);
+    EXPECT_EQ(box.light(-1e-9), 0);
+    EXPECT_EQ(box.light(1 + 1e-9), 1);
     // Half the height is the same picture, and so the same curve.
     const ShutterCurve low = ShutterCurve::points({{3, 0.5}, {7, 0.5}}, "low");
     EXPECT_TRUE(low.is_box());
@@ -44,6 +47,7 @@ TEST(ShutterCurves, ATriangleHasItsClosedForm) {
         const double t = u <= 0.5 ? std::sqrt(u / 2) : 1 - std::sqrt((1 - u) / 2);
         EXPECT_NEAR(triangle.time(u), t, i == 1000 ? 2e-8 : 1e-13);
         EXPECT_NEAR(triangle.density(u), u <= 0.5 ? 4 * u : 4 * (1 - u), 1e-14);
+        EXPECT_NEAR(triangle.light(u), u <= 0.5 ? 2 * u * u : 1 - 2 * (1 - u) * (1 - u), 1e-15);
     }
 }
 
@@ -84,8 +88,11 @@ TEST(ShutterCurves, TimeIsTheInverseOfTheLightThatHasCome) {
             // Back again: an error of t of 2^-52 costs the density times that; steps of the curve here are
             // below 1e7 wide.
             EXPECT_NEAR(light(c, kinks, t), u, 1e-9) << which;
+            EXPECT_NEAR(c.light(t), light(c, kinks, t), 1e-12) << which;
         }
         EXPECT_GE(c.time(0), 0);
+        EXPECT_EQ(c.light(0), 0);
+        EXPECT_EQ(c.light(1), 1);
     }
     // No instant falls where the shutter is shut.
     const ShutterCurve gap = ShutterCurve::points(all[2], "gap");
