@@ -162,7 +162,7 @@ TEST(PathRasters, ACircleRunTwiceIsTheCircleOnce) {
         const double a = 2 * std::numbers::pi * t;
         return dvec2(20 * std::cos(a), 20 * std::sin(a));
     };
-    // Whole periods have equal pieces: 256 and 512.
+    // Whole periods have equal pieces: 512 and 1024.
     const auto once_points = flatten(circle, {}, 0, 1, 0.01), twice_points = flatten(circle, {}, 0, 2, 0.01);
     ASSERT_EQ(2 * (once_points.size() - 1), twice_points.size() - 1);
     const PathRaster once = draw(once_points, 2), twice = draw(twice_points, 2);

@@ -1,0 +1,270 @@
+#include "motionblur/direct_convolution.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/memory.h"
+#include "core/multiversion.h"
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+/// Columns whose sums are in registers together: eight vectors, of the sixteen that AVX2 has.
+constexpr int tile = 64;
+constexpr int lanes = 8;
+constexpr int vectors = tile / lanes;
+/// Float sums hold this many terms before they go to double: rounding stays below 34 * 2^-24 of the sum.
+constexpr std::size_t terms_per_flush = 32;
+/// A run of equal weights costs about as much as this many cells; shorter ones are cells.
+constexpr int run_cost = 6;
+/// Weights are differences of light, rounded to 2^-53; those of equal ways are equal within this part.
+constexpr double equal_weights = 1e-9;
+
+// NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
+typedef float Floats __attribute__((vector_size(lanes * sizeof(float))));
+// NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
+typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), aligned(4), may_alias));
+// NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
+typedef double Doubles __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
+
+/// Columns [begin, end) of a row of i2 that weigh the same.
+struct PathRun {
+    int y, begin, end;
+    double weight;
+};
+
+/// i2 as runs, those of one cell too, in the order of rows; and what they cost in cells.
+struct PathRuns {
+    std::vector<PathRun> runs;
+    double cost = 0;
+    bool any_long = false;
+};
+
+bool is_long(const PathRun& run) {
+    return run.end - run.begin > run_cost;
+}
+
+/// `weight(x, y)` over the window.
+template <typename Weight>
+PathRuns runs_of(const CellWindow& window, const Weight& weight) {
+    PathRuns out;
+    for (int y = window.y_begin; y < window.y_end; ++y) {
+        for (int x = window.x_begin; x < window.x_end;) {
+            const double first = weight(x, y);
+            if (first == 0) {
+                ++x;
+                continue;
+            }
+            int end = x + 1;
+            double sum = first;
+            while (end < window.x_end && std::abs(weight(end, y) - first) <= equal_weights * std::abs(first))
+                sum += weight(end++, y);
+            if (end - x > run_cost) {
+                out.runs.push_back({y, x, end, sum / (end - x)});
+                out.cost += run_cost;
+                out.any_long = true;
+            } else {
+                end = x + 1;
+                out.runs.push_back({y, x, end, first});
+                out.cost += 1;
+            }
+            x = end;
+        }
+    }
+    return out;
+}
+
+CellWindow transposed(const CellWindow& w) {
+    return {w.y_begin, w.y_end, w.x_begin, w.x_end};
+}
+
+struct Orientation {
+    PathRuns runs;
+    bool is_transposed = false;
+};
+
+/// Runs go along rows; where those along columns are worth it, everything is turned over.
+Orientation orient(const ConvolutionTask& task) {
+    Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
+    Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
+    // Turning i1 over and the result back costs about as much as a dozen cells.
+    constexpr double turning = 12;
+    return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
+}
+
+/// One cell of i2 for one tile: where the values are that it weighs.
+struct CellTerm {
+    std::ptrdiff_t at;
+    float weight;
+};
+/// A run likewise: the differences of the running sums at `high` and `low`.
+struct RunTerm {
+    std::ptrdiff_t high, low;
+    double weight;
+};
+
+POSTLENS_MULTIVERSION
+void add_cells(const float* plane, const CellTerm* terms, std::size_t count, double* sums) {
+    for (std::size_t begin = 0; begin < count; begin += terms_per_flush) {
+        const std::size_t end = begin + terms_per_flush < count ? begin + terms_per_flush : count;
+        Floats partial[vectors] = {};
+        for (std::size_t t = begin; t < end; ++t) {
+            const float* from = plane + terms[t].at;
+            for (int v = 0; v < vectors; ++v)
+                partial[v] +=
+                    terms[t].weight * *reinterpret_cast<const FloatsAnywhere*>(from + v * lanes);
+        }
+        for (int v = 0; v < vectors; ++v)
+            *reinterpret_cast<Doubles*>(sums + v * lanes) += __builtin_convertvector(partial[v], Doubles);
+    }
+}
+
+POSTLENS_MULTIVERSION
+void add_runs(const double* running, const RunTerm* terms, std::size_t count, double* sums) {
+    for (std::size_t t = 0; t < count; ++t) {
+        const double* high = running + terms[t].high;
+        const double* low = running + terms[t].low;
+        const double weight = terms[t].weight;
+        for (int i = 0; i < tile; ++i) sums[i] += weight * (high[i] - low[i]);
+    }
+}
+
+/// i1 and the result in the chosen orientation. Rows of i1 have zeros on either side, as far as any tile looks.
+class DirectConvolution {
+  public:
+    DirectConvolution(const ConvolutionTask& task, Orientation orientation)
+        : task_(task),
+          runs_(std::move(orientation.runs)),
+          is_transposed_(orientation.is_transposed),
+          source_(is_transposed_ ? transposed(task.source) : task.source),
+          path_(is_transposed_ ? transposed(task.path) : task.path),
+          out_(is_transposed_ ? transposed(task.out) : task.out) {
+        const int tiles = (out_.width() + tile - 1) / tile;
+        begin_ = std::min(source_.x_begin, out_.x_begin - path_.x_end);
+        const int end = std::max(source_.x_end, out_.x_begin + tiles * tile - path_.x_begin);
+        stride_ = static_cast<std::size_t>(end - begin_) + 1;
+        const std::size_t cells = stride_ * static_cast<std::size_t>(source_.height());
+        require_memory(task.i1.planes.size() * cells *
+                           (sizeof(float) + (runs_.any_long ? sizeof(double) : 0)),
+                       "convolution with a path");
+        lay_rows(cells);
+    }
+
+    void run(Planes& result) const {
+        parallel_for(static_cast<std::size_t>(out_.height()),
+                     [&](std::size_t row) { run_row(out_.y_begin + static_cast<int>(row), result); });
+    }
+
+  private:
+    void lay_rows(std::size_t cells) {
+        const std::size_t planes = task_.i1.planes.size(), height = static_cast<std::size_t>(source_.height());
+        values_.assign(planes, std::vector<float>(cells));
+        if (runs_.any_long) running_.assign(planes, std::vector<double>(cells));
+        columns_.assign(height, {source_.x_end, source_.x_begin});
+        parallel_for(height, [&](std::size_t r) {
+            const int y = source_.y_begin + static_cast<int>(r);
+            if (!is_transposed_) {
+                columns_[r] = task_.columns(y);
+            } else {
+                for (int x = source_.x_begin; x < source_.x_end; ++x) {
+                    const ColumnRange c = task_.columns(x);
+                    if (y < c.begin || y >= c.end) continue;
+                    columns_[r] = {std::min(columns_[r].begin, x), std::max(columns_[r].end, x + 1)};
+                }
+            }
+            if (columns_[r].is_empty()) return;
+            for (std::size_t p = 0; p < planes; ++p) {
+                float* to = values_[p].data() + r * stride_ - begin_;
+                for (int x = columns_[r].begin; x < columns_[r].end; ++x)
+                    to[x] = is_transposed_ ? task_.row(p, x)[y] : task_.row(p, y)[x];
+                if (!runs_.any_long) continue;
+                // running[x]: the sum of all before x.
+                const float* from = values_[p].data() + r * stride_;
+                double* running = running_[p].data() + r * stride_;
+                double sum = 0;
+                for (std::size_t i = 0; i < stride_; ++i) {
+                    running[i] = sum;
+                    sum += static_cast<double>(from[i]);
+                }
+            }
+        });
+    }
+
+    void run_row(int y, Planes& result) const {
+        std::vector<CellTerm> cells;
+        std::vector<RunTerm> runs;
+        for (int x = out_.x_begin; x < out_.x_end; x += tile) {
+            cells.clear();
+            runs.clear();
+            for (const PathRun& run : runs_.runs) {
+                const int from = y - run.y;
+                if (from < source_.y_begin || from >= source_.y_end) continue;
+                const ColumnRange c = columns_[static_cast<std::size_t>(from - source_.y_begin)];
+                // The tile sees columns [x - end + 1, x + tile - begin) of i1.
+                if (x - run.end + 1 >= c.end || x + tile - run.begin <= c.begin) continue;
+                const auto at = static_cast<std::ptrdiff_t>(from - source_.y_begin) *
+                                    static_cast<std::ptrdiff_t>(stride_) +
+                                (x - begin_);
+                if (is_long(run)) {
+                    runs.push_back({at - run.begin + 1, at - run.end + 1, run.weight});
+                } else {
+                    cells.push_back({at - run.begin, static_cast<float>(run.weight)});
+                }
+            }
+            if (cells.empty() && runs.empty()) continue;
+            for (std::size_t p = 0; p < values_.size(); ++p) {
+                alignas(64) double sums[tile] = {};
+                add_cells(values_[p].data(), cells.data(), cells.size(), sums);
+                if (!runs.empty()) add_runs(running_[p].data(), runs.data(), runs.size(), sums);
+                write(result, p, x, y, sums);
+            }
+        }
+    }
+
+    void write(Planes& result, std::size_t plane, int x, int y, const double* sums) const {
+        const int count = std::min(tile, out_.x_end - x);
+        const auto width = static_cast<std::ptrdiff_t>(result.width);
+        float* to = result.planes[plane].data();
+        if (is_transposed_) {
+            to += (x - result.y_begin) * width + (y - result.x_begin);
+            for (int i = 0; i < count; ++i) to[i * width] = static_cast<float>(sums[i]);
+        } else {
+            to += (y - result.y_begin) * width + (x - result.x_begin);
+            for (int i = 0; i < count; ++i) to[i] = static_cast<float>(sums[i]);
+        }
+    }
+
+    const ConvolutionTask& task_;
+    PathRuns runs_;
+    bool is_transposed_;
+    CellWindow source_, path_, out_;
+    int begin_ = 0;  ///< column of a row's first value
+    std::size_t stride_ = 0;
+    std::vector<std::vector<float>> values_;
+    std::vector<std::vector<double>> running_;
+    std::vector<ColumnRange> columns_;
+};
+
+}  // namespace
+
+void convolve_direct(const ConvolutionTask& task, Planes& result) {
+    if (task.is_empty()) return;
+    DirectConvolution(task, orient(task)).run(result);
+}
+
+double direct_cost_s(const ConvolutionTask& task) {
+    if (task.is_empty()) return 0;
+    const Orientation chosen = orient(task);
+    // A term touches the columns of i1 that are not 0, in whole tiles.
+    double area = 0;
+    for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
+    const double planes = static_cast<double>(task.i1.planes.size());
+    // Where less than everything is wanted, as much less is added up.
+    const CellWindow full = full_window(task.source, task.path);
+    const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
+    constexpr double s_per_cell = 4e-11, s_per_value = 3e-9;
+    return share * planes * area * (chosen.runs.cost * s_per_cell) + planes * area * s_per_value;
+}
+
+}  // namespace postlens
