@@ -85,6 +85,20 @@ CameraModel::CameraModel(const Camera& camera, double time_s, const CameraOverri
     position = dvec3(world_from_camera[3]);
 }
 
+std::optional<glm::dvec2> CameraModel::place(const dvec3& point) const {
+    if (projection == Camera::Projection::perspective) return place_at_infinity(point - position);
+    const double px_per_m = 1e3 / pixel_pitch_mm;
+    return glm::dvec2(0.5 * width + glm::dot(point - position, right) * px_per_m,
+                      0.5 * height + glm::dot(point - position, down) * px_per_m);
+}
+
+std::optional<glm::dvec2> CameraModel::place_at_infinity(const dvec3& direction) const {
+    const double depth = glm::dot(direction, forward);
+    if (!(depth > 0)) return std::nullopt;
+    return glm::dvec2(0.5 * width + glm::dot(direction, right) / (depth * tangent_per_px),
+                      0.5 * height + glm::dot(direction, down) / (depth * tangent_per_px));
+}
+
 CameraRay CameraModel::ray(double x, double y) const {
     const double px = x - 0.5 * width, py = y - 0.5 * height;
     if (projection == Camera::Projection::orthographic) {

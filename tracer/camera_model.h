@@ -30,6 +30,10 @@ class CameraModel {
 
     /// x, y in raster px; any real number, also outside the raster.
     [[nodiscard]] CameraRay ray(double x, double y) const;
+    /// The raster position of a point of the world, px; nothing where it is not in front of the pinhole.
+    [[nodiscard]] std::optional<glm::dvec2> place(const glm::dvec3& point) const;
+    /// The same of what lies infinitely far away in a direction; perspective only.
+    [[nodiscard]] std::optional<glm::dvec2> place_at_infinity(const glm::dvec3& direction) const;
 
     int width = 0, height = 0;
     Camera::Projection projection = Camera::Projection::perspective;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/threads.h"
+#include "records/record_check.h"
 
 namespace postlens {
 namespace {
@@ -18,6 +19,7 @@ using Key = std::uint64_t;  // y << 32 | x
 struct Sample {
     std::uint32_t x = 0, y = 0;  // grid units
     std::uint32_t chunk = 0, first = 0, count = 0;
+    std::uint32_t visible = 0;  // of `count`, those of layer 0, which come first
     std::uint32_t id = 0;
     float r = 0, g = 0, b = 0;
 };
@@ -112,11 +114,13 @@ class BandSampler {
                  chunk_index,
                  first,
                  end - first,
+                 0,
                  chunk.records[first].id,
                  0,
                  0,
                  0};
-        for (std::uint32_t n = first; n < end; ++n) {
+        for (std::uint32_t n = first; n < end && chunk.records[n].layer == 0; ++n) {
+            ++s.visible;
             s.r += chunk.records[n].r;
             s.g += chunk.records[n].g;
             s.b += chunk.records[n].b;
@@ -305,8 +309,15 @@ class BandSampler {
                 Record* to = out.records.data() + out.offsets[p];
                 for (auto i = a; i != b; ++i) {
                     const Sample& s = samples_[*i];
-                    to = std::copy_n(chunks_[s.chunk].records.data() + s.first, s.count, to);
+                    to = std::copy_n(chunks_[s.chunk].records.data() + s.first, s.visible, to);
                 }
+                Record* const hidden = to;
+                for (auto i = a; i != b; ++i) {
+                    const Sample& s = samples_[*i];
+                    to = std::copy_n(chunks_[s.chunk].records.data() + s.first + s.visible,
+                                     s.count - s.visible, to);
+                }
+                std::sort(hidden, to, canonical_before);
             },
             4096);
     }

@@ -23,17 +23,7 @@ void check(const RenderSettings& s) {
              "--spp: cannot be halved (got {}; expected an even number with --halves)", s.spp);
     }
     check_tracing(s.tracing.max_depth, s.tracing.min_contribution, s.time_s);
-    if (s.shutter) {
-        if (!std::isfinite(s.shutter->open_s) || !std::isfinite(s.shutter->close_s)) {
-            fail(ExitCode::wrong_arguments, "--shutter: out of range (got {}:{}; expected seconds)",
-                 s.shutter->open_s, s.shutter->close_s);
-        }
-        if (s.shutter->close_s < s.shutter->open_s) {
-            fail(ExitCode::wrong_arguments,
-                 "--shutter: closes before it opens (got {}:{}; expected OPEN <= CLOSE)", s.shutter->open_s,
-                 s.shutter->close_s);
-        }
-    }
+    if (s.shutter) check_shutter("--shutter", *s.shutter);
 }
 
 }  // namespace

@@ -2,49 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <map>
+#include <memory>
 
 #include "core/error.h"
 #include "core/progress.h"
-#include "core/threads.h"
 #include "lens/focus_geometry.h"
-#include "tracer/shape_bounds.h"
+#include "tracer/film_motion.h"
+#include "tracer/key_instants.h"
+#include "tracer/overscan.h"
+#include "tracer/recorded_motion.h"
 
 namespace postlens {
 namespace {
 
 constexpr int largest_levels = 8;
-
-// A sphere around a box, m; finite also for infinite planes.
-void bound(const Bounds& box, ObjectMotion& motion) {
-    constexpr double farthest_m = 1e9;
-    const glm::dvec3 low = glm::max(box.min, glm::dvec3(-farthest_m)),
-                     high = glm::min(box.max, glm::dvec3(farthest_m));
-    if (box.empty()) return;
-    motion.centre_m = 0.5 * (low + high);
-    motion.radius_m = 0.5 * glm::length(high - low);
-}
-
-// What moves, and the lights whose shadows may.
-SceneMotion motion_of(const Scene& scene, const Camera& camera) {
-    SceneMotion out;
-    std::map<std::uint32_t, Bounds> boxes;
-    for (const Object& o : scene.objects) {
-        if (o.keys.empty()) continue;
-        out.objects.try_emplace(o.id, ObjectMotion{.keys = o.keys});
-        boxes[o.id].add(shape_bounds(o.shape, o.motion_base));
-    }
-    for (auto& [id, motion] : out.objects) bound(boxes[id], motion);
-    out.camera = camera.keys;
-    const bool shadows_move = !out.objects.empty();
-    for (const Light& l : scene.lights) {
-        if (l.keys.empty() && !(shadows_move && l.casts_shadows)) continue;
-        const bool directional = l.kind == Light::Kind::directional;
-        out.lights.push_back({directional, directional ? l.direction : l.position, l.casts_shadows, l.keys});
-    }
-    return out;
-}
 
 void check_whole(const char* option, int value, int low, int high) {
     if (value < low || value > high) {
@@ -65,56 +36,82 @@ void check(const TraceSettings& s) {
     check_whole("--overscan", s.overscan_px, 0, 16384);
     check_not_negative("--threshold", s.subdivision.threshold);
     check_tracing(s.whitted.max_depth, s.whitted.min_contribution, s.time_s);
-    if (s.overscan_auto && !(s.for_f_number && s.for_focus_m)) {
+    if (s.overscan_auto && !(s.for_f_number && s.for_focus_m) && !s.for_shutter) {
         fail(ExitCode::wrong_arguments,
-             "--overscan auto: needs to know the lens (expected --for-f-number and --for-focus)");
+             "--overscan auto: needs to know the lens or the shutter (expected --for-f-number and "
+             "--for-focus, "
+             "or --for-shutter)");
+    }
+    if (s.for_shutter) check_shutter("--for-shutter", *s.for_shutter);
+    if (s.hidden_layers) check_whole("--hidden-layers", *s.hidden_layers, 0, HiddenLayers::most);
+    if (s.hidden_auto && !s.for_shutter) {
+        fail(ExitCode::wrong_arguments,
+             "--hidden-layers auto: needs to know the shutter (expected --for-shutter)");
+    }
+    if (s.keys) check_whole("--keys", *s.keys, 1, static_cast<int>(SampleHeader::most_keys));
+    if (s.keys != 1 && !s.for_shutter) {
+        fail(ExitCode::wrong_arguments, "--keys: needs to know the shutter (expected --for-shutter)");
     }
 }
 
-// The widest circle of confusion, as a radius in px, among the nodes of one traced sample.
-double widest_radius_px(const FocusGeometry& lens, const Record* records, std::size_t count) {
-    double widest = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const Mat2& w = records[i].w;
-        const double f = lens.inverse_focus_per_m;
-        const auto a = static_cast<double>(w.xx), b = static_cast<double>(w.xy),
-                   c = static_cast<double>(w.yx), d = static_cast<double>(w.yy);
-        widest = std::max(widest,
-                          std::sqrt((f - a) * (f - a) + b * b + c * c + (f - d) * (f - d)) / std::sqrt(2.0));
+// One instant of a trace: the scene as it stands, and what of it is wanted.
+class Instant {
+  public:
+    Instant(const Scene& scene, const TraceSettings& settings, const Camera& of, const SceneMotion& motion,
+            double time_s, const std::vector<double>& recorded_s)
+        : camera_(of, time_s, settings.camera), rays_(scene, time_s) {
+        if (settings.for_shutter) {
+            const TimeSpan& shutter = *settings.for_shutter;
+            motion_.emplace(motion, of, settings.camera, time_s,
+                            looked_at_instants(shutter.open_s, shutter.close_s, recorded_s));
+        }
+        tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
-    return widest * lens.aperture_radius_m * lens.gain_px;
-}
+    Instant(const Instant&) = delete;
+    Instant& operator=(const Instant&) = delete;
+    Instant(Instant&&) = delete;
+    Instant& operator=(Instant&&) = delete;
+    ~Instant() = default;
 
-// A coarse trace around the frame: overscan reaches as far as something there blurs back into the frame.
-int find_overscan(const WhittedTracer& tracer, const CameraModel& camera, const TraceSettings& settings) {
-    constexpr int step_px = 8;
-    const int farthest = std::min(4096, std::max(camera.width, camera.height) / 2);
-    const FocusGeometry lens =
-        focus_geometry({camera.film_distance_mm, *settings.for_f_number}, *settings.for_focus_m,
-                       Framing::keep, {camera.film_distance_mm, camera.pixel_pitch_mm});
-    std::vector<std::vector<glm::dvec2>> rows;
-    for (int y = -farthest; y <= camera.height + farthest; y += step_px) {
-        std::vector<glm::dvec2> row;
-        for (int x = -farthest; x <= camera.width + farthest; x += step_px) {
-            if (x < 0 || y < 0 || x > camera.width || y > camera.height) row.emplace_back(x, y);
+    [[nodiscard]] const WhittedTracer& tracer() const { return *tracer_; }
+    [[nodiscard]] const CameraModel& camera() const { return camera_; }
+    [[nodiscard]] const FilmMotion* motion() const { return motion_ ? &*motion_ : nullptr; }
+    [[nodiscard]] bool has_hidden_layers() const { return hidden_; }
+
+  private:
+    HiddenLayers hidden_layers(const TraceSettings& settings) {
+        HiddenLayers out;
+        if (settings.hidden_layers) {
+            out.count = *settings.hidden_layers;
+        } else if (motion_ && motion_->anything_moves()) {
+            out = {HiddenLayers::most, &*motion_};
         }
-        if (!row.empty()) rows.push_back(std::move(row));
+        hidden_ = out.count > 0;
+        return out;
     }
-    std::vector<int> needed(rows.size(), 0);
-    parallel_for(rows.size(), [&](std::size_t i) {
-        TracedSamples traced;
-        RayCounts counts;
-        tracer.trace(rows[i], traced, counts);
-        for (std::size_t k = 0; k < rows[i].size(); ++k) {
-            const glm::dvec2 p = rows[i][k];
-            const double outside = std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
-            const double radius = widest_radius_px(lens, traced.records.data() + traced.offsets[k],
-                                                   traced.offsets[k + 1] - traced.offsets[k]);
-            if (radius + step_px > outside)
-                needed[i] = std::max(needed[i], static_cast<int>(std::ceil(outside)) + step_px);
+
+    CameraModel camera_;
+    RayScene rays_;
+    std::optional<FilmMotion> motion_;
+    std::optional<WhittedTracer> tracer_;
+    bool hidden_ = false;
+};
+
+// The widest that lens and shutter ask for.
+int overscan_for(const TraceSettings& s, const Instant& instant) {
+    const CameraModel& camera = instant.camera();
+    std::optional<FocusGeometry> lens;
+    if (s.for_f_number && s.for_focus_m) {
+        if (camera.projection == Camera::Projection::orthographic) {
+            fail(ExitCode::wrong_arguments,
+                 "--overscan auto: an orthographic camera has no lens to be wide enough for (expected a "
+                 "number "
+                 "of px)");
         }
-    });
-    return rows.empty() ? 0 : std::min(farthest, *std::max_element(needed.begin(), needed.end()));
+        lens = focus_geometry({camera.film_distance_mm, *s.for_f_number}, *s.for_focus_m, Framing::keep,
+                              {camera.film_distance_mm, camera.pixel_pitch_mm});
+    }
+    return find_overscan(instant.tracer(), camera, lens, instant.motion());
 }
 
 }  // namespace
@@ -124,6 +121,17 @@ void check_tracing(int max_depth, double min_contribution, const std::optional<d
     check_not_negative("--min-contribution", min_contribution);
     if (time_s && !std::isfinite(*time_s)) {
         fail(ExitCode::wrong_arguments, "--time: out of range (got {}; expected seconds)", *time_s);
+    }
+}
+
+void check_shutter(const char* option, const TimeSpan& shutter) {
+    if (!std::isfinite(shutter.open_s) || !std::isfinite(shutter.close_s)) {
+        fail(ExitCode::wrong_arguments, "{}: out of range (got {}:{}; expected seconds)", option,
+             shutter.open_s, shutter.close_s);
+    }
+    if (shutter.close_s < shutter.open_s) {
+        fail(ExitCode::wrong_arguments, "{}: closes before it opens (got {}:{}; expected OPEN <= CLOSE)",
+             option, shutter.open_s, shutter.close_s);
     }
 }
 
@@ -162,12 +170,16 @@ SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, co
     h.scene_name = scene.name;
     h.scene_sha256 = scene.sha256;
     for (const Object& o : scene.objects) h.object_names.emplace(o.id, o.name);
-    h.motion = motion_of(scene, of);
+    h.motion = recorded_motion(scene, of);
     for (const auto& [id, motion] : h.motion.objects) h.moving_ids.push_back(id);
     h.lights_move =
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return !l.keys.empty(); });
     h.sufficient.smallest_f_number = settings.for_f_number;
     h.sufficient.nearest_focus_m = h.sufficient.farthest_focus_m = settings.for_focus_m;
+    if (settings.for_shutter) {
+        h.sufficient.shutter_open_s = settings.for_shutter->open_s;
+        h.sufficient.shutter_close_s = settings.for_shutter->close_s;
+    }
     return h;
 }
 
@@ -176,31 +188,48 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings,
     check(settings);
     const Camera& of = find_camera(scene, settings.camera_name);
     const double time_s = settings.time_s.value_or(scene.time_s);
-    const CameraModel camera(of, time_s, settings.camera);
-    if (settings.overscan_auto && camera.projection == Camera::Projection::orthographic) {
-        fail(ExitCode::wrong_arguments,
-             "--overscan auto: an orthographic camera has no lens to be wide enough for (expected a number "
-             "of px)");
-    }
-    const RayScene rays(scene, time_s);
-    const WhittedTracer tracer(rays, camera, settings.whitted);
-
     TraceResult result;
-    result.overscan_px =
-        settings.overscan_auto ? find_overscan(tracer, camera, settings) : settings.overscan_px;
-    SampleHeader header = sample_header(scene, settings, camera, time_s, result.overscan_px);
-    header.has_w = tracer.has_deeper_nodes();
+    result.keys = settings.keys.value_or(1);
+    if (!settings.keys) {
+        result.keys_sweep_degrees = view_sweep_degrees(scene, of, *settings.for_shutter);
+        result.keys = keys_for_sweep(*result.keys_sweep_degrees);
+    }
+    std::vector<double> keys_s;
+    if (settings.for_shutter) keys_s = key_instants(result.keys, *settings.for_shutter, time_s);
+    result.instants_s = {time_s};
+    result.instants_s.insert(result.instants_s.end(), keys_s.begin(), keys_s.end());
+
+    const SceneMotion motion = recorded_motion(scene, of);
+    const auto instant_at = [&](double at_s) {
+        return std::make_unique<Instant>(scene, settings, of, motion, at_s, result.instants_s);
+    };
+    std::unique_ptr<Instant> instant = instant_at(time_s);
+    result.overscan_px = settings.overscan_auto ? overscan_for(settings, *instant) : settings.overscan_px;
+    const CameraModel& camera = instant->camera();
+    const int width = camera.width, height = camera.height, o = result.overscan_px;
+    SampleHeader header = sample_header(scene, settings, camera, time_s, o);
+    header.has_w = instant->tracer().has_deeper_nodes();
+    header.has_layers = instant->has_hidden_layers();
+    header.key_times_s = keys_s;
     SampleFileWriter writer(path, header, settings.compression);
 
-    const int o = result.overscan_px;
-    const SampledWindow window{-o, camera.width + o, -o, camera.height + o};
-    Progress progress("trace", static_cast<std::uint64_t>(camera.height + 2 * o), settings.quiet);
-    result.rays = sample_corners(tracer, window, settings.subdivision, [&](const RecordBand& band) {
-        throw_if_interrupted();
-        writer.write(band);
-        result.records += band.records.size();
-        progress.advance(static_cast<std::uint64_t>(band.height()));
-    });
+    const SampledWindow window{-o, width + o, -o, height + o};
+    Progress progress("trace", static_cast<std::uint64_t>(height + 2 * o) * result.instants_s.size(),
+                      settings.quiet);
+    for (std::size_t i = 0; i < result.instants_s.size(); ++i) {
+        if (i > 0) {
+            instant.reset();  // its memory before the next one's
+            instant = instant_at(result.instants_s[i]);
+            writer.next_instant();
+        }
+        result.rays +=
+            sample_corners(instant->tracer(), window, settings.subdivision, [&](const RecordBand& band) {
+                throw_if_interrupted();
+                writer.write(band);
+                result.records += band.records.size();
+                progress.advance(static_cast<std::uint64_t>(band.height()));
+            });
+    }
     result.bytes = writer.finish();
     return result;
 }

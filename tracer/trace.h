@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "records/sample_file.h"
 #include "tracer/camera_model.h"
 #include "tracer/corner_sampler.h"
+#include "tracer/ray_scene.h"
 #include "tracer/whitted.h"
 
 namespace postlens {
@@ -19,9 +21,17 @@ struct TraceSettings {
     SubdivisionSettings subdivision{.levels = 2};
     WhittedSettings whitted;
     int overscan_px = 0;
-    bool overscan_auto = false;  ///< as wide as the lens range below asks for, found by a coarse trace first
+    bool overscan_auto = false;  ///< as wide as lens and shutter below ask for, found by a coarse trace first
     std::optional<double> for_f_number;
     std::optional<double> for_focus_m;
+    std::optional<TimeSpan> for_shutter;
+    /// Hidden surfaces, 0 to 16: so many behind every visible one. Absent: those that `for_shutter` may bring
+    /// to light; none without a shutter.
+    std::optional<int> hidden_layers;
+    bool hidden_auto = false;  ///< `hidden_layers` left absent on purpose: needs `for_shutter`
+    /// How many instants of `for_shutter`, 1 to 64, evenly spread; the frame's own comes in addition where it
+    /// is none of them, and alone for 1. Absent: as many as the motion asks for, which needs `for_shutter`.
+    std::optional<int> keys = 1;
     RecordCompression compression = RecordCompression::zips;
     bool quiet = true;  ///< no progress bar
 };
@@ -31,18 +41,24 @@ struct TraceResult {
     std::uint64_t bytes = 0;
     RayCounts rays;
     int overscan_px = 0;
+    int keys = 1;                              ///< as asked for, or chosen
+    std::vector<double> instants_s;            ///< recorded: the frame's own, then the others
+    std::optional<double> keys_sweep_degrees;  ///< where the motion chose `keys`: view_sweep_degrees
 };
 
 /// Traces `scene` into a sample file at `path`; nothing appears there before all is done. Throws Error.
 TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings,
                           const std::filesystem::path& path);
 
-/// The header that a trace with these settings writes; shared with tests and benchmarks.
+/// The header that a trace with these settings writes, without keys; shared with tests and benchmarks.
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
                                          const CameraModel& camera, double time_s, int overscan_px);
 
 /// What `trace` and `render` ask of a tree and of an instant. Throws Error(wrong_arguments).
 void check_tracing(int max_depth, double min_contribution, const std::optional<double>& time_s);
+
+/// What `trace` and `render` ask of a shutter, which `option` names. Throws Error(wrong_arguments).
+void check_shutter(const char* option, const TimeSpan& shutter);
 
 /// The camera by name; the first for an empty name. Throws Error(wrong_arguments), naming those there are.
 [[nodiscard]] const Camera& find_camera(const Scene& scene, const std::string& name);

@@ -22,6 +22,7 @@ struct PathRay {
     double cos_axis = 1;  // between the eye ray and the optical axis
     std::uint32_t sample = 0;
     std::uint32_t differentials = 0;  // index; unused where W is not asked for
+    std::uint32_t layer = 0;
     NodePath path;
 };
 
@@ -61,9 +62,11 @@ struct Workspace {
     std::vector<RayBatch> shadow_rays;  // per light
     RayBatch batch, next_batch;
     std::vector<std::uint32_t> order;
+    std::vector<EyeHit> eye_hits;  // where hidden layers are asked for
+    std::vector<HiddenHit> hidden;
 };
 
-// Nodes come generation by generation; records go sample by sample, by path.
+// Nodes come generation by generation; records go sample by sample, by layer and path.
 void collect(std::span<const glm::dvec2> positions, Workspace& w, TracedSamples& out) {
     out.offsets.assign(positions.size() + 1, 0);
     for (std::size_t i = 0; i < w.nodes.count; ++i) ++out.offsets[w.nodes[i].sample + 1];
@@ -85,8 +88,9 @@ void collect(std::span<const glm::dvec2> positions, Workspace& w, TracedSamples&
         const auto first = out.records.begin() + out.offsets[i],
                    last = out.records.begin() + out.offsets[i + 1];
         if (last - first > 2) {
-            std::sort(first, last,
-                      [](const Record& a, const Record& b) { return a.path.bits() < b.path.bits(); });
+            std::sort(first, last, [](const Record& a, const Record& b) {
+                return a.layer != b.layer ? a.layer < b.layer : a.path.bits() < b.path.bits();
+            });
         }
     }
 }
@@ -94,12 +98,13 @@ void collect(std::span<const glm::dvec2> positions, Workspace& w, TracedSamples&
 }  // namespace
 
 struct WhittedTracer::Impl {
-    Impl(const RayScene& s, const CameraModel& c, const WhittedSettings& w)
-        : rays(s), camera(c), settings(w) {}
+    Impl(const RayScene& s, const CameraModel& c, const WhittedSettings& w, const HiddenLayers& h)
+        : rays(s), camera(c), settings(w), hidden(h) {}
 
     const RayScene& rays;
     const CameraModel& camera;
     WhittedSettings settings;
+    HiddenLayers hidden;
     std::vector<PlacedLight> lights;
     bool deeper_nodes = false;
     bool refocus = false;
@@ -107,6 +112,9 @@ struct WhittedTracer::Impl {
 
     void start(std::span<const glm::dvec2> positions, Workspace& w) const;
     void generation(Workspace& w, RayCounts& counts) const;
+    void begin_generation(Workspace& w) const;
+    void end_generation(Workspace& w) const;
+    void trace_hidden(std::span<const glm::dvec2> positions, Workspace& w, RayCounts& counts) const;
     [[nodiscard]] static Node& add_node(const PathRay& ray, Workspace& w);
     void miss(const PathRay& ray, Workspace& w) const;
     void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
@@ -132,16 +140,19 @@ void WhittedTracer::Impl::start(std::span<const glm::dvec2> positions, Workspace
         r.length = 0;
         r.cos_axis = eye.cos_axis;
         r.sample = static_cast<std::uint32_t>(i);
+        r.layer = 0;
         r.path = NodePath();
         w.batch.add(eye.origin, eye.direction, std::numeric_limits<float>::infinity());
     }
+    w.eye_hits.clear();
+    if (hidden.count > 0) w.eye_hits.resize(positions.size());
 }
 
 // The next node, all but its depth, id, W and radiance.
 Node& WhittedTracer::Impl::add_node(const PathRay& ray, Workspace& w) {
     Node& n = w.nodes.add();
     n.record.path = ray.path;
-    n.record.layer = 0;
+    n.record.layer = ray.layer;
     n.throughput = ray.throughput;
     n.sample = ray.sample;
     return n;
@@ -207,6 +218,7 @@ void WhittedTracer::Impl::child(const PathRay& parent, const SurfacePoint& s, co
     r.length = parent.length + s.t;
     r.cos_axis = parent.cos_axis;
     r.sample = parent.sample;
+    r.layer = parent.layer;
     r.differentials = static_cast<std::uint32_t>(w.next_differentials.count);
     r.path = parent.path.child(bounce);
     w.next_batch.add(s.position + RayScene::offset(s.position) * off, direction,
@@ -271,14 +283,25 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
     }
 }
 
-void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
-    rays.intersect(w.batch, w.rays[0].path.bits() == 0);
+void WhittedTracer::Impl::begin_generation(Workspace& w) const {
     w.next_batch.clear(true);
     w.next_rays.count = w.next_differentials.count = 0;
     for (std::size_t i = 0; i < lights.size(); ++i) {
         w.shadows[i].count = 0;
         w.shadow_rays[i].clear(true);
     }
+}
+
+void WhittedTracer::Impl::end_generation(Workspace& w) const {
+    resolve_shadows(w);
+    std::swap(w.batch, w.next_batch);
+    std::swap(w.rays, w.next_rays);
+    std::swap(w.differentials, w.next_differentials);
+}
+
+void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
+    rays.intersect(w.batch, w.rays[0].path.bits() == 0);
+    begin_generation(w);
     for (std::size_t i = 0; i < w.rays.count; ++i) {
         const PathRay& ray = w.rays[i];
         const HitKey key = w.batch.hit(i);
@@ -286,19 +309,54 @@ void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
             miss(ray, w);
             continue;
         }
-        if (ray.path.bits() == 0) ++counts.eye_hits;
-        hit(ray, rays.surface(key, ray.origin, ray.direction, static_cast<double>(w.batch.t[i])), key, w,
-            counts);
+        const SurfacePoint surface =
+            rays.surface(key, ray.origin, ray.direction, static_cast<double>(w.batch.t[i]));
+        if (ray.path.bits() == 0) {
+            ++counts.eye_hits;
+            if (!w.eye_hits.empty()) {
+                w.eye_hits[ray.sample].key = key;
+                w.eye_hits[ray.sample].surface = surface;
+            }
+        }
+        hit(ray, surface, key, w, counts);
     }
-    resolve_shadows(w);
-    std::swap(w.batch, w.next_batch);
-    std::swap(w.rays, w.next_rays);
-    std::swap(w.differentials, w.next_differentials);
+    end_generation(w);
+}
+
+// Hidden surfaces become roots of shading trees of their own, met by the eye ray as if alone.
+void WhittedTracer::Impl::trace_hidden(std::span<const glm::dvec2> positions, Workspace& w,
+                                       RayCounts& counts) const {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const CameraRay eye = camera.ray(positions[i].x, positions[i].y);
+        w.eye_hits[i].origin = eye.origin;
+        w.eye_hits[i].direction = eye.direction;
+        w.eye_hits[i].cos_axis = eye.cos_axis;
+        w.eye_hits[i].at = positions[i];
+    }
+    find_hidden_surfaces(rays, hidden, w.eye_hits, w.hidden, counts.hidden);
+    begin_generation(w);
+    for (const HiddenHit& h : w.hidden) {
+        const EyeHit& eye = w.eye_hits[h.sample];
+        PathRay ray;
+        ray.origin = eye.origin;
+        ray.direction = eye.direction;
+        ray.throughput = dvec3(1);
+        ray.cos_axis = eye.cos_axis;
+        ray.sample = h.sample;
+        ray.layer = h.layer;
+        if (h.key.valid()) {
+            hit(ray, h.surface, h.key, w, counts);
+        } else {
+            miss(ray, w);
+        }
+    }
+    end_generation(w);
+    while (w.rays.count > 0) generation(w, counts);
 }
 
 WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
-                             const WhittedSettings& settings)
-    : impl_(std::make_unique<Impl>(scene, camera, settings)) {
+                             const WhittedSettings& settings, const HiddenLayers& hidden)
+    : impl_(std::make_unique<Impl>(scene, camera, settings, hidden)) {
     impl_->settings.max_depth = std::clamp(settings.max_depth, 1, NodePath::max_bounces + 1);
     impl_->bound = radiance_bounds(scene.scene(), impl_->settings.max_depth);
     impl_->deeper_nodes = impl_->settings.max_depth > 1 && postlens::has_deeper_nodes(scene.scene());
@@ -321,7 +379,7 @@ void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& 
     impl_->start(positions, w);
     counts.eye += positions.size();
     while (w.rays.count > 0) impl_->generation(w, counts);
-
+    if (!w.eye_hits.empty()) impl_->trace_hidden(positions, w, counts);
     collect(positions, w, out);
 }
 

@@ -10,6 +10,7 @@
 
 #include "records/record.h"
 #include "tracer/camera_model.h"
+#include "tracer/hidden_surfaces.h"
 #include "tracer/ray_scene.h"
 
 namespace postlens {
@@ -20,20 +21,22 @@ struct WhittedSettings {
     bool refocus_matrices = true;    ///< compute W of deeper nodes (perspective cameras only)
 };
 
-/// Rays traced, as the SPD counts them.
+/// Rays traced, as the SPD counts them; `hidden`: eye rays that go on behind a surface.
 struct RayCounts {
-    std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0;
+    std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0;
     RayCounts& operator+=(const RayCounts& o) {
         eye += o.eye;
         eye_hits += o.eye_hits;
         reflect += o.reflect;
         refract += o.refract;
         shadow += o.shadow;
+        hidden += o.hidden;
         return *this;
     }
 };
 
-/// Records of a batch: sample i has records [offsets[i], offsets[i + 1]), sorted by path, the primary first.
+/// Records of a batch: sample i has records [offsets[i], offsets[i + 1]), sorted by layer, then path, the
+/// primary first.
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
@@ -41,8 +44,10 @@ struct TracedSamples {
 
 class WhittedTracer {
   public:
-    /// Keeps references to scene and camera.
-    WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings);
+    /// Keeps references to scene, camera and the motion that `hidden` names. A hidden surface is shaded as if
+    /// nothing stood before it; layer 0 has the same bits with and without.
+    WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings,
+                  const HiddenLayers& hidden = {});
     ~WhittedTracer();
     WhittedTracer(const WhittedTracer&) = delete;
     WhittedTracer& operator=(const WhittedTracer&) = delete;

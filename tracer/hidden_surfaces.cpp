@@ -1,0 +1,189 @@
+#include "tracer/hidden_surfaces.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+namespace postlens {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+using Places = std::vector<std::optional<dvec2>>;
+
+// On the film; less shows as nothing in a pixel's mean of at least four corners.
+constexpr double same_place_px = 0.25;
+
+// Surfaces and exits that one ray may cross, so that a ray along a hedge comes to an end.
+constexpr int most_crossings = 256;
+
+bool is_flat(const Shape& shape) {
+    return std::holds_alternative<Rectangle>(shape) || std::holds_alternative<Disc>(shape) ||
+           std::holds_alternative<Plane>(shape);
+}
+
+// One eye ray on its way.
+struct Chain {
+    std::uint32_t sample = 0;
+    HitKey key;           // what it met last
+    double t = 0;         // where, m
+    double here_t = 0;    // where the run of coincident hits begins that it is in
+    bool beyond = false;  // go on behind t, not at t
+    int crossings = 0;
+    int layers = 0;  // surfaces met so far
+    int kept = 0;
+    bool still = false;                  // some surface so far does not move
+    std::vector<std::uint32_t> entered;  // objects that the ray is inside of
+    struct Met {
+        std::uint32_t object;
+        bool leaving;
+    };
+    std::vector<Met> here;       // met at here_t
+    std::vector<Places> places;  // on the film, of the surfaces so far
+};
+
+class Follower {
+  public:
+    Follower(const RayScene& scene, const HiddenLayers& wanted, std::span<const EyeHit> eye,
+             std::vector<HiddenHit>& out)
+        : scene_(scene), wanted_(wanted), eye_(eye), out_(out) {}
+
+    void begin(std::uint32_t sample, std::vector<Chain>& chains) {
+        const EyeHit& e = eye_[sample];
+        if (!e.key.valid()) return;
+        Chain c;
+        c.sample = sample;
+        meet(c, e.key, e.surface);
+        if (goes_on(c)) chains.push_back(std::move(c));
+    }
+
+    // Where the next ray of the chain begins, along the eye ray. Just before the last hit, so that what
+    // coincides with it is found (a box on a floor); the hit's own primitive is left out by its key.
+    [[nodiscard]] double start(const Chain& c) const {
+        const double step = RayScene::offset(eye_[c.sample].origin + c.t * eye_[c.sample].direction);
+        return c.beyond ? c.t + step : c.t - step;
+    }
+
+    // False where the chain has come to its end.
+    bool advance(Chain& c, const HitKey& key, double t) {
+        if (++c.crossings == most_crossings) return false;
+        const EyeHit& e = eye_[c.sample];
+        if (!key.valid()) {
+            take(c, key, {});
+            return false;
+        }
+        meet(c, key, scene_.surface(key, e.origin, e.direction, t));
+        return goes_on(c);
+    }
+
+  private:
+    // Takes in a hit: a surface, the exit from an object, or the same again.
+    void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
+        const EyeHit& e = eye_[c.sample];
+        const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
+        const bool coincides = !c.here.empty() && s.t <= c.here_t + 4 * RayScene::offset(s.position);
+        if (!coincides) {
+            c.here.clear();
+            c.here_t = s.t;
+        }
+        c.key = key;
+        c.t = coincides ? std::max(c.t, s.t) : s.t;
+        const bool again = std::any_of(c.here.begin(), c.here.end(), [&](const Chain::Met& m) {
+            return m.object == s.object && m.leaving == leaving;
+        });
+        c.beyond = again;
+        if (again) return;
+        c.here.push_back({s.object, leaving});
+        const auto inside = std::find(c.entered.begin(), c.entered.end(), s.object);
+        if (leaving && inside != c.entered.end()) {
+            c.entered.erase(inside);
+            return;
+        }
+        const Object& object = scene_.scene().objects[s.object];
+        if (!leaving && inside == c.entered.end() && !is_flat(object.shape)) c.entered.push_back(s.object);
+        if (wanted_.motion != nullptr && !wanted_.motion->moves(object.id)) c.still = true;
+        take(c, key, s);
+    }
+
+    // The next layer, a surface or nothing: written down where it is wanted.
+    void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
+        const int layer = c.layers++;
+        const bool visible = layer == 0;
+        if (visible && !goes_on(c)) return;  // most rays of a picture in which little moves
+        if (wanted_.motion != nullptr && !comes_to_light(c, key, s)) return;
+        if (visible) return;
+        ++c.kept;
+        out_.push_back({c.sample, static_cast<std::uint32_t>(layer), key, s});
+    }
+
+    [[nodiscard]] bool goes_on(const Chain& c) const {
+        if (c.layers > wanted_.count) return false;
+        if (wanted_.motion == nullptr) return true;
+        if (c.kept >= HiddenLayers::most_uncovered) return false;
+        // What stands still never comes to light behind what stands still.
+        if (!c.still || wanted_.motion->parallax()) return true;
+        const EyeHit& e = eye_[c.sample];
+        return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
+    }
+
+    // Whether all before it move away from it on the film at some instant. Remembers where it lies.
+    [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
+        const EyeHit& e = eye_[c.sample];
+        Places mine(wanted_.motion->instants());
+        for (std::size_t i = 0; i < mine.size(); ++i) {
+            mine[i] = key.valid() ? wanted_.motion->place(scene_.scene().objects[s.object].id, s.position, i)
+                                  : wanted_.motion->place_of_nothing(e.direction, e.at, i);
+        }
+        const auto part = [&](const Places& other) {
+            for (std::size_t i = 0; i < mine.size(); ++i) {
+                if (mine[i].has_value() != other[i].has_value()) return true;
+                if (mine[i] && glm::length(*mine[i] - *other[i]) > same_place_px) return true;
+            }
+            return false;
+        };
+        const bool wanted = std::all_of(c.places.begin(), c.places.end(), part);
+        c.places.push_back(std::move(mine));
+        return wanted;
+    }
+
+    const RayScene& scene_;
+    const HiddenLayers& wanted_;
+    std::span<const EyeHit> eye_;
+    std::vector<HiddenHit>& out_;
+};
+
+}  // namespace
+
+void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const EyeHit> eye,
+                          std::vector<HiddenHit>& out, std::uint64_t& rays_spent) {
+    out.clear();
+    thread_local std::vector<Chain> chains;
+    thread_local RayBatch batch;
+    chains.clear();
+    Follower follower(scene, wanted, eye, out);
+    for (std::uint32_t i = 0; i < eye.size(); ++i) follower.begin(i, chains);
+    while (!chains.empty()) {
+        batch.clear(true);
+        for (const Chain& c : chains) {
+            const EyeHit& e = eye[c.sample];
+            batch.add(e.origin + follower.start(c) * e.direction, e.direction,
+                      std::numeric_limits<float>::infinity(), c.key);
+        }
+        scene.intersect(batch, false);
+        rays_spent += chains.size();
+        std::size_t left = 0;
+        for (std::size_t i = 0; i < chains.size(); ++i) {
+            Chain& c = chains[i];
+            const double t = follower.start(c) + static_cast<double>(batch.t[i]);
+            if (!follower.advance(c, batch.hit(i), t)) continue;
+            if (left != i) chains[left] = std::move(c);
+            ++left;
+        }
+        chains.resize(left);
+    }
+    std::sort(out.begin(), out.end(), [](const HiddenHit& a, const HiddenHit& b) {
+        return a.sample != b.sample ? a.sample < b.sample : a.layer < b.layer;
+    });
+}
+
+}  // namespace postlens
