@@ -21,6 +21,7 @@ struct State {
     TraceOptions trace;
     RenderOptions render;
     FocusOptions focus;
+    MotionBlurOptions motionblur;
     RecordsOptions records;
     LensCommandOptions lens;
     CompareCommandOptions compare;
@@ -147,6 +148,34 @@ void add_focus(CLI::App& root, State& s) {
     app.callback([&s] { s.common.run = [&s] { return run_focus(s.focus); }; });
 }
 
+void add_motionblur(CLI::App& root, State& s) {
+    CLI::App& app =
+        *root.add_subcommand("motionblur", "The picture of an open shutter, from the records alone");
+    MotionBlurOptions& o = s.motionblur;
+    app.add_option("frame", o.input, "Sample file")->required()->type_name("FRAME");
+    output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    shutter_options(app, o.shutter, o.curve, "the file's exposure, from the frame's instant on");
+    app.add_option("--paths", o.paths,
+                   "Paths of objects, in place of what the file says (docs/motion_paths.md)")
+        ->type_name("PATHS.toml");
+    number(app, "--fit-paths", o.settings.fit_px,
+           "Replace the paths of convolve by splines of few knots within so much, more than 0", "PX");
+    choice(
+        app, "--method", o.settings.method,
+        "convolve: object by path; lightfield: surfaces at many instants; auto: convolve for what moves as a "
+        "whole, lightfield for the rest",
+        {{"auto", MotionMethod::automatic},
+         {"convolve", MotionMethod::convolve},
+         {"lightfield", MotionMethod::lightfield}});
+    app.add_option_function<std::string>(
+           "--views", [&o](const std::string& text) { o.settings.views = parse_whole("--views", text); },
+           "Instants of lightfield, 1 to 4096 [default: two a pixel of the longest way, 128 to 1024]")
+        ->type_name("M");
+    app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    common_options(app, s.common);
+    app.callback([&s] { s.common.run = [&s] { return run_motionblur(s.motionblur); }; });
+}
+
 void lens_numbers(CLI::App& app, LensCommandOptions& o) {
     number(app, "--focal-length", o.focal_length_mm, "Focal length F, more than 0", "MM")->required();
     number(app, "--f-number", o.f_number, "Aperture number n, more than 0; inf: pinhole", "N", true)
@@ -226,7 +255,8 @@ void check_subcommand(const CLI::App& app, const std::vector<std::string>& argum
 
 ParsedCommand parse_command_line(std::vector<std::string> arguments) {
     const auto state = std::make_shared<State>();
-    CLI::App app("postlens: render once through a pinhole, apply the lens afterwards", "postlens");
+    CLI::App app("postlens: render once through a pinhole, apply the lens and the shutter afterwards",
+                 "postlens");
     app.set_version_flag("--version", "postlens " POSTLENS_VERSION);
     app.require_subcommand(1);
     app.get_formatter()->column_width(34);
@@ -235,6 +265,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
     add_records(app, *state);
     add_render(app, *state);
     add_focus(app, *state);
+    add_motionblur(app, *state);
     add_lens(app, *state);
     add_compare(app, *state);
     add_info(app, *state);

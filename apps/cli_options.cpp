@@ -85,14 +85,15 @@ void tree_options(CLI::App& app, int& max_depth, double& min_contribution) {
            "Subtrees that cannot add this much radiance are not traced; 0 traces all", "C");
 }
 
-void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve) {
+void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve,
+                     const std::string& absent) {
     app.add_option_function<std::string>(
            "--shutter",
            [&shutter](const std::string& text) {
                const auto [open, close] = parse_span("--shutter", text);
                shutter = TimeSpan{open, close};
            },
-           "When the shutter opens and closes, on the scene's clock [default: open for an instant]")
+           fmt::format("When the shutter opens and closes, on the scene's clock [default: {}]", absent))
         ->type_name("OPEN:CLOSE");
     app.add_option(
            "--shutter-curve", curve,

@@ -25,7 +25,8 @@ void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "t
 void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
                    std::string& camera_name);
 void tree_options(CLI::App& app, int& max_depth, double& min_contribution);
-void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve);
+void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve,
+                     const std::string& absent = "open for an instant");
 
 template <typename Enum>
 CLI::Option* choice(CLI::App& app, const std::string& name, Enum& to, const std::string& help,

@@ -9,6 +9,7 @@
 #include "compare/comparison.h"
 #include "core/error.h"
 #include "focus/focus.h"
+#include "motionblur/motion_blur.h"
 #include "tracer/render.h"
 #include "tracer/trace.h"
 
@@ -59,6 +60,15 @@ struct RenderOptions {
     RenderSettings settings;
 };
 
+struct MotionBlurOptions {
+    std::string input, output;
+    std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, from the frame's instant on
+    std::string curve = "box";        ///< box, triangle or a file
+    std::optional<std::string> paths;
+    MotionBlurSettings settings;
+    bool strict = false;
+};
+
 struct RecordsOptions {
     std::string input;
     std::pair<double, double> at;
@@ -84,6 +94,7 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult run_render(const RenderOptions& options);
 [[nodiscard]] CommandResult run_image(const std::string& input, const std::string& output);
 [[nodiscard]] CommandResult run_focus(const FocusOptions& options);
+[[nodiscard]] CommandResult run_motionblur(const MotionBlurOptions& options);
 [[nodiscard]] CommandResult run_records(const RecordsOptions& options);
 [[nodiscard]] CommandResult run_lens_coc(const LensCommandOptions& options);
 [[nodiscard]] CommandResult run_lens_dof(const LensCommandOptions& options);
@@ -97,6 +108,9 @@ struct ResolvedLens {
     double focus_m = 1;
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
+
+/// "box", "triangle" or a file. Throws Error(invalid_input).
+[[nodiscard]] ShutterCurve shutter_curve(const std::string& word);
 
 /// The rays of a tracer, as `--json` lists them.
 [[nodiscard]] nlohmann::ordered_json rays_json(const RayCounts& rays);

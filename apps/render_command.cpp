@@ -3,13 +3,14 @@
 #include "apps/command.h"
 
 namespace postlens {
-namespace {
 
 ShutterCurve shutter_curve(const std::string& word) {
     if (word == "box") return ShutterCurve::box();
     if (word == "triangle") return ShutterCurve::triangle();
     return ShutterCurve::read(word);
 }
+
+namespace {
 
 const char* name(SamplerKind kind) {
     switch (kind) {

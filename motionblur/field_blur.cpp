@@ -16,8 +16,8 @@ constexpr std::size_t most_places = 64;
 constexpr int fewest_views = 128;
 constexpr int most_views_by_itself = 1024;
 
-/// Place j of a (0, 2)-sequence in base 2 [sobol1967]: every aligned run of 2^k of them has one place in every
-/// cell of every grid of 2^k equal cells, so that views close in time lie far apart in the pixel.
+/// Place j of a (0, 2)-sequence in base 2 [sobol1967]: every aligned run of 2^k of them has one place in
+/// every cell of every grid of 2^k equal cells, so that views close in time lie far apart in the pixel.
 glm::dvec2 place(std::uint32_t j, double places) {
     std::uint32_t x = 0, y = 0;
     for (std::uint32_t bit = 0x80000000U, direction = 0x80000000U, i = j; i != 0;
@@ -57,6 +57,7 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& 
     out.views = settings.exposure.close_s > settings.exposure.open_s || settings.views
                     ? views_for(ids, settings)
                     : fewest_views;
+    out.mesh_shares.assign(meshes.size(), 0);
     LightField field;
     field.width = header.width;
     field.height = header.height;
@@ -98,9 +99,9 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& 
         const double share = settings.curve.time((i + 0.5) / out.views);
         const double t =
             settings.exposure.open_s + share * (settings.exposure.close_s - settings.exposure.open_s);
-        const auto after = std::upper_bound(by_time.begin(), by_time.end(), t, [&](double time, std::size_t m) {
-            return time < meshes[m].time_s;
-        });
+        const auto after =
+            std::upper_bound(by_time.begin(), by_time.end(), t,
+                             [&](double time, std::size_t m) { return time < meshes[m].time_s; });
         if (after == by_time.begin()) {
             v.uses.push_back(use_of(by_time.front(), 1, t));
         } else if (after == by_time.end()) {
@@ -111,6 +112,7 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& 
             v.uses.push_back(use_of(a, 1 - share_b, t));
             v.uses.push_back(use_of(b, share_b, t));
         }
+        for (const FieldView::Use& use : v.uses) out.mesh_shares[use.mesh] += use.share / out.views;
         field.views.push_back(std::move(v));
     }
     out.picture = light_field(field);

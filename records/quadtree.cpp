@@ -218,14 +218,14 @@ void find_leaves(const RecordBand& band, int y_begin, int y_end, PixelLeaves& ou
         const Row<PointSample> upper = row_at(y), lower = row_at(y + 1);
         for (std::size_t column = 0; column < width; ++column) {
             if (column + 1 < width) {
-                for_each_leaf_of_pixel(
-                    upper, lower, band.x_begin + static_cast<int>(column), y, column,
-                    [&](const std::array<PointSample*, 4>& corners, float size) {
-                        Leaf leaf{{}, size};
-                        for (std::size_t c = 0; c < 4; ++c)
-                            leaf.corner[c] = static_cast<std::uint32_t>(corners[c] - first);
-                        out.leaves.push_back(leaf);
-                    });
+                for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
+                                       [&](const std::array<PointSample*, 4>& corners, float size) {
+                                           Leaf leaf{{}, size};
+                                           for (std::size_t c = 0; c < 4; ++c)
+                                               leaf.corner[c] =
+                                                   static_cast<std::uint32_t>(corners[c] - first);
+                                           out.leaves.push_back(leaf);
+                                       });
             }
             out.leaf_offsets.push_back(static_cast<std::uint32_t>(out.leaves.size()));
         }

@@ -47,11 +47,11 @@ struct Leaf {
     std::array<std::uint32_t, 4> corner{};  ///< indices into PointSamples::samples
     float size = 1;
 };
-/// The leaves of the pixels [x_begin, x_end - 1) x [y_begin, y_end) of `band`, pixel by pixel, and their point
-/// samples: of the rows from y_begin to y_end inclusive, as find_point_samples lists them but without weights.
-/// `band` must hold those rows. Leaves of pixel k of the rows are [leaf_offsets[k], leaf_offsets[k + 1]), the
-/// pixels counted with the band's whole width (the last column has none). Throws Error(invalid_input) on a
-/// quadtree with missing corners.
+/// The leaves of the pixels [x_begin, x_end - 1) x [y_begin, y_end) of `band`, pixel by pixel, and their
+/// point samples: of the rows from y_begin to y_end inclusive, as find_point_samples lists them but without
+/// weights. `band` must hold those rows. Leaves of pixel k of the rows are [leaf_offsets[k], leaf_offsets[k +
+/// 1]), the pixels counted with the band's whole width (the last column has none). Throws
+/// Error(invalid_input) on a quadtree with missing corners.
 struct PixelLeaves {
     PointSamples points;
     std::vector<Leaf> leaves;

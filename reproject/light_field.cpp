@@ -171,7 +171,8 @@ class Field {
                     const int x = static_cast<int>(std::floor(mesh.x[block.first_vertex + v[0]])) - x0,
                               y = static_cast<int>(std::floor(mesh.y[block.first_vertex + v[0]])) - y0;
                     if (x >= 0 && y >= 0 && x < width && y < height)
-                        w.touched[static_cast<std::size_t>(y) * TileBuffer::edge + static_cast<std::size_t>(x)] |= mark;
+                        w.touched[static_cast<std::size_t>(y) * TileBuffer::edge +
+                                  static_cast<std::size_t>(x)] |= mark;
                 }
             }
         }
@@ -223,14 +224,15 @@ class Field {
     static void blend(const FieldView& v, const TileView& at, Workplace& w) {
         TileBuffer& a = w.view[0];
         const TileBuffer& b = w.view[1];
-        const auto share_a = static_cast<float>(v.uses[0].share), share_b = static_cast<float>(v.uses[1].share);
+        const auto share_a = static_cast<float>(v.uses[0].share),
+                   share_b = static_cast<float>(v.uses[1].share);
         for (int y = 0; y < at.height; ++y) {
             for (int x = 0; x < at.width; ++x) {
                 const auto k = static_cast<std::size_t>(y) * TileBuffer::edge + static_cast<std::size_t>(x);
                 const float za = a.inverse_z[k], zb = b.inverse_z[k];
                 if (zb < 0) continue;
-                const bool same = za >= 0 && a.id[k] == b.id[k] &&
-                                  std::abs(za - zb) <= same_depth * std::max(za, zb);
+                const bool same =
+                    za >= 0 && a.id[k] == b.id[k] && std::abs(za - zb) <= same_depth * std::max(za, zb);
                 if (same) {
                     a.r[k] = share_a * a.r[k] + share_b * b.r[k];
                     a.g[k] = share_a * a.g[k] + share_b * b.g[k];

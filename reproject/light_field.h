@@ -39,11 +39,11 @@ struct LightField {
 };
 
 struct FieldPicture {
-    Image image;                      ///< pixels not `touched` are left black
+    Image image;  ///< pixels not `touched` are left black
     /// The marks of all that moves and is seen there in a view, or was recorded there; all bits where a view
     /// sees nothing known. 0: the pixel is as recorded.
     std::vector<std::uint8_t> touched;
-    std::vector<float> unknown;       ///< share of the views' weight in which no surface is known there
+    std::vector<float> unknown;  ///< share of the views' weight in which no surface is known there
 };
 
 /// Same bits for any number of threads.

@@ -22,8 +22,10 @@ dmat4 camera_from_raster(const SampleHeader& h) {
         perspective ? h.pixel_pitch_mm / h.film_distance_mm : h.pixel_pitch_mm * 1e-3;  // tangent or m per px
     const double x0 = -0.5 * h.width * scale, y0 = 0.5 * h.height * scale;
     // Perspective: (x, y, 1, 1/z) to the point times 1/z; orthographic: (x, y, z, 1) to the point.
-    return perspective ? dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(x0, y0, -1, 0), dvec4(0, 0, 0, 1))
-                       : dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(0, 0, -1, 0), dvec4(x0, y0, 0, 1));
+    return perspective
+               ? dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(x0, y0, -1, 0), dvec4(0, 0, 0, 1))
+               : dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(0, 0, -1, 0),
+                       dvec4(x0, y0, 0, 1));
 }
 
 }  // namespace
@@ -51,7 +53,8 @@ FrameMotion::FrameMotion(const SampleHeader& header)
     for (const auto& [id, motion] : header.motion.objects) set_keys(id, motion.keys);
 }
 
-void FrameMotion::set_displacement(std::uint32_t id, Displacement displacement, std::vector<double> breaks_s) {
+void FrameMotion::set_displacement(std::uint32_t id, Displacement displacement,
+                                   std::vector<double> breaks_s) {
     screen_[id] = {std::move(displacement), std::move(breaks_s)};
 }
 

@@ -19,8 +19,8 @@ struct RasterPoint {
     double x = 0, y = 0, inverse_z = 0;
 };
 
-/// Raster and depth to raster and depth. Perspective: in homogeneous coordinates (x, y, 1, 1/z') a motion is a
-/// matrix, and what is infinitely far needs no case of its own. Orthographic: in (x, y, z', 1); what is
+/// Raster and depth to raster and depth. Perspective: in homogeneous coordinates (x, y, 1, 1/z') a motion is
+/// a matrix, and what is infinitely far needs no case of its own. Orthographic: in (x, y, z', 1); what is
 /// infinitely far stays.
 class RasterMap {
   public:

@@ -169,9 +169,9 @@ class TileBuilder {
                 Local& local = local_[s];
                 if (local.stamp != stamp_) {
                     local.stamp = stamp_;
-                    local.vertex = add_vertex(corner_x(k, p.x, p.size), corner_x(k >> 1, p.y, p.size),
-                                              surface(s), out) -
-                                   first_vertex;
+                    local.vertex =
+                        add_vertex(corner_x(k, p.x, p.size), corner_x(k >> 1, p.y, p.size), surface(s), out) -
+                        first_vertex;
                 }
                 quad.vertex[static_cast<std::size_t>(k)] = local.vertex;
             }
@@ -180,7 +180,8 @@ class TileBuilder {
             const float x0 = corner_x(p.quarter, p.x, half), y0 = corner_x(p.quarter >> 1, p.y, half);
             for (int k = 0; k < 4; ++k) {
                 quad.vertex[static_cast<std::size_t>(k)] =
-                    add_vertex(corner_x(k, x0, half), corner_x(k >> 1, y0, half), surface(p.surface[0]), out) -
+                    add_vertex(corner_x(k, x0, half), corner_x(k >> 1, y0, half), surface(p.surface[0]),
+                               out) -
                     first_vertex;
             }
         }
@@ -215,10 +216,10 @@ void append(TilePart&& part, SampleMesh& mesh) {
 
 }  // namespace
 
-SampleMesh sample_mesh(const SampleFileReader& file) {
+SampleMesh sample_mesh(const SampleFileReader& file, std::size_t instant) {
     const SampleHeader& h = file.header();
     SampleMesh mesh;
-    mesh.time_s = h.time_s;
+    mesh.time_s = file.instant_s(instant);
     mesh.x_begin = file.x_begin();
     mesh.x_end = file.x_end() - 1;
     mesh.y_begin = file.y_begin();
@@ -235,7 +236,7 @@ SampleMesh sample_mesh(const SampleFileReader& file) {
     SampleSurfaces surfaces;
     for (int y = mesh.y_begin; y < mesh.y_end; y += tile) {
         const int y_end = std::min(y + tile, mesh.y_end);
-        file.read(y, y_end + 1, band);
+        file.read(y, y_end + 1, band, instant);
         find_leaves(band, y, y_end, leaves);
         find_surfaces(band, leaves.points, y, surfaces);
         const auto width = static_cast<std::size_t>(band.width());

@@ -9,9 +9,9 @@
 
 namespace postlens {
 
-/// Surfaces of one id within one square of the raster. The four corners of a leaf of the quadtree that see one
-/// surface make a micro-quad; where a corner sees another, or the depth jumps, each corner has the quarter of
-/// the leaf next to it, at its own depth.
+/// Surfaces of one id within one square of the raster. The four corners of a leaf of the quadtree that see
+/// one surface make a micro-quad; where a corner sees another, or the depth jumps, each corner has the
+/// quarter of the leaf next to it, at its own depth.
 struct MeshBlock {
     std::uint32_t id = 0;
     std::uint32_t first_vertex = 0, vertices = 0;
@@ -31,13 +31,13 @@ struct SampleMesh {
     double time_s = 0;
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< pixels that have records, overscan included
     std::vector<MeshBlock> blocks;
-    std::vector<float> x, y, inverse_z;           ///< of the vertices
-    std::vector<std::array<float, 3>> rgb;        ///< scene-linear, the sum of the shading tree's nodes
+    std::vector<float> x, y, inverse_z;     ///< of the vertices
+    std::vector<std::array<float, 3>> rgb;  ///< scene-linear, the sum of the shading tree's nodes
     std::vector<MicroQuad> quads;
 };
 
-/// Reads an instant of the file. Throws Error(out of memory) before it would take more than there is, and
+/// Reads an instant of the file. Throws Error(out_of_memory) before it would take more than there is, and
 /// what the reader throws.
-[[nodiscard]] SampleMesh sample_mesh(const SampleFileReader& file);
+[[nodiscard]] SampleMesh sample_mesh(const SampleFileReader& file, std::size_t instant = 0);
 
 }  // namespace postlens

@@ -8,7 +8,8 @@
 
 namespace postlens {
 
-/// What is seen at one layer of a point sample: the primary node's depth and id, the colours of all its nodes.
+/// What is seen at one layer of a point sample: the primary node's depth and id, the colours of all its
+/// nodes.
 struct Surface {
     float inverse_z = 0;  ///< 1/m; 0: infinitely far
     float r = 0, g = 0, b = 0;

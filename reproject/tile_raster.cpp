@@ -38,10 +38,40 @@ POSTLENS_MULTIVERSION void shift(const float* __restrict x, std::size_t count, d
     for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<float>(static_cast<double>(x[i]) - x0);
 }
 
+/// Which samples a vertex lies between: column in the lower half, row in the upper.
+POSTLENS_MULTIVERSION void find_cells(const float* __restrict x, const float* __restrict y, std::size_t count,
+                                      std::uint32_t* __restrict cell) {
+    for (std::size_t i = 0; i < count; ++i) {
+        // Above 0 the conversion rounds down; far outside one place is as good as another.
+        const float cx = std::min(std::max(x[i] + 256.0F, 0.0F), 1023.0F),
+                    cy = std::min(std::max(y[i] + 256.0F, 0.0F), 1023.0F);
+        cell[i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(cx)) |
+                  (static_cast<std::uint32_t>(static_cast<std::int32_t>(cy)) << 16U);
+    }
+}
+
+/// The quads that reach across a column of samples and across a row of them: few of those that are smaller
+/// than a pixel. Returns their number.
+POSTLENS_MULTIVERSION std::size_t find_hits(const MicroQuad* __restrict quads, std::uint32_t count,
+                                            const std::uint32_t* __restrict cell,
+                                            std::uint32_t* __restrict hit) {
+    std::size_t hits = 0;
+    for (std::uint32_t q = 0; q < count; ++q) {
+        const auto& v = quads[q].vertex;
+        const std::uint32_t a = cell[v[0]];
+        const std::uint32_t across = (a ^ cell[v[1]]) | (a ^ cell[v[2]]) | (a ^ cell[v[3]]);
+        hit[hits] = q;
+        hits += (across & 0xFFFFU) != 0 && (across >> 16U) != 0 ? 1 : 0;
+    }
+    return hits;
+}
+
 void transform_block(const SampleMesh& mesh, const MeshBlock& block, const RasterMap& map,
                      const TileView& view, DrawScratch& s) {
     const std::size_t n = block.vertices;
+    if (s.hit.size() < block.quads) s.hit.resize(block.quads);
     if (s.x.size() < n) {
+        s.cell.resize(n);
         s.x.resize(n);
         s.y.resize(n);
         s.inverse_z.resize(n);
@@ -60,7 +90,8 @@ void transform_block(const SampleMesh& mesh, const MeshBlock& block, const Raste
         transform(x, y, z, n, m, view.x, view.y, s.x.data(), s.y.data(), s.inverse_z.data());
     } else {
         for (std::size_t i = 0; i < n; ++i) {
-            const auto p = map({static_cast<double>(x[i]), static_cast<double>(y[i]), static_cast<double>(z[i])});
+            const auto p =
+                map({static_cast<double>(x[i]), static_cast<double>(y[i]), static_cast<double>(z[i])});
             s.x[i] = p ? static_cast<float>(p->x - view.x) : 0;
             s.y[i] = p ? static_cast<float>(p->y - view.y) : 0;
             s.inverse_z[i] = p ? static_cast<float>(p->inverse_z) : behind;
@@ -82,7 +113,14 @@ struct Triangle {
     float ax, ay, ux, uy, vx, vy, inverse_area;  // u = b - a, v = c - a
     bool drawn;
     Triangle(float ax_, float ay_, float bx, float by, float cx, float cy)
-        : ax(ax_), ay(ay_), ux(bx - ax_), uy(by - ay_), vx(cx - ax_), vy(cy - ay_), inverse_area(0), drawn(false) {
+        : ax(ax_),
+          ay(ay_),
+          ux(bx - ax_),
+          uy(by - ay_),
+          vx(cx - ax_),
+          vy(cy - ay_),
+          inverse_area(0),
+          drawn(false) {
         const float area = ux * vy - uy * vx;
         drawn = area > 1e-12F;
         inverse_area = 1 / area;
@@ -133,8 +171,10 @@ void draw_block(const SampleMesh& mesh, const MeshBlock& block, const RasterMap&
     const std::array<float, 3>* rgb = mesh.rgb.data() + block.first_vertex;
     const auto last_x = static_cast<float>(view.width - 1), last_y = static_cast<float>(view.height - 1);
     const auto* quads = mesh.quads.data() + block.first_quad;
-    for (std::uint32_t q = 0; q < block.quads; ++q) {
-        const auto& v = quads[q].vertex;
+    find_cells(x, y, block.vertices, s.cell.data());
+    const std::size_t hits = find_hits(quads, block.quads, s.cell.data(), s.hit.data());
+    for (std::size_t h = 0; h < hits; ++h) {
+        const auto& v = quads[s.hit[h]].vertex;
         const float x0 = x[v[0]], x1 = x[v[1]], x2 = x[v[2]], x3 = x[v[3]];
         const float y0 = y[v[0]], y1 = y[v[1]], y2 = y[v[2]], y3 = y[v[3]];
         const float x_low = std::max(0.0F, std::min(std::min(x0, x1), std::min(x2, x3))),

@@ -38,6 +38,8 @@ struct TileView {
 /// Memory of one thread for `draw_block`.
 struct DrawScratch {
     std::vector<float> x, y, inverse_z;
+    std::vector<std::uint32_t> cell;  ///< column and row of the samples between which the vertex lies
+    std::vector<std::uint32_t> hit;   ///< quads that may hold a sample
 };
 
 /// The rectangle that a block covers under a map, raster px; the whole plane where a part of it comes to lie

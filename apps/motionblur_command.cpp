@@ -1,0 +1,125 @@
+#include <cmath>
+
+#include "apps/command.h"
+#include "motionblur/paths_file.h"
+
+namespace postlens {
+namespace {
+
+const char* name(MotionMethod method) {
+    switch (method) {
+        case MotionMethod::automatic:
+            return "auto";
+        case MotionMethod::convolve:
+            return "convolve";
+        case MotionMethod::lightfield:
+            return "lightfield";
+    }
+    return "";
+}
+
+const char* name(MotionKind kind) {
+    switch (kind) {
+        case MotionKind::still:
+            return "still";
+        case MotionKind::translation:
+            return "translation";
+        case MotionKind::general:
+            return "general";
+    }
+    return "";
+}
+
+Exposure exposure_of(const MotionBlurOptions& options, const SampleHeader& header) {
+    if (options.shutter) return {options.shutter->open_s, options.shutter->close_s};
+    if (!header.exposure_s) {
+        fail(ExitCode::wrong_arguments,
+             "--shutter: missing (got nothing; expected OPEN:CLOSE, as the sample file names no exposure)");
+    }
+    return {header.time_s, header.time_s + *header.exposure_s};
+}
+
+// What the trace was sized for, against what is asked now.
+void check_sufficient(const SampleHeader& h, const Exposure& e, CommandResult& out) {
+    const auto &open = h.sufficient.shutter_open_s, &close = h.sufficient.shutter_close_s;
+    if (open && close && (e.open_s < *open || e.close_s > *close)) {
+        out.warnings.push_back(
+            {"insufficient", fmt::format("the file was traced for a shutter within {}:{} s (got "
+                                         "{}:{})",
+                                         *open, *close, e.open_s, e.close_s)});
+    }
+}
+
+nlohmann::ordered_json object_json(const ObjectReport& o) {
+    nlohmann::ordered_json out = {{"id", o.id},
+                                  {"name", o.name},
+                                  {"motion", name(o.kind)},
+                                  {"method", o.kind == MotionKind::still ? "none" : name(o.method)},
+                                  {"move_px", json_number(o.largest_move_px)},
+                                  {"deviation_px", json_number(o.deviation_px)},
+                                  {"reason", o.reason}};
+    if (o.path_points > 0) out["path_points"] = o.path_points;
+    if (o.fitted_knots > 0) {
+        out["fitted_knots"] = o.fitted_knots;
+        out["fit_error_px"] = o.fit_error_px;
+    }
+    return out;
+}
+
+}  // namespace
+
+CommandResult run_motionblur(const MotionBlurOptions& options) {
+    check_image_path(options.output);
+    MotionBlurSettings settings = options.settings;
+    settings.curve = shutter_curve(options.curve);
+    if (options.paths) settings.paths = read_paths(*options.paths);
+    const SampleFileReader file(options.input);
+    settings.exposure = exposure_of(options, file.header());
+    const MotionBlurResult result = motion_blur(file, settings);
+    write_image(options.output, result.image);
+
+    CommandResult out;
+    check_sufficient(file.header(), settings.exposure, out);
+    for (const MotionWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
+    if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
+    nlohmann::ordered_json objects = nlohmann::ordered_json::array();
+    for (const ObjectReport& o : result.objects) objects.push_back(object_json(o));
+    const SampleHeader& h = file.header();
+    out.json = {{"method", name(result.method)},
+                {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
+                {"depths", nullptr},
+                {"predicted_db", nullptr},
+                {"retraced_share", 0.0},
+                {"focus_m", h.focus_m ? json_number(*h.focus_m) : nullptr},
+                {"focal_length_mm", h.focal_length_mm},
+                {"f_number", nullptr},
+                {"shutter_open_s", settings.exposure.open_s},
+                {"shutter_close_s", settings.exposure.close_s},
+                {"instants", file.instants()},
+                {"touched_share", result.touched_share},
+                {"objects", objects}};
+    out.text = fmt::format("{}: {}x{} px, {}, shutter {:.6g} to {:.6g} s{}, {:.1f} % of the pixels touched",
+                           options.output, result.image.width, result.image.height, name(result.method),
+                           settings.exposure.open_s, settings.exposure.close_s,
+                           result.views > 0 ? fmt::format(", {} views", result.views) : "",
+                           100 * result.touched_share);
+    constexpr std::size_t most_lines = 20;
+    std::size_t lines = 0, left = 0;
+    for (const ObjectReport& o : result.objects) {
+        if (o.kind == MotionKind::still) continue;
+        if (lines == most_lines) {
+            ++left;
+            continue;
+        }
+        ++lines;
+        out.text += fmt::format(
+            "\n  {}: {} ({}{})", o.name.empty() ? std::to_string(o.id) : o.name, name(o.method), o.reason,
+            o.fitted_knots > 0 ? fmt::format(", {} points fitted by {} knots within {:.3g} px", o.path_points,
+                                             o.fitted_knots, o.fit_error_px)
+                               : "");
+    }
+    if (left > 0) out.text += fmt::format("\n  and {} more (see --json)", left);
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,170 @@
+#include "motionblur/convolve_blur.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/threads.h"
+#include "motionblur/group_raster.h"
+#include "motionblur/path_raster.h"
+#include "reproject/fill_gaps.h"
+
+namespace postlens {
+namespace {
+
+/// Coverage below this is the rounding of a Fourier transform.
+constexpr float least_coverage = 2e-6F;
+
+/// Sums over the point samples of one pixel, by how many groups are nearer than what stands still.
+struct Between {
+    std::array<double, 3> colour{};
+    double covered = 0, known = 0;  ///< weight of samples that show something there, and of those that could
+};
+
+class Composite {
+  public:
+    Composite(const std::vector<BandSurfaces>& bands, const std::vector<MovingGroup>& groups,
+              const GroupTable& table, const std::vector<GroupPicture>& blurred,
+              const std::vector<GroupPicture>& recorded, ConvolveBlur& out)
+        : bands_(bands), table_(table), blurred_(blurred), recorded_(recorded), out_(out) {
+        for (const MovingGroup& g : groups) depths_.push_back(g.inverse_z);
+        const auto pixels =
+            static_cast<std::size_t>(out.image.width) * static_cast<std::size_t>(out.image.height);
+        far_ = out.image;
+        far_weight_.assign(pixels, 1);
+        unknown_light_.assign(pixels, 0);
+        out.touched.assign(pixels, 0);
+        out.unknown.assign(pixels, 0);
+    }
+
+    void run() {
+        parallel_for(bands_.size(), [&](std::size_t b) {
+            std::vector<Between> between(depths_.size() + 1);
+            const BandSurfaces& band = bands_[b];
+            for (int y = std::max(0, band.y_begin); y < std::min(out_.image.height, band.y_end); ++y) {
+                for (int x = 0; x < out_.image.width; ++x) {
+                    if (is_touched(x, y)) pixel(band, x, y, between);
+                }
+            }
+        });
+        const bool gaps =
+            std::any_of(unknown_light_.begin(), unknown_light_.end(), [](float light) { return light > 0; });
+        if (!gaps) return;
+        fill_gaps(far_, far_weight_);
+        for (std::size_t p = 0; p < unknown_light_.size(); ++p) {
+            for (std::size_t c = 0; c < 3; ++c)
+                out_.image.rgb[3 * p + c] += unknown_light_[p] * far_.rgb[3 * p + c];
+        }
+    }
+
+  private:
+    [[nodiscard]] bool is_touched(int x, int y) const {
+        for (std::size_t g = 0; g < blurred_.size(); ++g) {
+            const auto *moved = blurred_[g].at(x, y), *still = recorded_[g].at(x, y);
+            if ((moved != nullptr && (*moved)[3] > least_coverage) || (still != nullptr && (*still)[3] > 0))
+                return true;
+        }
+        return false;
+    }
+
+    void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
+                    std::vector<Between>& between) const {
+        std::size_t known = 0;
+        std::size_t filled = between.size();  // none
+        bool any = false;
+        for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
+            const Surface& s = band.surfaces.surfaces[i];
+            const int g = table_(s.id);
+            any = true;
+            if (g >= 0) {
+                known = std::max(known, static_cast<std::size_t>(g));
+                continue;
+            }
+            // Groups that are nearer; depths_ falls.
+            const auto rank = static_cast<std::size_t>(
+                std::partition_point(depths_.begin(), depths_.end(),
+                                     [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -
+                depths_.begin());
+            known = std::max(known, rank);
+            if (rank == filled) continue;  // behind a nearer one
+            filled = rank;
+            Between& to = between[rank];
+            to.colour[0] += weight * static_cast<double>(s.r);
+            to.colour[1] += weight * static_cast<double>(s.g);
+            to.colour[2] += weight * static_cast<double>(s.b);
+            to.covered += weight;
+        }
+        if (!any) return;
+        for (std::size_t j = 0; j <= known; ++j) between[j].known += weight;
+    }
+
+    void pixel(const BandSurfaces& band, int x, int y, std::vector<Between>& between) {
+        std::fill(between.begin(), between.end(), Between());
+        band.for_each_leaf(x, y, [&](const Leaf& leaf) {
+            const double weight = static_cast<double>(leaf.size) * static_cast<double>(leaf.size) / 4;
+            for (const std::uint32_t corner : leaf.corner) add_sample(band, corner, weight, between);
+        });
+        const auto p = static_cast<std::size_t>(y) * static_cast<std::size_t>(out_.image.width) +
+                       static_cast<std::size_t>(x);
+        std::array<double, 3> sum{};
+        double light = 1;  // what still comes through
+        for (std::size_t j = 0; j < between.size(); ++j) {
+            const Between& at = between[j];
+            const bool last = j + 1 == between.size();
+            if (at.covered > 0) {
+                const double cover = last ? 1 : at.covered / at.known;
+                for (std::size_t c = 0; c < 3; ++c) sum[c] += light * cover * at.colour[c] / at.covered;
+                light *= 1 - cover;
+            }
+            if (last) break;
+            if (const auto* group = blurred_[j].at(x, y); group != nullptr && (*group)[3] > least_coverage) {
+                for (std::size_t c = 0; c < 3; ++c) sum[c] += light * static_cast<double>((*group)[c]);
+                light *= std::max(0.0, 1 - static_cast<double>((*group)[3]));
+            }
+        }
+        constexpr double least_light = 1e-4;  // what rounding leaves of coverage 1
+        for (std::size_t c = 0; c < 3; ++c) out_.image.rgb[3 * p + c] = static_cast<float>(sum[c]);
+        out_.touched[p] = 1;
+        const Between& farthest = between.back();
+        if (farthest.covered > 0) {
+            for (std::size_t c = 0; c < 3; ++c)
+                far_.rgb[3 * p + c] = static_cast<float>(farthest.colour[c] / farthest.covered);
+        } else {
+            far_weight_[p] = 0;
+            if (light > least_light) unknown_light_[p] = out_.unknown[p] = static_cast<float>(light);
+        }
+    }
+
+    const std::vector<BandSurfaces>& bands_;
+    const GroupTable& table_;
+    const std::vector<GroupPicture>&blurred_, &recorded_;
+    ConvolveBlur& out_;
+    std::vector<double> depths_;  ///< of the groups, 1/m, falling
+    Image far_;                   ///< the farthest of what stands still, as far as it is known
+    std::vector<float> far_weight_, unknown_light_;
+};
+
+}  // namespace
+
+ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
+                           const std::vector<MovingGroup>& groups, const Exposure& exposure,
+                           const ShutterCurve& curve) {
+    ConvolveBlur out;
+    out.image = still;
+    const GroupTable table(groups);
+    std::vector<GroupPicture> blurred, recorded;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const int c = cells_for(groups[g]);
+        const Planes i1 = draw_group(bands, table, static_cast<int>(g), groups[g], c);
+        recorded.push_back(in_pixels(i1, c, still.width, still.height));
+        const PathRaster i2 = draw_path(groups[g].path, {0, 0}, exposure.open_s, exposure.close_s, curve, c);
+        ConvolutionMethod used = ConvolutionMethod::automatic;
+        const Planes moved = convolve(i1, i2, ConvolutionMethod::automatic, &used,
+                                      CellWindow{0, still.width * c, 0, still.height * c});
+        (used == ConvolutionMethod::fft ? out.fft_groups : out.direct_groups) += 1;
+        blurred.push_back(in_pixels(moved, c, still.width, still.height));
+    }
+    Composite(bands, groups, table, blurred, recorded, out).run();
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,339 @@
+#include "motionblur/motion_blur.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <set>
+
+#include "core/error.h"
+#include "core/threads.h"
+#include "motionblur/convolve_blur.h"
+#include "motionblur/field_blur.h"
+#include "motionblur/motion_warnings.h"
+#include "records/quadtree.h"
+#include "reproject/fill_gaps.h"
+
+namespace postlens {
+namespace {
+
+constexpr float noticeable_gap = 0.004F;  ///< share of a pixel's light: one step of 8 bits
+
+void check(const MotionBlurSettings& s) {
+    if (!std::isfinite(s.exposure.open_s) || !std::isfinite(s.exposure.close_s) ||
+        !(s.exposure.open_s <= s.exposure.close_s)) {
+        fail(ExitCode::wrong_arguments,
+             "--shutter: closes before it opens (got {}:{}; expected finite seconds, OPEN not after CLOSE)",
+             s.exposure.open_s, s.exposure.close_s);
+    }
+    if (s.fit_px && !(*s.fit_px > 0 && std::isfinite(*s.fit_px))) {
+        fail(ExitCode::wrong_arguments, "--fit-paths: out of range (got {}; expected px, more than 0)",
+             *s.fit_px);
+    }
+    if (s.views && (*s.views < 1 || *s.views > FieldBlurSettings::most_views)) {
+        fail(ExitCode::wrong_arguments, "--views: out of range (got {}; expected 1 to {})", *s.views,
+             FieldBlurSettings::most_views);
+    }
+}
+
+FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>& paths) {
+    FrameMotion motion(header);
+    const std::vector<std::vector<std::uint32_t>> ids = resolve_ids(paths, header.object_names);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        for (const std::uint32_t id : ids[i]) {
+            if (const auto* keys = std::get_if<RigidKeys>(&paths[i].motion)) {
+                motion.set_keys(id, *keys);
+                continue;
+            }
+            const ScreenPath path = std::get<ScreenPath>(paths[i].motion);
+            std::vector<double> breaks;
+            for (const PathKnot& knot : path.knot_list()) breaks.push_back(knot.time_s);
+            motion.set_displacement(
+                id, [path](double t) { return path.at(t); }, std::move(breaks));
+        }
+    }
+    return motion;
+}
+
+Image still_picture(const SampleHeader& header, const std::vector<RecordBand>& bands) {
+    Image image(header.width, header.height);
+    parallel_for(bands.size(), [&](std::size_t b) {
+        for (int y = std::max(0, bands[b].y_begin); y < std::min(header.height, bands[b].y_end - 1); ++y) {
+            picture_row(bands[b], y, 0, header.width,
+                        {image.pixel(0, y), static_cast<std::size_t>(header.width) * 3});
+        }
+    });
+    return image;
+}
+
+/// 1 where one of the four corners of the pixel, or a sample in it, shows one of the ids.
+std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
+                                         const std::vector<std::uint32_t>& ids) {
+    const auto width = static_cast<std::size_t>(header.width);
+    std::vector<std::uint8_t> out(width * static_cast<std::size_t>(header.height), 0);
+    const auto shows = [&](const RecordBand& band, int x, int y) {
+        const std::size_t k = band.pixel(x, y);
+        for (std::uint32_t i = band.offsets[k]; i < band.offsets[k + 1]; ++i) {
+            const Record& r = band.records[i];
+            if (r.layer == 0 && r.path.bits() == 0 && std::binary_search(ids.begin(), ids.end(), r.id))
+                return true;
+        }
+        return false;
+    };
+    parallel_for(bands.size(), [&](std::size_t b) {
+        const RecordBand& band = bands[b];
+        for (int y = std::max(0, band.y_begin); y < std::min(header.height, band.y_end - 1); ++y) {
+            for (int x = 0; x < header.width; ++x) {
+                out[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] =
+                    shows(band, x, y) || shows(band, x + 1, y) || shows(band, x, y + 1) ||
+                            shows(band, x + 1, y + 1)
+                        ? 1
+                        : 0;
+            }
+        }
+    });
+    return out;
+}
+
+class MotionBlur {
+  public:
+    MotionBlur(const SampleFileReader& file, const MotionBlurSettings& settings)
+        : file_(file),
+          header_(file.header()),
+          settings_(settings),
+          motion_(motion_of(header_, settings.paths)) {}
+
+    MotionBlurResult run() {
+        bands_ = read_bands(file_);
+        result_.image = file_.picture();
+        find_motion();
+        choose();
+        // A second recorded instant may show other colours of what stands still.
+        const bool blends = file_.instants() > 1 && settings_.method != MotionMethod::convolve &&
+                            settings_.exposure.close_s > settings_.exposure.open_s;
+        const std::vector<std::uint32_t> convolved = ids_of(MotionMethod::convolve),
+                                         reprojected = ids_of(MotionMethod::lightfield);
+        const std::size_t pixels = result_.image.rgb.size() / 3;
+        touched_.assign(pixels, 0);
+        unknown_.assign(pixels, 0);
+        if (!convolved.empty()) convolve_groups();
+        if (!reprojected.empty() || blends) reproject(reprojected);
+        result_.method = convolved.empty() == reprojected.empty()
+                             ? (convolved.empty() ? settings_.method : MotionMethod::automatic)
+                             : (convolved.empty() ? MotionMethod::lightfield : MotionMethod::convolve);
+        warn(blends);
+        return std::move(result_);
+    }
+
+  private:
+    [[nodiscard]] std::vector<std::uint32_t> ids_of(MotionMethod method) const {
+        std::vector<std::uint32_t> out;
+        for (const ObjectReport& o : result_.objects) {
+            if (o.method == method) out.push_back(o.id);
+        }
+        return out;
+    }
+
+    void find_motion() {
+        const bool all = motion_.camera_moves(std::min(header_.time_s, settings_.exposure.open_s),
+                                              std::max(header_.time_s, settings_.exposure.close_s));
+        const std::vector<std::uint32_t> candidates = motion_.moving_ids();
+        if (candidates.empty() && !all) return;
+        const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
+        extents_ = find_extents(bands_, only);
+        std::map<std::uint32_t, IdMotion> found;
+        for (const auto& [id, extent] : extents_)
+            found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
+        // What other instants recorded of an id may move differently, and may be all there is of it.
+        for (std::size_t i = 1; i < file_.instants(); ++i) {
+            for (const auto& [id, extent] : find_extents(read_bands(file_, i), only)) {
+                const IdMotion m = classify(motion_, id, extent, file_.instant_s(i), settings_.exposure);
+                auto [at, is_new] = found.emplace(id, m);
+                if (is_new) {
+                    if (m.kind != MotionKind::still) at->second.kind = MotionKind::general;
+                    continue;
+                }
+                at->second.kind = std::max(at->second.kind, m.kind);
+                at->second.largest_move_px = std::max(at->second.largest_move_px, m.largest_move_px);
+                at->second.deviation_px = std::max(at->second.deviation_px, m.deviation_px);
+            }
+        }
+        for (const auto& [id, m] : found) motions_.push_back(m);
+    }
+
+    void choose() {
+        for (const IdMotion& m : motions_) {
+            ObjectReport o;
+            o.id = m.id;
+            const auto name = header_.object_names.find(m.id);
+            o.name = name != header_.object_names.end() ? name->second : m.id == 0 ? "background" : "";
+            o.kind = m.kind;
+            o.largest_move_px = m.largest_move_px;
+            o.deviation_px = m.deviation_px;
+            if (m.kind == MotionKind::still) {
+                o.reason = fmt::format("stands still on the raster (moves {:.2g} px)", m.largest_move_px);
+            } else if (settings_.method != MotionMethod::automatic) {
+                o.method = settings_.method;
+                o.reason = "asked for";
+            } else if (m.kind == MotionKind::translation) {
+                o.method = MotionMethod::convolve;
+                o.reason = fmt::format("moves as a whole, {:.1f} px, within {:.2f} px", m.largest_move_px,
+                                       m.deviation_px);
+            } else if (std::isinf(m.deviation_px)) {
+                o.method = MotionMethod::lightfield;
+                o.reason = "passes the camera";
+            } else {
+                o.method = MotionMethod::lightfield;
+                o.reason = fmt::format("moves {:.1f} px, its parts differ by {:.1f} px", m.largest_move_px,
+                                       m.deviation_px);
+            }
+            result_.objects.push_back(std::move(o));
+        }
+    }
+
+    void convolve_groups() {
+        std::vector<IdMotion> ids;
+        for (std::size_t i = 0; i < motions_.size(); ++i) {
+            if (result_.objects[i].method == MotionMethod::convolve) ids.push_back(motions_[i]);
+        }
+        const std::vector<MovingGroup> groups =
+            find_groups(motion_, ids, extents_, header_.time_s, settings_.exposure, settings_.fit_px);
+        for (const MovingGroup& g : groups) {
+            for (ObjectReport& o : result_.objects) {
+                if (!std::binary_search(g.ids.begin(), g.ids.end(), o.id)) continue;
+                o.path_points = g.path.size();
+                o.fitted_knots = g.fitted_knots;
+                o.fit_error_px = g.fit_error_px;
+            }
+        }
+        ConvolveBlur blur = convolve_blur(result_.image, band_surfaces(bands_, 0, header_.height), groups,
+                                          settings_.exposure, settings_.curve);
+        result_.image = std::move(blur.image);
+        touched_ = std::move(blur.touched);
+        unknown_ = std::move(blur.unknown);
+    }
+
+    void reproject(const std::vector<std::uint32_t>& wanted) {
+        std::vector<SampleMesh> meshes;
+        for (std::size_t i = 0; i < file_.instants(); ++i) meshes.push_back(sample_mesh(file_, i));
+        const FieldBlur blur =
+            field_blur(header_, meshes, motion_, motions_, wanted,
+                       {.exposure = settings_.exposure, .curve = settings_.curve, .views = settings_.views});
+        result_.views = blur.views;
+        if (meshes.size() > 1) blend_stills(blur.mesh_shares);
+        std::vector<std::uint32_t> moving;
+        for (const IdMotion& m : motions_) {
+            if (m.kind != MotionKind::still) moving.push_back(m.id);
+        }
+        constexpr std::uint8_t wanted_mark = 2;
+        Image filled;  // for what no view knows
+        const FieldPicture& p = blur.picture;
+        const bool gaps = std::any_of(p.unknown.begin(), p.unknown.end(), [](float u) { return u > 0; });
+        if (gaps) filled = fill_behind(p, moving);
+        for (std::size_t k = 0; k < p.touched.size(); ++k) {
+            if ((p.touched[k] & wanted_mark) == 0) continue;
+            const float gap = p.unknown[k];
+            for (std::size_t c = 0; c < 3; ++c) {
+                float& to = result_.image.rgb[3 * k + c];
+                to = p.image.rgb[3 * k + c];
+                if (gap > 0) to = (1 - gap) * to + gap * filled.rgb[3 * k + c];
+            }
+            touched_[k] = 1;
+            unknown_[k] = gap;
+        }
+    }
+
+    // The mean over the exposure of what the recorded instants show where nothing moves.
+    void blend_stills(const std::vector<double>& shares) {
+        std::vector<double> sum(result_.image.rgb.size(), 0);
+        for (std::size_t i = 0; i < shares.size(); ++i) {
+            if (shares[i] == 0) continue;
+            const Image picture = i == 0 ? file_.picture() : still_picture(header_, read_bands(file_, i));
+            for (std::size_t k = 0; k < sum.size(); ++k)
+                sum[k] += shares[i] * static_cast<double>(picture.rgb[k]);
+        }
+        for (std::size_t k = 0; k < sum.size(); ++k) {
+            if (touched_[k / 3] == 0) result_.image.rgb[k] = static_cast<float>(sum[k]);
+        }
+    }
+
+    // Colours from around for what something that moves covers in the records. Where all moves: the pixel's
+    // own mean over the views that know something.
+    [[nodiscard]] Image fill_behind(const FieldPicture& p, const std::vector<std::uint32_t>& moving) const {
+        const std::vector<std::uint8_t> covered = pixels_showing(header_, bands_, moving);
+        const bool all = std::find(covered.begin(), covered.end(), 0) == covered.end();
+        Image out = all ? p.image : file_.picture();
+        std::vector<float> weight(covered.size());
+        for (std::size_t k = 0; k < weight.size(); ++k)
+            weight[k] = all ? (p.unknown[k] < 1 ? 1.0F : 0.0F) : covered[k] != 0 ? 0.0F : 1.0F;
+        fill_gaps(out, weight);
+        return out;
+    }
+
+    void warn(bool blends) {
+        const auto pixels = static_cast<double>(touched_.size());
+        result_.touched_share = static_cast<double>(std::count(touched_.begin(), touched_.end(), 1)) / pixels;
+        const auto gaps =
+            std::count_if(unknown_.begin(), unknown_.end(), [](float u) { return u > noticeable_gap; });
+        if (gaps > 0) {
+            const double share = static_cast<double>(gaps) / pixels;
+            result_.warnings.push_back(
+                {"uncovered", share,
+                 fmt::format(
+                     "what moving objects uncover was not recorded in {:.2f} % of the pixels and is filled "
+                     "from around them (expected `trace --for-shutter`, and `--overscan` at the frame's "
+                     "edge)",
+                     100 * share)});
+        }
+        std::vector<std::uint32_t> moving;
+        for (const IdMotion& m : motions_) {
+            if (m.kind != MotionKind::still) moving.push_back(m.id);
+        }
+        warn_of_cut(moving);
+        if (!blends) warn_of_unseen_motion(header_, bands_, moving, settings_.exposure, result_.warnings);
+    }
+
+    // What moves and reaches the border of the records may come in from beyond it.
+    void warn_of_cut(const std::vector<std::uint32_t>& moving) {
+        std::string names;
+        for (const std::uint32_t id : moving) {
+            const auto found = extents_.find(id);
+            if (id == 0 || found == extents_.end() ||
+                motion_.camera_moves(settings_.exposure.open_s, settings_.exposure.close_s))
+                continue;
+            const IdExtent& e = found->second;
+            if (e.x_min > file_.x_begin() && e.x_max < file_.x_end() - 1 && e.y_min > file_.y_begin() &&
+                e.y_max < file_.y_end() - 1)
+                continue;
+            const auto name = header_.object_names.find(id);
+            names += (names.empty() ? "" : ", ") +
+                     (name != header_.object_names.end() ? name->second : std::to_string(id));
+        }
+        if (names.empty()) return;
+        result_.warnings.push_back(
+            {"overscan", 0,
+             fmt::format(
+                 "moving objects are cut by the border of the records: {} (expected `trace --overscan "
+                 "auto --for-shutter`)",
+                 names)});
+    }
+
+    const SampleFileReader& file_;
+    const SampleHeader& header_;
+    const MotionBlurSettings& settings_;
+    FrameMotion motion_;
+    std::vector<RecordBand> bands_;
+    IdExtents extents_;
+    std::vector<IdMotion> motions_;  ///< as result_.objects, by id
+    std::vector<std::uint8_t> touched_;
+    std::vector<float> unknown_;
+    MotionBlurResult result_;
+};
+
+}  // namespace
+
+MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings) {
+    check(settings);
+    return MotionBlur(file, settings).run();
+}
+
+}  // namespace postlens

@@ -1,0 +1,224 @@
+#include "motionblur/motion_warnings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "core/threads.h"
+#include "records/motion_path.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec3;
+
+constexpr int shadow_instants = 9;
+constexpr int shadow_step_px = 4;
+
+bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {
+    return std::binary_search(moving.begin(), moving.end(), id);
+}
+
+/// Whether a shading tree has a node that moves otherwise than its primary node, which carries it along.
+bool shows_other_motion(const Record* r, const Record* end, const std::vector<std::uint32_t>& moving) {
+    const bool carried = is_moving(moving, r->id);
+    for (const Record* node = r + 1; node != end; ++node) {
+        if (is_moving(moving, node->id) ? (!carried || node->id != r->id) : carried) return true;
+    }
+    return false;
+}
+
+/// Calls tree(first, end) for every point sample of layer 0 of a pixel.
+template <typename OnTree>
+void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree) {
+    const Record* r = band.records.data() + band.offsets[pixel];
+    const Record* end = band.records.data() + band.offsets[pixel + 1];
+    while (r != end && r->layer == 0) {
+        const Record* next = r + 1;
+        while (next != end && next->layer == 0 && next->path.bits() != 0) ++next;
+        tree(r, next);
+        r = next;
+    }
+}
+
+template <typename Concerned>
+std::uint64_t count_pixels(const SampleHeader& h, const std::vector<RecordBand>& bands, int step,
+                           const Concerned& concerned) {
+    std::vector<std::uint64_t> counts(bands.size(), 0);
+    parallel_for(bands.size(), [&](std::size_t b) {
+        const RecordBand& band = bands[b];
+        // The closing row belongs to the next band.
+        for (int y = std::max(0, band.y_begin); y < std::min(h.height, band.y_end - 1); ++y) {
+            if (y % step != 0) continue;
+            for (int x = 0; x < h.width; x += step) {
+                if (concerned(band, band.pixel(x, y))) ++counts[b];
+            }
+        }
+    });
+    std::uint64_t sum = 0;
+    for (const std::uint64_t c : counts) sum += c;
+    return sum;
+}
+
+double share_of(std::uint64_t pixels, const SampleHeader& h, int step) {
+    const auto across = static_cast<double>((h.width + step - 1) / step),
+               down = static_cast<double>((h.height + step - 1) / step);
+    return static_cast<double>(pixels) / (across * down);
+}
+
+struct MovingSphere {
+    std::uint32_t id = 0;
+    std::array<dvec3, shadow_instants> centre{};
+    double radius = 0;
+};
+
+struct MovingLight {
+    bool directional = false;
+    std::array<dvec3, shadow_instants> place{};
+};
+
+double instant(const Exposure& e, int i) {
+    return e.open_s + (e.close_s - e.open_s) * i / (shadow_instants - 1);
+}
+
+std::vector<MovingSphere> spheres_of(const SceneMotion& motion, const Exposure& exposure) {
+    std::vector<MovingSphere> out;
+    for (const auto& [id, object] : motion.objects) {
+        const MotionPath path(object.keys);
+        if (!path.moves(exposure.open_s, exposure.close_s)) continue;
+        MovingSphere s{id, {}, 0};
+        for (int i = 0; i < shadow_instants; ++i) {
+            const MotionPath::Pose pose = path.at(instant(exposure, i));
+            s.centre[static_cast<std::size_t>(i)] = pose.point(object.centre_m);
+            const dvec3 scale = glm::abs(pose.scale);
+            s.radius = std::max(s.radius, object.radius_m * std::max({scale.x, scale.y, scale.z}));
+        }
+        out.push_back(s);
+    }
+    return out;
+}
+
+std::vector<MovingLight> lights_of(const SceneMotion& motion, const Exposure& exposure) {
+    std::vector<MovingLight> out;
+    for (const LightMotion& light : motion.lights) {
+        if (!light.casts_shadows) continue;
+        MovingLight l{light.directional, {}};
+        const MotionPath path(light.keys);
+        for (int i = 0; i < shadow_instants; ++i) {
+            const MotionPath::Pose pose = path.at(instant(exposure, i));
+            l.place[static_cast<std::size_t>(i)] =
+                light.directional ? -pose.direction(light.place) : pose.point(light.place);
+        }
+        out.push_back(l);
+    }
+    return out;
+}
+
+/// Whether the way from p to the light passes within the sphere.
+bool crosses(const dvec3& p, const MovingLight& light, const MovingSphere& sphere, std::size_t i) {
+    const dvec3 way = light.directional ? light.place[i] : light.place[i] - p;
+    const dvec3 to = sphere.centre[i] - p;
+    const double length2 = glm::dot(way, way);
+    double along = length2 > 0 ? std::max(0.0, glm::dot(to, way) / length2) : 0;
+    if (!light.directional) along = std::min(along, 1.0);
+    const dvec3 off = to - along * way;
+    return glm::dot(off, off) < sphere.radius * sphere.radius;
+}
+
+class ShadowTest {
+  public:
+    ShadowTest(const SampleHeader& h, const Exposure& exposure)
+        : header_(h), spheres_(spheres_of(h.motion, exposure)), lights_(lights_of(h.motion, exposure)) {}
+
+    [[nodiscard]] bool possible() const { return !spheres_.empty() && !lights_.empty(); }
+    [[nodiscard]] bool operator()(const Record& r) const {
+        if (r.id == 0 || std::isinf(r.z)) return false;
+        const dvec3 p = world(r);
+        for (const MovingSphere& sphere : spheres_) {
+            if (sphere.id == r.id) continue;  // its own shadow goes along
+            for (const MovingLight& light : lights_) {
+                for (std::size_t i = 0; i < shadow_instants; ++i) {
+                    if (crosses(p, light, sphere, i)) return true;
+                }
+            }
+        }
+        return false;
+    }
+
+  private:
+    [[nodiscard]] dvec3 world(const Record& r) const {
+        const bool perspective = header_.projection == Projection::perspective;
+        const auto z = static_cast<double>(r.z);
+        const double scale = perspective ? z * header_.pixel_pitch_mm / header_.film_distance_mm
+                                         : header_.pixel_pitch_mm * 1e-3;
+        const dvec3 camera((static_cast<double>(r.x) - 0.5 * header_.width) * scale,
+                           -(static_cast<double>(r.y) - 0.5 * header_.height) * scale, -z);
+        return {header_.world_from_camera * glm::dvec4(camera, 1)};
+    }
+
+    const SampleHeader& header_;
+    std::vector<MovingSphere> spheres_;
+    std::vector<MovingLight> lights_;
+};
+
+}  // namespace
+
+void warn_of_unseen_motion(const SampleHeader& header, const std::vector<RecordBand>& bands,
+                           const std::vector<std::uint32_t>& moving, const Exposure& exposure,
+                           std::vector<MotionWarning>& out) {
+    if (header.has_w && !moving.empty()) {
+        const std::uint64_t pixels =
+            count_pixels(header, bands, 1, [&](const RecordBand& band, std::size_t pixel) {
+                bool found = false;
+                for_each_tree(band, pixel, [&](const Record* r, const Record* end) {
+                    found = found || shows_other_motion(r, end, moving);
+                });
+                return found;
+            });
+        if (pixels > 0) {
+            const double share = share_of(pixels, header, 1);
+            out.push_back(
+                {"reflection", share,
+                 fmt::format("mirrors and glass show what moves otherwise than they do in {:.2f} % of "
+                             "the pixels; it goes along with them (expected `trace --keys` or `render` "
+                             "for it)",
+                             100 * share)});
+        }
+    }
+    const ShadowTest shadow(header, exposure);
+    if (shadow.possible()) {
+        const std::uint64_t pixels =
+            count_pixels(header, bands, shadow_step_px, [&](const RecordBand& band, std::size_t pixel) {
+                return band.offsets[pixel] < band.offsets[pixel + 1] &&
+                       shadow(band.records[band.offsets[pixel]]);
+            });
+        if (pixels > 0) {
+            const double share = share_of(pixels, header, shadow_step_px);
+            out.push_back(
+                {"shadow", share,
+                 fmt::format("shadows of moving objects may pass over up to {:.1f} % of the pixels; "
+                             "they stay where they were recorded (expected `trace --keys` or `render` "
+                             "for them)",
+                             100 * share)});
+        }
+    }
+    const bool lights_move =
+        std::any_of(header.motion.lights.begin(), header.motion.lights.end(), [&](const LightMotion& light) {
+            return MotionPath(light.keys)
+                .moves(std::min(exposure.open_s, header.time_s), std::max(exposure.close_s, header.time_s));
+        });
+    if (lights_move) {
+        const std::uint64_t lit =
+            count_pixels(header, bands, 1, [](const RecordBand& band, std::size_t pixel) {
+                return band.offsets[pixel] < band.offsets[pixel + 1] &&
+                       band.records[band.offsets[pixel]].id != 0;
+            });
+        const double share = share_of(lit, header, 1);
+        out.push_back({"light", share,
+                       fmt::format("lights move: shading is that of {} s in {:.1f} % of the pixels (expected "
+                                   "`trace --keys` or `render` for it)",
+                                   header.time_s, 100 * share)});
+    }
+}
+
+}  // namespace postlens

@@ -1,0 +1,20 @@
+// What moving the recorded surfaces cannot show: how much of the picture it concerns.
+#pragma once
+
+#include <vector>
+
+#include "motionblur/motion_blur.h"
+
+namespace postlens {
+
+/// `moving`: ids that do not stand still on the raster, sorted. `bands`: the records of the frame's instant.
+/// - "reflection": pixels whose mirror or glass shows what moves otherwise than the mirror does;
+/// - "shadow": pixels from which the way to a light may be crossed by something that moves in the world: by
+/// the
+///   spheres around the objects, at nine instants, from every fourth pixel;
+/// - "light": lights move, so that the shading is that of one instant.
+void warn_of_unseen_motion(const SampleHeader& header, const std::vector<RecordBand>& bands,
+                           const std::vector<std::uint32_t>& moving, const Exposure& exposure,
+                           std::vector<MotionWarning>& out);
+
+}  // namespace postlens
