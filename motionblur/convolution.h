@@ -19,8 +19,8 @@ struct Planes {
 /// automatic: the one that is predicted to be faster.
 enum class ConvolutionMethod { automatic, direct, fft };
 
-/// The sum over all cells c of i2 of weight(c) times i1 shifted by c. The output's window is the sum of the two
-/// windows, or the part of it that lies in `wanted`; nothing else is computed. Values must be finite.
+/// The sum over all cells c of i2 of weight(c) times i1 shifted by c. The output's window is the sum of the
+/// two windows, or the part of it that lies in `wanted`; nothing else is computed. Values must be finite.
 ///
 /// direct and fft agree within 1e-5 of the largest |value| of a plane: direct errs by at most 34 * 2^-24 of
 /// what it adds up (float sums of 32 terms, added in double), fft by some 2^-22 of the plane's largest value,

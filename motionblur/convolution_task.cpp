@@ -46,8 +46,7 @@ ConvolutionTask::ConvolutionTask(const Planes& a, const PathRaster& b, const Cel
         assert(i1.planes[plane].size() == all.size() * static_cast<std::size_t>(i1.width));
         for (int y = 0; y < i1.height; ++y) {
             ColumnRange& columns = all[static_cast<std::size_t>(y)];
-            const ColumnRange own =
-                filled(row(plane, i1.y_begin + y) + i1.x_begin, i1.width);
+            const ColumnRange own = filled(row(plane, i1.y_begin + y) + i1.x_begin, i1.width);
             if (own.is_empty()) continue;
             columns = {std::min(columns.begin, own.begin), std::max(columns.end, own.end)};
         }
@@ -59,8 +58,8 @@ ConvolutionTask::ConvolutionTask(const Planes& a, const PathRaster& b, const Cel
         add(source, y + i1.y_begin, columns);
     }
     for (int y = 0; y < i2.height; ++y) {
-        const ColumnRange c =
-            filled(i2.weight.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(i2.width), i2.width);
+        const ColumnRange c = filled(
+            i2.weight.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(i2.width), i2.width);
         if (!c.is_empty()) add(path, y + i2.y_begin, {c.begin + i2.x_begin, c.end + i2.x_begin});
     }
     if (source.x_begin >= source.x_end || path.x_begin >= path.x_end) return;

@@ -112,8 +112,7 @@ void add_cells(const float* plane, const CellTerm* terms, std::size_t count, dou
         for (std::size_t t = begin; t < end; ++t) {
             const float* from = plane + terms[t].at;
             for (int v = 0; v < vectors; ++v)
-                partial[v] +=
-                    terms[t].weight * *reinterpret_cast<const FloatsAnywhere*>(from + v * lanes);
+                partial[v] += terms[t].weight * *reinterpret_cast<const FloatsAnywhere*>(from + v * lanes);
         }
         for (int v = 0; v < vectors; ++v)
             *reinterpret_cast<Doubles*>(sums + v * lanes) += __builtin_convertvector(partial[v], Doubles);
@@ -130,7 +129,8 @@ void add_runs(const double* running, const RunTerm* terms, std::size_t count, do
     }
 }
 
-/// i1 and the result in the chosen orientation. Rows of i1 have zeros on either side, as far as any tile looks.
+/// i1 and the result in the chosen orientation. Rows of i1 have zeros on either side, as far as any tile
+/// looks.
 class DirectConvolution {
   public:
     DirectConvolution(const ConvolutionTask& task, Orientation orientation)
@@ -145,9 +145,9 @@ class DirectConvolution {
         const int end = std::max(source_.x_end, out_.x_begin + tiles * tile - path_.x_begin);
         stride_ = static_cast<std::size_t>(end - begin_) + 1;
         const std::size_t cells = stride_ * static_cast<std::size_t>(source_.height());
-        require_memory(task.i1.planes.size() * cells *
-                           (sizeof(float) + (runs_.any_long ? sizeof(double) : 0)),
-                       "convolution with a path");
+        require_memory(
+            task.i1.planes.size() * cells * (sizeof(float) + (runs_.any_long ? sizeof(double) : 0)),
+            "convolution with a path");
         lay_rows(cells);
     }
 
@@ -158,7 +158,8 @@ class DirectConvolution {
 
   private:
     void lay_rows(std::size_t cells) {
-        const std::size_t planes = task_.i1.planes.size(), height = static_cast<std::size_t>(source_.height());
+        const std::size_t planes = task_.i1.planes.size(),
+                          height = static_cast<std::size_t>(source_.height());
         values_.assign(planes, std::vector<float>(cells));
         if (runs_.any_long) running_.assign(planes, std::vector<double>(cells));
         columns_.assign(height, {source_.x_end, source_.x_begin});

@@ -106,8 +106,8 @@ class FftConvolution {
         width_ = static_cast<std::size_t>(x_.size);
         height_ = static_cast<std::size_t>(y_.size);
         spectrum_width_ = width_ / 2 + 1;
-        const std::size_t tasks = task.i1.planes.size() * static_cast<std::size_t>(x_.count) *
-                                  static_cast<std::size_t>(y_.count);
+        const std::size_t tasks =
+            task.i1.planes.size() * static_cast<std::size_t>(x_.count) * static_cast<std::size_t>(y_.count);
         const std::size_t at_once = std::min(static_cast<std::size_t>(thread_count()), tasks) + 1;
         require_memory(at_once * height_ * (width_ + 2 * spectrum_width_) * sizeof(float),
                        "convolution with a path");
@@ -117,8 +117,8 @@ class FftConvolution {
             // Estimated plans are the same every time; measured ones would give other bits on another day.
             forward_ = fftwf_plan_dft_r2c_2d(y_.size, x_.size, first.cells.get(), raw(first.spectrum.get()),
                                              FFTW_ESTIMATE);
-            backward_ = fftwf_plan_dft_c2r_2d(y_.size, x_.size, raw(first.spectrum.get()),
-                                              first.cells.get(), FFTW_ESTIMATE);
+            backward_ = fftwf_plan_dft_c2r_2d(y_.size, x_.size, raw(first.spectrum.get()), first.cells.get(),
+                                              FFTW_ESTIMATE);
         }
         if (forward_ == nullptr || backward_ == nullptr) throw std::bad_alloc();
         transform_path(first);
@@ -170,7 +170,9 @@ class FftConvolution {
         spare_.push_back(std::move(buffers));
     }
 
-    static std::size_t wrapped(int i, int size) { return static_cast<std::size_t>(((i % size) + size) % size); }
+    static std::size_t wrapped(int i, int size) {
+        return static_cast<std::size_t>(((i % size) + size) % size);
+    }
 
     /// The path's cell (i, j) stands at (i, j) modulo the size; its weight holds the transforms' scale.
     void transform_path(Buffers& buffers) {
@@ -234,8 +236,8 @@ class FftConvolution {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;
         float least = 0;
-        for (int y = std::max(s.y_begin, block.y_begin - p.y_end + 1); y < std::min(s.y_end, block.y_end - p.y_begin);
-             ++y) {
+        for (int y = std::max(s.y_begin, block.y_begin - p.y_end + 1);
+             y < std::min(s.y_end, block.y_end - p.y_begin); ++y) {
             const float* from = task_.row(plane, y);
             float* to = cells + wrapped(y - block.y_begin, y_.size) * width_;
             const ColumnRange c = task_.columns(y);

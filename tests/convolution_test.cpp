@@ -55,12 +55,14 @@ void expect_equal(const Planes& a, const Planes& b, double part, const std::stri
         const double tolerance = part * largest(b.planes[p]);
         double worst = 0;
         for (std::size_t i = 0; i < a.planes[p].size(); ++i)
-            worst = std::max(worst, std::abs(static_cast<double>(a.planes[p][i]) - static_cast<double>(b.planes[p][i])));
+            worst = std::max(
+                worst, std::abs(static_cast<double>(a.planes[p][i]) - static_cast<double>(b.planes[p][i])));
         EXPECT_LE(worst, tolerance) << what << ", plane " << p;
     }
 }
 
-// A disc of noise with some lights of radiance 50, some rows and columns empty; the last plane has both signs.
+// A disc of noise with some lights of radiance 50, some rows and columns empty; the last plane has both
+// signs.
 Planes random_planes(std::mt19937& random, int width, int height, std::size_t planes) {
     std::uniform_real_distribution<float> uniform(0, 1);
     std::uniform_int_distribution<int> place(-30, 30);
@@ -169,8 +171,8 @@ TEST(Convolution, LongPathsGoInBlocksAndStayExact) {
     for (const auto& [size, way] : {std::pair(20, dvec2(900, 130)), std::pair(900, dvec2(9, 7))}) {
         const Planes i1 = random_planes(random, size, size / 2, 1);
         const PathRaster i2 = draw(straight(way), 1);
-        expect_equal(convolve(i1, i2, ConvolutionMethod::fft), convolve(i1, i2, ConvolutionMethod::direct), 1e-5,
-                     fmt::format("size {}", size));
+        expect_equal(convolve(i1, i2, ConvolutionMethod::fft), convolve(i1, i2, ConvolutionMethod::direct),
+                     1e-5, fmt::format("size {}", size));
     }
 }
 
@@ -192,7 +194,8 @@ TEST(Convolution, AWantedWindowIsThatPartOfTheWhole) {
                         ASSERT_NEAR(value(part, p, x, y), value(all, p, x, y), 5e-6 * 50) << run;
             }
         }
-        const Planes none = convolve(i1, i2, ConvolutionMethod::automatic, nullptr, CellWindow{5000, 5010, 0, 9});
+        const Planes none =
+            convolve(i1, i2, ConvolutionMethod::automatic, nullptr, CellWindow{5000, 5010, 0, 9});
         EXPECT_EQ(none.width * none.height, 0);
         EXPECT_EQ(none.planes.size(), 2U);
     }
@@ -200,7 +203,8 @@ TEST(Convolution, AWantedWindowIsThatPartOfTheWhole) {
 
 TEST(Convolution, NothingConvolvedIsNothing) {
     const PathRaster path = draw(straight({30, 10}));
-    for (const auto method : {ConvolutionMethod::automatic, ConvolutionMethod::direct, ConvolutionMethod::fft}) {
+    for (const auto method :
+         {ConvolutionMethod::automatic, ConvolutionMethod::direct, ConvolutionMethod::fft}) {
         const Planes black = convolve(zeros(3, 4, 10, 10, 3), path, method);
         EXPECT_EQ(black.width, 10 + path.width - 1);
         for (const auto& plane : black.planes) EXPECT_EQ(largest(plane), 0);
