@@ -153,6 +153,27 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
+/// The ends of the segments, but one instant within each that is short between long ones: there the velocity
+/// jumps between two points, which no segment of its own follows.
+std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
+    constexpr std::size_t short_pieces = 3, long_pieces = 8;
+    const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };
+    std::vector<double> times{points.front().time_s};
+    for (std::size_t i = 0; i + 1 < segments.size(); ++i) {
+        const Segment& s = segments[i];
+        const bool is_kink = i > 0 && pieces(i) <= short_pieces && pieces(i - 1) >= long_pieces &&
+                             pieces(i + 1) >= long_pieces;
+        // Its knot stands in the middle of its first piece, instead of at both ends.
+        if (is_kink) {
+            times.back() = 0.5 * (points[s.first].time_s + points[s.first + 1].time_s);
+        } else {
+            times.push_back(points[s.last].time_s);
+        }
+    }
+    times.push_back(points.back().time_s);
+    return times;
+}
+
 PathFit polyline_of(Points points) {
     std::vector<PathKnot> knots;
     knots.reserve(points.size());
@@ -195,15 +216,18 @@ PathFit fit_path(Points points, double tolerance_px) {
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;
+    const auto attempt = [&](const std::vector<double>& times) {
+        PathFit fit = fit_of(refine_path(points, times, tolerance_px));
+        if (!(fit.error_px <= tolerance_px) || fit.path.knots() >= best.path.knots()) return false;
+        best = std::move(fit);
+        enough = times.size() - 1;
+        return true;
+    };
+    const std::vector<double> times = times_without_kinks(points, segments);
+    if (times.size() - 1 < enough) attempt(times);
     while (fewest < enough) {
         const std::size_t middle = fewest + (enough - fewest) / 2;
-        PathFit fit = fit_of(refine_path(points, spread_times(points, segments, middle), tolerance_px));
-        if (fit.error_px <= tolerance_px) {
-            best = std::move(fit);
-            enough = middle;
-        } else {
-            fewest = middle + 1;
-        }
+        if (!attempt(spread_times(points, segments, middle))) fewest = middle + 1;
     }
     return best;
 }

@@ -11,9 +11,9 @@ namespace {
 
 using glm::dvec2;
 
-/// Points that Ceres looks at; the worst of the others are added as they are seen.
-constexpr std::size_t most_residuals = 4096;
-constexpr int most_rounds = 8;
+/// Points of each segment that Ceres looks at; the worst of the others are added as they are seen.
+constexpr std::size_t points_per_segment = 40;
+constexpr int most_rounds = 6;
 
 /// How far a segment is off at a point, in tolerances.
 struct Distance {
@@ -84,7 +84,7 @@ void solve(std::vector<PathKnot>& knots, std::span<const PathPoint> points,
     options.num_threads = 1;  // the same result on every machine
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
     options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-    options.max_num_iterations = 20;
+    options.max_num_iterations = 12;
     options.logging_type = ceres::SILENT;
     options.function_tolerance = 1e-6;
     ceres::Solver::Summary summary;
@@ -136,7 +136,7 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
         knots[i + 1].in_px = -knots[i].out_px;
     }
     std::vector<std::size_t> chosen;
-    const std::size_t count = std::min(scaled.size(), most_residuals);
+    const std::size_t count = std::min(scaled.size(), points_per_segment * (knots.size() - 1));
     for (std::size_t i = 0; i < count; ++i) chosen.push_back(i * (scaled.size() - 1) / (count - 1));
 
     std::vector<PathKnot> best = knots;
