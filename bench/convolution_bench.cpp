@@ -37,16 +37,16 @@ PathRaster straight(double way_px, double degrees, const ShutterCurve& curve, in
 
 void report(benchmark::State& state, const Planes& i1, const PathRaster& i2, ConvolutionMethod method) {
     const ConvolutionCosts costs = predict_costs(i1, i2);
-    state.counters["predicted_ms"] = 1e3 * (method == ConvolutionMethod::direct ? costs.direct_s : costs.fft_s);
+    state.counters["predicted_ms"] =
+        1e3 * (method == ConvolutionMethod::direct ? costs.direct_s : costs.fft_s);
 }
 
 /// Ranges: cells of the object's side, px of the way, degrees, shutter (0 box, 1 triangle).
 void one_object(benchmark::State& state, ConvolutionMethod method) {
     const ThreadLimit limit(1);
     const Planes i1 = disc(static_cast<int>(state.range(0)), 4);
-    const PathRaster i2 =
-        straight(static_cast<double>(state.range(1)), static_cast<double>(state.range(2)),
-                 state.range(3) == 0 ? ShutterCurve::box() : ShutterCurve::triangle(), 1);
+    const PathRaster i2 = straight(static_cast<double>(state.range(1)), static_cast<double>(state.range(2)),
+                                   state.range(3) == 0 ? ShutterCurve::box() : ShutterCurve::triangle(), 1);
     for (auto _ : state) benchmark::DoNotOptimize(convolve(i1, i2, method));
     report(state, i1, i2, method);
 }
@@ -68,16 +68,16 @@ void draw(benchmark::State& state) {
 }
 
 // NOLINTBEGIN(modernize-use-nodiscard,cppcoreguidelines-init-variables): inside the macros
-#define POSTLENS_CONVOLUTION_BENCH(method)                                    \
-    BENCHMARK_CAPTURE(one_object, method, ConvolutionMethod::method)          \
-        ->ArgsProduct({{64, 300, 1000}, {8, 60, 240}, {0, 30, 45, 90}, {0}})  \
-        ->Args({300, 60, 0, 1})                                               \
-        ->Args({1000, 240, 45, 1})                                            \
-        ->Unit(benchmark::kMillisecond);                                      \
-    BENCHMARK_CAPTURE(three_objects, method, ConvolutionMethod::method)       \
-        ->Arg(0)                                                              \
-        ->Arg(1)                                                              \
-        ->Unit(benchmark::kMillisecond)                                       \
+#define POSTLENS_CONVOLUTION_BENCH(method)                                   \
+    BENCHMARK_CAPTURE(one_object, method, ConvolutionMethod::method)         \
+        ->ArgsProduct({{64, 300, 1000}, {8, 60, 240}, {0, 30, 45, 90}, {0}}) \
+        ->Args({300, 60, 0, 1})                                              \
+        ->Args({1000, 240, 45, 1})                                           \
+        ->Unit(benchmark::kMillisecond);                                     \
+    BENCHMARK_CAPTURE(three_objects, method, ConvolutionMethod::method)      \
+        ->Arg(0)                                                             \
+        ->Arg(1)                                                             \
+        ->Unit(benchmark::kMillisecond)                                      \
         ->UseRealTime()
 POSTLENS_CONVOLUTION_BENCH(direct);
 POSTLENS_CONVOLUTION_BENCH(fft);

@@ -9,9 +9,9 @@
 #include <tuple>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "temporary_folder.h"
 #include "tracer/file_digest.h"
-#include "tracer/scene_text.h"
 #include "tracer/shape_bounds.h"
 #include "tracer/triangulate.h"
 

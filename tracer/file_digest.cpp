@@ -1,15 +1,14 @@
 #include "tracer/file_digest.h"
 
 #include <array>
-#include <cerrno>
 #include <fmt/format.h>
 #include <fstream>
 #include <new>
 #include <openssl/evp.h>
-#include <system_error>
 #include <vector>
 
 #include "core/error.h"
+#include "core/text_file.h"
 
 namespace postlens {
 
@@ -43,39 +42,6 @@ std::string Sha256::hex() {
     if (EVP_DigestFinal_ex(impl_->context, digest.data(), &length) != 1) throw std::bad_alloc();
     std::string text;
     for (unsigned int i = 0; i < length; ++i) text += fmt::format("{:02x}", digest[i]);
-    return text;
-}
-
-std::uintmax_t check_regular_file(const std::filesystem::path& path) {
-    std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status)) {
-        fail(ExitCode::invalid_input, "{}: cannot be read: {}", path.string(),
-             error && error.value() != ENOENT ? error.message() : "no such file");
-    }
-    if (std::filesystem::is_directory(status)) {
-        fail(ExitCode::invalid_input, "{}: cannot be read (got a folder; expected a file)", path.string());
-    }
-    if (!std::filesystem::is_regular_file(status)) {
-        fail(ExitCode::invalid_input, "{}: cannot be read (got a device or pipe; expected a file)",
-             path.string());
-    }
-    const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-    if (error) fail(ExitCode::invalid_input, "{}: cannot be read: {}", path.string(), error.message());
-    return bytes;
-}
-
-std::string read_text_file(const std::filesystem::path& path, std::uintmax_t largest_bytes) {
-    const std::uintmax_t bytes = check_regular_file(path);
-    if (bytes > largest_bytes) {
-        fail(ExitCode::invalid_input, "{}: too large (got {} bytes; expected at most {})", path.string(),
-             bytes, largest_bytes);
-    }
-    std::ifstream file(path, std::ios::binary);
-    std::string text(static_cast<std::size_t>(bytes), '\0');
-    if (!file || !file.read(text.data(), static_cast<std::streamsize>(bytes))) {
-        fail(ExitCode::invalid_input, "{}: cannot be read", path.string());
-    }
     return text;
 }
 

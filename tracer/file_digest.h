@@ -29,13 +29,6 @@ class Sha256 {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Throws Error(invalid_input) "FILE: ..." unless the path is a readable regular file; returns its size in
-/// bytes.
-std::uintmax_t check_regular_file(const std::filesystem::path& path);
-
-/// The whole file as text. Throws Error(invalid_input) as above and where it is larger than `largest_bytes`.
-[[nodiscard]] std::string read_text_file(const std::filesystem::path& path, std::uintmax_t largest_bytes);
-
 /// Of the file's bytes. Throws Error(invalid_input).
 [[nodiscard]] std::string sha256_of_file(const std::filesystem::path& path);
 

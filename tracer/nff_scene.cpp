@@ -9,10 +9,11 @@
 #include <tuple>
 #include <utility>
 
+#include "core/text.h"
+#include "records/scene_limits.h"
 #include "tracer/nff_tokens.h"
 #include "tracer/polygon_run.h"
 #include "tracer/scene_defaults.h"
-#include "tracer/scene_text.h"
 
 namespace postlens {
 namespace {

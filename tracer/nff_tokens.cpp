@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tracer/scene_text.h"
+#include "core/text.h"
+#include "core/text_file.h"
 
 namespace postlens {
 namespace {

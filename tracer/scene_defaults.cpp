@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "tracer/scene_text.h"
+#include "records/scene_limits.h"
 #include "tracer/shape_bounds.h"
 
 namespace postlens {

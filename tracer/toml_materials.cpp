@@ -5,10 +5,11 @@
 #include <limits>
 #include <set>
 
+#include "core/text.h"
+#include "core/text_file.h"
 #include "records/image.h"
-#include "tracer/file_digest.h"
-#include "tracer/scene_text.h"
-#include "tracer/toml_transform.h"
+#include "records/scene_limits.h"
+#include "records/toml_transform.h"
 
 namespace postlens {
 namespace {

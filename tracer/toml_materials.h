@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/toml_reader.h"
 #include "tracer/scene.h"
-#include "tracer/toml_reader.h"
 
 namespace postlens {
 

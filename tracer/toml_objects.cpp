@@ -4,10 +4,10 @@
 #include <cmath>
 #include <map>
 
-#include "tracer/scene_text.h"
+#include "core/text.h"
+#include "records/toml_transform.h"
 #include "tracer/toml_materials.h"
 #include "tracer/toml_shapes.h"
-#include "tracer/toml_transform.h"
 
 namespace postlens {
 namespace {

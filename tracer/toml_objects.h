@@ -1,8 +1,8 @@
 // The [[object]] tables of a .toml scene: shapes, instances, repetitions, motion.
 #pragma once
 
+#include "core/toml_reader.h"
 #include "tracer/scene.h"
-#include "tracer/toml_reader.h"
 
 namespace postlens {
 

@@ -2,39 +2,20 @@
 
 #include <array>
 
+#include "core/text_file.h"
+#include "core/toml_reader.h"
+#include "records/scene_limits.h"
+#include "records/toml_transform.h"
 #include "tracer/file_digest.h"
 #include "tracer/scene_defaults.h"
-#include "tracer/scene_text.h"
 #include "tracer/toml_materials.h"
 #include "tracer/toml_objects.h"
-#include "tracer/toml_reader.h"
-#include "tracer/toml_transform.h"
 #include "tracer/toml_views.h"
 
 namespace postlens {
 namespace {
 
 using Name = std::string_view;
-
-// The parser's own words, on one line.
-std::string one_line(std::string_view text) {
-    std::string out;
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        out += byte < 0x20 || byte >= 0x7F ? '?' : c;
-    }
-    return out;
-}
-
-toml::table parse(const std::string& text, const std::string& file) {
-    try {
-        return toml::parse(text, file);
-    } catch (const toml::parse_error& error) {
-        const auto& at = error.source().begin;
-        fail(ExitCode::invalid_input, "{}:{}:{}: not valid TOML: {}", file, at.line, at.column,
-             one_line(error.description()));
-    }
-}
 
 void read_settings(const TomlTable& root, Scene& scene) {
     const auto found = root.table("scene");
@@ -67,7 +48,7 @@ std::string sha256_of(const std::string& text, const std::vector<ReferredFile>& 
 Scene read_toml_scene(const std::filesystem::path& path, const SceneReadOptions& options) {
     const std::string file = path.string();
     const std::string text = read_text_file(path, largest_toml_bytes);
-    const toml::table document = parse(text, file);
+    const toml::table document = parse_toml(text, file);
     const TomlTable root(file, document, "scene file");
     static constexpr std::array<Name, 6> known{"scene", "camera", "light", "material", "texture", "object"};
     root.allow_only({known});

@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "tracer/toml_transform.h"
+#include "records/toml_transform.h"
 #include "tracer/triangulate.h"
 
 namespace postlens {

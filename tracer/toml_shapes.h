@@ -5,8 +5,8 @@
 #include <span>
 #include <string_view>
 
+#include "core/toml_reader.h"
 #include "tracer/scene.h"
-#include "tracer/toml_reader.h"
 
 namespace postlens {
 

@@ -4,8 +4,9 @@
 #include <set>
 #include <string>
 
-#include "tracer/scene_text.h"
-#include "tracer/toml_transform.h"
+#include "core/text.h"
+#include "records/scene_limits.h"
+#include "records/toml_transform.h"
 
 namespace postlens {
 namespace {

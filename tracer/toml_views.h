@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "core/toml_reader.h"
 #include "tracer/scene.h"
-#include "tracer/toml_reader.h"
 
 namespace postlens {
 

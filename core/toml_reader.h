@@ -1,5 +1,5 @@
 // Typed reading of TOML tables: every error has its line and column, every unknown key its nearest known one.
-// Only the toml_*.cpp of this folder include this.
+// Its toml++ takes seconds to compile: only .cpp files that read TOML include this.
 #pragma once
 
 #include <filesystem>
@@ -17,6 +17,10 @@
 #include "core/error.h"
 
 namespace postlens {
+
+/// The text of a TOML file; `file` is how errors call it. Throws Error(invalid_input) "FILE:LINE:COLUMN:
+/// ...".
+[[nodiscard]] toml::table parse_toml(const std::string& text, const std::string& file);
 
 /// What a number may be. NaN never is.
 struct NumberRange {
@@ -53,6 +57,8 @@ class TomlTable {
     /// Exactly `count` numbers.
     [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count,
                                                              const NumberRange& range = {}) const;
+    /// Any number of numbers; empty where the key is absent.
+    [[nodiscard]] std::vector<double> number_list(std::string_view key, const NumberRange& range = {}) const;
     [[nodiscard]] bool is_array(std::string_view key) const;
     /// A number stands for three equal ones.
     [[nodiscard]] std::optional<glm::dvec3> number_or_vec3(std::string_view key,
@@ -90,6 +96,8 @@ class TomlTable {
     }
     /// "FILE:LINE:COLUMN" of the key's value, for texts that are not errors.
     [[nodiscard]] std::string place(std::string_view key) const;
+    /// "FILE:LINE" of the table itself.
+    [[nodiscard]] std::string line() const;
 
   private:
     [[noreturn]] void fail_at_node(const toml::node& node, const std::string& text) const;

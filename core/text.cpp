@@ -1,4 +1,4 @@
-#include "tracer/scene_text.h"
+#include "core/text.h"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
-#include "tracer/toml_transform.h"
+#include "records/toml_transform.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "tracer/scene_text.h"
+#include "records/scene_limits.h"
 
 namespace postlens {
 namespace {

@@ -1,4 +1,4 @@
-// Text in scene files: numbers without regard to the locale, and excerpts that are safe to show.
+// Text in input files: numbers without regard to the locale, and excerpts that are safe to show.
 #pragma once
 
 #include <optional>
@@ -7,13 +7,6 @@
 #include <string_view>
 
 namespace postlens {
-
-/// Largest length that a scene may hold, m: squares of it and their products stay far inside float's range.
-inline constexpr double largest_length_m = 1e12;
-/// Smallest extent of a shape, m.
-inline constexpr double smallest_extent_m = 1e-12;
-/// Largest colour, intensity or coefficient that a scene may hold.
-inline constexpr double largest_colour = 1e12;
 
 /// The whole of `text` as a decimal number ("1", "-.5", "+2e-3"); infinite or NaN where it says so or
 /// overflows. Empty where it is not a number.

@@ -1,9 +1,9 @@
-#include "tracer/toml_reader.h"
+#include "core/toml_reader.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tracer/scene_text.h"
+#include "core/text.h"
 
 namespace postlens {
 namespace {
@@ -56,12 +56,31 @@ std::string range_text(const NumberRange& range) {
 
 }  // namespace
 
+toml::table parse_toml(const std::string& text, const std::string& file) {
+    try {
+        return toml::parse(text, file);
+    } catch (const toml::parse_error& error) {
+        const auto& at = error.source().begin;
+        // The parser's own words, on one line.
+        std::string words(error.description());
+        for (char& c : words) {
+            const auto byte = static_cast<unsigned char>(c);
+            if (byte < 0x20 || byte >= 0x7F) c = '?';
+        }
+        fail(ExitCode::invalid_input, "{}:{}:{}: not valid TOML: {}", file, at.line, at.column, words);
+    }
+}
+
 void TomlTable::fail_at_node(const toml::node& node, const std::string& text) const {
     fail(ExitCode::invalid_input, "{}: {}: {}", place_of(*file_, node.source().begin), what_, text);
 }
 
 std::string TomlTable::place(std::string_view key) const {
     return place_of(*file_, table_->get(key)->source().begin);
+}
+
+std::string TomlTable::line() const {
+    return fmt::format("{}:{}", *file_, std::max<toml::source_index>(table_->source().begin.line, 1));
 }
 
 void TomlTable::allow_only(std::initializer_list<std::span<const std::string_view>> known) const {
@@ -189,6 +208,15 @@ std::optional<std::vector<double>> TomlTable::numbers(std::string_view key, std:
     const toml::node* node = table_->get(key);
     if (node == nullptr) return std::nullopt;
     return numbers_of(*node, key, count, range);
+}
+
+std::vector<double> TomlTable::number_list(std::string_view key, const NumberRange& range) const {
+    std::vector<double> out;
+    const toml::node* node = table_->get(key);
+    if (node == nullptr) return out;
+    for (const toml::node& element : array_of(*node, key, "numbers"))
+        out.push_back(number_of(element, key, range));
+    return out;
 }
 
 bool TomlTable::is_array(std::string_view key) const {

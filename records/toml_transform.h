@@ -1,4 +1,4 @@
-// Where a scene's things stand and how they move: the transform keys of a .toml scene.
+// Where a scene's things stand and how they move: the transform keys of .toml scenes and paths.
 #pragma once
 
 #include <array>
@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tracer/scene.h"
-#include "tracer/toml_reader.h"
+#include "core/toml_reader.h"
+#include "records/transform_key.h"
 
 namespace postlens {
 

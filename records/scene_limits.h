@@ -1,0 +1,13 @@
+// How large the numbers of a scene may be.
+#pragma once
+
+namespace postlens {
+
+/// Largest length that a scene may hold, m: squares of it and their products stay far inside float's range.
+inline constexpr double largest_length_m = 1e12;
+/// Smallest extent of a shape, m.
+inline constexpr double smallest_extent_m = 1e-12;
+/// Largest colour, intensity or coefficient that a scene may hold.
+inline constexpr double largest_colour = 1e12;
+
+}  // namespace postlens
