@@ -62,6 +62,7 @@ struct RenderOptions {
 struct RecordsOptions {
     std::string input;
     std::pair<double, double> at;
+    int key = 0;  ///< which instant: 0 the frame's own
     LensOptions lens;
 };
 
