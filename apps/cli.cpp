@@ -28,6 +28,36 @@ struct State {
     std::string input, output;
 };
 
+void shutter_trace_options(CLI::App& app, TraceSettings& t) {
+    app.add_option_function<std::string>(
+           "--for-shutter",
+           [&t](const std::string& text) {
+               const auto [open, close] = parse_span("--for-shutter", text);
+               t.for_shutter = TimeSpan{open, close};
+           },
+           "Make the file suffice for a shutter open between these instants of the scene's clock")
+        ->type_name("OPEN:CLOSE");
+    app.add_option_function<std::string>(
+           "--hidden-layers",
+           [&t](const std::string& text) {
+               t.hidden_auto = text == "auto";
+               t.hidden_layers.reset();
+               if (!t.hidden_auto) t.hidden_layers = parse_whole("--hidden-layers", text);
+           },
+           "Surfaces recorded behind each visible one, 0 to 16; auto: up to 4 that may come to light during "
+           "--for-shutter [default: auto with --for-shutter, else 0]")
+        ->type_name("N|auto");
+    app.add_option_function<std::string>(
+           "--keys",
+           [&t](const std::string& text) {
+               t.keys.reset();
+               if (text != "auto") t.keys = parse_whole("--keys", text);
+           },
+           "Instants recorded, 1 to 64, evenly spread over --for-shutter, besides the frame's own; 1: that "
+           "alone; auto: one more for every 15 degrees by which something turns to the camera [default: 1]")
+        ->type_name("K|auto");
+}
+
 void add_trace(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("trace", "Trace a scene through a pinhole into a sample file");
     TraceOptions& o = s.trace;
@@ -48,9 +78,10 @@ void add_trace(CLI::App& root, State& s) {
                t.overscan_auto = text == "auto";
                if (!t.overscan_auto) t.overscan_px = parse_whole("--overscan", text);
            },
-           "Pixels traced beyond each side of the frame; auto: as wide as the lens asked for needs [default: "
-           "0]")
+           "Pixels traced beyond each side of the frame; auto: as wide as the lens and the shutter asked for "
+           "need [default: 0]")
         ->type_name("PX|auto");
+    shutter_trace_options(app, t);
     number(app, "--for-f-number", t.for_f_number, "Size the file for apertures down to this f-number", "N");
     number(app, "--for-focus", t.for_focus_m, "Size the file for this focus distance", "M", true);
     choice(app, "--compression", t.compression, "Compression of the records",
@@ -119,6 +150,7 @@ void add_records(CLI::App& root, State& s) {
            "Raster position, px")
         ->required()
         ->type_name("X,Y");
+    whole(app, "--key", o.key, "Which of the file's instants, 0: the frame's own", "I");
     lens_options(app, o.lens);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_records(s.records); }; });

@@ -72,6 +72,7 @@ struct MotionBlurOptions {
 struct RecordsOptions {
     std::string input;
     std::pair<double, double> at;
+    int key = 0;  ///< which instant: 0 the frame's own
     LensOptions lens;
 };
 

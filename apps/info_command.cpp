@@ -9,20 +9,40 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The visible one and the deepest hidden one that some record is of; reads all records.
+std::int64_t layers_of(const SampleFileReader& file) {
+    constexpr int rows = 64;
+    std::uint32_t deepest = 0;
+    RecordBand band;
+    for (std::size_t i = 0; i < file.instants(); ++i) {
+        for (int y = file.y_begin(); y < file.y_end(); y += rows) {
+            file.read(y, std::min(y + rows, file.y_end()), band, i);
+            for (const Record& r : band.records) deepest = std::max(deepest, r.layer);
+        }
+    }
+    return std::int64_t{deepest} + 1;
+}
+
 CommandResult sample_file_info(const std::string& input) {
     const SampleFileReader file(input);
     const SampleHeader& h = file.header();
     float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
-    for (const ScanlineFacts& s : file.scanlines()) {
-        nearest = std::min(nearest, s.nearest_z);
-        farthest = std::max(farthest, s.farthest_z);
+    for (std::size_t i = 0; i < file.instants(); ++i) {
+        for (const ScanlineFacts& s : file.scanlines(i)) {
+            nearest = std::min(nearest, s.nearest_z);
+            farthest = std::max(farthest, s.farthest_z);
+        }
     }
     const SufficientRange& range = h.sufficient;
+    const std::int64_t layers = h.has_layers ? layers_of(file) : 1;
     nlohmann::ordered_json sufficient = {
         {"f_number", range.smallest_f_number ? json_number(*range.smallest_f_number) : nullptr},
         {"focus_m", range.nearest_focus_m ? nlohmann::ordered_json{json_number(*range.nearest_focus_m),
                                                                    json_number(*range.farthest_focus_m)}
-                                          : nlohmann::ordered_json(nullptr)}};
+                                          : nlohmann::ordered_json(nullptr)},
+        {"shutter_s", range.shutter_open_s
+                          ? nlohmann::ordered_json{*range.shutter_open_s, *range.shutter_close_s}
+                          : nlohmann::ordered_json(nullptr)}};
     nlohmann::ordered_json ids = nlohmann::ordered_json::object();
     for (const auto& [id, name] : h.object_names) ids[std::to_string(id)] = name;
     CommandResult out;
@@ -32,8 +52,9 @@ CommandResult sample_file_info(const std::string& input) {
         {"height", h.height},
         {"records", file.record_count()},
         {"bytes", file.file_bytes()},
-        {"layers", h.has_layers ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(1)},
-        {"keys", 1},
+        {"layers", layers},
+        {"keys", file.instants()},
+        {"key_times_s", h.key_times_s},
         {"ids", ids},
         {"focal_length_mm", h.focal_length_mm},
         {"film_distance_mm", h.film_distance_mm},
@@ -59,6 +80,14 @@ CommandResult sample_file_info(const std::string& input) {
         input, h.width, h.height, h.overscan_px, file.record_count(),
         static_cast<double>(file.file_bytes()) / 1e6, h.scene_name, nearest, farthest, h.object_names.size(),
         h.subdivide_levels, h.max_depth, h.film_distance_mm, h.pixel_pitch_mm, h.focal_length_mm);
+    if (layers > 1) out.text += fmt::format("\n{} layers", layers);
+    if (file.instants() > 1) {
+        out.text += fmt::format("\nfurther instants: {} s", fmt::join(h.key_times_s, ", "));
+    }
+    if (range.shutter_open_s) {
+        out.text += fmt::format("\nsuffices for a shutter open from {} s to {} s", *range.shutter_open_s,
+                                *range.shutter_close_s);
+    }
     return out;
 }
 

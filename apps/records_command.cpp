@@ -45,6 +45,7 @@ std::string node_text(const Record& r, const std::string& name, const std::optio
         const CocAxes coc = coc_axes(*lens, r.w);
         line += fmt::format("  CoC {:.2f} x {:.2f} px", coc.longer_px, coc.shorter_px);
     }
+    if (r.layer > 0) line += fmt::format("  hidden layer {}", r.layer);
     return line + "\n";
 }
 
@@ -72,10 +73,18 @@ CommandResult run_records(const RecordsOptions& options) {
     }
     const int x = static_cast<int>(std::floor(options.at.first)),
               y = static_cast<int>(std::floor(options.at.second));
+    if (options.key < 0 || static_cast<std::size_t>(options.key) >= file.instants()) {
+        fail(ExitCode::wrong_arguments, "--key: the file has no such instant (got {}; expected 0 to {})",
+             options.key, file.instants() - 1);
+    }
+    const auto instant = static_cast<std::size_t>(options.key);
     CommandResult out;
-    out.json = {{"x", x}, {"y", y}, {"samples", nlohmann::ordered_json::array()}};
+    out.json = {{"x", x},
+                {"y", y},
+                {"time_s", file.instant_s(instant)},
+                {"samples", nlohmann::ordered_json::array()}};
     out.text = fmt::format("pixel {},{}\n", x, y);
-    for (const PixelSample& s : pixel_samples(file, x, y)) {
+    for (const PixelSample& s : pixel_samples(file, x, y, instant)) {
         nlohmann::ordered_json sample = {
             {"x", s.x}, {"y", s.y}, {"weight", s.weight}, {"nodes", nlohmann::ordered_json::array()}};
         out.text += fmt::format("sample {},{}  weight {:.6g}\n", s.x, s.y, s.weight);

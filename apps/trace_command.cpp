@@ -2,10 +2,27 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "tracer/recorded_motion.h"
 
 namespace postlens {
 
 namespace {
+
+// What the header's one motion per id cannot say.
+void warn_of_motion(const Scene& scene, CommandResult& out) {
+    const std::vector<std::uint32_t> apart = ids_that_move_apart(scene);
+    if (apart.empty()) return;
+    std::string ids;
+    constexpr std::size_t most_named = 8;
+    for (std::size_t i = 0; i < std::min(apart.size(), most_named); ++i) {
+        ids += (i == 0 ? "" : ", ") + std::to_string(apart[i]);
+    }
+    if (apart.size() > most_named) ids += ", ...";
+    out.warnings.push_back(
+        {"motion",
+         fmt::format("shapes of one id move differently; the file says how the first one moves (ids {})",
+                     ids)});
+}
 
 // What distributed rays would spread and point samples cannot.
 void warn_of_spread(const Scene& scene, CommandResult& out) {
@@ -43,14 +60,26 @@ CommandResult run_trace(const TraceOptions& options) {
     CommandResult out;
     for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
     warn_of_spread(scene, out);
+    warn_of_motion(scene, out);
     const TraceResult r = trace_to_file(scene, options.settings, options.output);
     out.json = {{"records", r.records},
                 {"bytes", r.bytes},
                 {"rays", rays_json(r.rays)},
-                {"overscan_px", r.overscan_px}};
+                {"overscan_px", r.overscan_px},
+                {"keys", r.keys},
+                {"instants_s", r.instants_s},
+                {"keys_sweep_degrees", r.keys_sweep_degrees ? json_number(*r.keys_sweep_degrees) : nullptr}};
+    out.json["rays"]["hidden"] = r.rays.hidden;
     out.text = fmt::format("{}: {} records, {:.1f} MB; {} eye, {} reflected, {} refracted, {} shadow rays",
                            options.output, r.records, static_cast<double>(r.bytes) / 1e6, r.rays.eye,
                            r.rays.reflect, r.rays.refract, r.rays.shadow);
+    if (r.rays.hidden > 0) out.text += fmt::format(", {} behind surfaces", r.rays.hidden);
+    if (r.keys_sweep_degrees) {
+        out.text +=
+            fmt::format("\n{} keys, as something turns by {:.4g} degrees", r.keys, *r.keys_sweep_degrees);
+    }
+    if (r.instants_s.size() > 1)
+        out.text += fmt::format("\nrecorded at {:.6g} s", fmt::join(r.instants_s, ", "));
     return out;
 }
 

@@ -9,13 +9,27 @@
 
 namespace postlens {
 
-std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int y) {
+namespace {
+
+// What is hidden behind the sample, from the pixel that the sample lies in.
+void add_hidden(const RecordBand& band, PixelSample& sample) {
+    const std::size_t k =
+        band.pixel(static_cast<int>(std::floor(sample.x)), static_cast<int>(std::floor(sample.y)));
+    for (std::uint32_t i = band.offsets[k]; i < band.offsets[k + 1]; ++i) {
+        const Record& r = band.records[i];
+        if (r.layer > 0 && r.x == sample.x && r.y == sample.y) sample.nodes.push_back(r);
+    }
+}
+
+}  // namespace
+
+std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int y, std::size_t instant) {
     if (x < file.x_begin() || y < file.y_begin() || x >= file.x_end() - 1 || y >= file.y_end() - 1) {
         fail(ExitCode::wrong_arguments, "--at: outside the picture (got {},{}; expected {}..{},{}..{})", x, y,
              file.x_begin(), file.x_end() - 2, file.y_begin(), file.y_end() - 2);
     }
     RecordBand band;
-    file.read(y, y + 2, band);
+    file.read(y, y + 2, band, instant);
     PointSamples found;
     find_point_samples(band, y, y + 2, y, y + 1, found);
     std::vector<PixelSample> out;
@@ -33,6 +47,7 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
         if (weight == 0) continue;
         const auto first = band.records.begin() + s.first_record;
         out.push_back({s.x, s.y, weight, {first, first + s.record_count}});
+        add_hidden(band, out.back());
     }
     std::sort(out.begin(), out.end(),
               [](const PixelSample& a, const PixelSample& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; });

@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// A point sample of a pixel, its weight in that pixel (they add up to 1) and its shading tree, primary node
-/// first.
+/// A point sample of a pixel, its weight in that pixel (they add up to 1) and its shading trees: what is
+/// visible, primary node first, then the hidden layers.
 struct PixelSample {
     float x = 0, y = 0;  ///< raster, px
     double weight = 0;
@@ -18,7 +18,8 @@ struct PixelSample {
 
 /// The samples of pixel (x, y): its four corners and, where it is subdivided, those inside and on its sides;
 /// by rows. Throws Error(wrong_arguments) outside the recorded pixels.
-[[nodiscard]] std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int y);
+[[nodiscard]] std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int y,
+                                                     std::size_t instant = 0);
 
 /// z' of the primary node nearest to a raster position, m; infinite where nothing was hit.
 [[nodiscard]] double depth_at(const SampleFileReader& file, double x, double y);

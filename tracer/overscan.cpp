@@ -26,21 +26,27 @@ double widest_radius_px(const FocusGeometry& lens, std::span<const Record> recor
     return widest * lens.aperture_radius_m * lens.gain_px;
 }
 
+double outside_px(const CameraModel& camera, const glm::dvec2& p) {
+    return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
+}
+
+// Whether something seen there comes to the frame, or so near that what lies up to the next sample does.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
-    constexpr double border_px = 1;
+    constexpr double stays_px = 0.25;  // what moves less does not show
     const CameraRay eye = camera.ray(at.x, at.y);
+    const double outside = outside_px(camera, at);
     for (const Record& r : records) {
         if (r.path.bits() != 0) continue;
-        const glm::dvec3 point =
-            eye.origin + (r.id == 0 ? 0 : static_cast<double>(r.z) / eye.cos_axis) * eye.direction;
         for (std::size_t i = 0; i < motion.instants(); ++i) {
             const auto p =
-                r.id == 0 ? motion.place_of_nothing(eye.direction, at, i) : motion.place(r.id, point, i);
-            if (p && p->x >= -border_px && p->y >= -border_px && p->x <= camera.width + border_px &&
-                p->y <= camera.height + border_px) {
-                return true;
-            }
+                r.id == 0
+                    ? motion.place_of_nothing(eye.direction, at, i)
+                    : motion.place(r.id, eye.origin + static_cast<double>(r.z) / eye.cos_axis * eye.direction,
+                                   i);
+            if (!p) continue;
+            const double then = outside_px(camera, *p);
+            if (then < step_px && then < outside - stays_px) return true;
         }
     }
     return false;
@@ -68,7 +74,7 @@ int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
             const glm::dvec2 p = rows[i][k];
             const auto records = std::span(traced.records)
                                      .subspan(traced.offsets[k], traced.offsets[k + 1] - traced.offsets[k]);
-            const double outside = std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
+            const double outside = outside_px(camera, p);
             const bool wanted = (lens && widest_radius_px(*lens, records) + step_px > outside) ||
                                 (motion != nullptr && comes_to_frame(*motion, camera, p, records));
             if (wanted) needed[i] = std::max(needed[i], static_cast<int>(std::ceil(outside)) + step_px);

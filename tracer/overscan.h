@@ -11,9 +11,9 @@
 namespace postlens {
 
 /// In px, from a coarse trace around the frame: as far as the circle of confusion of `lens` reaches back into
-/// the frame, or what is seen there, hidden surfaces of `tracer` included, comes to the frame (or within 1 px
-/// of it) at an instant of `motion`; the wider of both. At most half of the frame's longer side, and 4096.
-/// `motion` may be null.
+/// the frame, or what is seen there, hidden surfaces of `tracer` included, comes to the frame at an instant
+/// of `motion`; the wider of both, to the samples' distance of 8 px upwards. At most half of the frame's
+/// longer side, and 4096. `motion` may be null.
 [[nodiscard]] int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                                 const std::optional<FocusGeometry>& lens, const FilmMotion* motion);
 

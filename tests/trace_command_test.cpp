@@ -1,0 +1,178 @@
+// `trace` for a shutter as people type it: key instants, hidden layers, and what `info` and `records` tell of
+// them.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "records/sample_file.h"
+#include "tests/command_test.h"
+
+namespace postlens::test {
+namespace {
+
+using nlohmann::json;
+
+class TraceCommand : public CommandTest {
+  protected:
+    static std::string scene() { return std::string(POSTLENS_SAMPLES) + "/scenes/motion.toml"; }
+    Outcome trace(const std::vector<std::string>& options) {
+        std::vector<std::string> words{"trace", scene(), "-o", in("a.exr"), "--size", "96x54", "--json"};
+        words.insert(words.end(), options.begin(), options.end());
+        return run(words);
+    }
+    json traced(const std::vector<std::string>& options) {
+        const Outcome r = trace(options);
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        return json::parse(r.out);
+    }
+    json info() { return json::parse(run({"info", in("a.exr"), "--json"}).out); }
+};
+
+TEST_F(TraceCommand, KeysAreSaidAndFound) {
+    const json t = traced({"--for-shutter", "0:1", "--keys", "3"});
+    EXPECT_EQ(t["keys"], 3);
+    EXPECT_EQ(t["instants_s"], (json{0.0, 0.5, 1.0}));
+    EXPECT_TRUE(t["keys_sweep_degrees"].is_null());
+    EXPECT_GT(t["rays"]["hidden"], 0);
+    const json i = info();
+    EXPECT_EQ(i["keys"], 3);
+    EXPECT_EQ(i["key_times_s"], (json{0.5, 1.0}));
+    EXPECT_EQ(i["records"], t["records"]);
+    EXPECT_EQ(i["sufficient"]["shutter_s"], (json{0.0, 1.0}));
+    EXPECT_GT(i["layers"], 1);
+    const Outcome text = run({"info", in("a.exr")});
+    EXPECT_NE(text.out.find("further instants: 0.5, 1 s"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("shutter open from 0 s to 1 s"), std::string::npos) << text.out;
+}
+
+TEST_F(TraceCommand, AutomaticKeysAreSaid) {
+    const json t = traced({"--for-shutter", "0:1", "--keys", "auto", "--hidden-layers", "0"});
+    // The turning box: 65 degrees of its own and what its way adds.
+    EXPECT_EQ(t["keys"], 6);
+    EXPECT_GT(t["keys_sweep_degrees"], 60);
+    EXPECT_EQ(t["instants_s"].size(), 6U);
+    EXPECT_EQ(info()["layers"], 1);
+    const Outcome text = run(
+        {"trace", scene(), "-o", in("b.exr"), "--size", "32x18", "--for-shutter", "0:1", "--keys", "auto"});
+    EXPECT_NE(text.out.find("6 keys, as something turns by 66"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("recorded at 0, 0.2, 0.4, 0.6, 0.8, 1 s"), std::string::npos) << text.out;
+}
+
+TEST_F(TraceCommand, WithoutAShutterNothingIsAdded) {
+    const json t = traced({});
+    EXPECT_EQ(t["keys"], 1);
+    EXPECT_EQ(t["rays"]["hidden"], 0);
+    const json i = info();
+    EXPECT_EQ(i["layers"], 1);
+    EXPECT_EQ(i["keys"], 1);
+    EXPECT_TRUE(i["sufficient"]["shutter_s"].is_null());
+    // But layers may be had by number.
+    EXPECT_GT(traced({"--hidden-layers", "2"})["rays"]["hidden"], 0);
+    EXPECT_EQ(info()["layers"], 3);
+}
+
+TEST_F(TraceCommand, RecordsShowsHiddenNodesAndKeys) {
+    (void)traced({"--for-shutter", "0:1", "--keys", "3"});
+    // The rolling ball: 0.95 m to the left and 0.35 m up at 4 m; 133 px per tangent.
+    const std::vector<std::string> at{"records", in("a.exr"), "--at", "16,15", "--json"};
+    const json now = json::parse(run(at).out);
+    EXPECT_EQ(now["time_s"], 0.0);
+    const auto layers_at = [](const json& pixel) {
+        std::vector<std::pair<int, std::string>> out;
+        for (const json& node : pixel["samples"][0]["nodes"]) out.emplace_back(node["layer"], node["name"]);
+        return out;
+    };
+    EXPECT_EQ(layers_at(now), (std::vector<std::pair<int, std::string>>{{0, "rolling ball"}, {1, "wall"}}));
+    std::vector<std::string> later = at;
+    later.insert(later.end(), {"--key", "2"});
+    const json then = json::parse(run(later).out);
+    EXPECT_EQ(then["time_s"], 1.0);
+    EXPECT_EQ(layers_at(then), (std::vector<std::pair<int, std::string>>{{0, "wall"}}));
+    EXPECT_NE(run({"records", in("a.exr"), "--at", "16,15"}).out.find("hidden layer 1"), std::string::npos);
+    refused({"records", in("a.exr"), "--at", "16,15", "--key", "3"}, ExitCode::wrong_arguments, "--key");
+    refused({"records", in("a.exr"), "--at", "16,15", "--key", "-1"}, ExitCode::wrong_arguments, "--key");
+}
+
+TEST_F(TraceCommand, TheVisiblePictureIsTheSame) {
+    const std::string plain = in("plain.exr"), shuttered = in("shuttered.exr");
+    (void)traced({});
+    EXPECT_EQ(run({"image", in("a.exr"), "-o", plain, "--quiet"}).exit_code, 0);
+    const std::vector<std::string> lens{"--f-number", "2.8", "--focus", "4", "--quiet"};
+    const auto focused = [&](const std::string& to) {
+        std::vector<std::string> words{"focus", in("a.exr"), "-o", to};
+        words.insert(words.end(), lens.begin(), lens.end());
+        EXPECT_EQ(run(words).exit_code, 0);
+    };
+    focused(in("plain_lens.exr"));
+    (void)traced({"--for-shutter", "0:1", "--keys", "2"});
+    EXPECT_EQ(run({"image", in("a.exr"), "-o", shuttered, "--quiet"}).exit_code, 0);
+    focused(in("shuttered_lens.exr"));
+    EXPECT_TRUE(text_of(plain) == text_of(shuttered));
+    EXPECT_TRUE(text_of(in("plain_lens.exr")) == text_of(in("shuttered_lens.exr")));
+}
+
+TEST_F(TraceCommand, ShapesOfOneIdThatMoveApartAreAWarning) {
+    const std::string path = in("apart.nff.toml");
+    std::ofstream(path) << R"([[camera]]
+name = "c"
+[[material]]
+name = "m"
+[[object]]
+name = "one"
+id = 3
+shape = "sphere"
+material = "m"
+radius_m = 1
+keys = [{ time_s = 0, translate_m = [0, 0, -5] }, { time_s = 1, translate_m = [1, 0, -5] }]
+[[object]]
+name = "two"
+id = 3
+shape = "sphere"
+material = "m"
+radius_m = 1
+)";
+    const Outcome r = run({"trace", path, "-o", in("a.exr"), "--size", "16x9", "--json"});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    bool said = false;
+    for (const json& w : json::parse(r.out)["warnings"]) said = said || w["code"] == "motion";
+    EXPECT_TRUE(said) << r.out;
+    for (const json& w : traced({})["warnings"]) EXPECT_NE(w["code"], "motion");
+}
+
+TEST_F(TraceCommand, WhatCannotBeIsRefused) {
+    struct Case {
+        std::vector<std::string> options;
+        const char* part;
+    };
+    const std::vector<Case> cases{
+        {{"--for-shutter", "0:1", "--keys", "0"}, "--keys: out of range (got 0; expected 1 to 64)"},
+        {{"--for-shutter", "0:1", "--keys", "65"}, "--keys: out of range (got 65; expected 1 to 64)"},
+        {{"--for-shutter", "0:1", "--keys", "-1"}, "--keys: out of range (got -1; expected 1 to 64)"},
+        {{"--for-shutter", "0:1", "--keys", "x"}, "--keys: not a whole number (got x"},
+        {{"--for-shutter", "0:1", "--keys", "2.5"}, "--keys: not a whole number"},
+        {{"--for-shutter", "0:1", "--keys", ""}, "--keys: not a whole number (got nothing"},
+        {{"--keys", "2"}, "--keys: needs to know the shutter (expected --for-shutter)"},
+        {{"--keys", "auto"}, "--keys: needs to know the shutter (expected --for-shutter)"},
+        {{"--for-shutter", "1:0"}, "--for-shutter: closes before it opens (got 1:0; expected OPEN <= CLOSE)"},
+        {{"--for-shutter", "nan:1"}, "--for-shutter: not two instants (got nan:1"},
+        {{"--for-shutter", "0:inf"}, "--for-shutter: not two instants"},
+        {{"--for-shutter", "0.5"}, "--for-shutter: not two instants"},
+        {{"--hidden-layers", "auto"},
+         "--hidden-layers auto: needs to know the shutter (expected --for-shutter)"},
+        {{"--hidden-layers", "17"}, "--hidden-layers: out of range (got 17; expected 0 to 16)"},
+        {{"--hidden-layers", "-1"}, "--hidden-layers: out of range (got -1; expected 0 to 16)"},
+        {{"--hidden-layers", "some"}, "--hidden-layers: not a whole number (got some"},
+        {{"--overscan", "auto"}, "--overscan auto: needs to know the lens or the shutter"},
+        {{"--overscan", "auto", "--for-f-number", "2"},
+         "--overscan auto: needs to know the lens or the shutter"},
+    };
+    for (const Case& c : cases) {
+        std::vector<std::string> words{"trace", scene(), "-o", in("a.exr"), "--size", "16x9"};
+        words.insert(words.end(), c.options.begin(), c.options.end());
+        refused(words, ExitCode::wrong_arguments, c.part);
+    }
+}
+
+}  // namespace
+}  // namespace postlens::test
