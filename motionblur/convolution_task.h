@@ -36,6 +36,9 @@ struct ConvolutionTask {
     }
 };
 
+/// Planes of 0 over the window, first touched by all threads. Throws Error(out_of_memory).
+[[nodiscard]] Planes zero_planes(const CellWindow& window, std::size_t count);
+
 /// The windows' sum: where a full convolution lands.
 [[nodiscard]] CellWindow full_window(const CellWindow& a, const CellWindow& b);
 [[nodiscard]] CellWindow window_of(const Planes& planes);

@@ -93,6 +93,25 @@ Orientation orient(const ConvolutionTask& task) {
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
 
+/// Copies the window's cell (x, y) to cell (y, x) of `to`.
+void transpose(const Planes& from, const CellWindow& window, Planes& to) {
+    constexpr int block = 32;  // of which both sides stay in the cache
+    const int bands = (window.height() + block - 1) / block;
+    parallel_for(static_cast<std::size_t>(bands) * from.planes.size(), [&](std::size_t task) {
+        const std::size_t plane = task / static_cast<std::size_t>(bands);
+        const int y0 = window.y_begin + static_cast<int>(task % static_cast<std::size_t>(bands)) * block;
+        const int y1 = std::min(y0 + block, window.y_end);
+        const std::ptrdiff_t from_width = from.width, to_width = to.width;
+        const float* source = from.planes[plane].data() - from.y_begin * from_width - from.x_begin;
+        float* target = to.planes[plane].data() - to.y_begin * to_width - to.x_begin;
+        for (int x0 = window.x_begin; x0 < window.x_end; x0 += block) {
+            const int x1 = std::min(x0 + block, window.x_end);
+            for (int x = x0; x < x1; ++x)
+                for (int y = y0; y < y1; ++y) target[x * to_width + y] = source[y * from_width + x];
+        }
+    });
+}
+
 /// One cell of i2 for one tile: where the values are that it weighs.
 struct CellTerm {
     std::ptrdiff_t at;
@@ -129,17 +148,11 @@ void add_runs(const double* running, const RunTerm* terms, std::size_t count, do
     }
 }
 
-/// i1 and the result in the chosen orientation. Rows of i1 have zeros on either side, as far as any tile
-/// looks.
+/// Rows of i1 have zeros on either side, as far as any tile looks.
 class DirectConvolution {
   public:
-    DirectConvolution(const ConvolutionTask& task, Orientation orientation)
-        : task_(task),
-          runs_(std::move(orientation.runs)),
-          is_transposed_(orientation.is_transposed),
-          source_(is_transposed_ ? transposed(task.source) : task.source),
-          path_(is_transposed_ ? transposed(task.path) : task.path),
-          out_(is_transposed_ ? transposed(task.out) : task.out) {
+    DirectConvolution(const ConvolutionTask& task, PathRuns runs)
+        : task_(task), runs_(std::move(runs)), source_(task.source), path_(task.path), out_(task.out) {
         const int tiles = (out_.width() + tile - 1) / tile;
         begin_ = std::min(source_.x_begin, out_.x_begin - path_.x_end);
         const int end = std::max(source_.x_end, out_.x_begin + tiles * tile - path_.x_begin);
@@ -160,25 +173,19 @@ class DirectConvolution {
     void lay_rows(std::size_t cells) {
         const std::size_t planes = task_.i1.planes.size(),
                           height = static_cast<std::size_t>(source_.height());
-        values_.assign(planes, std::vector<float>(cells));
-        if (runs_.any_long) running_.assign(planes, std::vector<double>(cells));
-        columns_.assign(height, {source_.x_end, source_.x_begin});
+        values_.resize(planes);
+        running_.resize(planes);
+        parallel_for(planes, [&](std::size_t p) {
+            values_[p].resize(cells);
+            if (runs_.any_long) running_[p].resize(cells);
+        });
         parallel_for(height, [&](std::size_t r) {
             const int y = source_.y_begin + static_cast<int>(r);
-            if (!is_transposed_) {
-                columns_[r] = task_.columns(y);
-            } else {
-                for (int x = source_.x_begin; x < source_.x_end; ++x) {
-                    const ColumnRange c = task_.columns(x);
-                    if (y < c.begin || y >= c.end) continue;
-                    columns_[r] = {std::min(columns_[r].begin, x), std::max(columns_[r].end, x + 1)};
-                }
-            }
-            if (columns_[r].is_empty()) return;
+            const ColumnRange c = task_.columns(y);
+            if (c.is_empty()) return;
             for (std::size_t p = 0; p < planes; ++p) {
-                float* to = values_[p].data() + r * stride_ - begin_;
-                for (int x = columns_[r].begin; x < columns_[r].end; ++x)
-                    to[x] = is_transposed_ ? task_.row(p, x)[y] : task_.row(p, y)[x];
+                std::copy(task_.row(p, y) + c.begin, task_.row(p, y) + c.end,
+                          values_[p].data() + r * stride_ + (c.begin - begin_));
                 if (!runs_.any_long) continue;
                 // running[x]: the sum of all before x.
                 const float* from = values_[p].data() + r * stride_;
@@ -201,7 +208,7 @@ class DirectConvolution {
             for (const PathRun& run : runs_.runs) {
                 const int from = y - run.y;
                 if (from < source_.y_begin || from >= source_.y_end) continue;
-                const ColumnRange c = columns_[static_cast<std::size_t>(from - source_.y_begin)];
+                const ColumnRange c = task_.columns(from);
                 // The tile sees columns [x - end + 1, x + tile - begin) of i1.
                 if (x - run.end + 1 >= c.end || x + tile - run.begin <= c.begin) continue;
                 const auto at = static_cast<std::ptrdiff_t>(from - source_.y_begin) *
@@ -226,32 +233,38 @@ class DirectConvolution {
     void write(Planes& result, std::size_t plane, int x, int y, const double* sums) const {
         const int count = std::min(tile, out_.x_end - x);
         const auto width = static_cast<std::ptrdiff_t>(result.width);
-        float* to = result.planes[plane].data();
-        if (is_transposed_) {
-            to += (x - result.y_begin) * width + (y - result.x_begin);
-            for (int i = 0; i < count; ++i) to[i * width] = static_cast<float>(sums[i]);
-        } else {
-            to += (y - result.y_begin) * width + (x - result.x_begin);
-            for (int i = 0; i < count; ++i) to[i] = static_cast<float>(sums[i]);
-        }
+        float* to = result.planes[plane].data() + (y - result.y_begin) * width + (x - result.x_begin);
+        for (int i = 0; i < count; ++i) to[i] = static_cast<float>(sums[i]);
     }
 
     const ConvolutionTask& task_;
     PathRuns runs_;
-    bool is_transposed_;
     CellWindow source_, path_, out_;
     int begin_ = 0;  ///< column of a row's first value
     std::size_t stride_ = 0;
     std::vector<std::vector<float>> values_;
     std::vector<std::vector<double>> running_;
-    std::vector<ColumnRange> columns_;
 };
 
 }  // namespace
 
 void convolve_direct(const ConvolutionTask& task, Planes& result) {
     if (task.is_empty()) return;
-    DirectConvolution(task, orient(task)).run(result);
+    Orientation chosen = orient(task);
+    if (!chosen.is_transposed) {
+        DirectConvolution(task, std::move(chosen.runs)).run(result);
+        return;
+    }
+    Planes i1 = zero_planes(transposed(task.source), result.planes.size());
+    transpose(task.i1, task.source, i1);
+    PathRaster i2{task.path.y_begin, task.path.x_begin,    task.path.height(),
+                  task.path.width(), task.i2.cells_per_px, {}};
+    for (int x = task.path.x_begin; x < task.path.x_end; ++x)
+        for (int y = task.path.y_begin; y < task.path.y_end; ++y) i2.weight.push_back(task.i2.at(x, y));
+    const ConvolutionTask turned(i1, i2, transposed(task.out));
+    Planes turned_result = zero_planes(turned.out, result.planes.size());
+    DirectConvolution(turned, std::move(chosen.runs)).run(turned_result);
+    transpose(turned_result, turned.out, result);
 }
 
 double direct_cost_s(const ConvolutionTask& task) {
