@@ -112,24 +112,35 @@ void transpose(const Planes& from, const CellWindow& window, Planes& to) {
     });
 }
 
-/// One cell of i2 for one tile: where the values are that it weighs.
+/// One cell of i2: where the values that it weighs are, relative to the tile's own place.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run likewise: the differences of the running sums at `high` and `low`.
+/// A run of cells likewise: the differences of the running sums at `high` and `low`.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
 };
+struct Terms {
+    std::vector<CellTerm> cells;
+    std::vector<RunTerm> runs;
+};
+/// A row of i2 and its terms.
+struct PathRow {
+    int y;
+    ColumnRange columns;
+    std::size_t cells_begin, cells_end, runs_begin, runs_end;
+};
 
 POSTLENS_MULTIVERSION
-void add_cells(const float* plane, const CellTerm* terms, std::size_t count, double* sums) {
+void add_cells(const float* plane, std::ptrdiff_t at, const CellTerm* terms, std::size_t count,
+               double* sums) {
     for (std::size_t begin = 0; begin < count; begin += terms_per_flush) {
         const std::size_t end = begin + terms_per_flush < count ? begin + terms_per_flush : count;
         Floats partial[vectors] = {};
         for (std::size_t t = begin; t < end; ++t) {
-            const float* from = plane + terms[t].at;
+            const float* from = plane + (at + terms[t].at);
             for (int v = 0; v < vectors; ++v)
                 partial[v] += terms[t].weight * *reinterpret_cast<const FloatsAnywhere*>(from + v * lanes);
         }
@@ -139,10 +150,11 @@ void add_cells(const float* plane, const CellTerm* terms, std::size_t count, dou
 }
 
 POSTLENS_MULTIVERSION
-void add_runs(const double* running, const RunTerm* terms, std::size_t count, double* sums) {
+void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, std::size_t count,
+              double* sums) {
     for (std::size_t t = 0; t < count; ++t) {
-        const double* high = running + terms[t].high;
-        const double* low = running + terms[t].low;
+        const double* high = running + (at + terms[t].high);
+        const double* low = running + (at + terms[t].low);
         const double weight = terms[t].weight;
         for (int i = 0; i < tile; ++i) sums[i] += weight * (high[i] - low[i]);
     }
@@ -162,11 +174,20 @@ class DirectConvolution {
             task.i1.planes.size() * cells * (sizeof(float) + (runs_.any_long ? sizeof(double) : 0)),
             "convolution with a path");
         lay_rows(cells);
+        lay_terms();
     }
 
     void run(Planes& result) const {
-        parallel_for(static_cast<std::size_t>(out_.height()),
-                     [&](std::size_t row) { run_row(out_.y_begin + static_cast<int>(row), result); });
+        // Downwards in strips of one tile's width: the rows of i1 that a strip looks at stay in the cache.
+        constexpr int band = 64;
+        const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
+        const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
+        parallel_for(strips * bands, [&](std::size_t i) {
+            const int x = out_.x_begin + static_cast<int>(i / bands) * tile;
+            const int y = out_.y_begin + static_cast<int>(i % bands) * band;
+            Terms terms;
+            for (int row = y; row < std::min(y + band, out_.y_end); ++row) run_tile(x, row, terms, result);
+        });
     }
 
   private:
@@ -199,34 +220,52 @@ class DirectConvolution {
         });
     }
 
-    void run_row(int y, Planes& result) const {
-        std::vector<CellTerm> cells;
-        std::vector<RunTerm> runs;
-        for (int x = out_.x_begin; x < out_.x_end; x += tile) {
-            cells.clear();
-            runs.clear();
-            for (const PathRun& run : runs_.runs) {
-                const int from = y - run.y;
-                if (from < source_.y_begin || from >= source_.y_end) continue;
-                const ColumnRange c = task_.columns(from);
-                // The tile sees columns [x - end + 1, x + tile - begin) of i1.
-                if (x - run.end + 1 >= c.end || x + tile - run.begin <= c.begin) continue;
-                const auto at = static_cast<std::ptrdiff_t>(from - source_.y_begin) *
-                                    static_cast<std::ptrdiff_t>(stride_) +
-                                (x - begin_);
-                if (is_long(run)) {
-                    runs.push_back({at - run.begin + 1, at - run.end + 1, run.weight});
-                } else {
-                    cells.push_back({at - run.begin, static_cast<float>(run.weight)});
-                }
+    /// Terms relative to the tile, by row of the path.
+    void lay_terms() {
+        const auto stride = static_cast<std::ptrdiff_t>(stride_);
+        for (const PathRun& run : runs_.runs) {
+            const std::ptrdiff_t row = -run.y * stride;
+            if (path_rows_.empty() || path_rows_.back().y != run.y)
+                path_rows_.push_back(
+                    {run.y, {run.begin, run.end}, all_.cells.size(), 0, all_.runs.size(), 0});
+            if (is_long(run)) {
+                all_.runs.push_back({row - run.begin + 1, row - run.end + 1, run.weight});
+            } else {
+                all_.cells.push_back({row - run.begin, static_cast<float>(run.weight)});
             }
-            if (cells.empty() && runs.empty()) continue;
-            for (std::size_t p = 0; p < values_.size(); ++p) {
-                alignas(64) double sums[tile] = {};
-                add_cells(values_[p].data(), cells.data(), cells.size(), sums);
-                if (!runs.empty()) add_runs(running_[p].data(), runs.data(), runs.size(), sums);
-                write(result, p, x, y, sums);
-            }
+            PathRow& path_row = path_rows_.back();
+            path_row.columns.end = run.end;
+            path_row.cells_end = all_.cells.size();
+            path_row.runs_end = all_.runs.size();
+        }
+    }
+
+    void run_tile(int x, int y, Terms& terms, Planes& result) const {
+        terms.cells.clear();
+        terms.runs.clear();
+        for (const PathRow& row : path_rows_) {
+            const int from = y - row.y;
+            if (from < source_.y_begin) break;
+            if (from >= source_.y_end) continue;
+            const ColumnRange c = task_.columns(from);
+            // The tile sees columns [x - end + 1, x + tile - begin) of i1.
+            if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
+            const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
+            terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
+                               all_.cells.begin() + at(row.cells_end));
+            terms.runs.insert(terms.runs.end(), all_.runs.begin() + at(row.runs_begin),
+                              all_.runs.begin() + at(row.runs_end));
+        }
+        if (terms.cells.empty() && terms.runs.empty()) return;
+        const std::ptrdiff_t at =
+            static_cast<std::ptrdiff_t>(y - source_.y_begin) * static_cast<std::ptrdiff_t>(stride_) +
+            (x - begin_);
+        for (std::size_t p = 0; p < values_.size(); ++p) {
+            alignas(64) double sums[tile] = {};
+            add_cells(values_[p].data(), at, terms.cells.data(), terms.cells.size(), sums);
+            if (!terms.runs.empty())
+                add_runs(running_[p].data(), at, terms.runs.data(), terms.runs.size(), sums);
+            write(result, p, x, y, sums);
         }
     }
 
@@ -242,6 +281,8 @@ class DirectConvolution {
     CellWindow source_, path_, out_;
     int begin_ = 0;  ///< column of a row's first value
     std::size_t stride_ = 0;
+    Terms all_;
+    std::vector<PathRow> path_rows_;
     std::vector<std::vector<float>> values_;
     std::vector<std::vector<double>> running_;
 };
