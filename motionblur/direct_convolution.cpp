@@ -318,8 +318,19 @@ double direct_cost_s(const ConvolutionTask& task) {
     // Where less than everything is wanted, as much less is added up.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    constexpr double s_per_cell = 4e-11, s_per_value = 3e-9;
-    return share * planes * area * (chosen.runs.cost * s_per_cell) + planes * area * s_per_value;
+    // By the runs of `one_object/direct` in convolution_bench: those of 8 px for the copy of i1, the step to
+    // 60 and 240 px at 45 degrees for a cell, those along a row for running sums. Large arrays are memory
+    // that the system has to hand out first.
+    constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
+    const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
+    const double s_per_sum = s_per_copy;
+    double cost_s = planes * area * (share * chosen.runs.cost * s_per_cell + s_per_copy);
+    if (chosen.runs.any_long) {
+        const CellWindow path = chosen.is_transposed ? transposed(task.path) : task.path;
+        const CellWindow source = chosen.is_transposed ? transposed(task.source) : task.source;
+        cost_s += planes * source.height() * (source.width() + path.width()) * s_per_sum;
+    }
+    return cost_s;
 }
 
 }  // namespace postlens
