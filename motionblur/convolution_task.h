@@ -21,8 +21,8 @@ struct ConvolutionTask {
     CellWindow out;                 ///< cells of the result that are wanted and that something may reach
     std::vector<ColumnRange> rows;  ///< by row of `source`: where a plane is not 0
 
-    /// `out` is empty where there is nothing to do.
-    ConvolutionTask(const Planes& i1, const PathRaster& i2, const CellWindow& wanted);
+    /// For i1 = a and i2 = b; `out` is empty where there is nothing to do.
+    ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
     /// Row y of a plane of i1, such that [x] is the cell in column x.

@@ -314,7 +314,7 @@ double direct_cost_s(const ConvolutionTask& task) {
     // A term touches the columns of i1 that are not 0, in whole tiles.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
-    const double planes = static_cast<double>(task.i1.planes.size());
+    const auto planes = static_cast<double>(task.i1.planes.size());
     // Where less than everything is wanted, as much less is added up.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
@@ -323,7 +323,7 @@ double direct_cost_s(const ConvolutionTask& task) {
     // that the system has to hand out first.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
-    const double s_per_sum = s_per_copy;
+    const double s_per_sum = 2 * s_per_copy;
     double cost_s = planes * area * (share * chosen.runs.cost * s_per_cell + s_per_copy);
     if (chosen.runs.any_long) {
         const CellWindow path = chosen.is_transposed ? transposed(task.path) : task.path;
