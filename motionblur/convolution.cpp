@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/error.h"
-#include "core/memory.h"
+#include "motionblur/convolution_task.h"
 #include "motionblur/direct_convolution.h"
 #include "motionblur/fft_convolution.h"
 
@@ -26,14 +25,6 @@ CellWindow result_window(const Planes& i1, const PathRaster& i2, const std::opti
     return is_empty(out) ? CellWindow{} : out;
 }
 
-Planes empty_planes(const CellWindow& window, std::size_t count) {
-    Planes out{window.x_begin, window.y_begin, window.width(), window.height(), {}};
-    const std::size_t cells = static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height);
-    require_memory(count * cells * sizeof(float), "convolution with a path");
-    out.planes.assign(count, std::vector<float>(cells));
-    return out;
-}
-
 }  // namespace
 
 Planes convolve(const Planes& i1, const PathRaster& i2, ConvolutionMethod method, ConvolutionMethod* used,
@@ -44,7 +35,7 @@ Planes convolve(const Planes& i1, const PathRaster& i2, ConvolutionMethod method
         method = direct_cost_s(task) <= fft_cost_s(task) ? ConvolutionMethod::direct : ConvolutionMethod::fft;
     }
     if (used != nullptr) *used = method;
-    Planes out = empty_planes(window, i1.planes.size());
+    Planes out = zero_planes(window, i1.planes.size());
     if (method == ConvolutionMethod::direct) {
         convolve_direct(task, out);
     } else {
@@ -54,7 +45,7 @@ Planes convolve(const Planes& i1, const PathRaster& i2, ConvolutionMethod method
 }
 
 Planes convolve_reference(const Planes& i1, const PathRaster& i2) {
-    Planes out = empty_planes(result_window(i1, i2, std::nullopt), i1.planes.size());
+    Planes out = zero_planes(result_window(i1, i2, std::nullopt), i1.planes.size());
     const auto index = [](int x, int y, int width) {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
     };

@@ -4,6 +4,9 @@
 #include <cassert>
 #include <limits>
 
+#include "core/memory.h"
+#include "core/threads.h"
+
 namespace postlens {
 namespace {
 
@@ -33,6 +36,15 @@ CellWindow window_of(const Planes& p) {
 
 CellWindow window_of(const PathRaster& r) {
     return {r.x_begin, r.x_begin + r.width, r.y_begin, r.y_begin + r.height};
+}
+
+Planes zero_planes(const CellWindow& window, std::size_t count) {
+    Planes out{window.x_begin, window.y_begin, window.width(), window.height(), {}};
+    const auto cells = static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height);
+    require_memory(count * cells * sizeof(float), "convolution with a path");
+    out.planes.resize(count);
+    parallel_for(count, [&](std::size_t p) { out.planes[p].resize(cells); });
+    return out;
 }
 
 CellWindow full_window(const CellWindow& a, const CellWindow& b) {

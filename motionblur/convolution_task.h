@@ -21,8 +21,8 @@ struct ConvolutionTask {
     CellWindow out;                 ///< cells of the result that are wanted and that something may reach
     std::vector<ColumnRange> rows;  ///< by row of `source`: where a plane is not 0
 
-    /// `out` is empty where there is nothing to do.
-    ConvolutionTask(const Planes& i1, const PathRaster& i2, const CellWindow& wanted);
+    /// For i1 = a and i2 = b; `out` is empty where there is nothing to do.
+    ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
     /// Row y of a plane of i1, such that [x] is the cell in column x.
@@ -35,6 +35,9 @@ struct ConvolutionTask {
         return rows[static_cast<std::size_t>(y - source.y_begin)];
     }
 };
+
+/// Planes of 0 over the window, first touched by all threads. Throws Error(out_of_memory).
+[[nodiscard]] Planes zero_planes(const CellWindow& window, std::size_t count);
 
 /// The windows' sum: where a full convolution lands.
 [[nodiscard]] CellWindow full_window(const CellWindow& a, const CellWindow& b);

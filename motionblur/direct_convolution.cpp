@@ -93,24 +93,54 @@ Orientation orient(const ConvolutionTask& task) {
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
 
-/// One cell of i2 for one tile: where the values are that it weighs.
+/// Copies the window's cell (x, y) to cell (y, x) of `to`.
+void transpose(const Planes& from, const CellWindow& window, Planes& to) {
+    constexpr int block = 32;  // of which both sides stay in the cache
+    const int bands = (window.height() + block - 1) / block;
+    parallel_for(static_cast<std::size_t>(bands) * from.planes.size(), [&](std::size_t task) {
+        const std::size_t plane = task / static_cast<std::size_t>(bands);
+        const int y0 = window.y_begin + static_cast<int>(task % static_cast<std::size_t>(bands)) * block;
+        const int y1 = std::min(y0 + block, window.y_end);
+        const std::ptrdiff_t from_width = from.width, to_width = to.width;
+        const float* source = from.planes[plane].data() - from.y_begin * from_width - from.x_begin;
+        float* target = to.planes[plane].data() - to.y_begin * to_width - to.x_begin;
+        for (int x0 = window.x_begin; x0 < window.x_end; x0 += block) {
+            const int x1 = std::min(x0 + block, window.x_end);
+            for (int x = x0; x < x1; ++x)
+                for (int y = y0; y < y1; ++y) target[x * to_width + y] = source[y * from_width + x];
+        }
+    });
+}
+
+/// One cell of i2: where the values that it weighs are, relative to the tile's own place.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run likewise: the differences of the running sums at `high` and `low`.
+/// A run of cells likewise: the differences of the running sums at `high` and `low`.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
 };
+struct Terms {
+    std::vector<CellTerm> cells;
+    std::vector<RunTerm> runs;
+};
+/// A row of i2 and its terms.
+struct PathRow {
+    int y;
+    ColumnRange columns;
+    std::size_t cells_begin, cells_end, runs_begin, runs_end;
+};
 
 POSTLENS_MULTIVERSION
-void add_cells(const float* plane, const CellTerm* terms, std::size_t count, double* sums) {
+void add_cells(const float* plane, std::ptrdiff_t at, const CellTerm* terms, std::size_t count,
+               double* sums) {
     for (std::size_t begin = 0; begin < count; begin += terms_per_flush) {
         const std::size_t end = begin + terms_per_flush < count ? begin + terms_per_flush : count;
         Floats partial[vectors] = {};
         for (std::size_t t = begin; t < end; ++t) {
-            const float* from = plane + terms[t].at;
+            const float* from = plane + (at + terms[t].at);
             for (int v = 0; v < vectors; ++v)
                 partial[v] += terms[t].weight * *reinterpret_cast<const FloatsAnywhere*>(from + v * lanes);
         }
@@ -120,26 +150,21 @@ void add_cells(const float* plane, const CellTerm* terms, std::size_t count, dou
 }
 
 POSTLENS_MULTIVERSION
-void add_runs(const double* running, const RunTerm* terms, std::size_t count, double* sums) {
+void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, std::size_t count,
+              double* sums) {
     for (std::size_t t = 0; t < count; ++t) {
-        const double* high = running + terms[t].high;
-        const double* low = running + terms[t].low;
+        const double* high = running + (at + terms[t].high);
+        const double* low = running + (at + terms[t].low);
         const double weight = terms[t].weight;
         for (int i = 0; i < tile; ++i) sums[i] += weight * (high[i] - low[i]);
     }
 }
 
-/// i1 and the result in the chosen orientation. Rows of i1 have zeros on either side, as far as any tile
-/// looks.
+/// Rows of i1 have zeros on either side, as far as any tile looks.
 class DirectConvolution {
   public:
-    DirectConvolution(const ConvolutionTask& task, Orientation orientation)
-        : task_(task),
-          runs_(std::move(orientation.runs)),
-          is_transposed_(orientation.is_transposed),
-          source_(is_transposed_ ? transposed(task.source) : task.source),
-          path_(is_transposed_ ? transposed(task.path) : task.path),
-          out_(is_transposed_ ? transposed(task.out) : task.out) {
+    DirectConvolution(const ConvolutionTask& task, PathRuns runs)
+        : task_(task), runs_(std::move(runs)), source_(task.source), path_(task.path), out_(task.out) {
         const int tiles = (out_.width() + tile - 1) / tile;
         begin_ = std::min(source_.x_begin, out_.x_begin - path_.x_end);
         const int end = std::max(source_.x_end, out_.x_begin + tiles * tile - path_.x_begin);
@@ -149,36 +174,39 @@ class DirectConvolution {
             task.i1.planes.size() * cells * (sizeof(float) + (runs_.any_long ? sizeof(double) : 0)),
             "convolution with a path");
         lay_rows(cells);
+        lay_terms();
     }
 
     void run(Planes& result) const {
-        parallel_for(static_cast<std::size_t>(out_.height()),
-                     [&](std::size_t row) { run_row(out_.y_begin + static_cast<int>(row), result); });
+        // Downwards in strips of one tile's width: the rows of i1 that a strip looks at stay in the cache.
+        constexpr int band = 64;
+        const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
+        const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
+        parallel_for(strips * bands, [&](std::size_t i) {
+            const int x = out_.x_begin + static_cast<int>(i / bands) * tile;
+            const int y = out_.y_begin + static_cast<int>(i % bands) * band;
+            Terms terms;
+            for (int row = y; row < std::min(y + band, out_.y_end); ++row) run_tile(x, row, terms, result);
+        });
     }
 
   private:
     void lay_rows(std::size_t cells) {
         const std::size_t planes = task_.i1.planes.size(),
                           height = static_cast<std::size_t>(source_.height());
-        values_.assign(planes, std::vector<float>(cells));
-        if (runs_.any_long) running_.assign(planes, std::vector<double>(cells));
-        columns_.assign(height, {source_.x_end, source_.x_begin});
+        values_.resize(planes);
+        running_.resize(planes);
+        parallel_for(planes, [&](std::size_t p) {
+            values_[p].resize(cells);
+            if (runs_.any_long) running_[p].resize(cells);
+        });
         parallel_for(height, [&](std::size_t r) {
             const int y = source_.y_begin + static_cast<int>(r);
-            if (!is_transposed_) {
-                columns_[r] = task_.columns(y);
-            } else {
-                for (int x = source_.x_begin; x < source_.x_end; ++x) {
-                    const ColumnRange c = task_.columns(x);
-                    if (y < c.begin || y >= c.end) continue;
-                    columns_[r] = {std::min(columns_[r].begin, x), std::max(columns_[r].end, x + 1)};
-                }
-            }
-            if (columns_[r].is_empty()) return;
+            const ColumnRange c = task_.columns(y);
+            if (c.is_empty()) return;
             for (std::size_t p = 0; p < planes; ++p) {
-                float* to = values_[p].data() + r * stride_ - begin_;
-                for (int x = columns_[r].begin; x < columns_[r].end; ++x)
-                    to[x] = is_transposed_ ? task_.row(p, x)[y] : task_.row(p, y)[x];
+                std::copy(task_.row(p, y) + c.begin, task_.row(p, y) + c.end,
+                          values_[p].data() + r * stride_ + (c.begin - begin_));
                 if (!runs_.any_long) continue;
                 // running[x]: the sum of all before x.
                 const float* from = values_[p].data() + r * stride_;
@@ -192,66 +220,92 @@ class DirectConvolution {
         });
     }
 
-    void run_row(int y, Planes& result) const {
-        std::vector<CellTerm> cells;
-        std::vector<RunTerm> runs;
-        for (int x = out_.x_begin; x < out_.x_end; x += tile) {
-            cells.clear();
-            runs.clear();
-            for (const PathRun& run : runs_.runs) {
-                const int from = y - run.y;
-                if (from < source_.y_begin || from >= source_.y_end) continue;
-                const ColumnRange c = columns_[static_cast<std::size_t>(from - source_.y_begin)];
-                // The tile sees columns [x - end + 1, x + tile - begin) of i1.
-                if (x - run.end + 1 >= c.end || x + tile - run.begin <= c.begin) continue;
-                const auto at = static_cast<std::ptrdiff_t>(from - source_.y_begin) *
-                                    static_cast<std::ptrdiff_t>(stride_) +
-                                (x - begin_);
-                if (is_long(run)) {
-                    runs.push_back({at - run.begin + 1, at - run.end + 1, run.weight});
-                } else {
-                    cells.push_back({at - run.begin, static_cast<float>(run.weight)});
-                }
+    /// Terms relative to the tile, by row of the path.
+    void lay_terms() {
+        const auto stride = static_cast<std::ptrdiff_t>(stride_);
+        for (const PathRun& run : runs_.runs) {
+            const std::ptrdiff_t row = -run.y * stride;
+            if (path_rows_.empty() || path_rows_.back().y != run.y)
+                path_rows_.push_back(
+                    {run.y, {run.begin, run.end}, all_.cells.size(), 0, all_.runs.size(), 0});
+            if (is_long(run)) {
+                all_.runs.push_back({row - run.begin + 1, row - run.end + 1, run.weight});
+            } else {
+                all_.cells.push_back({row - run.begin, static_cast<float>(run.weight)});
             }
-            if (cells.empty() && runs.empty()) continue;
-            for (std::size_t p = 0; p < values_.size(); ++p) {
-                alignas(64) double sums[tile] = {};
-                add_cells(values_[p].data(), cells.data(), cells.size(), sums);
-                if (!runs.empty()) add_runs(running_[p].data(), runs.data(), runs.size(), sums);
-                write(result, p, x, y, sums);
-            }
+            PathRow& path_row = path_rows_.back();
+            path_row.columns.end = run.end;
+            path_row.cells_end = all_.cells.size();
+            path_row.runs_end = all_.runs.size();
+        }
+    }
+
+    void run_tile(int x, int y, Terms& terms, Planes& result) const {
+        terms.cells.clear();
+        terms.runs.clear();
+        for (const PathRow& row : path_rows_) {
+            const int from = y - row.y;
+            if (from < source_.y_begin) break;
+            if (from >= source_.y_end) continue;
+            const ColumnRange c = task_.columns(from);
+            // The tile sees columns [x - end + 1, x + tile - begin) of i1.
+            if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
+            const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
+            terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
+                               all_.cells.begin() + at(row.cells_end));
+            terms.runs.insert(terms.runs.end(), all_.runs.begin() + at(row.runs_begin),
+                              all_.runs.begin() + at(row.runs_end));
+        }
+        if (terms.cells.empty() && terms.runs.empty()) return;
+        const std::ptrdiff_t at =
+            static_cast<std::ptrdiff_t>(y - source_.y_begin) * static_cast<std::ptrdiff_t>(stride_) +
+            (x - begin_);
+        for (std::size_t p = 0; p < values_.size(); ++p) {
+            alignas(64) double sums[tile] = {};
+            add_cells(values_[p].data(), at, terms.cells.data(), terms.cells.size(), sums);
+            if (!terms.runs.empty())
+                add_runs(running_[p].data(), at, terms.runs.data(), terms.runs.size(), sums);
+            write(result, p, x, y, sums);
         }
     }
 
     void write(Planes& result, std::size_t plane, int x, int y, const double* sums) const {
         const int count = std::min(tile, out_.x_end - x);
         const auto width = static_cast<std::ptrdiff_t>(result.width);
-        float* to = result.planes[plane].data();
-        if (is_transposed_) {
-            to += (x - result.y_begin) * width + (y - result.x_begin);
-            for (int i = 0; i < count; ++i) to[i * width] = static_cast<float>(sums[i]);
-        } else {
-            to += (y - result.y_begin) * width + (x - result.x_begin);
-            for (int i = 0; i < count; ++i) to[i] = static_cast<float>(sums[i]);
-        }
+        float* to = result.planes[plane].data() + (y - result.y_begin) * width + (x - result.x_begin);
+        for (int i = 0; i < count; ++i) to[i] = static_cast<float>(sums[i]);
     }
 
     const ConvolutionTask& task_;
     PathRuns runs_;
-    bool is_transposed_;
     CellWindow source_, path_, out_;
     int begin_ = 0;  ///< column of a row's first value
     std::size_t stride_ = 0;
+    Terms all_;
+    std::vector<PathRow> path_rows_;
     std::vector<std::vector<float>> values_;
     std::vector<std::vector<double>> running_;
-    std::vector<ColumnRange> columns_;
 };
 
 }  // namespace
 
 void convolve_direct(const ConvolutionTask& task, Planes& result) {
     if (task.is_empty()) return;
-    DirectConvolution(task, orient(task)).run(result);
+    Orientation chosen = orient(task);
+    if (!chosen.is_transposed) {
+        DirectConvolution(task, std::move(chosen.runs)).run(result);
+        return;
+    }
+    Planes i1 = zero_planes(transposed(task.source), result.planes.size());
+    transpose(task.i1, task.source, i1);
+    PathRaster i2{task.path.y_begin, task.path.x_begin,    task.path.height(),
+                  task.path.width(), task.i2.cells_per_px, {}};
+    for (int x = task.path.x_begin; x < task.path.x_end; ++x)
+        for (int y = task.path.y_begin; y < task.path.y_end; ++y) i2.weight.push_back(task.i2.at(x, y));
+    const ConvolutionTask turned(i1, i2, transposed(task.out));
+    Planes turned_result = zero_planes(turned.out, result.planes.size());
+    DirectConvolution(turned, std::move(chosen.runs)).run(turned_result);
+    transpose(turned_result, turned.out, result);
 }
 
 double direct_cost_s(const ConvolutionTask& task) {
@@ -260,12 +314,23 @@ double direct_cost_s(const ConvolutionTask& task) {
     // A term touches the columns of i1 that are not 0, in whole tiles.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
-    const double planes = static_cast<double>(task.i1.planes.size());
+    const auto planes = static_cast<double>(task.i1.planes.size());
     // Where less than everything is wanted, as much less is added up.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    constexpr double s_per_cell = 4e-11, s_per_value = 3e-9;
-    return share * planes * area * (chosen.runs.cost * s_per_cell) + planes * area * s_per_value;
+    // By the runs of `one_object/direct` in convolution_bench: those of 8 px for the copy of i1, the step to
+    // 60 and 240 px at 45 degrees for a cell, those along a row for running sums. Large arrays are memory
+    // that the system has to hand out first.
+    constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
+    const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
+    const double s_per_sum = 2 * s_per_copy;
+    double cost_s = planes * area * (share * chosen.runs.cost * s_per_cell + s_per_copy);
+    if (chosen.runs.any_long) {
+        const CellWindow path = chosen.is_transposed ? transposed(task.path) : task.path;
+        const CellWindow source = chosen.is_transposed ? transposed(task.source) : task.source;
+        cost_s += planes * source.height() * (source.width() + path.width()) * s_per_sum;
+    }
+    return cost_s;
 }
 
 }  // namespace postlens

@@ -10,6 +10,7 @@
 #include <new>
 
 #include "core/memory.h"
+#include "core/multiversion.h"
 #include "core/threads.h"
 
 namespace postlens {
@@ -42,7 +43,9 @@ AxisBlocks blocks(const Axis& axis, int count) {
         const int x0 = axis.o0 + i * out.length;
         size = std::max(size, needed_size(axis, x0, std::min(x0 + out.length, axis.o1)));
     }
-    out.size = fast_fft_size(size);
+    // Real transforms of odd sizes take twice the time; rows of whole vectors are the fastest.
+    constexpr int vector = 8;
+    out.size = vector * fast_fft_size((size + vector - 1) / vector);
     return out;
 }
 
@@ -52,8 +55,8 @@ struct Tiling {
 };
 
 double transform_cost_s(double cells) {
-    // One transform; small ones stay in the cache.
-    constexpr double s_per_step = 2.2e-10;
+    // One transform, by the runs of `one_object/fft` in convolution_bench of 300 cells and more.
+    constexpr double s_per_step = 3.3e-10;
     return s_per_step * cells * std::max(1.0, std::log2(cells));
 }
 
@@ -70,7 +73,8 @@ Tiling best_tiling(const ConvolutionTask& task) {
             const AxisBlocks x = blocks(along_x, nx);
             const double cells = static_cast<double>(x.size) * y.size;
             const double transforms = 1 + 2 * planes * x.count * y.count;
-            const double cost_s = transforms * transform_cost_s(cells);
+            constexpr double plans_s = 1e-4;
+            const double cost_s = plans_s + transforms * transform_cost_s(cells);
             if (cost_s < best.cost_s) best = {x, y, cost_s};
         }
     }
@@ -97,6 +101,24 @@ struct Buffers {
 
 fftwf_complex* raw(std::complex<float>* p) {
     return reinterpret_cast<fftwf_complex*>(p);
+}
+
+/// a *= b, pairs of real and imaginary parts.
+POSTLENS_MULTIVERSION
+void multiply(float* __restrict a, const float* __restrict b, std::size_t count) {
+    for (std::size_t i = 0; i < 2 * count; i += 2) {
+        const float re = a[i] * b[i] - a[i + 1] * b[i + 1];
+        a[i + 1] = a[i] * b[i + 1] + a[i + 1] * b[i];
+        a[i] = re;
+    }
+}
+
+/// The least of 0 and the values.
+POSTLENS_MULTIVERSION
+float least_of(const float* values, std::size_t count) {
+    float least = 0;
+    for (std::size_t i = 0; i < count; ++i) least = values[i] < least ? values[i] : least;
+    return least;
 }
 
 class FftConvolution {
@@ -243,20 +265,16 @@ class FftConvolution {
             const ColumnRange c = task_.columns(y);
             const int begin = std::max(c.begin, block.x_begin - p.x_end + 1);
             const int end = std::min(c.end, block.x_end - p.x_begin);
-            for (int x = begin; x < end; ++x) {
-                to[wrapped(x - block.x_begin, x_.size)] = from[x];
-                least = std::min(least, from[x]);
-            }
+            if (begin >= end) continue;
+            // At most one turn around the end.
+            const std::size_t at = wrapped(begin - block.x_begin, x_.size);
+            const std::size_t count = static_cast<std::size_t>(end - begin),
+                              before = std::min(count, width_ - at);
+            std::copy_n(from + begin, before, to + at);
+            std::copy_n(from + begin + before, count - before, to);
+            least = std::min(least, least_of(from + begin, count));
         }
         return least >= 0;
-    }
-
-    static void multiply(float* a, const float* b, std::size_t count) {
-        for (std::size_t i = 0; i < 2 * count; i += 2) {
-            const float re = a[i] * b[i] - a[i + 1] * b[i + 1];
-            a[i + 1] = a[i] * b[i + 1] + a[i + 1] * b[i];
-            a[i] = re;
-        }
     }
 
     const ConvolutionTask& task_;

@@ -52,7 +52,7 @@ ScreenPath read_screen_path(const TomlTable& table, const std::string& source) {
     for (const TomlTable& t : tables) {
         for (const Name handle : handles) {
             if (kind != PathKind::bezier && t.has(handle))
-                t.fail_at(handle, "'{}' is for kind = \"bezier\" (got \"{}\")", handle,
+                t.fail_at(handle, R"('{}' is for kind = "bezier" (got "{}"))", handle,
                           kinds[static_cast<std::size_t>(kind)]);
         }
         t.allow_only({known, handles});
