@@ -156,10 +156,15 @@ ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& 
         const int c = cells_for(groups[g]);
         const Planes i1 = draw_group(bands, table, static_cast<int>(g), groups[g], c);
         recorded.push_back(in_pixels(i1, c, still.width, still.height));
-        const PathRaster i2 = draw_path(groups[g].path, {0, 0}, exposure.open_s, exposure.close_s, curve, c);
+        // Displacements that bring some of it into the frame.
+        const CellWindow frame{0, still.width * c, 0, still.height * c};
+        const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
+                               frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};
+        const PathRaster i2 =
+            draw_path(groups[g].path, {0, 0}, exposure.open_s, exposure.close_s, curve, c, reach);
         ConvolutionMethod used = ConvolutionMethod::automatic;
         const Planes moved = convolve(i1, i2, ConvolutionMethod::automatic, &used,
-                                      CellWindow{0, still.width * c, 0, still.height * c});
+                                      frame);
         (used == ConvolutionMethod::fft ? out.fft_groups : out.direct_groups) += 1;
         blurred.push_back(in_pixels(moved, c, still.width, still.height));
     }

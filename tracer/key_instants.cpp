@@ -104,7 +104,8 @@ double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSp
 int keys_for_sweep(double sweep_degrees) {
     // 60 degrees summed up from 512 steps are still 60.
     constexpr double rounding = 1e-6;
-    const double keys = 1 + std::ceil(std::max(0.0, sweep_degrees / degrees_per_key - rounding));
+    if (sweep_degrees <= degrees_per_key * (1 + rounding)) return 1;
+    const double keys = 1 + std::ceil(sweep_degrees / degrees_per_key - rounding);
     return static_cast<int>(std::min(keys, static_cast<double>(SampleHeader::most_keys)));
 }
 

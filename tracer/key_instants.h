@@ -15,7 +15,7 @@ namespace postlens {
 /// Infinite planes are left out, and what the camera is in the box of (a room), as long as it is.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
-/// 1 + ceil(sweep / 15 degrees), at most 64.
+/// 1 up to 15 degrees: one instant suffices; beyond, 1 + ceil(sweep / 15 degrees), at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees);
 
 /// `count` instants, 1 or more, that are spread evenly over the shutter, both ends included, without those
