@@ -8,8 +8,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     try {
         const postlens::SampleFileReader file(postlens::fuzz_file(data, size, ".exr"));
         postlens::RecordBand band;
-        for (int y = file.y_begin(); y < file.y_end(); y += 16) {
-            file.read(y, std::min(y + 16, file.y_end()), band);
+        for (std::size_t instant = 0; instant < file.instants(); ++instant) {
+            for (int y = file.y_begin(); y < file.y_end(); y += 16) {
+                file.read(y, std::min(y + 16, file.y_end()), band, instant);
+            }
         }
         (void)file.picture();
     } catch (const postlens::Error&) {
