@@ -163,8 +163,7 @@ ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& 
         const PathRaster i2 =
             draw_path(groups[g].path, {0, 0}, exposure.open_s, exposure.close_s, curve, c, reach);
         ConvolutionMethod used = ConvolutionMethod::automatic;
-        const Planes moved = convolve(i1, i2, ConvolutionMethod::automatic, &used,
-                                      frame);
+        const Planes moved = convolve(i1, i2, ConvolutionMethod::automatic, &used, frame);
         (used == ConvolutionMethod::fft ? out.fft_groups : out.direct_groups) += 1;
         blurred.push_back(in_pixels(moved, c, still.width, still.height));
     }

@@ -19,12 +19,13 @@ using glm::dvec3;
 constexpr double depth_m = 4;
 constexpr double m_per_px = depth_m / px_per_m;
 
-// A bar of radiance 1 whose left edge stands on column `left`, `width` px wide, over the whole height and before
-// darkness; it moves `way` px to the right.
+// A bar of radiance 1 whose left edge stands on column `left`, `width` px wide, over the whole height and
+// before darkness; it moves `way` px to the right.
 Scene bar(double left, double width, double way, std::vector<TransformKey> keys = {}) {
     SceneBuilder b;
-    Object& o = b.add(Rectangle{{(left - 32) * m_per_px, -10, -depth_m}, {width * m_per_px, 0, 0}, {0, 20, 0}},
-                      glowing(dvec3(1)));
+    Object& o =
+        b.add(Rectangle{{(left - 32) * m_per_px, -10, -depth_m}, {width * m_per_px, 0, 0}, {0, 20, 0}},
+              glowing(dvec3(1)));
     o.keys = keys.empty() ? from_to({way * m_per_px, 0, 0}) : std::move(keys);
     return b.scene;
 }
@@ -61,8 +62,9 @@ struct BarCase {
 
 class MovingBar : public testing::TestWithParam<BarCase> {};
 
-// The bar's edges lie on borders of cells of the quadtree (quarters of a pixel), so that the records hold it exactly,
-// but for the half quarter by which a corner stands for its surroundings: a bar between two corners a quarter apart.
+// The bar's edges lie on borders of cells of the quadtree (quarters of a pixel), so that the records hold it
+// exactly, but for the half quarter by which a corner stands for its surroundings: a bar between two corners
+// a quarter apart.
 TEST_P(MovingBar, IsATrapezoid) {
     const auto [left, width, way] = GetParam();
     const TracedFrame frame(bar(left, width, way), for_shutter());
@@ -74,10 +76,11 @@ TEST_P(MovingBar, IsATrapezoid) {
             for (const int y : {3, 24, 40})
                 worst = std::max(worst, std::abs(static_cast<double>(image.pixel(x, y)[0]) - expected));
         }
-        // Each edge is known to 1/8 px: over a way of d pixels the ramp is off by 1/(8 d) on each, or by 1/8 where it
-        // does not move. Views err by up to one of M at each of two edges; cells of i2 of c to a pixel shift the ends of
-        // the ramp by half a cell, 1 / (2 c d).
-        const double views = 2.0 / 128, cells = method == MotionMethod::convolve ? 0.5 / std::max(way, 1.0) : 0;
+        // Each edge is known to 1/8 px: over a way of d pixels the ramp is off by 1/(8 d) on each, or by 1/8
+        // where it does not move. Views err by up to one of M at each of two edges; cells of i2 of c to a
+        // pixel shift the ends of the ramp by half a cell, 1 / (2 c d).
+        const double views = 2.0 / 128,
+                     cells = method == MotionMethod::convolve ? 0.5 / std::max(way, 1.0) : 0;
         EXPECT_LE(worst, 2 * 0.125 / std::max(way, 1.0) + (method == MotionMethod::convolve ? cells : views))
             << static_cast<int>(method) << " way " << way;
     }
@@ -123,13 +126,15 @@ TEST(MotionBlur, NothingMovingIsThePinholePicture) {
     SceneBuilder b;
     b.add(Sphere{{0, 0, -4}, 0.6}, glowing({0.2, 0.5, 0.9}));
     const TracedFrame frame(b.scene);
-    for (const MotionMethod method : {MotionMethod::automatic, MotionMethod::convolve, MotionMethod::lightfield})
+    for (const MotionMethod method :
+         {MotionMethod::automatic, MotionMethod::convolve, MotionMethod::lightfield})
         EXPECT_TRUE(equal_bits(frame.blur(method).image, frame.file().picture()));
 }
 
 TEST(MotionBlur, ZeroExposureIsTheStillBitForBit) {
     const TracedFrame frame(bar(20, 10, 15), for_shutter());
-    for (const MotionMethod method : {MotionMethod::automatic, MotionMethod::convolve, MotionMethod::lightfield})
+    for (const MotionMethod method :
+         {MotionMethod::automatic, MotionMethod::convolve, MotionMethod::lightfield})
         EXPECT_TRUE(equal_bits(frame.blur(method, 0, 0).image, frame.file().picture()));
 }
 
@@ -148,7 +153,8 @@ TEST(MotionBlur, ZeroExposureAtAnotherInstantIsTheMovedStill) {
 TEST(MotionBlur, CameraThatMovesWithItsObjectGivesNoBlurOfIt) {
     SceneBuilder b;
     const auto keys = std::vector<TransformKey>{
-        {.time_s = 0}, {.time_s = 1, .translation = {0.7, -0.2, 0.3}, .rotation = glm::angleAxis(0.3, dvec3(0, 1, 0))}};
+        {.time_s = 0},
+        {.time_s = 1, .translation = {0.7, -0.2, 0.3}, .rotation = glm::angleAxis(0.3, dvec3(0, 1, 0))}};
     b.add(Rectangle{{-1, -1, -3}, {2, 0, 0}, {0, 2, 0}}, glowing({0.3, 0.6, 0.9})).keys = keys;
     b.scene.cameras[0].keys = keys;
     const TracedFrame frame(b.scene);
@@ -179,35 +185,38 @@ TEST(MotionBlur, ObjectsThatMoveAlikeAreOneAndTheSameAsOneObject) {
 }
 
 TEST(MotionBlur, LongExposureWeighsTheStandstillAtTheEnds) {
-    // Open from -1 s to 3 s while the motion takes from 0 s to 1 s: a quarter stands at the start, half at the end.
+    // Open from -1 s to 3 s while the motion takes from 0 s to 1 s: a quarter stands at the start, half at
+    // the end.
     const TracedFrame frame(bar(8, 8, 32), for_shutter());
     for (const MotionMethod method : {MotionMethod::convolve, MotionMethod::lightfield}) {
         const Image image = frame.blur(method, -1, 3).image;
-        EXPECT_NEAR(static_cast<double>(image.pixel(11, 20)[0]), 0.25 + 0.25 * trapezoid(11.5, 8, 8, 32), 0.02);
-        EXPECT_NEAR(static_cast<double>(image.pixel(44, 20)[0]), 0.5 + 0.25 * trapezoid(44.5, 8, 8, 32), 0.02);
+        EXPECT_NEAR(static_cast<double>(image.pixel(11, 20)[0]), 0.25 + 0.25 * trapezoid(11.5, 8, 8, 32),
+                    0.02);
+        EXPECT_NEAR(static_cast<double>(image.pixel(44, 20)[0]), 0.5 + 0.25 * trapezoid(44.5, 8, 8, 32),
+                    0.02);
         EXPECT_NEAR(static_cast<double>(image.pixel(28, 20)[0]), 0.25 * trapezoid(28.5, 8, 8, 32), 0.02);
     }
 }
 
 TEST(MotionBlur, OutAndBackIsTwiceTheWayAtTwiceTheSpeed) {
-    const std::vector<TransformKey> keys{{.time_s = 0},
-                                         {.time_s = 0.5, .translation = {20 * m_per_px, 0, 0}},
-                                         {.time_s = 1}};
+    const std::vector<TransformKey> keys{
+        {.time_s = 0}, {.time_s = 0.5, .translation = {20 * m_per_px, 0, 0}}, {.time_s = 1}};
     const TracedFrame there(bar(14, 6, 20), for_shutter()), back(bar(14, 6, 0, keys), for_shutter());
     for (const MotionMethod method : {MotionMethod::convolve, MotionMethod::lightfield}) {
         const Image a = there.blur(method).image, b = back.blur(method).image;
-        // Paths of 20 px have cells of 1/4 px, of 40 px of 1/2: half of the difference of 20 px at either end.
+        // Paths of 20 px have cells of 1/4 px, of 40 px of 1/2: half of the difference of 20 px at either
+        // end.
         const double ends = 2 * 0.125 / 20, views = 4.0 / 128;
         for (int x = 0; x < 64; ++x)
-            EXPECT_NEAR(a.pixel(x, 20)[0], b.pixel(x, 20)[0], method == MotionMethod::convolve ? ends : views) << x;
+            EXPECT_NEAR(a.pixel(x, 20)[0], b.pixel(x, 20)[0], method == MotionMethod::convolve ? ends : views)
+                << x;
     }
 }
 
 TEST(MotionBlur, LeavesAndReentersTheFrame) {
     // To the right beyond the border and back: seen for the first and the last third or so.
-    const std::vector<TransformKey> keys{{.time_s = 0},
-                                         {.time_s = 0.5, .translation = {40 * m_per_px, 0, 0}},
-                                         {.time_s = 1}};
+    const std::vector<TransformKey> keys{
+        {.time_s = 0}, {.time_s = 0.5, .translation = {40 * m_per_px, 0, 0}}, {.time_s = 1}};
     const TracedFrame frame(bar(40, 12, 0, keys), for_shutter());
     const Image a = frame.blur(MotionMethod::convolve).image, b = frame.blur(MotionMethod::lightfield).image;
     for (int x = 0; x < 64; ++x) {
@@ -259,11 +268,13 @@ TEST(MotionBlur, WhatIsUncoveredIsRightWhereRecordedAndSaidWhereNot) {
 
 TEST(MotionBlur, AutomaticConvolvesTranslationsAndReprojectsTheRest) {
     SceneBuilder b;
-    b.add(Rectangle{{-1.2, 0.2, -4}, {0.6, 0, 0}, {0, 0.6, 0}}, glowing(dvec3(0.9))).keys = from_to({0.3, 0, 0});
+    b.add(Rectangle{{-1.2, 0.2, -4}, {0.6, 0, 0}, {0, 0.6, 0}}, glowing(dvec3(0.9))).keys =
+        from_to({0.3, 0, 0});
     Object& turning = b.add(Rectangle{{-0.3, -0.3, 0}, {0.6, 0, 0}, {0, 0.6, 0}}, glowing(dvec3(0.6)));
     turning.motion_base = glm::dmat4(1);
-    turning.keys = {{.time_s = 0, .translation = {0.9, -0.4, -4}},
-                    {.time_s = 1, .translation = {0.9, -0.4, -4}, .rotation = glm::angleAxis(0.8, dvec3(0, 0, 1))}};
+    turning.keys = {
+        {.time_s = 0, .translation = {0.9, -0.4, -4}},
+        {.time_s = 1, .translation = {0.9, -0.4, -4}, .rotation = glm::angleAxis(0.8, dvec3(0, 0, 1))}};
     b.add(Rectangle{{-3, -3, -8}, {6, 0, 0}, {0, 6, 0}}, glowing(dvec3(0.3)));
     const TracedFrame frame(b.scene, for_shutter());
     const MotionBlurResult r = frame.blur(MotionMethod::automatic);
@@ -298,12 +309,14 @@ TEST(MotionBlur, PathsReplaceWhatTheFileSays) {
     ObjectPath path;
     path.ids = {1};
     path.source = "test:1";
-    path.motion = ScreenPath(PathKind::polyline, {{.time_s = 0, .at_px = {5, 5}}, {.time_s = 1, .at_px = {-7, 5}}}, "test");
+    path.motion = ScreenPath(PathKind::polyline,
+                             {{.time_s = 0, .at_px = {5, 5}}, {.time_s = 1, .at_px = {-7, 5}}}, "test");
     for (const MotionMethod method : {MotionMethod::convolve, MotionMethod::lightfield}) {
         const Image image =
             motion_blur(frame.file(), {.exposure = {0, 1}, .method = method, .paths = {path}}).image;
         for (int x = 0; x < 64; ++x) {  // mirrored: it moves 12 px to the left
-            EXPECT_NEAR(static_cast<double>(image.pixel(x, 20)[0]), pixel_mean(63 - x, 64 - 28, 8, 12), 0.06) << x;
+            EXPECT_NEAR(static_cast<double>(image.pixel(x, 20)[0]), pixel_mean(63 - x, 64 - 28, 8, 12), 0.06)
+                << x;
         }
     }
     path.ids = {9};
@@ -314,7 +327,8 @@ TEST(MotionBlur, FittedPathsKeepWithinTheirTolerance) {
     std::vector<TransformKey> keys;
     for (int i = 0; i <= 60; ++i) {
         const double t = i / 60.0;
-        keys.push_back({.time_s = t, .translation = {20 * m_per_px * t * t, 8 * m_per_px * std::sin(3 * t), 0}});
+        keys.push_back(
+            {.time_s = t, .translation = {20 * m_per_px * t * t, 8 * m_per_px * std::sin(3 * t), 0}});
     }
     const TracedFrame frame(bar(14, 6, 0, keys), for_shutter());
     const MotionBlurResult exact = frame.blur(MotionMethod::convolve);
@@ -351,7 +365,8 @@ TEST(MotionBlur, RefusesWhatMakesNoSense) {
     for (const double px : {0.0, -1.0, nan, inf})
         EXPECT_THROW(static_cast<void>(motion_blur(frame.file(), {.exposure = {0, 1}, .fit_px = px})), Error);
     for (const int views : {0, -4, 100000})
-        EXPECT_THROW(static_cast<void>(motion_blur(frame.file(), {.exposure = {0, 1}, .views = views})), Error);
+        EXPECT_THROW(static_cast<void>(motion_blur(frame.file(), {.exposure = {0, 1}, .views = views})),
+                     Error);
 }
 
 }  // namespace

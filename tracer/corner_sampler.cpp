@@ -177,18 +177,67 @@ class BandSampler {
         }
     }
 
-    [[nodiscard]] bool splits(const Cell& c) const {
-        const std::array<const Sample*, 4> s{&samples_[c.corner[0]], &samples_[c.corner[1]],
-                                             &samples_[c.corner[2]], &samples_[c.corner[3]]};
-        if (s[1]->id != s[0]->id || s[2]->id != s[0]->id || s[3]->id != s[0]->id) return true;
-        const auto contrast = [&](float Sample::*channel) {
-            const auto [lo, hi] =
-                std::minmax({s[0]->*channel, s[1]->*channel, s[2]->*channel, s[3]->*channel});
+    // What decides of one layer of a sample.
+    struct Seen {
+        std::uint32_t id = 0;
+        std::array<float, 3> rgb{};
+    };
+
+    [[nodiscard]] bool differ(const Seen* s, int count) const {
+        for (int i = 1; i < count; ++i) {
+            if (s[i].id != s[0].id) return true;
+        }
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            float lo = s[0].rgb[channel], hi = lo;
+            for (int i = 1; i < count; ++i) {
+                lo = std::min(lo, s[i].rgb[channel]);
+                hi = std::max(hi, s[i].rgb[channel]);
+            }
             // 0.05 keeps dark noise from splitting; contrast as in [mitchell1987].
-            return static_cast<double>(hi - lo) / (static_cast<double>(hi + lo) + 0.05);
-        };
-        return contrast(&Sample::r) > settings_.threshold || contrast(&Sample::g) > settings_.threshold ||
-               contrast(&Sample::b) > settings_.threshold;
+            if (static_cast<double>(hi - lo) / (static_cast<double>(hi + lo) + 0.05) > settings_.threshold)
+                return true;
+        }
+        return false;
+    }
+
+    // Moves `at`, an index into the sample's records, behind those of the layer that begins there.
+    [[nodiscard]] Seen take_layer(const Sample& s, std::uint32_t& at) const {
+        const Record* r = chunks_[s.chunk].records.data() + s.first;
+        const std::uint32_t layer = r[at].layer;
+        Seen out{r[at].id, {}};
+        for (; at < s.count && r[at].layer == layer; ++at) {
+            out.rgb[0] += r[at].r;
+            out.rgb[1] += r[at].g;
+            out.rgb[2] += r[at].b;
+        }
+        return out;
+    }
+
+    [[nodiscard]] bool splits(const Cell& c) const {
+        std::array<Seen, 4> seen;
+        bool hidden = false;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const Sample& s = samples_[c.corner[i]];
+            seen[i] = {s.id, {s.r, s.g, s.b}};
+            hidden = hidden || s.count > s.visible;
+        }
+        return differ(seen.data(), 4) || (hidden && hidden_layers_differ(c));
+    }
+
+    // What comes to light is wanted as finely as what is seen. Corners that lack a layer say nothing of it.
+    [[nodiscard]] bool hidden_layers_differ(const Cell& c) const {
+        std::array<std::uint32_t, 4> at{};
+        for (std::size_t i = 0; i < 4; ++i) at[i] = samples_[c.corner[i]].visible;
+        for (;;) {
+            std::array<Seen, 4> seen;
+            int count = 0;
+            for (std::size_t i = 0; i < 4; ++i) {
+                const Sample& s = samples_[c.corner[i]];
+                if (at[i] < s.count) seen[static_cast<std::size_t>(count++)] = take_layer(s, at[i]);
+            }
+            if (count == 0) return false;
+            if (differ(seen.data(), count)) return true;
+        }
     }
 
     void refine(int y_begin, int y_end) {

@@ -22,8 +22,9 @@ struct SampledWindow {
 };
 
 /// Traces the window band by band and hands each band, complete and in order, to `take`. A cell splits where
-/// the primary ids of its corners differ (down to `levels`) or their colours do (contrast above `threshold`).
-/// Memory stays bounded by a band. Deterministic for any number of threads. Returns the rays spent.
+/// the primary ids of its corners differ (down to `levels`) or their colours do (contrast above `threshold`),
+/// of what is seen and of each hidden layer. Memory stays bounded by a band. Deterministic for any number of
+/// threads. Returns the rays spent.
 RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window,
                          const SubdivisionSettings& settings,
                          const std::function<void(const RecordBand&)>& take);

@@ -45,7 +45,7 @@ struct TracedSamples {
 class WhittedTracer {
   public:
     /// Keeps references to scene, camera and the motion that `hidden` names. A hidden surface is shaded as if
-    /// nothing stood before it; layer 0 has the same bits with and without.
+    /// nothing stood before it; layer 0 of a sample has the same bits with and without.
     WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings,
                   const HiddenLayers& hidden = {});
     ~WhittedTracer();
