@@ -202,7 +202,7 @@ void add_motionblur(CLI::App& root, State& s) {
          {"lightfield", MotionMethod::lightfield}});
     app.add_option_function<std::string>(
            "--views", [&o](const std::string& text) { o.settings.views = parse_whole("--views", text); },
-           "Instants of lightfield, 1 to 4096 [default: two a pixel of the longest way, 128 to 1024]")
+           "Instants of lightfield, 1 to 4096 [default: one for two pixels of the longest way, 128 to 512]")
         ->type_name("M");
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     common_options(app, s.common);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/threads.h"
 #include "motionblur/group_raster.h"
@@ -41,7 +42,8 @@ class Composite {
             std::vector<Between> between(depths_.size() + 1);
             const BandSurfaces& band = bands_[b];
             for (int y = std::max(0, band.y_begin); y < std::min(out_.image.height, band.y_end); ++y) {
-                for (int x = 0; x < out_.image.width; ++x) {
+                const auto [x_begin, x_end] = columns(y);
+                for (int x = x_begin; x < x_end; ++x) {
                     if (is_touched(x, y)) pixel(band, x, y, between);
                 }
             }
@@ -57,6 +59,19 @@ class Composite {
     }
 
   private:
+    // The columns of a row that some group's window has.
+    [[nodiscard]] std::pair<int, int> columns(int y) const {
+        int begin = out_.image.width, end = 0;
+        for (const auto* pictures : {&blurred_, &recorded_}) {
+            for (const GroupPicture& p : *pictures) {
+                if (y < p.y_begin || y >= p.y_end) continue;
+                begin = std::min(begin, p.x_begin);
+                end = std::max(end, p.x_end);
+            }
+        }
+        return {begin, end};
+    }
+
     [[nodiscard]] bool is_touched(int x, int y) const {
         for (std::size_t g = 0; g < blurred_.size(); ++g) {
             const auto *moved = blurred_[g].at(x, y), *still = recorded_[g].at(x, y);

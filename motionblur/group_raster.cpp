@@ -47,12 +47,14 @@ int cells_for(const MovingGroup& group) {
 
 Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                   const MovingGroup& group, int cells_per_px) {
-    const BandSurfaces &top = bands.front(), &bottom = bands.back();
+    const BandSurfaces& top = bands.front();
+    int rows_end = top.y_begin;
+    for (const BandSurfaces& band : bands) rows_end = std::max(rows_end, band.y_end);
     const int c = cells_per_px;
     const int x0 = std::max(top.x_begin, static_cast<int>(std::floor(group.extent.x_min)) - 1),
               x1 = std::min(top.x_begin + top.width - 1, static_cast<int>(std::ceil(group.extent.x_max)) + 1);
     const int y0 = std::max(top.y_begin, static_cast<int>(std::floor(group.extent.y_min)) - 1),
-              y1 = std::min(std::max(bottom.y_end, y0), static_cast<int>(std::ceil(group.extent.y_max)) + 1);
+              y1 = std::min(std::max(rows_end, y0), static_cast<int>(std::ceil(group.extent.y_max)) + 1);
     Planes out{x0 * c, y0 * c, std::max(0, x1 - x0) * c, std::max(0, y1 - y0) * c, {}};
     const auto cells = static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height);
     require_memory(cells * 4 * sizeof(float) * 3, "the raster of a moving object");

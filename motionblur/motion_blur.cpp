@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <set>
+#include <utility>
 
 #include "core/error.h"
 #include "core/threads.h"
@@ -190,6 +190,26 @@ class MotionBlur {
         }
     }
 
+    // Rows of the raster that some group is recorded in or passes over.
+    [[nodiscard]] std::pair<int, int> rows_touched(const std::vector<MovingGroup>& groups) const {
+        double low = header_.height, high = 0;
+        for (const MovingGroup& g : groups) {
+            double up = 0, down = 0;
+            for (const PathPoint& p : g.path) {
+                up = std::min(up, p.at_px.y);
+                down = std::max(down, p.at_px.y);
+            }
+            low = std::min(low, g.extent.y_min + up);
+            high = std::max(high, g.extent.y_max + down);
+        }
+        // Two rows more: a quarter of a leaf reaches beyond its corner, a cell beyond its middle.
+        const auto within = [&](double y) {
+            return static_cast<int>(
+                std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
+        };
+        return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
+    }
+
     void convolve_groups() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -205,7 +225,8 @@ class MotionBlur {
                 o.fit_error_px = g.fit_error_px;
             }
         }
-        ConvolveBlur blur = convolve_blur(result_.image, band_surfaces(bands_, 0, header_.height), groups,
+        const auto [y_begin, y_end] = rows_touched(groups);
+        ConvolveBlur blur = convolve_blur(result_.image, band_surfaces(bands_, y_begin, y_end), groups,
                                           settings_.exposure, settings_.curve);
         result_.image = std::move(blur.image);
         touched_ = std::move(blur.touched);

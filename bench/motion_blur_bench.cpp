@@ -1,0 +1,114 @@
+// The motion-blur processor at 1920x1080: three moving objects of about 300 px on paths of 120 px before a
+// still wall, from opening the sample file to the picture, on 2 threads. `read` only reads and checks the
+// records: what bounds convolve.
+#include <benchmark/benchmark.h>
+#include <filesystem>
+#include <unistd.h>
+
+#include "core/threads.h"
+#include "motionblur/motion_blur.h"
+#include "tracer/trace.h"
+
+namespace {
+
+using namespace postlens;
+
+constexpr int threads = 2;
+constexpr double px_per_m_at_1m = 1920 / 36.0 * 50;
+
+std::filesystem::path frame(int levels) {
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() /
+        ("postlens_motion_blur_bench_" + std::to_string(::getpid()) + "_" + std::to_string(levels) + ".exr");
+    Scene scene;
+    scene.name = "bench";
+    scene.ambient_light = glm::dvec3(0);
+    Camera camera;
+    camera.focal_length_mm = 50;
+    camera.width = 1920;
+    camera.height = 1080;
+    scene.cameras.push_back(camera);
+    const auto add = [&](Shape shape, const glm::dvec3& emission, const glm::dvec3& to) {
+        Material m;
+        m.ambient = m.diffuse = glm::dvec3(0);
+        m.emission = emission;
+        scene.materials.push_back(m);
+        Object o;
+        o.id = static_cast<std::uint32_t>(scene.objects.size() + 1);
+        o.name = "object " + std::to_string(o.id);
+        o.material = scene.materials.size() - 1;
+        o.shape = std::move(shape);
+        if (to != glm::dvec3(0)) o.keys = {{.time_s = 0}, {.time_s = 1, .translation = to}};
+        scene.objects.push_back(o);
+    };
+    for (int i = -8; i < 8; ++i) {
+        const double shade = i % 2 == 0 ? 0.7 : 0.2;
+        add(Rectangle{{i * 0.4, -3, -8}, {0.4, 0, 0}, {0, 6, 0}}, glm::dvec3(shade), glm::dvec3(0));
+    }
+    const double m_per_px = 4 / px_per_m_at_1m;
+    const double way = 120 * m_per_px;
+    for (int i = 0; i < 3; ++i) {
+        const double x = (i - 1) * 560 * m_per_px, half = 150 * m_per_px;
+        const double angle = 0.4 * i;
+        add(Disc{{x, 0, -4}, {0, 0, 1}, half, 0}, {0.9, 0.3 * i, 0.2},
+            {way * std::cos(angle), way * std::sin(angle), 0});
+    }
+    TraceSettings settings;
+    settings.subdivision.levels = levels;
+    settings.for_shutter = TimeSpan{0, 1};
+    trace_to_file(scene, settings, path);
+    return path;
+}
+
+/// Traced once, removed at the end.
+const std::filesystem::path& traced(int levels) {
+    struct Frames {
+        std::array<std::filesystem::path, 5> paths;
+        ~Frames() {
+            for (const auto& p : paths) {
+                std::error_code ignored;
+                if (!p.empty()) std::filesystem::remove(p, ignored);
+            }
+        }
+    };
+    static Frames frames;
+    auto& path = frames.paths.at(static_cast<std::size_t>(levels));
+    if (path.empty()) path = frame(levels);
+    return path;
+}
+
+void read(benchmark::State& state) {
+    const ThreadLimit limit(threads);
+    const auto& path = traced(static_cast<int>(state.range(0)));
+    for (auto _ : state) {
+        const SampleFileReader file(path);
+        RecordBand band;
+        for (int y = file.y_begin(); y < file.y_end(); y += 64) {
+            file.read(y, std::min(y + 64, file.y_end()), band);
+            benchmark::DoNotOptimize(band.records.data());
+        }
+    }
+}
+
+void blur(benchmark::State& state, MotionMethod method) {
+    const ThreadLimit limit(threads);
+    const auto& path = traced(static_cast<int>(state.range(0)));
+    for (auto _ : state) {
+        const SampleFileReader file(path);
+        const MotionBlurResult result = motion_blur(file, {.exposure = {0, 1}, .method = method});
+        benchmark::DoNotOptimize(result.image.rgb.data());
+    }
+}
+
+void convolve(benchmark::State& state) {
+    blur(state, MotionMethod::convolve);
+}
+void lightfield(benchmark::State& state) {
+    blur(state, MotionMethod::lightfield);
+}
+
+BENCHMARK(read)->Arg(0)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(convolve)->Arg(0)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(lightfield)->Arg(0)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+}  // namespace
