@@ -38,8 +38,8 @@ int views_for(const std::vector<IdMotion>& ids, const FieldBlurSettings& setting
         if (m.kind != MotionKind::still && std::isfinite(m.largest_move_px))
             longest = std::max(longest, m.largest_move_px);
     }
-    // A view for every two pixels of the longest way: against 2048 views, 128 err by 51 dB on a box that goes 128 px,
-    // 256 by 59 dB on a wheel of 467 px that rolls (docs/motion.md).
+    // A view for every two pixels of the longest way: against 2048 views, 128 err by 51 dB on a box that goes
+    // 128 px, 256 by 59 dB on a wheel of 467 px that rolls (docs/motion.md).
     const double wanted = std::clamp(longest / 2, 1.0, static_cast<double>(most_views_by_itself));
     return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(wanted)))), fewest_views,
                       most_views_by_itself);

@@ -1,6 +1,7 @@
 #include "motionblur/motion_blur.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <utility>
@@ -313,6 +314,30 @@ class MotionBlur {
         if (!blends) warn_of_unseen_motion(header_, bands_, moving, settings_.exposure, result_.warnings);
     }
 
+    // Whether a side on which the records cut an object off is moved into the frame.
+    [[nodiscard]] bool border_comes_in(std::uint32_t id, const IdExtent& e) const {
+        const std::array<bool, 4> cut{e.x_min <= file_.x_begin(), e.x_max >= file_.x_end() - 1,
+                                      e.y_min <= file_.y_begin(), e.y_max >= file_.y_end() - 1};
+        if (std::find(cut.begin(), cut.end(), true) == cut.end()) return false;
+        for (const double t : probe_times(motion_.breaks_s(id), settings_.exposure)) {
+            const RasterMap map = motion_.map(id, header_.time_s, t);
+            for (int k = 0; k < 8; ++k) {
+                const bool right = (k & 1) != 0, low = (k & 2) != 0;
+                const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
+                                    (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
+                if (!p) return true;
+                // The records' own border may lie on the frame's.
+                constexpr double margin_px = 0.5;
+                if ((cut[0] && !right && p->x > margin_px) ||
+                    (cut[1] && right && p->x < header_.width - margin_px) ||
+                    (cut[2] && !low && p->y > margin_px) ||
+                    (cut[3] && low && p->y < header_.height - margin_px))
+                    return true;
+            }
+        }
+        return false;
+    }
+
     // What moves and reaches the border of the records may come in from beyond it.
     void warn_of_cut(const std::vector<std::uint32_t>& moving) {
         std::string names;
@@ -321,10 +346,7 @@ class MotionBlur {
             if (id == 0 || found == extents_.end() ||
                 motion_.camera_moves(settings_.exposure.open_s, settings_.exposure.close_s))
                 continue;
-            const IdExtent& e = found->second;
-            if (e.x_min > file_.x_begin() && e.x_max < file_.x_end() - 1 && e.y_min > file_.y_begin() &&
-                e.y_max < file_.y_end() - 1)
-                continue;
+            if (!border_comes_in(id, found->second)) continue;
             const auto name = header_.object_names.find(id);
             names += (names.empty() ? "" : ", ") +
                      (name != header_.object_names.end() ? name->second : std::to_string(id));
