@@ -35,7 +35,9 @@ void shutter_trace_options(CLI::App& app, TraceSettings& t) {
                const auto [open, close] = parse_span("--for-shutter", text);
                t.for_shutter = TimeSpan{open, close};
            },
-           "Make the file suffice for a shutter open between these instants of the scene's clock")
+           "Make the file suffice for a shutter open between these instants of the scene's clock, s; OPEN "
+           "not "
+           "after CLOSE")
         ->type_name("OPEN:CLOSE");
     app.add_option_function<std::string>(
            "--hidden-layers",
@@ -65,9 +67,9 @@ void add_trace(CLI::App& root, State& s) {
     TraceSettings& t = o.settings;
     scene_options(app, o.scene, o.metres_per_unit, t.camera, t.camera_name);
     output_option(app, o.output, "Sample file (OpenEXR)");
-    number(app, "--time", t.time_s, "Instant of the trace [default: the scene's]", "S");
+    number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S");
     number(app, "--focal-length", t.camera.focal_length_mm,
-           "Film distance of the pinhole view [default: the camera's]", "MM");
+           "Film distance of the pinhole view, more than 0 [default: the camera's]", "MM");
     whole(app, "--subdivide", t.subdivision.levels,
           "Greatest depth of the recursive 2x2 subdivision of a pixel, 0 to 8", "LEVELS");
     number(app, "--threshold", t.subdivision.threshold,
@@ -191,8 +193,11 @@ void add_motionblur(CLI::App& root, State& s) {
     app.add_option("--paths", o.paths,
                    "Paths of objects, in place of what the file says (docs/motion_paths.md)")
         ->type_name("PATHS.toml");
-    number(app, "--fit-paths", o.settings.fit_px,
-           "Replace the paths of convolve by splines of few knots within so much, more than 0", "PX");
+    number(
+        app, "--fit-paths", o.settings.fit_px,
+        "Replace the paths of convolve by splines of few knots within so much, more than 0 [default: paths "
+        "as they are]",
+        "PX");
     choice(
         app, "--method", o.settings.method,
         "convolve: object by path; lightfield: surfaces at many instants; auto: convolve for what moves as a "

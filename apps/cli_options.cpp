@@ -67,7 +67,7 @@ void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, C
     app.add_option("scene", scene, "Scene: .toml (docs/scene_format.md) or .nff")
         ->required()
         ->type_name("SCENE");
-    number(app, "--metres-per-unit", metres_per_unit, "Length of the scene's unit", "X");
+    number(app, "--metres-per-unit", metres_per_unit, "Length of the scene's unit, m, more than 0", "X");
     app.add_option_function<std::string>(
            "--size",
            [&camera](const std::string& text) {
@@ -76,7 +76,8 @@ void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, C
            "Raster, px [default: the camera's]")
         ->type_name("WxH");
     app.add_option("--camera", camera_name, "Camera by name [default: the scene's first]")->type_name("NAME");
-    number(app, "--film-width", camera.film_width_mm, "Width of the film [default: the camera's]", "MM");
+    number(app, "--film-width", camera.film_width_mm,
+           "Width of the film, more than 0 [default: the camera's]", "MM");
 }
 
 void tree_options(CLI::App& app, int& max_depth, double& min_contribution) {
@@ -93,7 +94,10 @@ void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::strin
                const auto [open, close] = parse_span("--shutter", text);
                shutter = TimeSpan{open, close};
            },
-           fmt::format("When the shutter opens and closes, on the scene's clock [default: {}]", absent))
+           fmt::format(
+               "When the shutter opens and closes, s on the scene's clock; OPEN not after CLOSE, equal for "
+               "an instant [default: {}]",
+               absent))
         ->type_name("OPEN:CLOSE");
     app.add_option(
            "--shutter-curve", curve,

@@ -60,8 +60,12 @@ MotionPath::Pose MotionPath::at(double time_s) const {
     if (times_s_.empty()) return {};
     if (!(time_s > times_s_.front())) return first_;
     if (time_s >= times_s_.back()) return last_;
+    // Between two keys, as most motion has it, there is nothing to search.
     std::size_t i = 0;
-    while (i + 1 < intervals_.size() && time_s >= times_s_[i + 1]) ++i;
+    if (intervals_.size() > 1)
+        i = static_cast<std::size_t>(std::upper_bound(times_s_.begin(), times_s_.end(), time_s) -
+                                     times_s_.begin()) -
+            1;
     const Interval& v = intervals_[i];
     const double share = (time_s - v.begin_s) * v.per_s;
     Pose p;
@@ -79,8 +83,11 @@ MotionPath::Pose MotionPath::at(double time_s) const {
 
 bool MotionPath::moves(double open_s, double close_s) const {
     if (!(close_s > open_s)) return false;
-    for (std::size_t i = 0; i < intervals_.size(); ++i) {
-        if (!intervals_[i].still() && times_s_[i] < close_s && times_s_[i + 1] > open_s) return true;
+    if (intervals_.empty()) return false;
+    const auto after = std::upper_bound(times_s_.begin() + 1, times_s_.end(), open_s);
+    for (auto i = static_cast<std::size_t>(after - times_s_.begin()) - 1;
+         i < intervals_.size() && times_s_[i] < close_s; ++i) {
+        if (!intervals_[i].still()) return true;
     }
     return false;
 }
