@@ -7,15 +7,42 @@
 
 namespace postlens {
 
-std::vector<RecordBand> read_bands(const SampleFileReader& file, std::size_t instant) {
-    // The records, and what is made of them: samples, leaves and surfaces.
-    require_memory(file.record_count() * (sizeof(Record) + 100), "the records of the frame");
-    std::vector<RecordBand> bands;
+RecordBands::RecordBands(const SampleFileReader& file, std::size_t instant) : file_(file), instant_(instant) {
     for (int y = file.y_begin(); y < file.y_end() - 1; y += band_rows) {
-        bands.emplace_back();
-        file.read(y, std::min(y + band_rows, file.y_end() - 1) + 1, bands.back(), instant);
+        RecordBand band{
+            file.x_begin(), file.x_end(), y, std::min(y + band_rows, file.y_end() - 1) + 1, {}, {}};
+        bands_.push_back(std::move(band));
     }
-    return bands;
+}
+
+void RecordBands::read(RecordBand& band) const {
+    const int y_begin = band.y_begin, y_end = band.y_end;
+    std::uint64_t records = 0;
+    for (int y = y_begin; y < y_end; ++y)
+        records += file_.scanlines(instant_)[static_cast<std::size_t>(y - file_.y_begin())].records;
+    // The records, and what is made of them: samples, leaves and surfaces.
+    require_memory(records * (sizeof(Record) + 100), "the records of the frame");
+    file_.read(y_begin, y_end, band, instant_);
+}
+
+void RecordBands::read_all(const std::function<bool(const RecordBand&)>& keep) {
+    RecordBand buffer;
+    for (RecordBand& band : bands_) {
+        buffer.y_begin = band.y_begin;
+        buffer.y_end = band.y_end;
+        read(buffer);
+        if (keep(buffer)) {
+            band = std::move(buffer);
+            buffer = RecordBand();
+        }
+    }
+}
+
+void RecordBands::need(int y_begin, int y_end) {
+    for (RecordBand& band : bands_) {
+        if (band.y_end - 1 <= y_begin || band.y_begin >= y_end || band.offsets.size() > 1) continue;
+        read(band);
+    }
 }
 
 std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin, int y_end) {

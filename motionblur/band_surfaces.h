@@ -1,6 +1,7 @@
 // Rows of a sample file as leaves and surfaces, for all that walks over pixels.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "motionblur/moving_group.h"
@@ -24,12 +25,32 @@ struct BandSurfaces {
     }
 };
 
-inline constexpr int band_rows = 64;
+inline constexpr int band_rows = 32;
 
-/// Bands of `band_rows` rows of pixels and the closing row, from file.y_begin() on.
-[[nodiscard]] std::vector<RecordBand> read_bands(const SampleFileReader& file, std::size_t instant = 0);
+/// The records of an instant, in bands of `band_rows` rows of pixels and the closing row, as far as they are
+/// in memory: a frame has many more rows than those over which something moves.
+class RecordBands {
+  public:
+    /// Keeps a reference to the file and reads nothing yet.
+    explicit RecordBands(const SampleFileReader& file, std::size_t instant = 0);
 
-/// Of the bands in which rows [y_begin, y_end) lie; the others stay empty.
+    /// Reads all, one band after the other; keeps those for which `keep` says so.
+    void read_all(const std::function<bool(const RecordBand&)>& keep);
+    /// Reads those in which pixel rows [y_begin, y_end) lie, unless they are there.
+    void need(int y_begin, int y_end);
+    void need_all() { need(file_.y_begin(), file_.y_end()); }
+    /// A band that is not in memory has rows and columns, and no records and offsets.
+    [[nodiscard]] const std::vector<RecordBand>& bands() const { return bands_; }
+
+  private:
+    const SampleFileReader& file_;
+    std::size_t instant_;
+    std::vector<RecordBand> bands_;
+
+    void read(RecordBand& band) const;
+};
+
+/// Of the bands in which rows [y_begin, y_end) lie, which must be in memory; the others stay empty.
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 

@@ -59,17 +59,6 @@ FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>&
     return motion;
 }
 
-Image still_picture(const SampleHeader& header, const std::vector<RecordBand>& bands) {
-    Image image(header.width, header.height);
-    parallel_for(bands.size(), [&](std::size_t b) {
-        for (int y = std::max(0, bands[b].y_begin); y < std::min(header.height, bands[b].y_end - 1); ++y) {
-            picture_row(bands[b], y, 0, header.width,
-                        {image.pixel(0, y), static_cast<std::size_t>(header.width) * 3});
-        }
-    });
-    return image;
-}
-
 /// 1 where one of the four corners of the pixel, or a sample in it, shows one of the ids.
 std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
                                          const std::vector<std::uint32_t>& ids) {
@@ -86,6 +75,7 @@ std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::
     };
     parallel_for(bands.size(), [&](std::size_t b) {
         const RecordBand& band = bands[b];
+        if (band.offsets.size() <= 1) return;  // not read, as it has none of what moves
         for (int y = std::max(0, band.y_begin); y < std::min(header.height, band.y_end - 1); ++y) {
             for (int x = 0; x < header.width; ++x) {
                 out[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] =
@@ -105,10 +95,10 @@ class MotionBlur {
         : file_(file),
           header_(file.header()),
           settings_(settings),
-          motion_(motion_of(header_, settings.paths)) {}
+          motion_(motion_of(header_, settings.paths)),
+          bands_(file) {}
 
     MotionBlurResult run() {
-        bands_ = read_bands(file_);
         result_.image = file_.picture();
         find_motion();
         choose();
@@ -144,13 +134,19 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        extents_ = find_extents(bands_, only);
+        // The closing row of a band is the first of the next: what is only in one of them is needed in both.
+        bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_)
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
         // What other instants recorded of an id may move differently, and may be all there is of it.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
-            for (const auto& [id, extent] : find_extents(read_bands(file_, i), only)) {
+            IdExtents extents;
+            RecordBands(file_, i).read_all([&](const RecordBand& band) {
+                add_extents(band, only, extents);
+                return false;
+            });
+            for (const auto& [id, extent] : extents) {
                 const IdMotion m = classify(motion_, id, extent, file_.instant_s(i), settings_.exposure);
                 auto [at, is_new] = found.emplace(id, m);
                 if (is_new) {
@@ -231,8 +227,9 @@ class MotionBlur {
             }
         }
         const auto [y_begin, y_end] = rows_touched(groups);
-        ConvolveBlur blur = convolve_blur(result_.image, band_surfaces(bands_, y_begin, y_end), groups,
-                                          settings_.exposure, settings_.curve);
+        bands_.need(y_begin, y_end);
+        ConvolveBlur blur = convolve_blur(result_.image, band_surfaces(bands_.bands(), y_begin, y_end),
+                                          groups, settings_.exposure, settings_.curve);
         result_.image = std::move(blur.image);
         touched_ = std::move(blur.touched);
         unknown_ = std::move(blur.unknown);
@@ -268,12 +265,26 @@ class MotionBlur {
         }
     }
 
+    [[nodiscard]] Image still_picture(std::size_t instant) const {
+        Image image(header_.width, header_.height);
+        RecordBands(file_, instant).read_all([&](const RecordBand& band) {
+            const int y_begin = std::max(0, band.y_begin), y_end = std::min(header_.height, band.y_end - 1);
+            parallel_for(static_cast<std::size_t>(std::max(0, y_end - y_begin)), [&](std::size_t i) {
+                const int y = y_begin + static_cast<int>(i);
+                picture_row(band, y, 0, header_.width,
+                            {image.pixel(0, y), static_cast<std::size_t>(header_.width) * 3});
+            });
+            return false;
+        });
+        return image;
+    }
+
     // The mean over the exposure of what the recorded instants show where nothing moves.
     void blend_stills(const std::vector<double>& shares) {
         std::vector<double> sum(result_.image.rgb.size(), 0);
         for (std::size_t i = 0; i < shares.size(); ++i) {
             if (shares[i] == 0) continue;
-            const Image picture = i == 0 ? file_.picture() : still_picture(header_, read_bands(file_, i));
+            const Image picture = i == 0 ? file_.picture() : still_picture(i);
             for (std::size_t k = 0; k < sum.size(); ++k)
                 sum[k] += shares[i] * static_cast<double>(picture.rgb[k]);
         }
@@ -285,7 +296,7 @@ class MotionBlur {
     // Colours from around for what something that moves covers in the records. Where all moves: the pixel's
     // own mean over the views that know something.
     [[nodiscard]] Image fill_behind(const FieldPicture& p, const std::vector<std::uint32_t>& moving) const {
-        const std::vector<std::uint8_t> covered = pixels_showing(header_, bands_, moving);
+        const std::vector<std::uint8_t> covered = pixels_showing(header_, bands_.bands(), moving);
         const bool all = std::find(covered.begin(), covered.end(), 0) == covered.end();
         Image out = all ? p.image : file_.picture();
         std::vector<float> weight(covered.size());
@@ -315,7 +326,9 @@ class MotionBlur {
             if (m.kind != MotionKind::still) moving.push_back(m.id);
         }
         warn_of_cut(moving);
-        if (!blends) warn_of_unseen_motion(header_, bands_, moving, settings_.exposure, result_.warnings);
+        if (blends || !may_have_unseen_motion(header_)) return;
+        bands_.need_all();
+        warn_of_unseen_motion(header_, bands_.bands(), moving, settings_.exposure, result_.warnings);
     }
 
     // Whether a side on which the records cut an object off is moved into the frame.
@@ -368,7 +381,7 @@ class MotionBlur {
     const SampleHeader& header_;
     const MotionBlurSettings& settings_;
     FrameMotion motion_;
-    std::vector<RecordBand> bands_;
+    RecordBands bands_;
     IdExtents extents_;
     std::vector<IdMotion> motions_;  ///< as result_.objects, by id
     std::vector<std::uint8_t> touched_;

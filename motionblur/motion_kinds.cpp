@@ -53,28 +53,36 @@ RasterPoint IdExtent::centre() const {
             records == 0 ? 0 : inverse_z_sum / static_cast<double>(records)};
 }
 
-IdExtents find_extents(const std::vector<RecordBand>& bands, const std::vector<std::uint32_t>& only) {
-    std::vector<IdExtents> by_band(bands.size());
-    parallel_for(bands.size(), [&](std::size_t i) {
-        IdExtents& out = by_band[i];
+bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to) {
+    constexpr std::size_t grain = 16384;
+    std::vector<IdExtents> parts((band.records.size() + grain - 1) / grain);
+    parallel_for(parts.size(), [&](std::size_t i) {
+        const auto end = std::min((i + 1) * grain, band.records.size());
         std::uint32_t last_id = 0;
         IdExtent* last = nullptr;
-        for (const Record& r : bands[i].records) {
+        bool looked = false;
+        for (std::size_t k = i * grain; k < end; ++k) {
+            const Record& r = band.records[k];
             if (r.path.bits() != 0) continue;
-            if (last == nullptr || r.id != last_id) {
-                if (!only.empty() && !std::binary_search(only.begin(), only.end(), r.id)) continue;
-                last = &out[r.id];
+            if (!looked || r.id != last_id) {
                 last_id = r.id;
+                looked = true;
+                const bool wanted = only.empty() || std::binary_search(only.begin(), only.end(), r.id);
+                last = wanted ? &parts[i][r.id] : nullptr;
             }
+            if (last == nullptr) continue;
             last->add(static_cast<double>(r.x), static_cast<double>(r.y),
                       std::isinf(r.z) ? 0 : 1 / static_cast<double>(r.z));
         }
     });
-    IdExtents out;
-    for (const IdExtents& band : by_band) {
-        for (const auto& [id, extent] : band) out[id].add(extent);
+    bool any = false;
+    for (const IdExtents& part : parts) {
+        for (const auto& [id, extent] : part) {
+            to[id].add(extent);
+            any = true;
+        }
     }
-    return out;
+    return any;
 }
 
 std::vector<double> probe_times(const std::vector<double>& breaks_s, const Exposure& exposure) {

@@ -22,9 +22,9 @@ struct IdExtent {
 };
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
-/// Of the primary nodes of all layers. `only`: sorted ids to look at; empty: all.
-[[nodiscard]] IdExtents find_extents(const std::vector<RecordBand>& bands,
-                                     const std::vector<std::uint32_t>& only);
+/// Adds the primary nodes of all layers of a band. `only`: sorted ids to look at; empty: all. False where the
+/// band has none of them.
+bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
 
 enum class MotionKind {
     still,        ///< within 0.01 px of where it was recorded

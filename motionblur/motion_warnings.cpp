@@ -163,6 +163,10 @@ class ShadowTest {
 
 }  // namespace
 
+bool may_have_unseen_motion(const SampleHeader& header) {
+    return header.has_w || !header.motion.lights.empty();
+}
+
 void warn_of_unseen_motion(const SampleHeader& header, const std::vector<RecordBand>& bands,
                            const std::vector<std::uint32_t>& moving, const Exposure& exposure,
                            std::vector<MotionWarning>& out) {

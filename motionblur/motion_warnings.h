@@ -3,9 +3,13 @@
 
 #include <vector>
 
+#include "motionblur/band_surfaces.h"
 #include "motionblur/motion_blur.h"
 
 namespace postlens {
+
+/// Whether there is anything to warn of: mirrors or glass, or lights that move or cast shadows.
+[[nodiscard]] bool may_have_unseen_motion(const SampleHeader& header);
 
 /// `moving`: ids that do not stand still on the raster, sorted. `bands`: the records of the frame's instant.
 /// - "reflection": pixels whose mirror or glass shows what moves otherwise than the mirror does;
