@@ -18,6 +18,11 @@ const char* name(MotionMethod method) {
     return "";
 }
 
+// For one object automatic is no method.
+const char* used(MotionMethod method) {
+    return method == MotionMethod::automatic ? "none" : name(method);
+}
+
 const char* name(MotionKind kind) {
     switch (kind) {
         case MotionKind::still:
@@ -54,7 +59,7 @@ nlohmann::ordered_json object_json(const ObjectReport& o) {
     nlohmann::ordered_json out = {{"id", o.id},
                                   {"name", o.name},
                                   {"motion", name(o.kind)},
-                                  {"method", o.kind == MotionKind::still ? "none" : name(o.method)},
+                                  {"method", used(o.method)},
                                   {"move_px", json_number(o.largest_move_px)},
                                   {"deviation_px", json_number(o.deviation_px)},
                                   {"reason", o.reason}};
@@ -113,7 +118,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
         }
         ++lines;
         out.text += fmt::format(
-            "\n  {}: {} ({}{})", o.name.empty() ? std::to_string(o.id) : o.name, name(o.method), o.reason,
+            "\n  {}: {} ({}{})", o.name.empty() ? std::to_string(o.id) : o.name, used(o.method), o.reason,
             o.fitted_knots > 0 ? fmt::format(", {} points fitted by {} knots within {:.3g} px", o.path_points,
                                              o.fitted_knots, o.fit_error_px)
                                : "");

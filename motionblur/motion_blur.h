@@ -28,7 +28,7 @@ struct MotionBlurSettings {
 };
 
 struct MotionWarning {
-    std::string code;  ///< "uncovered", "overscan", "reflection", "shadow", "light", "turn"
+    std::string code;  ///< "uncovered", "overscan", "left_out", "reflection", "shadow", "light"
     double share = 0;  ///< of the pixels concerned
     std::string text;
 };
@@ -37,7 +37,7 @@ struct MotionWarning {
 struct ObjectReport {
     std::uint32_t id = 0;
     std::string name;
-    MotionMethod method = MotionMethod::automatic;  ///< automatic: none, it stands still
+    MotionMethod method = MotionMethod::automatic;  ///< automatic: none
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
     std::size_t path_points = 0, fitted_knots = 0;  ///< convolve; knots 0: not fitted

@@ -62,6 +62,7 @@ std::vector<MovingGroup> find_groups(const FrameMotion& motion, const std::vecto
         const std::vector<double> breaks = motion.breaks_s(of.id);
         group.path = flatten([&](double t) { return displacement(motion, of, recorded_s, t); }, breaks,
                              exposure.open_s, exposure.close_s);
+        group.points = group.path.size();
         if (fit_px && group.path.size() > 1) {
             const PathFit fit = fit_path(group.path, *fit_px);
             group.fitted_knots = fit.path.knots();

@@ -14,6 +14,7 @@ struct MovingGroup {
     double inverse_z = 0;  ///< mean of its records, 1/m: its place in the order of depth
     /// Displacement from where it was recorded, px, linear in time between points; from open to close.
     std::vector<PathPoint> path;
+    std::size_t points = 0;        ///< of the path before it was fitted
     std::size_t fitted_knots = 0;  ///< 0: not fitted
     double fit_error_px = 0;
 };

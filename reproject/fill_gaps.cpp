@@ -66,13 +66,16 @@ void push(const Level& coarse, Level& fine) {
 void fill_gaps(Image& image, const std::vector<float>& weight) {
     std::vector<Level> levels(1);
     levels[0] = {image.width, image.height, image.rgb, weight};
-    // What is known stays: a weight is yes or no on the finest level.
-    for (float& w : levels[0].weight) w = w > 0 ? 1.0F : 0.0F;
+    // What is known stays: a weight is yes or no on the finest level. What stands in a gap counts for
+    // nothing, were it not finite.
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+        const bool known = weight[i] > 0;
+        levels[0].weight[i] = known ? 1.0F : 0.0F;
+        if (!known) std::fill_n(levels[0].rgb.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, 0.0F);
+    }
     while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(coarser(levels.back()));
     for (std::size_t i = levels.size() - 1; i > 0; --i) push(levels[i], levels[i - 1]);
-    if (levels.size() > 1) {
-        image.rgb = std::move(levels[0].rgb);
-    }
+    image.rgb = std::move(levels[0].rgb);
 }
 
 }  // namespace postlens
