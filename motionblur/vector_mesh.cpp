@@ -12,7 +12,7 @@ namespace {
 constexpr float same_depth = 0.02F, same_vector_px = 2, same_vector_share = 0.1F, nearly_equal_px = 0.25F;
 
 struct Square {
-    int x = 0, y = 0;
+    int x = 0, y = 0, width = 1, height = 1;  ///< px
     const VectorPixel* pixel = nullptr;
     std::array<glm::vec2, 4> velocity{};  ///< of its corners: up-left, up-right, down-left, down-right
     [[nodiscard]] bool still() const {
@@ -51,6 +51,7 @@ class MeshBuilder {
     struct Tile {
         int x = 0, y = 0;
         std::uint32_t first_square = 0;
+        bool empty = false;  ///< of the display window alone, away from all that is stored: one square
     };
 
     [[nodiscard]] const VectorPixel* at(int x, int y) const {
@@ -68,11 +69,35 @@ class MeshBuilder {
         }
     }
 
+    [[nodiscard]] Tile tile_at(int x, int y) const {
+        Tile tile{x, y, squares_};
+        tile.empty =
+            x + edge < frame_.x_begin || x > frame_.x_end || y + edge < frame_.y_begin || y > frame_.y_end;
+        return tile;
+    }
+
+    /// The part of an empty tile that the display window shows; no width or height: none.
+    [[nodiscard]] Square shown(const Tile& tile) const {
+        static const VectorPixel nothing;
+        const int x = std::max(tile.x, 0), y = std::max(tile.y, 0);
+        return {x,
+                y,
+                std::min(tile.x + edge, frame_.width) - x,
+                std::min(tile.y + edge, frame_.height) - y,
+                &nothing,
+                {}};
+    }
+
     void find_tiles() {
         for (int y = mesh_.y_begin; y < mesh_.y_end; y += edge) {
             for (int x = mesh_.x_begin; x < mesh_.x_end; x += edge) {
-                Tile tile{x, y, squares_};
-                each_pixel(tile, [&](int, int, const VectorPixel&) { ++squares_; });
+                const Tile tile = tile_at(x, y);
+                if (tile.empty) {
+                    const Square s = shown(tile);
+                    if (s.width > 0 && s.height > 0) ++squares_;
+                } else {
+                    each_pixel(tile, [&](int, int, const VectorPixel&) { ++squares_; });
+                }
                 if (squares_ > tile.first_square) tiles_.push_back(tile);
             }
         }
@@ -108,15 +133,23 @@ class MeshBuilder {
     }
 
     std::array<MeshBlock, 2> fill(const Tile& tile) {
-        std::vector<Square> squares[2];  // by id
+        std::array<std::vector<Square>, 2> squares;  // by id
+        if (tile.empty) {
+            squares[still_id].push_back(shown(tile));
+            return place(tile, squares);
+        }
         each_pixel(tile, [&](int x, int y, const VectorPixel& p) {
-            Square s{x, y, &p, {}};
+            Square s{x, y, 1, 1, &p, {}};
             for (int k = 0; k < 4; ++k) {
                 s.velocity[static_cast<std::size_t>(k)] =
                     corner(x, y, p, (k & 1) != 0 ? 1 : -1, (k & 2) != 0 ? 1 : -1);
             }
             squares[s.still() ? still_id : moving_id].push_back(s);
         });
+        return place(tile, squares);
+    }
+
+    std::array<MeshBlock, 2> place(const Tile& tile, const std::array<std::vector<Square>, 2>& squares) {
         std::array<MeshBlock, 2> out;
         std::uint32_t square = tile.first_square;
         for (const std::uint32_t id : {still_id, moving_id}) {
@@ -146,8 +179,8 @@ class MeshBuilder {
     void add(const Square& s, std::uint32_t block_vertex, std::uint32_t square) {
         for (std::uint32_t k = 0; k < 4; ++k) {
             const std::size_t v = 4 * static_cast<std::size_t>(square) + k;
-            mesh_.x[v] = static_cast<float>(s.x + static_cast<int>(k & 1U));
-            mesh_.y[v] = static_cast<float>(s.y + static_cast<int>(k >> 1U));
+            mesh_.x[v] = static_cast<float>(s.x + ((k & 1U) != 0 ? s.width : 0));
+            mesh_.y[v] = static_cast<float>(s.y + ((k >> 1U) != 0 ? s.height : 0));
             mesh_.inverse_z[v] = s.pixel->inverse_z;
             mesh_.rgb[v] = s.pixel->rgb;
             mesh_.vx[v] = s.velocity[k].x;
