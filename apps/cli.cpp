@@ -185,14 +185,37 @@ void add_focus(CLI::App& root, State& s) {
 
 void add_motionblur(CLI::App& root, State& s) {
     CLI::App& app =
-        *root.add_subcommand("motionblur", "The picture of an open shutter, from the records alone");
+        *root.add_subcommand("motionblur",
+                             "The picture of an open shutter, from the records alone, or from a flat OpenEXR "
+                             "picture with motion vectors (docs/motion_vectors.md)");
     MotionBlurOptions& o = s.motionblur;
-    app.add_option("frame", o.input, "Sample file")->required()->type_name("FRAME");
+    app.add_option(
+           "frame", o.input,
+           "Sample file; or a picture with R, G, B, vectors and Z: then --shutter is in frames, 0 this "
+           "one, 1 the next")
+        ->required()
+        ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     shutter_options(app, o.shutter, o.curve, "the file's exposure, from the frame's instant on");
     app.add_option("--paths", o.paths,
                    "Paths of objects, in place of what the file says (docs/motion_paths.md)")
         ->type_name("PATHS.toml");
+    app.add_option_function<std::string>(
+           "--vectors",
+           [&o](const std::string& text) { o.vectors.channels = parse_names("--vectors", text); },
+           "Channels of a picture's forward motion vectors [default: forward.u/.v, Vector.Z/.W, motion.x/.y "
+           "or "
+           "velocity.x/.y]")
+        ->type_name("U,V");
+    app.add_option_function<std::string>(
+           "--vectors-scale",
+           [&o](const std::string& text) {
+               const auto [x, y] = parse_scale("--vectors-scale", text);
+               o.vectors.scale = glm::dvec2(x, y);
+           },
+           "What 1 in U and in V stands for, px to the right and px down; 1,-1 where V points up [default: "
+           "as the channels' names say, 1,1 with --vectors]")
+        ->type_name("X[,Y]");
     number(
         app, "--fit-paths", o.settings.fit_px,
         "Replace the paths of convolve by splines of few knots within so much, more than 0 [default: paths "

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "focus/focus.h"
 #include "motionblur/motion_blur.h"
+#include "motionblur/vector_channels.h"
 #include "tracer/render.h"
 #include "tracer/trace.h"
 
@@ -65,6 +66,7 @@ struct MotionBlurOptions {
     std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, from the frame's instant on
     std::string curve = "box";        ///< box, triangle or a file
     std::optional<std::string> paths;
+    VectorChoice vectors;  ///< of pictures of other programs
     MotionBlurSettings settings;
     bool strict = false;
 };

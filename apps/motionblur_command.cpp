@@ -2,6 +2,7 @@
 
 #include "apps/command.h"
 #include "motionblur/paths_file.h"
+#include "motionblur/vector_blur.h"
 
 namespace postlens {
 namespace {
@@ -71,10 +72,69 @@ nlohmann::ordered_json object_json(const ObjectReport& o) {
     return out;
 }
 
+void refuse_for_pictures(bool given, const char* option) {
+    if (!given) return;
+    fail(ExitCode::wrong_arguments,
+         "{}: not for a picture with motion vectors (expected a sample file, or --method lightfield)",
+         option);
+}
+
+// A flat picture of another program.
+CommandResult blur_by_vectors(const MotionBlurOptions& options) {
+    refuse_for_pictures(options.paths.has_value(), "--paths");
+    refuse_for_pictures(options.settings.fit_px.has_value(), "--fit-paths");
+    refuse_for_pictures(options.settings.method == MotionMethod::convolve, "--method convolve");
+    if (!options.shutter) {
+        fail(ExitCode::wrong_arguments,
+             "--shutter: missing (got nothing; expected OPEN:CLOSE in frames, 0 this picture, 1 the next)");
+    }
+    const Exposure exposure{options.shutter->open_s, options.shutter->close_s};
+    const VectorFrame frame = read_vector_frame(options.input, options.vectors);
+    const MotionBlurResult result = vector_blur(
+        frame,
+        {.exposure = exposure, .curve = shutter_curve(options.curve), .views = options.settings.views});
+    write_image(options.output, result.image);
+
+    CommandResult out;
+    for (const MotionWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
+    if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
+    out.json = {{"method", name(result.method)},
+                {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
+                {"depths", nullptr},
+                {"predicted_db", nullptr},
+                {"retraced_share", 0.0},
+                {"focus_m", nullptr},
+                {"focal_length_mm", nullptr},
+                {"f_number", nullptr},
+                {"shutter_open_frames", exposure.open_s},
+                {"shutter_close_frames", exposure.close_s},
+                {"instants", 1},
+                {"touched_share", result.touched_share},
+                {"vectors", {frame.u_name, frame.v_name}},
+                {"has_depth", frame.has_z},
+                {"has_alpha", frame.has_alpha},
+                {"longest_vector_px", frame.largest_px},
+                {"objects", nlohmann::ordered_json::array()}};
+    out.text = fmt::format(
+        "{}: {}x{} px, {} by {} and {}, longest {:.4g} px, shutter {:.6g} to {:.6g} frames{}, {:.1f} % of "
+        "the "
+        "pixels touched",
+        options.output, result.image.width, result.image.height, name(result.method), frame.u_name,
+        frame.v_name, frame.largest_px, exposure.open_s, exposure.close_s,
+        result.views > 0 ? fmt::format(", {} views", result.views) : "", 100 * result.touched_share);
+    return out;
+}
+
 }  // namespace
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_image_path(options.output);
+    if (is_openexr(options.input) && !SampleFileReader::is_sample_file(options.input))
+        return blur_by_vectors(options);
+    if (options.vectors.channels || options.vectors.scale) {
+        fail(ExitCode::wrong_arguments,
+             "--vectors: not for a sample file, which knows its motion (expected a flat OpenEXR picture)");
+    }
     MotionBlurSettings settings = options.settings;
     settings.curve = shutter_curve(options.curve);
     if (options.paths) settings.paths = read_paths(*options.paths);

@@ -68,6 +68,22 @@ std::uint64_t parse_seed(std::string_view option, std::string_view text) {
          option, text.empty() ? "nothing" : text);
 }
 
+std::pair<double, double> parse_scale(std::string_view option, std::string_view text) {
+    const auto one = parsed<double>(text);
+    const auto two = one ? std::pair{*one, *one} : parsed_pair<double>(text, ",");
+    if (two && std::isfinite(two->first) && std::isfinite(two->second)) return *two;
+    fail(ExitCode::wrong_arguments, "{}: not a scale (got {}; expected X or X,Y, e.g. 1,-1)", option, text);
+}
+
+std::pair<std::string, std::string> parse_names(std::string_view option, std::string_view text) {
+    const std::size_t comma = text.find(',');
+    if (comma != std::string_view::npos && comma > 0 && comma + 1 < text.size() &&
+        text.find(',', comma + 1) == std::string_view::npos)
+        return {std::string(text.substr(0, comma)), std::string(text.substr(comma + 1))};
+    fail(ExitCode::wrong_arguments, "{}: not two names (got {}; expected U,V, e.g. forward.u,forward.v)",
+         option, text.empty() ? "nothing" : text);
+}
+
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected) {
     if (value > low || (including_low && value == low)) return value;
     fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected {})", option, value, expected);

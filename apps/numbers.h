@@ -21,6 +21,11 @@ namespace postlens {
 /// "12.5,34".
 [[nodiscard]] std::pair<double, double> parse_position(std::string_view option, std::string_view text);
 
+/// "2.5" (for both) or "2.5,-2.5": finite numbers.
+[[nodiscard]] std::pair<double, double> parse_scale(std::string_view option, std::string_view text);
+/// "forward.u,forward.v": two names, neither empty.
+[[nodiscard]] std::pair<std::string, std::string> parse_names(std::string_view option, std::string_view text);
+
 /// Checks low < value <= high (low itself allowed with `including_low`). Throws Error(wrong_arguments).
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected);
 

@@ -1,35 +1,15 @@
 #include "motionblur/field_blur.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numeric>
 #include <unordered_map>
 
 #include "core/error.h"
+#include "motionblur/shutter_views.h"
 
 namespace postlens {
 namespace {
-
-/// As many places in the pixel; what stands still is drawn once for each.
-constexpr std::size_t most_places = 64;
-constexpr int fewest_views = 128;
-constexpr int most_views_by_itself = 512;
-
-/// Place j of a (0, 2)-sequence in base 2 [sobol1967]: every aligned run of 2^k of them has one place in
-/// every cell of every grid of 2^k equal cells, so that views close in time lie far apart in the pixel.
-glm::dvec2 place(std::uint32_t j, double places) {
-    std::uint32_t x = 0, y = 0;
-    for (std::uint32_t bit = 0x80000000U, direction = 0x80000000U, i = j; i != 0;
-         i >>= 1U, bit >>= 1U, direction ^= direction >> 1U) {
-        if ((i & 1U) != 0) {
-            x ^= bit;
-            y ^= direction;
-        }
-    }
-    constexpr double scale = 1.0 / 4294967296.0;
-    return {x * scale + 0.5 / places, y * scale + 0.5 / places};
-}
 
 int views_for(const std::vector<IdMotion>& ids, const FieldBlurSettings& settings) {
     if (settings.views) return *settings.views;
@@ -38,11 +18,7 @@ int views_for(const std::vector<IdMotion>& ids, const FieldBlurSettings& setting
         if (m.kind != MotionKind::still && std::isfinite(m.largest_move_px))
             longest = std::max(longest, m.largest_move_px);
     }
-    // A view for every two pixels of the longest way: against 2048 views, 128 err by 51 dB on a box that goes
-    // 128 px, 256 by 59 dB on a wheel of 467 px that rolls (docs/motion.md).
-    const double wanted = std::clamp(longest / 2, 1.0, static_cast<double>(most_views_by_itself));
-    return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(wanted)))), fewest_views,
-                      most_views_by_itself);
+    return views_for_way(longest);
 }
 
 }  // namespace
@@ -92,11 +68,10 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& 
         for (const std::uint32_t id : moving) use.maps.push_back(motion.map(id, meshes[mesh].time_s, time_s));
         return use;
     };
-    const auto places = std::min<std::size_t>(most_places, static_cast<std::size_t>(out.views));
+    const int places = std::min(most_places, out.views);
     for (int i = 0; i < out.views; ++i) {
         FieldView v;
-        v.sample = place(static_cast<std::uint32_t>(i) % static_cast<std::uint32_t>(places),
-                         static_cast<double>(places));
+        v.sample = place_in_pixel(static_cast<std::uint32_t>(i % places), static_cast<double>(places));
         const double share = settings.curve.time((i + 0.5) / out.views);
         const double t =
             settings.exposure.open_s + share * (settings.exposure.close_s - settings.exposure.open_s);

@@ -79,11 +79,23 @@ class Field {
         still_class_.assign(field_.motion_classes, 1);
         for (const FieldView& v : field_.views) {
             for (const auto& use : v.uses) {
+                if (field_.meshes[use.mesh]->has_velocities()) continue;
                 for (std::size_t c = 0; c < field_.motion_classes; ++c) {
                     if (!use.maps[c].identity()) still_class_[c] = 0;
                 }
             }
         }
+    }
+
+    [[nodiscard]] bool stands_still(const SampleMesh& mesh, const MeshBlock& block) const {
+        if (!mesh.has_velocities()) return still_class_[field_.motion_class(block.id)] != 0;
+        return block.vx_min == 0 && block.vx_max == 0 && block.vy_min == 0 && block.vy_max == 0;
+    }
+
+    static RasterRect rect_of(const SampleMesh& mesh, const MeshBlock& block, const FieldView::Use& use,
+                              std::size_t motion_class) {
+        return mesh.has_velocities() ? covered_rect(block, use.elapsed)
+                                     : covered_rect(block, use.maps[motion_class]);
     }
 
     void sort_blocks(std::size_t m) {
@@ -92,7 +104,7 @@ class Field {
         out.still.resize(static_cast<std::size_t>(tiles(field_.height)));
         for (std::uint32_t b = 0; b < mesh.blocks.size(); ++b) {
             const MeshBlock& block = mesh.blocks[b];
-            if (still_class_[field_.motion_class(block.id)] == 0) {
+            if (!stands_still(mesh, block)) {
                 out.moving.push_back({b, field_.class_marks[field_.motion_class(block.id)], {}});
                 continue;
             }
@@ -111,7 +123,7 @@ class Field {
                 moving.swept = covered_rect(block, RasterMap());
                 for (const FieldView& v : field_.views) {
                     for (const auto& use : v.uses) {
-                        if (use.mesh == m) moving.swept.add(covered_rect(block, use.maps[c]));
+                        if (use.mesh == m) moving.swept.add(rect_of(mesh, block, use, c));
                     }
                 }
             },
@@ -167,7 +179,7 @@ class Field {
                 if (!covered_rect(block, RasterMap()).meets(x0, x0 + width, y0, y0 + height)) continue;
                 for (std::uint32_t q = 0; q < block.quads; ++q) {
                     const auto& v = mesh.quads[block.first_quad + q].vertex;
-                    // As recorded a quad lies within one pixel.
+                    // As recorded a quad lies within one pixel, its first vertex at the upper left.
                     const int x = static_cast<int>(std::floor(mesh.x[block.first_vertex + v[0]])) - x0,
                               y = static_cast<int>(std::floor(mesh.y[block.first_vertex + v[0]])) - y0;
                     if (x >= 0 && y >= 0 && x < width && y < height)
@@ -196,10 +208,14 @@ class Field {
             for (const std::uint32_t b : w.moving[use.mesh]) {
                 const MeshBlock& block = mesh.blocks[b];
                 const std::size_t c = field_.motion_class(block.id);
-                const RasterMap& map = use.maps[c];
-                if (!covered_rect(block, map).meets(at.x, at.x + at.width - 1, at.y, at.y + at.height - 1))
+                if (!rect_of(mesh, block, use, c)
+                         .meets(at.x, at.x + at.width - 1, at.y, at.y + at.height - 1))
                     continue;
-                draw_block(mesh, block, map, field_.class_marks[c], at, w.scratch, w.view[u]);
+                if (mesh.has_velocities()) {
+                    draw_block(mesh, block, use.elapsed, field_.class_marks[c], at, w.scratch, w.view[u]);
+                } else {
+                    draw_block(mesh, block, use.maps[c], field_.class_marks[c], at, w.scratch, w.view[u]);
+                }
             }
         }
         if (v.uses.size() == 2) blend(v, at, w);

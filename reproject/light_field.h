@@ -19,7 +19,8 @@ struct FieldView {
     struct Use {
         std::size_t mesh = 0;
         double share = 1;             ///< of the colour where both meshes show the same surface
-        std::vector<RasterMap> maps;  ///< by motion class
+        std::vector<RasterMap> maps;  ///< by motion class; not read for meshes with velocities
+        double elapsed = 0;           ///< since the mesh's instant, for meshes with velocities
     };
     std::vector<Use> uses;  ///< one or two
 };

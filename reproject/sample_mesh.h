@@ -18,6 +18,7 @@ struct MeshBlock {
     std::uint32_t first_quad = 0, quads = 0;
     /// Of the vertices; px and 1/m.
     float x_min = 0, x_max = 0, y_min = 0, y_max = 0, inverse_z_min = 0, inverse_z_max = 0;
+    float vx_min = 0, vx_max = 0, vy_min = 0, vy_max = 0;  ///< px per unit of time; 0 without velocities
 };
 
 /// Indices into the block's vertices: up-left, up-right, down-left, down-right.
@@ -34,6 +35,10 @@ struct SampleMesh {
     std::vector<float> x, y, inverse_z;     ///< of the vertices
     std::vector<std::array<float, 3>> rgb;  ///< scene-linear, the sum of the shading tree's nodes
     std::vector<MicroQuad> quads;
+    /// px per unit of time, of the vertices: the motion, in place of any map, of a mesh that was made from
+    /// motion vectors. Empty: by maps.
+    std::vector<float> vx, vy;
+    [[nodiscard]] bool has_velocities() const { return !vx.empty(); }
 };
 
 /// Reads an instant of the file. Throws Error(out_of_memory) before it would take more than there is, and

@@ -38,6 +38,12 @@ POSTLENS_MULTIVERSION void shift(const float* __restrict x, std::size_t count, d
     for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<float>(static_cast<double>(x[i]) - x0);
 }
 
+POSTLENS_MULTIVERSION void move(const float* __restrict x, const float* __restrict v, std::size_t count,
+                                double elapsed, double x0, float* __restrict to) {
+    for (std::size_t i = 0; i < count; ++i)
+        to[i] = static_cast<float>(static_cast<double>(x[i]) + elapsed * static_cast<double>(v[i]) - x0);
+}
+
 /// Which samples a vertex lies between: column in the lower half, row in the upper.
 POSTLENS_MULTIVERSION void find_cells(const float* __restrict x, const float* __restrict y, std::size_t count,
                                       std::uint32_t* __restrict cell) {
@@ -66,8 +72,7 @@ POSTLENS_MULTIVERSION std::size_t find_hits(const MicroQuad* __restrict quads, s
     return hits;
 }
 
-void transform_block(const SampleMesh& mesh, const MeshBlock& block, const RasterMap& map,
-                     const TileView& view, DrawScratch& s) {
+void make_room(const MeshBlock& block, DrawScratch& s) {
     const std::size_t n = block.vertices;
     if (s.hit.size() < block.quads) s.hit.resize(block.quads);
     if (s.x.size() < n) {
@@ -76,6 +81,12 @@ void transform_block(const SampleMesh& mesh, const MeshBlock& block, const Raste
         s.y.resize(n);
         s.inverse_z.resize(n);
     }
+}
+
+void transform_block(const SampleMesh& mesh, const MeshBlock& block, const RasterMap& map,
+                     const TileView& view, DrawScratch& s) {
+    const std::size_t n = block.vertices;
+    make_room(block, s);
     const float *x = mesh.x.data() + block.first_vertex, *y = mesh.y.data() + block.first_vertex,
                 *z = mesh.inverse_z.data() + block.first_vertex;
     if (map.identity()) {
@@ -134,39 +145,9 @@ struct Triangle {
     }
 };
 
-}  // namespace
-
-void RasterRect::add(const RasterRect& o) {
-    x_min = std::min(x_min, o.x_min);
-    x_max = std::max(x_max, o.x_max);
-    y_min = std::min(y_min, o.y_min);
-    y_max = std::max(y_max, o.y_max);
-}
-
-RasterRect covered_rect(const MeshBlock& block, const RasterMap& map) {
-    RasterRect out;
-    if (map.identity()) {
-        out.x_min = static_cast<double>(block.x_min);
-        out.x_max = static_cast<double>(block.x_max);
-        out.y_min = static_cast<double>(block.y_min);
-        out.y_max = static_cast<double>(block.y_max);
-        return out;
-    }
-    // The map takes straight lines to straight lines: the corners of the box bound what is in it.
-    for (int k = 0; k < 8; ++k) {
-        const auto p = map({static_cast<double>((k & 1) != 0 ? block.x_max : block.x_min),
-                            static_cast<double>((k & 2) != 0 ? block.y_max : block.y_min),
-                            static_cast<double>((k & 4) != 0 ? block.inverse_z_max : block.inverse_z_min)});
-        constexpr double everywhere = std::numeric_limits<double>::infinity();
-        if (!p) return {-everywhere, everywhere, -everywhere, everywhere};
-        out.add({p->x, p->x, p->y, p->y});
-    }
-    return out;
-}
-
-void draw_block(const SampleMesh& mesh, const MeshBlock& block, const RasterMap& map, std::uint8_t mark,
-                const TileView& view, DrawScratch& s, TileBuffer& out) {
-    transform_block(mesh, block, map, view, s);
+/// Draws a block whose vertices lie in the scratch, where the view has them.
+void draw_quads(const SampleMesh& mesh, const MeshBlock& block, std::uint8_t mark, const TileView& view,
+                DrawScratch& s, TileBuffer& out) {
     const float *x = s.x.data(), *y = s.y.data(), *z = s.inverse_z.data();
     const std::array<float, 3>* rgb = mesh.rgb.data() + block.first_vertex;
     const auto last_x = static_cast<float>(view.width - 1), last_y = static_cast<float>(view.height - 1);
@@ -214,6 +195,67 @@ void draw_block(const SampleMesh& mesh, const MeshBlock& block, const RasterMap&
             }
         }
     }
+}
+
+}  // namespace
+
+void RasterRect::add(const RasterRect& o) {
+    x_min = std::min(x_min, o.x_min);
+    x_max = std::max(x_max, o.x_max);
+    y_min = std::min(y_min, o.y_min);
+    y_max = std::max(y_max, o.y_max);
+}
+
+RasterRect covered_rect(const MeshBlock& block, const RasterMap& map) {
+    RasterRect out;
+    if (map.identity()) {
+        out.x_min = static_cast<double>(block.x_min);
+        out.x_max = static_cast<double>(block.x_max);
+        out.y_min = static_cast<double>(block.y_min);
+        out.y_max = static_cast<double>(block.y_max);
+        return out;
+    }
+    // The map takes straight lines to straight lines: the corners of the box bound what is in it.
+    for (int k = 0; k < 8; ++k) {
+        const auto p = map({static_cast<double>((k & 1) != 0 ? block.x_max : block.x_min),
+                            static_cast<double>((k & 2) != 0 ? block.y_max : block.y_min),
+                            static_cast<double>((k & 4) != 0 ? block.inverse_z_max : block.inverse_z_min)});
+        constexpr double everywhere = std::numeric_limits<double>::infinity();
+        if (!p) return {-everywhere, everywhere, -everywhere, everywhere};
+        out.add({p->x, p->x, p->y, p->y});
+    }
+    return out;
+}
+
+RasterRect covered_rect(const MeshBlock& block, double elapsed) {
+    const auto reach = [elapsed](float low, float high, float v_low, float v_high, double& out_low,
+                                 double& out_high) {
+        const double a = elapsed * static_cast<double>(v_low), b = elapsed * static_cast<double>(v_high);
+        out_low = static_cast<double>(low) + std::min(a, b);
+        out_high = static_cast<double>(high) + std::max(a, b);
+    };
+    RasterRect out;
+    reach(block.x_min, block.x_max, block.vx_min, block.vx_max, out.x_min, out.x_max);
+    reach(block.y_min, block.y_max, block.vy_min, block.vy_max, out.y_min, out.y_max);
+    return out;
+}
+
+void draw_block(const SampleMesh& mesh, const MeshBlock& block, const RasterMap& map, std::uint8_t mark,
+                const TileView& view, DrawScratch& s, TileBuffer& out) {
+    transform_block(mesh, block, map, view, s);
+    draw_quads(mesh, block, mark, view, s, out);
+}
+
+void draw_block(const SampleMesh& mesh, const MeshBlock& block, double elapsed, std::uint8_t mark,
+                const TileView& view, DrawScratch& s, TileBuffer& out) {
+    const std::size_t n = block.vertices;
+    make_room(block, s);
+    move(mesh.x.data() + block.first_vertex, mesh.vx.data() + block.first_vertex, n, elapsed, view.x,
+         s.x.data());
+    move(mesh.y.data() + block.first_vertex, mesh.vy.data() + block.first_vertex, n, elapsed, view.y,
+         s.y.data());
+    std::copy_n(mesh.inverse_z.data() + block.first_vertex, n, s.inverse_z.data());
+    draw_quads(mesh, block, mark, view, s, out);
 }
 
 }  // namespace postlens

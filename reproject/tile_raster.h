@@ -53,9 +53,16 @@ struct RasterRect {
 };
 [[nodiscard]] RasterRect covered_rect(const MeshBlock& block, const RasterMap& map);
 
+/// The same for a block of a mesh with velocities, some time after its instant.
+[[nodiscard]] RasterRect covered_rect(const MeshBlock& block, double elapsed);
+
 /// Draws a block as `map` moves it. Of surfaces at one pixel the nearest stays, of equals the first drawn.
 /// Quads that the map turns over are not drawn: their other side was not recorded.
 void draw_block(const SampleMesh& mesh, const MeshBlock& block, const RasterMap& map, std::uint8_t mark,
+                const TileView& view, DrawScratch& scratch, TileBuffer& out);
+/// The same for a mesh with velocities, some time after its instant: every vertex goes straight on at its
+/// own depth.
+void draw_block(const SampleMesh& mesh, const MeshBlock& block, double elapsed, std::uint8_t mark,
                 const TileView& view, DrawScratch& scratch, TileBuffer& out);
 
 }  // namespace postlens

@@ -1,0 +1,28 @@
+#include "motionblur/shutter_views.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace postlens {
+
+glm::dvec2 place_in_pixel(std::uint32_t j, double places) {
+    std::uint32_t x = 0, y = 0;
+    for (std::uint32_t bit = 0x80000000U, direction = 0x80000000U, i = j; i != 0;
+         i >>= 1U, bit >>= 1U, direction ^= direction >> 1U) {
+        if ((i & 1U) != 0) {
+            x ^= bit;
+            y ^= direction;
+        }
+    }
+    constexpr double scale = 1.0 / 4294967296.0;
+    return {x * scale + 0.5 / places, y * scale + 0.5 / places};
+}
+
+int views_for_way(double longest_px) {
+    const double wanted = std::clamp(longest_px / 2, 1.0, static_cast<double>(most_views_by_itself));
+    return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(wanted)))), fewest_views,
+                      most_views_by_itself);
+}
+
+}  // namespace postlens

@@ -1,0 +1,125 @@
+#include "motionblur/vector_blur.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "motionblur/field_blur.h"
+#include "motionblur/shutter_views.h"
+#include "motionblur/vector_mesh.h"
+#include "reproject/fill_gaps.h"
+#include "reproject/light_field.h"
+
+namespace postlens {
+namespace {
+
+constexpr float noticeable_gap = 0.004F;  ///< share of a pixel's light: one step of 8 bits
+/// Where less than so much of the picture stands still, what is still is no model of what is behind.
+constexpr double least_still_share = 0.01;
+
+void check(const VectorBlurSettings& s) {
+    const Exposure& e = s.exposure;
+    constexpr double most_frames = 1000;
+    if (!(e.open_s <= e.close_s) || !(std::abs(e.open_s) <= most_frames) ||
+        !(std::abs(e.close_s) <= most_frames)) {
+        fail(ExitCode::wrong_arguments,
+             "--shutter: out of range (got {}:{}; expected frames, OPEN not after CLOSE, within {} of 0)",
+             e.open_s, e.close_s, most_frames);
+    }
+    if (s.views && (*s.views < 1 || *s.views > FieldBlurSettings::most_views)) {
+        fail(ExitCode::wrong_arguments, "--views: out of range (got {}; expected 1 to {})", *s.views,
+             FieldBlurSettings::most_views);
+    }
+}
+
+LightField views_of(const VectorFrame& frame, const SampleMesh& mesh, const VectorBlurSettings& s,
+                    int views) {
+    LightField field;
+    field.meshes = {&mesh};
+    field.width = frame.width;
+    field.height = frame.height;
+    field.motion_classes = 2;
+    field.motion_class = [](std::uint32_t id) { return std::size_t{id}; };
+    field.class_marks = {0, 1};
+    const int places = std::min(most_places, views);
+    for (int i = 0; i < views; ++i) {
+        FieldView v;
+        v.sample = place_in_pixel(static_cast<std::uint32_t>(i % places), static_cast<double>(places));
+        const double share = s.curve.time((i + 0.5) / views);
+        FieldView::Use use;
+        use.elapsed = s.exposure.open_s + share * (s.exposure.close_s - s.exposure.open_s);
+        v.uses.push_back(std::move(use));
+        field.views.push_back(std::move(v));
+    }
+    return field;
+}
+
+/// Colours for what nothing is known of: from what stands still, or, where next to nothing does, from what
+/// the views do know there and around.
+Image filled(const VectorFrame& frame, const Image& picture, const FieldPicture& seen) {
+    std::vector<float> weight(seen.unknown.size(), 1);
+    std::size_t still = weight.size();
+    for (int y = std::max(0, frame.y_begin); y < std::min(frame.height, frame.y_end); ++y) {
+        for (int x = std::max(0, frame.x_begin); x < std::min(frame.width, frame.x_end); ++x) {
+            const VectorPixel& p = frame.at(x, y);
+            if (std::hypot(static_cast<double>(p.right_px), static_cast<double>(p.down_px)) <= still_px)
+                continue;
+            weight[static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.width) +
+                   static_cast<std::size_t>(x)] = 0;
+            --still;
+        }
+    }
+    const bool known = static_cast<double>(still) >= least_still_share * static_cast<double>(weight.size());
+    Image out = picture;
+    if (!known) {
+        for (std::size_t k = 0; k < weight.size(); ++k) {
+            weight[k] = seen.unknown[k] < 1 ? 1.0F : 0.0F;
+            if (seen.touched[k] != 0) std::copy_n(seen.image.rgb.data() + 3 * k, 3, out.rgb.data() + 3 * k);
+        }
+    }
+    fill_gaps(out, weight);
+    return out;
+}
+
+}  // namespace
+
+MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings& settings) {
+    check(settings);
+    MotionBlurResult result;
+    result.method = MotionMethod::lightfield;
+    result.image = frame.picture();
+    const Exposure& e = settings.exposure;
+    if (frame.largest_px == 0 || (e.open_s == 0 && e.close_s == 0)) return result;
+    result.views = settings.views.value_or(views_for_way(frame.largest_px * (e.close_s - e.open_s)));
+    const SampleMesh mesh = vector_mesh(frame);
+    const FieldPicture seen = light_field(views_of(frame, mesh, settings, result.views));
+    Image behind;
+    if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; }))
+        behind = filled(frame, result.image, seen);
+    std::size_t touched = 0, gaps = 0;
+    for (std::size_t k = 0; k < seen.touched.size(); ++k) {
+        if (seen.touched[k] == 0) continue;
+        ++touched;
+        const float gap = seen.unknown[k];
+        if (gap > noticeable_gap) ++gaps;
+        for (std::size_t c = 0; c < 3; ++c) {
+            float& to = result.image.rgb[3 * k + c];
+            to = seen.image.rgb[3 * k + c];
+            if (gap > 0) to = (1 - gap) * to + gap * behind.rgb[3 * k + c];
+        }
+    }
+    const auto pixels = static_cast<double>(seen.touched.size());
+    result.touched_share = static_cast<double>(touched) / pixels;
+    if (gaps > 0) {
+        const double share = static_cast<double>(gaps) / pixels;
+        result.warnings.push_back(
+            {"uncovered", share,
+             fmt::format(
+                 "what comes to light while the shutter is open is not in the picture in {:.2f} % of the "
+                 "pixels and is filled from around them",
+                 100 * share)});
+    }
+    return result;
+}
+
+}  // namespace postlens

@@ -1,0 +1,25 @@
+// A picture with motion vectors as a mesh whose vertices have velocities.
+#pragma once
+
+#include "motionblur/vector_frame.h"
+#include "reproject/sample_mesh.h"
+
+namespace postlens {
+
+/// Ids of what `vector_mesh` makes.
+inline constexpr std::uint32_t still_id = 0, moving_id = 1;
+
+/// Every pixel is a square of one colour and one depth, since a pixel is the mean over its square: seen from
+/// places spread over the pixel, what stands still keeps its bits and an edge between pixels has the coverage
+/// that it should. Where four pixels meet, those that are one surface share the mean of their vectors, so
+/// that a surface that turns or grows has no cracks; the others part. Pixels of the display window that the
+/// file does not store are black, still and infinitely far. Time is in frames, from this frame on. Throws
+/// Error(out_of_memory).
+[[nodiscard]] SampleMesh vector_mesh(const VectorFrame& frame);
+
+/// Whether two neighbours are one surface. Depths within 2 % and vectors within 2 px or 10 % of the longer;
+/// or vectors within 0.25 px, whatever the depths: a floor near the horizon has steep depths and must not
+/// tear. Without depths the vectors decide.
+[[nodiscard]] bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z);
+
+}  // namespace postlens

@@ -1,0 +1,568 @@
+// Motion blur of flat pictures by their motion vectors.
+#include "motionblur/vector_frame.h"
+
+#include <OpenImageIO/imageio.h>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <sys/stat.h>
+
+#include "core/threads.h"
+#include "motionblur/vector_blur.h"
+#include "motionblur/vector_mesh.h"
+#include "tests/command_test.h"
+
+namespace postlens {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandTest;
+using test::Outcome;
+
+struct Window {
+    int x = 0, y = 0, width = 64, height = 48;
+};
+
+/// Writes a flat OpenEXR picture; `values` gives a pixel's channels at its place in the file.
+struct FlatPicture {
+    std::vector<std::string> channels{"R", "G", "B", "Z", "forward.u", "forward.v"};
+    Window data, display;
+    std::function<std::vector<float>(int x, int y)> values;
+
+    void write(const std::string& path) const {
+        OIIO::ImageSpec spec(data.width, data.height, static_cast<int>(channels.size()),
+                             OIIO::TypeDesc::FLOAT);
+        spec.x = data.x;
+        spec.y = data.y;
+        spec.full_x = display.x;
+        spec.full_y = display.y;
+        spec.full_width = display.width;
+        spec.full_height = display.height;
+        spec.channelnames = channels;
+        std::vector<float> all;
+        for (int y = data.y; y < data.y + data.height; ++y) {
+            for (int x = data.x; x < data.x + data.width; ++x) {
+                const std::vector<float> v = values(x, y);
+                all.insert(all.end(), v.begin(), v.end());
+            }
+        }
+        const auto out = OIIO::ImageOutput::create(path);
+        ASSERT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::FLOAT, all.data()) &&
+                    out->close())
+            << OIIO::geterror();
+    }
+};
+
+constexpr int plate_x = 12, plate_y = 14, plate_width = 30, plate_height = 20;
+constexpr float plate_colour = 0.75F, ground_colour = 0.25F;
+
+bool in_plate(int x, int y) {
+    return x >= plate_x && x < plate_x + plate_width && y >= plate_y && y < plate_y + plate_height;
+}
+
+/// A plate at 2 that moves by (12, 5) px, v counted upwards, over ground at 5.
+FlatPicture plate() {
+    FlatPicture p;
+    p.values = [](int x, int y) {
+        return in_plate(x, y) ? std::vector<float>{plate_colour, 0.5F, 0, 2, 12, -5}
+                              : std::vector<float>{ground_colour, 0.5F, 1, 5, 0, 0};
+    };
+    return p;
+}
+
+double ramp_mean(double a, double b) {  // of clamp(s, 0, 1) for s in [a, b]
+    const auto integral = [](double s) { return s <= 0 ? 0 : s >= 1 ? s - 0.5 : 0.5 * s * s; };
+    return (integral(b) - integral(a)) / (b - a);
+}
+
+/// Share of the light that comes from a bar [x0, x1) that moves by d > 0 while the shutter is open, in the
+/// pixel [x, x + 1): the part of the pixel right of an edge at e is clamp(x + 1 - e, 0, 1).
+double bar_share(double x, double x0, double x1, double d) {
+    return ramp_mean(x + 1 - x0 - d, x + 1 - x0) - ramp_mean(x + 1 - x1 - d, x + 1 - x1);
+}
+
+class VectorFrameTest : public CommandTest {
+  protected:
+    VectorFrame frame_of(const FlatPicture& picture, const VectorChoice& choice = {}) {
+        const std::string path = in("flat.exr");
+        picture.write(path);
+        return read_vector_frame(path, choice);
+    }
+    // What the reader says against a picture; empty: nothing.
+    std::string refusal(const FlatPicture& picture, ExitCode code = ExitCode::invalid_input) {
+        try {
+            (void)frame_of(picture);
+        } catch (const Error& e) {
+            EXPECT_EQ(e.code(), code) << e.what();
+            return e.what();
+        }
+        return "";
+    }
+};
+
+TEST_F(VectorFrameTest, PlateInMotionIsATrapezoid) {
+    constexpr int views = 4096;
+    const MotionBlurResult r = vector_blur(frame_of(plate()), {.exposure = {0, 1}, .views = views});
+    // The points (place across the edge, instant) are a (0, 12)-net with places of 6 bits: each box of 2^-k
+    // by 2^-(12-k) holds one point, and the error of a straight edge's share is at most the boxes that it
+    // crosses, 2^k + 2^(12-k)/d + 1 for a way of d px: 38 of 4096 (k = 4, d = 12) and 59 (k = 5, d = 5).
+    constexpr double contrast = static_cast<double>(plate_colour - ground_colour);
+    const auto expect = [&](int x, int y, double share, double tolerance) {
+        EXPECT_NEAR(static_cast<double>(r.image.pixel(x, y)[0]),
+                    static_cast<double>(ground_colour) + contrast * share, contrast * tolerance + 1e-6)
+            << x << "," << y;
+    };
+    // Rows that the plate covers at all times, and columns.
+    double largest = 0, smallest = 1;
+    for (int x = 0; x < 64; ++x) {
+        const double share = bar_share(x, plate_x, plate_x + plate_width, 12);
+        largest = std::max(largest, share);
+        smallest = std::min(smallest, share);
+        for (int y = plate_y + 5; y < plate_y + plate_height; ++y) expect(x, y, share, 38.0 / views);
+    }
+    EXPECT_EQ(largest, 1);  // plateau and ground are in the rows looked at
+    EXPECT_EQ(smallest, 0);
+    for (int y = 0; y < 48; ++y) {
+        const double share = bar_share(y, plate_y, plate_y + plate_height, 5);
+        for (int x = plate_x + 12; x < plate_x + plate_width; ++x) expect(x, y, share, 59.0 / views);
+    }
+    // Always plate, always ground: exact, whatever the views.
+    EXPECT_EQ(r.image.pixel(30, 25)[0], plate_colour);
+    EXPECT_EQ(r.image.pixel(2, 2)[0], ground_colour);
+    // Behind the plate nothing is known: the pixels it leaves, of which it covered the upper left.
+    ASSERT_EQ(r.warnings.size(), 1U);
+    EXPECT_EQ(r.warnings[0].code, "uncovered");
+    const double left = plate_width * plate_height - (plate_width - 12) * (plate_height - 5);
+    EXPECT_NEAR(r.warnings[0].share, left / (64 * 48), 1e-9);
+}
+
+TEST_F(VectorFrameTest, WholePixelsMoveWithTheirBits) {
+    FlatPicture p = plate();
+    const auto still = p.values;
+    p.values = [still](int x, int y) {
+        std::vector<float> v = still(x, y);
+        if (in_plate(x, y)) v[1] = static_cast<float>((x * 31 + y * 17) % 23) / 23;
+        return v;
+    };
+    const MotionBlurResult r = vector_blur(frame_of(p), {.exposure = {1, 1}});
+    for (int y = 0; y < plate_height; ++y) {
+        for (int x = 0; x < plate_width; ++x) {
+            const float* got = r.image.pixel(plate_x + 12 + x, plate_y + 5 + y);
+            EXPECT_EQ(got[0], plate_colour);
+            EXPECT_EQ(got[1], p.values(plate_x + x, plate_y + y)[1]) << x << "," << y;
+        }
+    }
+    EXPECT_EQ(r.image.pixel(plate_x, plate_y)[0], ground_colour);
+}
+
+TEST_F(VectorFrameTest, ZeroVectorsAndZeroExposureAreThePictureBitForBit) {
+    FlatPicture p;
+    p.channels.emplace_back("A");
+    float u = 0;
+    p.values = [&u](int x, int y) {
+        return std::vector<float>{std::sin(static_cast<float>(x * 7 + y)),
+                                  static_cast<float>(y) * 0.1F,
+                                  1e-3F,
+                                  static_cast<float>(1 + x % 5),
+                                  u,
+                                  0,
+                                  1};
+    };
+    const VectorFrame still = frame_of(p);
+    u = 3;
+    const VectorFrame moving = frame_of(p);
+    for (const auto& [frame, exposure] :
+         {std::pair{&still, Exposure{0, 1}}, {&still, Exposure{-2, 7}}, {&moving, Exposure{0, 0}}}) {
+        const MotionBlurResult r = vector_blur(*frame, {.exposure = exposure});
+        EXPECT_TRUE(r.warnings.empty());
+        for (int y = 0; y < 48; ++y) {
+            for (int x = 0; x < 64; ++x) {
+                for (std::size_t c = 0; c < 3; ++c)
+                    ASSERT_EQ(r.image.pixel(x, y)[c], p.values(x, y)[c]) << x << "," << y;
+            }
+        }
+    }
+    EXPECT_NE(vector_blur(moving, {.exposure = {0, 1}}).image.rgb, still.picture().rgb);
+}
+
+TEST_F(VectorFrameTest, StillPixelsBesideWhatMovesKeepTheirBits) {
+    FlatPicture p = plate();
+    const auto uniform = p.values;
+    p.values = [uniform](int x, int y) {
+        std::vector<float> v = uniform(x, y);
+        if (!in_plate(x, y)) v[1] = static_cast<float>((x * 31 + y * 17) % 23) / 23;
+        return v;
+    };
+    const MotionBlurResult r = vector_blur(frame_of(p), {.exposure = {0, 1}});
+    EXPECT_GT(r.touched_share, 0.1);
+    for (int y = 0; y < 48; ++y) {
+        for (int x = 0; x < 64; ++x) {
+            const bool reached = x >= plate_x && x < plate_x + plate_width + 12 && y >= plate_y &&
+                                 y < plate_y + plate_height + 5;
+            if (reached) continue;
+            ASSERT_EQ(r.image.pixel(x, y)[1], p.values(x, y)[1]) << x << "," << y;
+        }
+    }
+}
+
+TEST_F(VectorFrameTest, ScaleAndSignAreWhatTheNamesOrTheUserSay) {
+    const auto vector_of = [&](const std::string& u, const std::string& v, const VectorChoice& choice) {
+        FlatPicture p = plate();
+        p.channels[4] = u;
+        p.channels[5] = v;
+        const VectorPixel pixel = frame_of(p, choice).at(plate_x, plate_y);
+        return glm::vec2(pixel.right_px, pixel.down_px);
+    };
+    EXPECT_EQ(vector_of("forward.u", "forward.v", {}), glm::vec2(12, 5));
+    EXPECT_EQ(vector_of("forward.left.u", "forward.left.v", {}), glm::vec2(12, 5));
+    EXPECT_EQ(vector_of("ViewLayer.Vector.Z", "ViewLayer.Vector.W", {}), glm::vec2(-12, -5));
+    EXPECT_EQ(vector_of("Vector.Z", "Vector.W", {}), glm::vec2(-12, -5));
+    EXPECT_EQ(vector_of("motion.x", "motion.y", {}), glm::vec2(12, -5));
+    EXPECT_EQ(vector_of("velocity.x", "velocity.y", {}), glm::vec2(12, -5));
+    EXPECT_EQ(vector_of("forward.u", "forward.v", {.scale = glm::dvec2(0.5, 2)}), glm::vec2(6, -10));
+    EXPECT_EQ(vector_of("a", "b", {.channels = {{"a", "b"}}}), glm::vec2(12, -5));
+    EXPECT_EQ(vector_of("a", "b", {.channels = {{"a", "b"}}, .scale = glm::dvec2(-1, -2)}),
+              glm::vec2(-12, 10));
+    EXPECT_EQ(vector_of("forward.u", "forward.v", {.channels = {{"forward.v", "forward.u"}}}),
+              glm::vec2(-5, 12));
+}
+
+TEST_F(VectorFrameTest, PassesOfALayerBelongTogether) {
+    const std::vector<std::string> names{
+        "Top.Vector.X",   "Top.Vector.Y",   "Top.Vector.Z",   "Top.Vector.W",   "Top.Depth.V",
+        "Top.Combined.R", "Top.Combined.G", "Top.Combined.B", "Top.Combined.A", "Low.Depth.V"};
+    const VectorChannels c = find_vector_channels(names, "", {}, "f.exr");
+    EXPECT_EQ(c.u, 2U);
+    EXPECT_EQ(c.v, 3U);
+    EXPECT_EQ(c.z, 4U);
+    EXPECT_EQ(c.r, 5U);
+    EXPECT_EQ(c.a, 8U);
+    // Stereo: the colours without a view's name are those of the hero view, and so must be the vectors.
+    const std::vector<std::string> stereo{
+        "R", "G", "B", "forward.left.u", "forward.left.v", "forward.right.u", "forward.right.v"};
+    EXPECT_EQ(find_vector_channels(stereo, "right", {}, "f.exr").u, 5U);
+    EXPECT_EQ(find_vector_channels(stereo, "left", {}, "f.exr").u, 3U);
+}
+
+TEST_F(VectorFrameTest, RotationFieldTurnsThePictureWithoutCracks) {
+    // Vectors w x (x - c) and colours linear in x and y. At t the vertices lie at c + (1 + t J)(x - c), which
+    // turns by atan(w t) and grows by sqrt(1 + w^2 t^2); the colour at a place is that of its origin.
+    constexpr double w = 0.4, cx = 32, cy = 24;
+    FlatPicture p;
+    const auto ramp = [](double x, double y, double* rgb) {
+        rgb[0] = 0.01 * x;
+        rgb[1] = 0.01 * y;
+    };
+    p.values = [&](int x, int y) {
+        double rgb[2];
+        ramp(x + 0.5, y + 0.5, rgb);
+        const double dx = x + 0.5 - cx, dy = y + 0.5 - cy;
+        // Right and up; w > 0 turns clockwise on the screen, y counted downwards.
+        return std::vector<float>{static_cast<float>(rgb[0]),  static_cast<float>(rgb[1]), 0, 3,
+                                  static_cast<float>(-w * dy), static_cast<float>(-w * dx)};
+    };
+    const MotionBlurResult r = vector_blur(frame_of(p), {.exposure = {1, 1}});
+    int looked_at = 0;
+    double least_change = 1;
+    for (int y = 0; y < 48; ++y) {
+        for (int x = 0; x < 64; ++x) {
+            const double dx = x + 0.5 - cx, dy = y + 0.5 - cy, s = 1 / (1 + w * w);
+            const double from_x = cx + s * (dx + w * dy), from_y = cy + s * (dy - w * dx);
+            // Corners of the frame keep the mean of fewer vectors.
+            if (from_x < 1.5 || from_x > 62.5 || from_y < 1.5 || from_y > 46.5) continue;
+            ++looked_at;
+            double rgb[2];
+            ramp(from_x, from_y, rgb);
+            // A place sees the colour of a pixel's middle, half a pixel from its own origin at most along
+            // either axis, and triangles overlap by a thousandth; the mean of the places is the pixel's
+            // middle.
+            constexpr double tolerance = 0.501 * 0.01 + 1e-5;
+            EXPECT_NEAR(static_cast<double>(r.image.pixel(x, y)[0]), rgb[0], tolerance);
+            EXPECT_NEAR(static_cast<double>(r.image.pixel(x, y)[1]), rgb[1], tolerance);
+            if (dx * dx + dy * dy > 400)
+                least_change =
+                    std::min(least_change, std::hypot(rgb[0] - 0.01 * (x + 0.5), rgb[1] - 0.01 * (y + 0.5)));
+        }
+    }
+    EXPECT_GT(looked_at, 1500);
+    EXPECT_GT(least_change, 0.05);  // the field is far from the identity: ten tolerances
+}
+
+TEST_F(VectorFrameTest, WithoutDepthTheFasterIsInFront) {
+    FlatPicture p = plate();
+    p.channels[3] = "unused";
+    const MotionBlurResult r = vector_blur(frame_of(p), {.exposure = {0.5, 0.5}});
+    EXPECT_EQ(r.image.pixel(plate_x + plate_width + 2, plate_y + 10)[0], plate_colour);
+}
+
+TEST_F(VectorFrameTest, DepthDecidesWhoHides) {
+    for (const float plate_z : {2.0F, 9.0F, std::numeric_limits<float>::infinity(), 1e10F}) {
+        FlatPicture p = plate();
+        p.values = [plate_z](int x, int y) {
+            return in_plate(x, y) ? std::vector<float>{plate_colour, 0, 0, plate_z, 12, 0}
+                                  : std::vector<float>{ground_colour, 0, 0, 5, 0, 0};
+        };
+        const MotionBlurResult r = vector_blur(frame_of(p), {.exposure = {0.5, 0.5}});
+        EXPECT_EQ(r.image.pixel(plate_x + plate_width + 2, plate_y + 10)[0],
+                  plate_z < 5 ? plate_colour : ground_colour)
+            << plate_z;
+    }
+}
+
+TEST_F(VectorFrameTest, TransparentPixelsAreBackground) {
+    FlatPicture p = plate();
+    p.channels.emplace_back("A");
+    p.values = [](int x, int y) {  // depth 1 around the plate would hide it
+        return in_plate(x, y) ? std::vector<float>{plate_colour, 0, 0, 2, 12, 0, 1}
+                              : std::vector<float>{0, 0, 0, 1, 0, 0, 0};
+    };
+    const MotionBlurResult r = vector_blur(frame_of(p), {.exposure = {1, 1}});
+    EXPECT_EQ(r.image.pixel(plate_x + plate_width + 11, plate_y + 10)[0], plate_colour);
+    EXPECT_EQ(r.image.pixel(plate_x + 5, plate_y + 10)[0], 0);
+}
+
+TEST_F(VectorFrameTest, WindowsMayDiffer) {
+    // Display at (100, 50); stored: the plate alone, and a pixel left of the display that moves in.
+    FlatPicture p;
+    p.display = {100, 50, 64, 48};
+    p.data = {97, 60, 20, 10};
+    p.values = [](int x, int) {
+        return x == 97 ? std::vector<float>{0.5F, 0, 0, 2, 8, 0} : std::vector<float>{0.25F, 0, 0, 4, 0, 0};
+    };
+    const VectorFrame f = frame_of(p);
+    EXPECT_EQ(f.width, 64);
+    EXPECT_EQ(f.x_begin, -3);
+    EXPECT_EQ(f.y_begin, 10);
+    const MotionBlurResult r = vector_blur(f, {.exposure = {1, 1}});
+    EXPECT_EQ(r.image.width, 64);
+    EXPECT_EQ(r.image.height, 48);
+    EXPECT_EQ(r.image.pixel(5, 12)[0], 0.5F);
+    EXPECT_EQ(r.image.pixel(6, 12)[0], 0.25F);
+    EXPECT_EQ(r.image.pixel(40, 40)[0], 0);
+}
+
+TEST_F(VectorFrameTest, SameBitsForAnyNumberOfThreads) {
+    const VectorFrame f = frame_of(plate());
+    Image first;
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        const Image image = vector_blur(f, {.exposure = {-0.5, 1}}).image;
+        if (threads == 1) first = image;
+        EXPECT_EQ(image.rgb, first.rgb) << threads;
+    }
+}
+
+TEST_F(VectorFrameTest, RefusesPixelsThatAreNoNumbersWithTheirPlace) {
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    for (const auto& [channel, value] : std::vector<std::pair<std::size_t, float>>{
+             {0, nan}, {2, inf}, {3, nan}, {3, -1.0F}, {3, -inf}, {4, nan}, {5, -inf}, {4, 3e6F}}) {
+        FlatPicture p = plate();
+        const auto usual = p.values;
+        p.values = [&, usual](int x, int y) {
+            std::vector<float> v = usual(x, y);
+            if (x == 41 && y == 7) v[channel] = value;
+            return v;
+        };
+        const std::string said = refusal(p);
+        EXPECT_NE(said.find("channel " + p.channels[channel] + " at pixel 41,7"), std::string::npos)
+            << said << " for " << value;
+    }
+}
+
+TEST_F(VectorFrameTest, RefusesMissingChannelsAndNamesThoseThereAre) {
+    FlatPicture p = plate();
+    p.channels[4] = "speed.x";
+    EXPECT_NE(refusal(p).find("no motion vectors (got channels R, G, B, Z, "), std::string::npos)
+        << refusal(p);
+    p = plate();
+    p.channels[0] = "red";
+    EXPECT_NE(refusal(p).find("no colours"), std::string::npos) << refusal(p);
+}
+
+TEST_F(VectorFrameTest, RefusesWindowsOutOfBounds) {
+    FlatPicture p = plate();
+    p.display = {0, 0, 70000, 48};
+    EXPECT_NE(refusal(p).find("out of bounds"), std::string::npos) << refusal(p);
+    p = plate();
+    p.data = {100000, 0, 64, 48};
+    EXPECT_NE(refusal(p).find("out of bounds"), std::string::npos) << refusal(p);
+    p = plate();
+    p.display = {0, 0, 60000, 60000};
+    EXPECT_NE(refusal(p).find("out of bounds"), std::string::npos) << refusal(p);
+}
+
+TEST_F(VectorFrameTest, CommandBlursAndReports) {
+    plate().write(in("plate.exr"));
+    const Outcome r = run({"motionblur", in("plate.exr"), "-o", in("out.exr"), "--shutter", "0:1", "--json"});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const auto json = nlohmann::json::parse(r.out);
+    EXPECT_EQ(json["method"], "lightfield");
+    EXPECT_EQ(json["views"], 128);
+    EXPECT_EQ(json["instants"], 1);
+    EXPECT_TRUE(json["objects"].empty());
+    ASSERT_EQ(json["warnings"].size(), 1U);
+    EXPECT_EQ(json["warnings"][0]["code"], "uncovered");
+    const Image image = read_image(in("out.exr"));
+    const Image expected = vector_blur(read_vector_frame(in("plate.exr"), {}), {.exposure = {0, 1}}).image;
+    EXPECT_EQ(image.rgb, expected.rgb);
+    // The other way round, by the user's word.
+    ASSERT_EQ(run({"motionblur", in("plate.exr"), "-o", in("back.exr"), "--shutter", "1:1", "--vectors",
+                   "forward.u,forward.v", "--vectors-scale", "-1,1"})
+                  .exit_code,
+              0);
+    EXPECT_EQ(read_image(in("back.exr")).pixel(plate_x - 12, plate_y - 5)[0], plate_colour);
+    EXPECT_EQ(run({"motionblur", in("plate.exr"), "-o", in("strict.exr"), "--shutter", "0:1", "--strict"})
+                  .exit_code,
+              6);
+}
+
+TEST_F(VectorFrameTest, CommandRefusesInOneLine) {
+    plate().write(in("plate.exr"));
+    const std::string plate_file = in("plate.exr"), out = in("out.png");
+    const auto with = [&](std::vector<std::string> more) {
+        std::vector<std::string> words{"motionblur", plate_file, "-o", out};
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    };
+    refused(with({}), ExitCode::wrong_arguments, "--shutter: missing");
+    refused(with({"--shutter", "1:0"}), ExitCode::wrong_arguments, "--shutter: out of range");
+    refused(with({"--shutter", "0:1e9"}), ExitCode::wrong_arguments, "--shutter: out of range");
+    refused(with({"--shutter", "0:1", "--method", "convolve"}), ExitCode::wrong_arguments,
+            "--method convolve");
+    refused(with({"--shutter", "0:1", "--paths", "p.toml"}), ExitCode::wrong_arguments, "--paths");
+    refused(with({"--shutter", "0:1", "--fit-paths", "1"}), ExitCode::wrong_arguments, "--fit-paths");
+    refused(with({"--shutter", "0:1", "--views", "0"}), ExitCode::wrong_arguments, "--views");
+    refused(with({"--shutter", "0:1", "--vectors", "u"}), ExitCode::wrong_arguments, "--vectors");
+    refused(with({"--shutter", "0:1", "--vectors-scale", "x"}), ExitCode::wrong_arguments, "--vectors-scale");
+    refused(with({"--shutter", "0:1", "--vectors", "a,b"}), ExitCode::invalid_input, "no channel a");
+    // A folder, nothing, and no permission.
+    fs::create_directory(in("folder.exr"));
+    refused({"motionblur", in("folder.exr"), "-o", out, "--shutter", "0:1"}, ExitCode::invalid_input,
+            "folder.exr");
+    refused({"motionblur", in("none.exr"), "-o", out, "--shutter", "0:1"}, ExitCode::invalid_input,
+            "none.exr");
+    if (::geteuid() != 0) {  // root reads everything
+        ::chmod(plate_file.c_str(), 0);
+        refused(with({"--shutter", "0:1"}), ExitCode::invalid_input, "plate.exr");
+        ::chmod(plate_file.c_str(), S_IRUSR | S_IWUSR);
+    }
+}
+
+TEST_F(VectorFrameTest, CommandRefusesDamagedFiles) {
+    plate().write(in("plate.exr"));
+    const std::string bytes = test::text_of(in("plate.exr"));
+    const auto refused_with = [&](const std::string& name, const std::string& content) {
+        std::ofstream(in(name), std::ios::binary) << content;
+        refused({"motionblur", in(name), "-o", in("out.png"), "--shutter", "0:1"}, ExitCode::invalid_input,
+                name);
+    };
+    refused_with("half.exr", bytes.substr(0, bytes.size() / 2));
+    refused_with("last.exr", bytes.substr(0, bytes.size() - 9));
+    refused_with("header.exr", bytes.substr(0, 60));
+    refused_with("magic.exr", bytes.substr(0, 4));
+    // A data window of 2^31 px: four little-endian integers after the attribute's name, type and length.
+    std::string absurd = bytes;
+    const std::size_t at = absurd.find("dataWindow");
+    ASSERT_NE(at, std::string::npos);
+    const std::size_t x_max = at + sizeof("dataWindow") + sizeof("box2i") + 4 + 8;
+    absurd.replace(x_max, 4, std::string("\xff\xff\xff\x7f", 4));
+    refused_with("absurd.exr", absurd);
+    absurd.replace(x_max, 8, std::string("\xff\xff\x00\x00\xff\xff\x00\x00", 8));  // 65536 x 65536
+    refused_with("large.exr", absurd);
+}
+
+class Beachball : public VectorFrameTest {
+  protected:
+    static std::string frame(int number) {
+        return std::string(POSTLENS_SHARED_DATA) + "/exr-flat/Beachball_singlepart.000" +
+               std::to_string(number) + ".exr";
+    }
+    void SetUp() override {
+        if (!fs::exists(frame(1)) || !fs::exists(frame(2)))
+            GTEST_SKIP() << "no " << frame(1) << " and .0002: the beach ball is not tested";
+    }
+    // Over the frames' common surroundings of the ball.
+    static double rmse(const Image& a, const Image& b) {
+        double sum = 0;
+        std::size_t count = 0;
+        for (int y = 200; y < 1300; ++y) {
+            for (int x = 600; x < 1700; ++x) {
+                for (int c = 0; c < 3; ++c, ++count) {
+                    const double d =
+                        static_cast<double>(a.pixel(x, y)[c]) - static_cast<double>(b.pixel(x, y)[c]);
+                    sum += d * d;
+                }
+            }
+        }
+        return std::sqrt(sum / static_cast<double>(count));
+    }
+    static Image moved(const VectorChoice& choice) {
+        return vector_blur(read_vector_frame(frame(1), choice), {.exposure = {1, 1}, .views = 4}).image;
+    }
+};
+
+TEST_F(Beachball, MovesToTheRightAndDownAsTheNextFrameShows) {
+    const Image first = read_image(frame(1)), second = read_image(frame(2));
+    const VectorFrame f = read_vector_frame(frame(1), {});
+    EXPECT_EQ(f.u_name, "forward.right.u");  // the colours are the right eye's
+    EXPECT_TRUE(f.has_z && f.has_alpha);
+    EXPECT_GT(f.at(1000, 683).right_px, 40);
+    EXPECT_GT(f.at(1000, 683).down_px, 40);
+    // The file's vectors are those of an exposure of about 0.4 frames (docs/motion_vectors.md), so the whole
+    // of them brings the ball 0.4 of the way to the next frame: an error linear in the way would fall to 0.6
+    // of the unmoved one's, edges that overlap no longer make it a little more. 2.43 and 2.75 of them are the
+    // way.
+    const double unmoved = rmse(first, second), by_names = rmse(moved({}), second),
+                 downwards = rmse(moved({.scale = glm::dvec2(1, 1)}), second),
+                 whole_way = rmse(moved({.scale = glm::dvec2(2.43, -2.75)}), second);
+    fmt::print("rmse to frame 2: unmoved {:.4f}, by the vectors {:.4f}, v downwards {:.4f}, scaled {:.4f}\n",
+               unmoved, by_names, downwards, whole_way);
+    EXPECT_GT(unmoved, 0.1);  // there is a difference to be explained
+    EXPECT_LT(by_names, 0.9 * unmoved);
+    EXPECT_LT(by_names, 0.9 * downwards);
+    EXPECT_LT(whole_way, 0.5 * by_names);
+}
+
+TEST_F(Beachball, BlursWithinTheWayAndKeepsTheRest) {
+    const VectorFrame f = read_vector_frame(frame(1), {});
+    const Image still = f.picture(), blurred = vector_blur(f, {.exposure = {0, 1}, .views = 64}).image;
+    // Centre of the light: half the way of the vectors, weighted by light; black surroundings lose nothing.
+    const auto centre = [](const Image& image) {
+        glm::dvec3 sum(0);
+        for (int y = 0; y < image.height; ++y) {
+            for (int x = 0; x < image.width; ++x) {
+                const float* p = image.pixel(x, y);
+                const double v =
+                    static_cast<double>(p[0]) + static_cast<double>(p[1]) + static_cast<double>(p[2]);
+                sum += v * glm::dvec3(x, y, 1);
+            }
+        }
+        return sum;
+    };
+    glm::dvec2 way(0);
+    double light = 0;
+    for (int y = f.y_begin; y < f.y_end; ++y) {
+        for (int x = f.x_begin; x < f.x_end; ++x) {
+            const VectorPixel& p = f.at(x, y);
+            const double v =
+                static_cast<double>(p.rgb[0]) + static_cast<double>(p.rgb[1]) + static_cast<double>(p.rgb[2]);
+            way += v * glm::dvec2(p.right_px, p.down_px);
+            light += v;
+        }
+    }
+    const glm::dvec3 before = centre(still), after = centre(blurred);
+    const glm::dvec2 shift = glm::dvec2(after) / after.z - glm::dvec2(before) / before.z;
+    // The ball's vectors differ by 4 px from its front to its rim, so light may gather or thin by that share
+    // of its radius, 430 px: 1 %. That moves the centre by 1 % of the radius at most.
+    EXPECT_NEAR(after.z / before.z, 1, 0.01);
+    EXPECT_NEAR(shift.x, 0.5 * way.x / light, 4.3);
+    EXPECT_NEAR(shift.y, 0.5 * way.y / light, 4.3);
+    EXPECT_GT(shift.x, 15);
+    EXPECT_GT(shift.y, 15);
+    fmt::print("centre of light moved by {:.2f}, {:.2f} px; half the vectors {:.2f}, {:.2f}\n", shift.x,
+               shift.y, 0.5 * way.x / light, 0.5 * way.y / light);
+}
+
+}  // namespace
+}  // namespace postlens
