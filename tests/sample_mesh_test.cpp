@@ -305,8 +305,8 @@ TEST(DrawBlock, NoHolesUnderTurnsStretchesAndPerspective) {
 
 TEST(DrawBlock, CracksBetweenLeavesOfDifferentSizeAreRoundingOnly) {
     // Lines stay lines, so that a corner in the middle of a neighbour's side stays on it but for its rounding
-    // to 24 bits: at 32 to 64 px by 4e-6 px. Looks that lie evenly meet such a line, some 4 of them to a
-    // pixel, with a chance of 4 * 2 * 4e-6 at most.
+    // to 24 bits, and that of the side's ends: half of 4e-6 px each at 32 to 64 px. A pixel of leaves of 1/16
+    // px has 16 such lines at most, and a look falls between with a chance of 16 * 4e-6.
     const MadeFrame f = plane(0, 0);
     const int looks = 100 * static_cast<int>(places.size()) * width * (height - 8);
     int missed = 0;
@@ -316,7 +316,7 @@ TEST(DrawBlock, CracksBetweenLeavesOfDifferentSizeAreRoundingOnly) {
         tilt[2] = {0, 0.037 * i, 1, 0};
         missed += holes(f.mesh, {tilt, Projection::perspective}, 4);
     }
-    EXPECT_LE(missed, looks * 4 * 2 * 4e-6);
+    EXPECT_LE(missed, looks * 16 * 4e-6);
 }
 
 TEST(DrawBlock, TheNearestIsSeenInAnyOrder) {
