@@ -204,8 +204,7 @@ void add_motionblur(CLI::App& root, State& s) {
            "--vectors",
            [&o](const std::string& text) { o.vectors.channels = parse_names("--vectors", text); },
            "Channels of a picture's forward motion vectors [default: forward.u/.v, Vector.Z/.W, motion.x/.y "
-           "or "
-           "velocity.x/.y]")
+           "or velocity.x/.y]")
         ->type_name("U,V");
     app.add_option_function<std::string>(
            "--vectors-scale",
