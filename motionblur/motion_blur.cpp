@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-/// Share of a pixel's light that is worth a warning. One view of 128 is not: where a leaf meets two of half
-/// its size, rounding in the map leaves cracks of 1e-5 px, into which one look in 30,000 falls.
+/// Share of a pixel's light that is worth a warning. One view of 128 is not: where a leaf of a curved surface
+/// meets two of half its size, a look may fall between them.
 constexpr float noticeable_gap = 0.01F;
 
 void check(const MotionBlurSettings& s) {

@@ -13,6 +13,10 @@ constexpr float behind = -2;  ///< inverse depth of a vertex that the map brings
 /// A triangle reaches this share of itself beyond its sides, so that no ray slips through between neighbours
 /// whose shared side has a corner of a third on it.
 constexpr float overlap = 1e-3F;
+/// px by which the search for samples goes beyond a quad, so that the above comes to bear.
+constexpr float margin = 2e-4F;
+/// In a cell: the vertex lies within the margin of a column of samples, or of a row.
+constexpr std::uint32_t near_column = 0x8000U, near_row = near_column << 16U;
 
 POSTLENS_MULTIVERSION void transform(const float* __restrict x, const float* __restrict y,
                                      const float* __restrict inverse_z, std::size_t count, const double* m,
@@ -51,8 +55,12 @@ POSTLENS_MULTIVERSION void find_cells(const float* __restrict x, const float* __
         // Above 0 the conversion rounds down; far outside one place is as good as another.
         const float cx = std::min(std::max(x[i] + 256.0F, 0.0F), 1023.0F),
                     cy = std::min(std::max(y[i] + 256.0F, 0.0F), 1023.0F);
-        cell[i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(cx)) |
-                  (static_cast<std::uint32_t>(static_cast<std::int32_t>(cy)) << 16U);
+        const auto ix = static_cast<std::int32_t>(cx), iy = static_cast<std::int32_t>(cy);
+        const float rest_x = cx - static_cast<float>(ix), rest_y = cy - static_cast<float>(iy);
+        const bool by_column = rest_x < margin || rest_x > 1 - margin,
+                   by_row = rest_y < margin || rest_y > 1 - margin;
+        cell[i] = static_cast<std::uint32_t>(ix) | (static_cast<std::uint32_t>(iy) << 16U) |
+                  (by_column ? near_column : 0U) | (by_row ? near_row : 0U);
     }
 }
 
@@ -65,7 +73,9 @@ POSTLENS_MULTIVERSION std::size_t find_hits(const MicroQuad* __restrict quads, s
     for (std::uint32_t q = 0; q < count; ++q) {
         const auto& v = quads[q].vertex;
         const std::uint32_t a = cell[v[0]];
-        const std::uint32_t across = (a ^ cell[v[1]]) | (a ^ cell[v[2]]) | (a ^ cell[v[3]]);
+        const std::uint32_t b = cell[v[1]], c = cell[v[2]], d = cell[v[3]];
+        const std::uint32_t across =
+            (a ^ b) | (a ^ c) | (a ^ d) | ((a | b | c | d) & (near_column | near_row));
         hit[hits] = q;
         hits += (across & 0xFFFFU) != 0 && (across >> 16U) != 0 ? 1 : 0;
     }
@@ -158,10 +168,10 @@ void draw_quads(const SampleMesh& mesh, const MeshBlock& block, std::uint8_t mar
         const auto& v = quads[s.hit[h]].vertex;
         const float x0 = x[v[0]], x1 = x[v[1]], x2 = x[v[2]], x3 = x[v[3]];
         const float y0 = y[v[0]], y1 = y[v[1]], y2 = y[v[2]], y3 = y[v[3]];
-        const float x_low = std::max(0.0F, std::min(std::min(x0, x1), std::min(x2, x3))),
-                    x_high = std::min(last_x, std::max(std::max(x0, x1), std::max(x2, x3)));
-        const float y_low = std::max(0.0F, std::min(std::min(y0, y1), std::min(y2, y3))),
-                    y_high = std::min(last_y, std::max(std::max(y0, y1), std::max(y2, y3)));
+        const float x_low = std::max(0.0F, std::min(std::min(x0, x1), std::min(x2, x3)) - margin),
+                    x_high = std::min(last_x, std::max(std::max(x0, x1), std::max(x2, x3)) + margin);
+        const float y_low = std::max(0.0F, std::min(std::min(y0, y1), std::min(y2, y3)) - margin),
+                    y_high = std::min(last_y, std::max(std::max(y0, y1), std::max(y2, y3)) + margin);
         if (!(x_low <= x_high && y_low <= y_high)) continue;
         const int i0 = ceil_of(x_low), i1 = floor_of(x_high), j0 = ceil_of(y_low), j1 = floor_of(y_high);
         if (i0 > i1 || j0 > j1) continue;

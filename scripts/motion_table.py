@@ -96,7 +96,7 @@ def main():
     parser.add_argument("--reference-spp", type=int, default=1024, help="of each half")
     parser.add_argument("--rays", type=lambda text: [int(n) for n in text.split(",")], default=[4, 16, 64, 256, 1024])
     parser.add_argument("--subdivide", type=int, default=4)
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     os.makedirs(options.out, exist_ok=True)
     known = sorted(name[:-5] for name in os.listdir(SCENES) if name.endswith(".toml"))
     scenes = []
