@@ -25,40 +25,61 @@ class Composite {
   public:
     Composite(const std::vector<BandSurfaces>& bands, const std::vector<MovingGroup>& groups,
               const GroupTable& table, const std::vector<GroupPicture>& blurred,
-              const std::vector<GroupPicture>& recorded, ConvolveBlur& out)
-        : bands_(bands), table_(table), blurred_(blurred), recorded_(recorded), out_(out) {
+              const std::vector<GroupPicture>& recorded, const Image& still, ConvolveBlur& out)
+        : bands_(bands), table_(table), blurred_(blurred), recorded_(recorded), still_(still), out_(out) {
         for (const MovingGroup& g : groups) depths_.push_back(g.inverse_z);
         const auto pixels =
             static_cast<std::size_t>(out.image.width) * static_cast<std::size_t>(out.image.height);
-        far_ = out.image;
-        far_weight_.assign(pixels, 1);
-        unknown_light_.assign(pixels, 0);
         out.touched.assign(pixels, 0);
         out.unknown.assign(pixels, 0);
     }
 
     void run() {
+        for_each_touched([&](const BandSurfaces& band, int x, int y, std::vector<Between>& between) {
+            composite(band, x, y, between);
+        });
+        if (std::any_of(out_.unknown.begin(), out_.unknown.end(), [](float u) { return u > 0; })) fill();
+    }
+
+  private:
+    template <typename OnPixel>
+    void for_each_touched(const OnPixel& on_pixel) const {
         parallel_for(bands_.size(), [&](std::size_t b) {
             std::vector<Between> between(depths_.size() + 1);
             const BandSurfaces& band = bands_[b];
             for (int y = std::max(0, band.y_begin); y < std::min(out_.image.height, band.y_end); ++y) {
                 const auto [x_begin, x_end] = columns(y);
                 for (int x = x_begin; x < x_end; ++x) {
-                    if (is_touched(x, y)) pixel(band, x, y, between);
+                    if (is_touched(x, y)) on_pixel(band, x, y, between);
                 }
             }
         });
-        const bool gaps =
-            std::any_of(unknown_light_.begin(), unknown_light_.end(), [](float light) { return light > 0; });
-        if (!gaps) return;
-        fill_gaps(far_, far_weight_);
-        for (std::size_t p = 0; p < unknown_light_.size(); ++p) {
+    }
+
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(out_.image.width) +
+               static_cast<std::size_t>(x);
+    }
+
+    // Light of which no surface behind is known gets the colours of the farthest that is known around.
+    void fill() {
+        Image farthest = still_;
+        std::vector<float> known(out_.touched.size(), 1);
+        for_each_touched([&](const BandSurfaces& band, int x, int y, std::vector<Between>& between) {
+            add_up(band, x, y, between);
+            const Between& last = between.back();
+            const std::size_t p = index(x, y);
+            known[p] = last.covered > 0 ? 1.0F : 0.0F;
+            for (std::size_t c = 0; c < 3 && last.covered > 0; ++c)
+                farthest.rgb[3 * p + c] = static_cast<float>(last.colour[c] / last.covered);
+        });
+        fill_gaps(farthest, known);
+        for (std::size_t p = 0; p < known.size(); ++p) {
             for (std::size_t c = 0; c < 3; ++c)
-                out_.image.rgb[3 * p + c] += unknown_light_[p] * far_.rgb[3 * p + c];
+                out_.image.rgb[3 * p + c] += out_.unknown[p] * farthest.rgb[3 * p + c];
         }
     }
 
-  private:
     // The columns of a row that some group's window has.
     [[nodiscard]] std::pair<int, int> columns(int y) const {
         int begin = out_.image.width, end = 0;
@@ -112,14 +133,17 @@ class Composite {
         for (std::size_t j = 0; j <= known; ++j) between[j].known += weight;
     }
 
-    void pixel(const BandSurfaces& band, int x, int y, std::vector<Between>& between) {
+    void add_up(const BandSurfaces& band, int x, int y, std::vector<Between>& between) const {
         std::fill(between.begin(), between.end(), Between());
         band.for_each_leaf(x, y, [&](const Leaf& leaf) {
             const double weight = static_cast<double>(leaf.size) * static_cast<double>(leaf.size) / 4;
             for (const std::uint32_t corner : leaf.corner) add_sample(band, corner, weight, between);
         });
-        const auto p = static_cast<std::size_t>(y) * static_cast<std::size_t>(out_.image.width) +
-                       static_cast<std::size_t>(x);
+    }
+
+    void composite(const BandSurfaces& band, int x, int y, std::vector<Between>& between) {
+        add_up(band, x, y, between);
+        const std::size_t p = index(x, y);
         std::array<double, 3> sum{};
         double light = 1;  // what still comes through
         for (std::size_t j = 0; j < between.size(); ++j) {
@@ -139,23 +163,15 @@ class Composite {
         constexpr double least_light = 1e-4;  // what rounding leaves of coverage 1
         for (std::size_t c = 0; c < 3; ++c) out_.image.rgb[3 * p + c] = static_cast<float>(sum[c]);
         out_.touched[p] = 1;
-        const Between& farthest = between.back();
-        if (farthest.covered > 0) {
-            for (std::size_t c = 0; c < 3; ++c)
-                far_.rgb[3 * p + c] = static_cast<float>(farthest.colour[c] / farthest.covered);
-        } else {
-            far_weight_[p] = 0;
-            if (light > least_light) unknown_light_[p] = out_.unknown[p] = static_cast<float>(light);
-        }
+        if (between.back().covered <= 0 && light > least_light) out_.unknown[p] = static_cast<float>(light);
     }
 
     const std::vector<BandSurfaces>& bands_;
     const GroupTable& table_;
     const std::vector<GroupPicture>&blurred_, &recorded_;
+    const Image& still_;
     ConvolveBlur& out_;
     std::vector<double> depths_;  ///< of the groups, 1/m, falling
-    Image far_;                   ///< the farthest of what stands still, as far as it is known
-    std::vector<float> far_weight_, unknown_light_;
 };
 
 }  // namespace
@@ -182,7 +198,7 @@ ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& 
         (used == ConvolutionMethod::fft ? out.fft_groups : out.direct_groups) += 1;
         blurred.push_back(in_pixels(moved, c, still.width, still.height));
     }
-    Composite(bands, groups, table, blurred, recorded, out).run();
+    Composite(bands, groups, table, blurred, recorded, still, out).run();
     return out;
 }
 
