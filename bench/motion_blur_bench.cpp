@@ -16,10 +16,10 @@ using namespace postlens;
 constexpr int threads = 2;
 constexpr double px_per_m_at_1m = 1920 / 36.0 * 50;
 
-std::filesystem::path frame(int levels) {
-    const std::filesystem::path path =
-        std::filesystem::temp_directory_path() /
-        ("postlens_motion_blur_bench_" + std::to_string(::getpid()) + "_" + std::to_string(levels) + ".exr");
+std::filesystem::path frame(int levels, bool packed) {
+    const std::filesystem::path path = std::filesystem::temp_directory_path() /
+                                       ("postlens_motion_blur_bench_" + std::to_string(::getpid()) + "_" +
+                                        std::to_string(levels) + (packed ? "_zips" : "_none") + ".exr");
     Scene scene;
     scene.name = "bench";
     scene.ambient_light = glm::dvec3(0);
@@ -56,14 +56,17 @@ std::filesystem::path frame(int levels) {
     TraceSettings settings;
     settings.subdivision.levels = levels;
     settings.for_shutter = TimeSpan{0, 1};
+    settings.compression = packed ? RecordCompression::zips : RecordCompression::none;
     trace_to_file(scene, settings, path);
     return path;
 }
 
 /// Traced once, removed at the end.
-const std::filesystem::path& traced(int levels) {
+const std::filesystem::path& traced(const benchmark::State& state) {
+    const auto levels = static_cast<int>(state.range(0));
+    const bool packed = state.range(1) != 0;
     struct Frames {
-        std::array<std::filesystem::path, 5> paths;
+        std::array<std::filesystem::path, 10> paths;
         ~Frames() {
             for (const auto& p : paths) {
                 std::error_code ignored;
@@ -72,14 +75,14 @@ const std::filesystem::path& traced(int levels) {
         }
     };
     static Frames frames;
-    auto& path = frames.paths.at(static_cast<std::size_t>(levels));
-    if (path.empty()) path = frame(levels);
+    auto& path = frames.paths.at(static_cast<std::size_t>(2 * levels + (packed ? 1 : 0)));
+    if (path.empty()) path = frame(levels, packed);
     return path;
 }
 
 void read(benchmark::State& state) {
     const ThreadLimit limit(threads);
-    const auto& path = traced(static_cast<int>(state.range(0)));
+    const auto& path = traced(state);
     for (auto _ : state) {
         const SampleFileReader file(path);
         RecordBand band;
@@ -92,7 +95,7 @@ void read(benchmark::State& state) {
 
 void blur(benchmark::State& state, MotionMethod method) {
     const ThreadLimit limit(threads);
-    const auto& path = traced(static_cast<int>(state.range(0)));
+    const auto& path = traced(state);
     for (auto _ : state) {
         const SampleFileReader file(path);
         const MotionBlurResult result = motion_blur(file, {.exposure = {0, 1}, .method = method});
@@ -107,8 +110,20 @@ void lightfield(benchmark::State& state) {
     blur(state, MotionMethod::lightfield);
 }
 
-BENCHMARK(read)->Arg(0)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK(convolve)->Arg(0)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK(lightfield)->Arg(0)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(read)
+    ->ArgNames({"levels", "zips"})
+    ->ArgsProduct({{0, 2}, {0, 1}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(convolve)
+    ->ArgNames({"levels", "zips"})
+    ->ArgsProduct({{0, 2}, {0, 1}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(lightfield)
+    ->ArgNames({"levels", "zips"})
+    ->ArgsProduct({{0, 2}, {0, 1}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
