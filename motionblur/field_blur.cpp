@@ -40,7 +40,7 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& 
     field.height = header.height;
     for (const SampleMesh& m : meshes) field.meshes.push_back(&m);
 
-    constexpr std::uint8_t wanted_mark = 2, other_mark = 1;
+    constexpr std::uint8_t other_mark = 1;
     std::unordered_map<std::uint32_t, std::size_t> classes;
     std::vector<std::uint32_t> moving;
     field.class_marks.push_back(0);
@@ -48,8 +48,7 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& 
         if (m.kind == MotionKind::still) continue;
         classes.emplace(m.id, moving.size() + 1);
         moving.push_back(m.id);
-        const bool wanted =
-            wanted_ids.empty() || std::binary_search(wanted_ids.begin(), wanted_ids.end(), m.id);
+        const bool wanted = std::binary_search(wanted_ids.begin(), wanted_ids.end(), m.id);
         field.class_marks.push_back(wanted ? wanted_mark : other_mark);
     }
     field.wanted_marks = wanted_mark;

@@ -26,10 +26,13 @@ struct FieldBlur {
     std::vector<double> mesh_shares;  ///< by mesh: how much of the exposure it stands for; adds up to 1
 };
 
+/// In FieldPicture::touched: one of the wanted ids was there.
+inline constexpr std::uint8_t wanted_mark = 2;
+
 /// Views at evenly frequent instants of the shutter, each with a place of its own in the pixel. At every
-/// instant the two recorded instants around it are moved there and blended. `still_ids`: ids not to be moved
-/// whatever their keys say. `wanted_ids` (sorted): only what these may touch is computed; empty: everything
-/// that moves.
+/// instant the two recorded instants around it are moved there and blended. Those of `ids` that stand still
+/// are not moved, whatever their keys say. `wanted_ids` (sorted): only tiles that these may touch are
+/// computed.
 [[nodiscard]] FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& meshes,
                                    const FrameMotion& motion, const std::vector<IdMotion>& ids,
                                    const std::vector<std::uint32_t>& wanted_ids,

@@ -251,7 +251,6 @@ class MotionBlur {
         for (const IdMotion& m : motions_) {
             if (m.kind != MotionKind::still) moving.push_back(m.id);
         }
-        constexpr std::uint8_t wanted_mark = 2;
         Image filled;  // for what no view knows
         const FieldPicture& p = blur.picture;
         const bool gaps = std::any_of(p.unknown.begin(), p.unknown.end(), [](float u) { return u > 0; });

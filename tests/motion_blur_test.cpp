@@ -291,6 +291,26 @@ TEST(MotionBlur, AutomaticConvolvesTranslationsAndReprojectsTheRest) {
     }
 }
 
+TEST(MotionBlur, KeysDoNotTakeAConvolvedObjectFromConvolve) {
+    TraceSettings settings = for_shutter();
+    settings.keys = 2;
+    const TracedFrame frame(plate_over_wall(), settings);
+    ASSERT_EQ(frame.file().instants(), 2U);
+    const MotionBlurResult chosen = frame.blur(MotionMethod::automatic),
+                           convolved = frame.blur(MotionMethod::convolve);
+    ASSERT_EQ(chosen.objects.size(), 1U);
+    EXPECT_EQ(chosen.objects[0].method, MotionMethod::convolve);
+    EXPECT_EQ(chosen.method, MotionMethod::convolve);
+    // Rows within the plate. Beside them what stands still is the mean of two keys.
+    for (int y = 20; y < 28; ++y) {
+        for (int x = 0; x < 64; ++x) {
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(chosen.image.pixel(x, y)[c], convolved.image.pixel(x, y)[c], 1e-6)
+                    << x << ", " << y;
+        }
+    }
+}
+
 TEST(MotionBlur, SameBitsForAnyNumberOfThreads) {
     const TracedFrame frame(plate_over_wall(), for_shutter());
     for (const MotionMethod method : {MotionMethod::convolve, MotionMethod::lightfield}) {
