@@ -23,7 +23,6 @@ struct State {
     FocusOptions focus;
     MotionBlurOptions motionblur;
     RecordsOptions records;
-    LensCommandOptions lens;
     CompareCommandOptions compare;
     std::string input, output;
 };
@@ -236,31 +235,6 @@ void add_motionblur(CLI::App& root, State& s) {
     app.callback([&s] { s.common.run = [&s] { return run_motionblur(s.motionblur); }; });
 }
 
-void lens_numbers(CLI::App& app, LensCommandOptions& o) {
-    number(app, "--focal-length", o.focal_length_mm, "Focal length F, more than 0", "MM")->required();
-    number(app, "--f-number", o.f_number, "Aperture number n, more than 0; inf: pinhole", "N", true)
-        ->required();
-    number(app, "--focus", o.focus_m, "Focus distance s, more than F", "M", true)->required();
-    number(app, "--coc-limit", o.coc_limit_mm, "Widest circle of confusion that counts as sharp", "MM");
-    number(app, "--pixel-pitch", o.pixel_pitch_um,
-           "Pixel pitch on the film; the default is 36 mm over 1920 px", "UM");
-}
-
-void add_lens(CLI::App& root, State& s) {
-    CLI::App& lens = *root.add_subcommand("lens", "Optics without a scene");
-    lens.require_subcommand(1);
-    CLI::App& coc =
-        *lens.add_subcommand("coc", "Circle of confusion of what lies at a depth, on a film at V");
-    lens_numbers(coc, s.lens);
-    number(coc, "--depth", s.lens.depth_m, "Depth z' of the object, more than 0", "M", true)->required();
-    common_options(coc, s.common);
-    coc.callback([&s] { s.common.run = [&s] { return run_lens_coc(s.lens); }; });
-    CLI::App& dof = *lens.add_subcommand("dof", "Depth of field: between which depths the picture is sharp");
-    lens_numbers(dof, s.lens);
-    common_options(dof, s.common);
-    dof.callback([&s] { s.common.run = [&s] { return run_lens_dof(s.lens); }; });
-}
-
 void add_compare(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("compare", "How far a picture is from its reference, in figures");
     CompareCommandOptions& o = s.compare;
@@ -326,7 +300,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
     add_render(app, *state);
     add_focus(app, *state);
     add_motionblur(app, *state);
-    add_lens(app, *state);
+    add_lens_commands(app, state->common);
     add_compare(app, *state);
     add_info(app, *state);
     check_subcommand(app, arguments);

@@ -28,6 +28,9 @@ void tree_options(CLI::App& app, int& max_depth, double& min_contribution);
 void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve,
                      const std::string& absent = "open for an instant");
 
+/// `lens` and its subcommands (cli_lens.cpp); what they parse lives in the callbacks.
+void add_lens_commands(CLI::App& root, ParsedCommand& common);
+
 template <typename Enum>
 CLI::Option* choice(CLI::App& app, const std::string& name, Enum& to, const std::string& help,
                     std::vector<std::pair<std::string, Enum>> values) {

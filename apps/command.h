@@ -78,13 +78,6 @@ struct RecordsOptions {
     LensOptions lens;
 };
 
-struct LensCommandOptions {
-    double focal_length_mm = 50, f_number = 8, focus_m = 1;
-    std::optional<double> depth_m;
-    double coc_limit_mm = 0.03;
-    double pixel_pitch_um = 18.75;  ///< 36 mm over 1920 px
-};
-
 struct CompareCommandOptions {
     std::string image, reference;
     std::optional<std::string> pinhole, noise;     ///< further pictures to read
@@ -99,8 +92,6 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult run_focus(const FocusOptions& options);
 [[nodiscard]] CommandResult run_motionblur(const MotionBlurOptions& options);
 [[nodiscard]] CommandResult run_records(const RecordsOptions& options);
-[[nodiscard]] CommandResult run_lens_coc(const LensCommandOptions& options);
-[[nodiscard]] CommandResult run_lens_dof(const LensCommandOptions& options);
 [[nodiscard]] CommandResult run_compare(const CompareCommandOptions& options);
 [[nodiscard]] CommandResult run_info(const std::string& input);
 

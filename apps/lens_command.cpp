@@ -1,6 +1,7 @@
+#include "apps/lens_command.h"
+
 #include <cmath>
 
-#include "apps/command.h"
 #include "apps/numbers.h"
 
 namespace postlens {
