@@ -46,13 +46,12 @@ Exposure exposure_of(const MotionBlurOptions& options, const SampleHeader& heade
 }
 
 // What the trace was sized for, against what is asked now.
-void check_sufficient(const SampleHeader& h, const Exposure& e, CommandResult& out) {
+void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warning>& out) {
     const auto &open = h.sufficient.shutter_open_s, &close = h.sufficient.shutter_close_s;
     if (open && close && (e.open_s < *open || e.close_s > *close)) {
-        out.warnings.push_back(
-            {"insufficient", fmt::format("the file was traced for a shutter within {}:{} s (got "
-                                         "{}:{})",
-                                         *open, *close, e.open_s, e.close_s)});
+        out.push_back({"insufficient", fmt::format("the file was traced for a shutter within {}:{} s (got "
+                                                   "{}:{})",
+                                                   *open, *close, e.open_s, e.close_s)});
     }
 }
 
@@ -79,6 +78,34 @@ void refuse_for_pictures(bool given, const char* option) {
          option);
 }
 
+/// What both kinds of input say alike: warnings, exit code and the keys that scripts rely on.
+CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& result,
+                     std::vector<Warning> warnings = {}) {
+    CommandResult out;
+    out.warnings = std::move(warnings);
+    for (const MotionWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
+    if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
+    out.json = {{"method", name(result.method)},
+                {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
+                {"depths", nullptr},
+                {"predicted_db", nullptr},
+                {"retraced_share", 0.0},
+                {"focus_m", nullptr},
+                {"focal_length_mm", nullptr},
+                {"f_number", nullptr},
+                {"touched_share", result.touched_share}};
+    return out;
+}
+
+/// "FILE: 960x540 px, convolve, more": the beginning of the text for people.
+std::string headline(const MotionBlurOptions& options, const MotionBlurResult& result,
+                     const std::string& more) {
+    return fmt::format("{}: {}x{} px, {}, {}{}, {:.1f} % of the pixels touched", options.output,
+                       result.image.width, result.image.height, name(result.method), more,
+                       result.views > 0 ? fmt::format(", {} views", result.views) : "",
+                       100 * result.touched_share);
+}
+
 // A flat picture of another program.
 CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     refuse_for_pictures(options.paths.has_value(), "--paths");
@@ -95,33 +122,19 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
         {.exposure = exposure, .curve = shutter_curve(options.curve), .views = options.settings.views});
     write_image(options.output, result.image);
 
-    CommandResult out;
-    for (const MotionWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
-    out.json = {{"method", name(result.method)},
-                {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
-                {"depths", nullptr},
-                {"predicted_db", nullptr},
-                {"retraced_share", 0.0},
-                {"focus_m", nullptr},
-                {"focal_length_mm", nullptr},
-                {"f_number", nullptr},
-                {"shutter_open_frames", exposure.open_s},
-                {"shutter_close_frames", exposure.close_s},
-                {"instants", 1},
-                {"touched_share", result.touched_share},
-                {"vectors", {frame.u_name, frame.v_name}},
-                {"has_depth", frame.has_z},
-                {"has_alpha", frame.has_alpha},
-                {"longest_vector_px", frame.largest_px},
-                {"objects", nlohmann::ordered_json::array()}};
-    out.text = fmt::format(
-        "{}: {}x{} px, {} by {} and {}, longest {:.4g} px, shutter {:.6g} to {:.6g} frames{}, {:.1f} % of "
-        "the "
-        "pixels touched",
-        options.output, result.image.width, result.image.height, name(result.method), frame.u_name,
-        frame.v_name, frame.largest_px, exposure.open_s, exposure.close_s,
-        result.views > 0 ? fmt::format(", {} views", result.views) : "", 100 * result.touched_share);
+    CommandResult out = report(options, result);
+    out.json.update({{"shutter_open_frames", exposure.open_s},
+                     {"shutter_close_frames", exposure.close_s},
+                     {"instants", 1},
+                     {"vectors", {frame.u_name, frame.v_name}},
+                     {"has_depth", frame.has_z},
+                     {"has_alpha", frame.has_alpha},
+                     {"longest_vector_px", frame.largest_px},
+                     {"objects", nlohmann::ordered_json::array()}});
+    out.text =
+        headline(options, result,
+                 fmt::format("by {} and {}, longest {:.4g} px, shutter {:.6g} to {:.6g} frames", frame.u_name,
+                             frame.v_name, frame.largest_px, exposure.open_s, exposure.close_s));
     return out;
 }
 
@@ -143,31 +156,21 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     const MotionBlurResult result = motion_blur(file, settings);
     write_image(options.output, result.image);
 
-    CommandResult out;
-    check_sufficient(file.header(), settings.exposure, out);
-    for (const MotionWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
+    const SampleHeader& h = file.header();
+    std::vector<Warning> warnings;
+    check_sufficient(h, settings.exposure, warnings);
+    CommandResult out = report(options, result, std::move(warnings));
     nlohmann::ordered_json objects = nlohmann::ordered_json::array();
     for (const ObjectReport& o : result.objects) objects.push_back(object_json(o));
-    const SampleHeader& h = file.header();
-    out.json = {{"method", name(result.method)},
-                {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
-                {"depths", nullptr},
-                {"predicted_db", nullptr},
-                {"retraced_share", 0.0},
-                {"focus_m", h.focus_m ? json_number(*h.focus_m) : nullptr},
-                {"focal_length_mm", h.focal_length_mm},
-                {"f_number", nullptr},
-                {"shutter_open_s", settings.exposure.open_s},
-                {"shutter_close_s", settings.exposure.close_s},
-                {"instants", file.instants()},
-                {"touched_share", result.touched_share},
-                {"objects", objects}};
-    out.text = fmt::format("{}: {}x{} px, {}, shutter {:.6g} to {:.6g} s{}, {:.1f} % of the pixels touched",
-                           options.output, result.image.width, result.image.height, name(result.method),
-                           settings.exposure.open_s, settings.exposure.close_s,
-                           result.views > 0 ? fmt::format(", {} views", result.views) : "",
-                           100 * result.touched_share);
+    out.json.update({{"focus_m", h.focus_m ? json_number(*h.focus_m) : nullptr},
+                     {"focal_length_mm", h.focal_length_mm},
+                     {"shutter_open_s", settings.exposure.open_s},
+                     {"shutter_close_s", settings.exposure.close_s},
+                     {"instants", file.instants()},
+                     {"objects", objects}});
+    out.text = headline(
+        options, result,
+        fmt::format("shutter {:.6g} to {:.6g} s", settings.exposure.open_s, settings.exposure.close_s));
     constexpr std::size_t most_lines = 20;
     std::size_t lines = 0, left = 0;
     for (const ObjectReport& o : result.objects) {

@@ -5,7 +5,6 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "core/error.h"
 #include "motionblur/shutter_views.h"
 
 namespace postlens {
@@ -26,10 +25,7 @@ int views_for(const std::vector<IdMotion>& ids, const FieldBlurSettings& setting
 FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& meshes,
                      const FrameMotion& motion, const std::vector<IdMotion>& ids,
                      const std::vector<std::uint32_t>& wanted_ids, const FieldBlurSettings& settings) {
-    if (settings.views && (*settings.views < 1 || *settings.views > FieldBlurSettings::most_views)) {
-        fail(ExitCode::wrong_arguments, "--views: out of range (got {}; expected 1 to {})", *settings.views,
-             FieldBlurSettings::most_views);
-    }
+    check_views(settings.views);
     FieldBlur out;
     out.views = settings.exposure.close_s > settings.exposure.open_s || settings.views
                     ? views_for(ids, settings)
@@ -67,16 +63,12 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& 
         for (const std::uint32_t id : moving) use.maps.push_back(motion.map(id, meshes[mesh].time_s, time_s));
         return use;
     };
-    const int places = std::min(most_places, out.views);
-    for (int i = 0; i < out.views; ++i) {
+    for (const auto& [place, t] : shutter_views(settings.curve, settings.exposure, out.views)) {
         FieldView v;
-        v.sample = place_in_pixel(static_cast<std::uint32_t>(i % places), static_cast<double>(places));
-        const double share = settings.curve.time((i + 0.5) / out.views);
-        const double t =
-            settings.exposure.open_s + share * (settings.exposure.close_s - settings.exposure.open_s);
+        v.sample = place;
         const auto after =
             std::upper_bound(by_time.begin(), by_time.end(), t,
-                             [&](double time, std::size_t m) { return time < meshes[m].time_s; });
+                             [&meshes](double time, std::size_t m) { return time < meshes[m].time_s; });
         if (after == by_time.begin()) {
             v.uses.push_back(use_of(by_time.front(), 1, t));
         } else if (after == by_time.end()) {

@@ -17,7 +17,6 @@ struct FieldBlurSettings {
     Exposure exposure;
     ShutterCurve curve = ShutterCurve::box();
     std::optional<int> views;  ///< instants, 1..most_views; absent: by the longest way
-    static constexpr int most_views = 4096;
 };
 
 struct FieldBlur {

@@ -1,25 +1,20 @@
 #include "motionblur/motion_blur.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <utility>
 
 #include "core/error.h"
-#include "core/threads.h"
 #include "motionblur/convolve_blur.h"
 #include "motionblur/field_blur.h"
 #include "motionblur/motion_warnings.h"
-#include "records/quadtree.h"
+#include "motionblur/shutter_views.h"
+#include "motionblur/still_pictures.h"
 #include "reproject/fill_gaps.h"
 
 namespace postlens {
 namespace {
-
-/// Share of a pixel's light that is worth a warning. One view of 128 is not: where a leaf of a curved surface
-/// meets two of half its size, a look may fall between them.
-constexpr float noticeable_gap = 0.01F;
 
 void check(const MotionBlurSettings& s) {
     if (!(s.exposure.open_s <= s.exposure.close_s)) {
@@ -36,10 +31,7 @@ void check(const MotionBlurSettings& s) {
         fail(ExitCode::wrong_arguments, "--fit-paths: out of range (got {}; expected px, more than 0)",
              *s.fit_px);
     }
-    if (s.views && (*s.views < 1 || *s.views > FieldBlurSettings::most_views)) {
-        fail(ExitCode::wrong_arguments, "--views: out of range (got {}; expected 1 to {})", *s.views,
-             FieldBlurSettings::most_views);
-    }
+    check_views(s.views);
 }
 
 FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>& paths) {
@@ -59,36 +51,6 @@ FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>&
         }
     }
     return motion;
-}
-
-/// 1 where one of the four corners of the pixel, or a sample in it, shows one of the ids.
-std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
-                                         const std::vector<std::uint32_t>& ids) {
-    const auto width = static_cast<std::size_t>(header.width);
-    std::vector<std::uint8_t> out(width * static_cast<std::size_t>(header.height), 0);
-    const auto shows = [&](const RecordBand& band, int x, int y) {
-        const std::size_t k = band.pixel(x, y);
-        for (std::uint32_t i = band.offsets[k]; i < band.offsets[k + 1]; ++i) {
-            const Record& r = band.records[i];
-            if (r.layer == 0 && r.path.bits() == 0 && std::binary_search(ids.begin(), ids.end(), r.id))
-                return true;
-        }
-        return false;
-    };
-    parallel_for(bands.size(), [&](std::size_t b) {
-        const RecordBand& band = bands[b];
-        if (band.offsets.size() <= 1) return;  // not read, as it has none of what moves
-        for (int y = std::max(0, band.y_begin); y < std::min(header.height, band.y_end - 1); ++y) {
-            for (int x = 0; x < header.width; ++x) {
-                out[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] =
-                    shows(band, x, y) || shows(band, x + 1, y) || shows(band, x, y + 1) ||
-                            shows(band, x + 1, y + 1)
-                        ? 1
-                        : 0;
-            }
-        }
-    });
-    return out;
 }
 
 class MotionBlur {
@@ -167,8 +129,7 @@ class MotionBlur {
         for (const IdMotion& m : motions_) {
             ObjectReport o;
             o.id = m.id;
-            const auto name = header_.object_names.find(m.id);
-            o.name = name != header_.object_names.end() ? name->second : m.id == 0 ? "background" : "";
+            o.name = name_of(header_, m.id);
             o.kind = m.kind;
             o.largest_move_px = m.largest_move_px;
             o.deviation_px = m.deviation_px;
@@ -246,53 +207,17 @@ class MotionBlur {
             field_blur(header_, meshes, motion_, motions_, wanted,
                        {.exposure = settings_.exposure, .curve = settings_.curve, .views = settings_.views});
         result_.views = blur.views;
-        if (meshes.size() > 1) blend_stills(blur.mesh_shares);
-        std::vector<std::uint32_t> moving;
-        for (const IdMotion& m : motions_) {
-            if (m.kind != MotionKind::still) moving.push_back(m.id);
-        }
+        if (meshes.size() > 1)
+            blend_stills(file_, blur.mesh_shares, ids_of(MotionMethod::convolve), touched_, result_.image);
         Image filled;  // for what no view knows
         const FieldPicture& p = blur.picture;
         const bool gaps = std::any_of(p.unknown.begin(), p.unknown.end(), [](float u) { return u > 0; });
-        if (gaps) filled = fill_behind(p, moving);
+        if (gaps) filled = fill_behind(p, moving_ids(motions_));
+        lay_over(result_.image, p, wanted_mark, filled);
         for (std::size_t k = 0; k < p.touched.size(); ++k) {
             if ((p.touched[k] & wanted_mark) == 0) continue;
-            const float gap = p.unknown[k];
-            for (std::size_t c = 0; c < 3; ++c) {
-                float& to = result_.image.rgb[3 * k + c];
-                to = p.image.rgb[3 * k + c];
-                if (gap > 0) to = (1 - gap) * to + gap * filled.rgb[3 * k + c];
-            }
             touched_[k] = 1;
-            unknown_[k] = gap;
-        }
-    }
-
-    [[nodiscard]] Image still_picture(std::size_t instant) const {
-        Image image(header_.width, header_.height);
-        RecordBands(file_, instant).read_all([&](const RecordBand& band) {
-            const int y_begin = std::max(0, band.y_begin), y_end = std::min(header_.height, band.y_end - 1);
-            parallel_for(static_cast<std::size_t>(std::max(0, y_end - y_begin)), [&](std::size_t i) {
-                const int y = y_begin + static_cast<int>(i);
-                picture_row(band, y, 0, header_.width,
-                            {image.pixel(0, y), static_cast<std::size_t>(header_.width) * 3});
-            });
-            return false;
-        });
-        return image;
-    }
-
-    // The mean over the exposure of what the recorded instants show where nothing moves.
-    void blend_stills(const std::vector<double>& shares) {
-        std::vector<double> sum(result_.image.rgb.size(), 0);
-        for (std::size_t i = 0; i < shares.size(); ++i) {
-            if (shares[i] == 0) continue;
-            const Image picture = i == 0 ? file_.picture() : still_picture(i);
-            for (std::size_t k = 0; k < sum.size(); ++k)
-                sum[k] += shares[i] * static_cast<double>(picture.rgb[k]);
-        }
-        for (std::size_t k = 0; k < sum.size(); ++k) {
-            if (touched_[k / 3] == 0) result_.image.rgb[k] = static_cast<float>(sum[k]);
+            unknown_[k] = p.unknown[k];
         }
     }
 
@@ -312,73 +237,17 @@ class MotionBlur {
     void warn(bool blends) {
         const auto pixels = static_cast<double>(touched_.size());
         result_.touched_share = static_cast<double>(std::count(touched_.begin(), touched_.end(), 1)) / pixels;
-        const auto gaps =
-            std::count_if(unknown_.begin(), unknown_.end(), [](float u) { return u > noticeable_gap; });
-        if (gaps > 0) {
-            const double share = static_cast<double>(gaps) / pixels;
-            result_.warnings.push_back(
-                {"uncovered", share,
-                 fmt::format(
-                     "what moving objects uncover was not recorded in {:.2f} % of the pixels and is filled "
-                     "from around them (expected `trace --for-shutter`, and `--overscan` at the frame's "
-                     "edge)",
-                     100 * share)});
-        }
-        std::vector<std::uint32_t> moving;
-        for (const IdMotion& m : motions_) {
-            if (m.kind != MotionKind::still) moving.push_back(m.id);
-        }
-        warn_of_cut(moving);
+        warn_of_gaps(
+            unknown_,
+            "what moving objects uncover was not recorded in {:.2f} % of the pixels and is filled "
+            "from around them (expected `trace --for-shutter`, and `--overscan` at the frame's edge)",
+            result_.warnings);
+        const std::vector<std::uint32_t> moving = moving_ids(motions_);
+        warn_of_cut(file_, motion_, extents_, moving, settings_.exposure, result_.warnings);
         warn_of_left_out();
         if (blends || !may_have_unseen_motion(header_)) return;
         bands_.need_all();
         warn_of_unseen_motion(header_, bands_.bands(), moving, settings_.exposure, result_.warnings);
-    }
-
-    // Whether a side on which the records cut an object off is moved into the frame.
-    [[nodiscard]] bool border_comes_in(std::uint32_t id, const IdExtent& e) const {
-        const std::array<bool, 4> cut{e.x_min <= file_.x_begin(), e.x_max >= file_.x_end() - 1,
-                                      e.y_min <= file_.y_begin(), e.y_max >= file_.y_end() - 1};
-        if (std::find(cut.begin(), cut.end(), true) == cut.end()) return false;
-        for (const double t : probe_times(motion_.breaks_s(id), settings_.exposure)) {
-            const RasterMap map = motion_.map(id, header_.time_s, t);
-            for (int k = 0; k < 8; ++k) {
-                const bool right = (k & 1) != 0, low = (k & 2) != 0;
-                const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
-                                    (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
-                if (!p) return true;
-                // The records' own border may lie on the frame's.
-                constexpr double margin_px = 0.5;
-                if ((cut[0] && !right && p->x > margin_px) ||
-                    (cut[1] && right && p->x < header_.width - margin_px) ||
-                    (cut[2] && !low && p->y > margin_px) ||
-                    (cut[3] && low && p->y < header_.height - margin_px))
-                    return true;
-            }
-        }
-        return false;
-    }
-
-    // What moves and reaches the border of the records may come in from beyond it.
-    void warn_of_cut(const std::vector<std::uint32_t>& moving) {
-        std::string names;
-        for (const std::uint32_t id : moving) {
-            const auto found = extents_.find(id);
-            if (id == 0 || found == extents_.end() ||
-                motion_.camera_moves(settings_.exposure.open_s, settings_.exposure.close_s))
-                continue;
-            if (!border_comes_in(id, found->second)) continue;
-            const auto name = header_.object_names.find(id);
-            names += (names.empty() ? "" : ", ") +
-                     (name != header_.object_names.end() ? name->second : std::to_string(id));
-        }
-        if (names.empty()) return;
-        result_.warnings.push_back(
-            {"overscan", 0,
-             fmt::format(
-                 "moving objects are cut by the border of the records: {} (expected `trace --overscan "
-                 "auto --for-shutter`)",
-                 names)});
     }
 
     // What comes into the frame after its instant, where the method knows of that instant alone.
@@ -386,7 +255,7 @@ class MotionBlur {
         std::string names;
         for (const ObjectReport& o : result_.objects) {
             if (o.kind == MotionKind::still || o.method != MotionMethod::automatic) continue;
-            names += (names.empty() ? "" : ", ") + (o.name.empty() ? std::to_string(o.id) : o.name);
+            names += (names.empty() ? "" : ", ") + label_of(header_, o.id);
         }
         if (names.empty()) return;
         result_.warnings.push_back(

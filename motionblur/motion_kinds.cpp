@@ -131,4 +131,23 @@ IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& e
     return out;
 }
 
+std::vector<std::uint32_t> moving_ids(const std::vector<IdMotion>& ids) {
+    std::vector<std::uint32_t> out;
+    for (const IdMotion& m : ids) {
+        if (m.kind != MotionKind::still) out.push_back(m.id);
+    }
+    return out;
+}
+
+std::string name_of(const SampleHeader& header, std::uint32_t id) {
+    const auto found = header.object_names.find(id);
+    if (found != header.object_names.end()) return found->second;
+    return id == 0 ? "background" : "";
+}
+
+std::string label_of(const SampleHeader& header, std::uint32_t id) {
+    const std::string name = name_of(header, id);
+    return name.empty() ? std::to_string(id) : name;
+}
+
 }  // namespace postlens

@@ -41,6 +41,14 @@ struct IdMotion {
     double inverse_z = 0;  ///< mean of its records, 1/m
 };
 
+/// Those that do not stand still, in the order of `ids`.
+[[nodiscard]] std::vector<std::uint32_t> moving_ids(const std::vector<IdMotion>& ids);
+
+/// The name of an id; "background" for 0, empty where the file has none.
+[[nodiscard]] std::string name_of(const SampleHeader& header, std::uint32_t id);
+/// The same for messages: the number where there is no name.
+[[nodiscard]] std::string label_of(const SampleHeader& header, std::uint32_t id);
+
 struct Exposure {
     double open_s = 0, close_s = 0;
 };

@@ -1,6 +1,7 @@
 #include "motionblur/motion_warnings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -161,6 +162,30 @@ class ShadowTest {
     std::vector<MovingLight> lights_;
 };
 
+/// Whether a side on which the records cut an object off is moved into the frame.
+bool border_comes_in(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
+                     const IdExtent& e, const Exposure& exposure) {
+    const SampleHeader& h = file.header();
+    const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
+                                  e.y_min <= file.y_begin(), e.y_max >= file.y_end() - 1};
+    if (std::find(cut.begin(), cut.end(), true) == cut.end()) return false;
+    for (const double t : probe_times(motion.breaks_s(id), exposure)) {
+        const RasterMap map = motion.map(id, h.time_s, t);
+        for (int k = 0; k < 8; ++k) {
+            const bool right = (k & 1) != 0, low = (k & 2) != 0;
+            const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
+                                (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
+            if (!p) return true;
+            // The records' own border may lie on the frame's.
+            constexpr double margin_px = 0.5;
+            if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
+                (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))
+                return true;
+        }
+    }
+    return false;
+}
+
 }  // namespace
 
 bool may_have_unseen_motion(const SampleHeader& header) {
@@ -223,6 +248,32 @@ void warn_of_unseen_motion(const SampleHeader& header, const std::vector<RecordB
                                    "`trace --keys` or `render` for it)",
                                    header.time_s, 100 * share)});
     }
+}
+
+void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out) {
+    constexpr float noticeable = 0.01F;
+    const auto gaps = std::count_if(unknown.begin(), unknown.end(), [](float u) { return u > noticeable; });
+    if (gaps == 0) return;
+    const double share = static_cast<double>(gaps) / static_cast<double>(unknown.size());
+    out.push_back({"uncovered", share, fmt::format(fmt::runtime(text), 100 * share)});
+}
+
+void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion, const IdExtents& extents,
+                 const std::vector<std::uint32_t>& moving, const Exposure& exposure,
+                 std::vector<MotionWarning>& out) {
+    if (motion.camera_moves(exposure.open_s, exposure.close_s)) return;
+    std::string names;
+    for (const std::uint32_t id : moving) {
+        const auto found = extents.find(id);
+        if (id == 0 || found == extents.end()) continue;
+        if (!border_comes_in(file, motion, id, found->second, exposure)) continue;
+        names += (names.empty() ? "" : ", ") + label_of(file.header(), id);
+    }
+    if (names.empty()) return;
+    out.push_back({"overscan", 0,
+                   fmt::format("moving objects are cut by the border of the records: {} (expected `trace "
+                               "--overscan auto --for-shutter`)",
+                               names)});
 }
 
 }  // namespace postlens

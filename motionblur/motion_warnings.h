@@ -21,4 +21,14 @@ void warn_of_unseen_motion(const SampleHeader& header, const std::vector<RecordB
                            const std::vector<std::uint32_t>& moving, const Exposure& exposure,
                            std::vector<MotionWarning>& out);
 
+/// "uncovered": pixels of which more than a hundredth of the light is unknown (`unknown`, by pixel). One view
+/// of 128 is not worth a warning: where a leaf of a curved surface meets two of half its size, a look may
+/// fall between them. `text` has one place for the share in per cent.
+void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
+
+/// "overscan": ids of `moving` that the border of the records cuts, and that come into the frame there.
+void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion, const IdExtents& extents,
+                 const std::vector<std::uint32_t>& moving, const Exposure& exposure,
+                 std::vector<MotionWarning>& out);
+
 }  // namespace postlens

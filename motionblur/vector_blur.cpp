@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "motionblur/field_blur.h"
+#include "motionblur/motion_warnings.h"
 #include "motionblur/shutter_views.h"
 #include "motionblur/vector_mesh.h"
 #include "reproject/fill_gaps.h"
@@ -13,7 +13,6 @@
 namespace postlens {
 namespace {
 
-constexpr float noticeable_gap = 0.004F;  ///< share of a pixel's light: one step of 8 bits
 /// Where less than so much of the picture stands still, what is still is no model of what is behind.
 constexpr double least_still_share = 0.01;
 
@@ -26,10 +25,7 @@ void check(const VectorBlurSettings& s) {
              "--shutter: out of range (got {}:{}; expected frames, OPEN not after CLOSE, within {} of 0)",
              e.open_s, e.close_s, most_frames);
     }
-    if (s.views && (*s.views < 1 || *s.views > FieldBlurSettings::most_views)) {
-        fail(ExitCode::wrong_arguments, "--views: out of range (got {}; expected 1 to {})", *s.views,
-             FieldBlurSettings::most_views);
-    }
+    check_views(s.views);
 }
 
 LightField views_of(const VectorFrame& frame, const SampleMesh& mesh, const VectorBlurSettings& s,
@@ -41,13 +37,11 @@ LightField views_of(const VectorFrame& frame, const SampleMesh& mesh, const Vect
     field.motion_classes = 2;
     field.motion_class = [](std::uint32_t id) { return std::size_t{id}; };
     field.class_marks = {0, 1};
-    const int places = std::min(most_places, views);
-    for (int i = 0; i < views; ++i) {
+    for (const ShutterView& view : shutter_views(s.curve, s.exposure, views)) {
         FieldView v;
-        v.sample = place_in_pixel(static_cast<std::uint32_t>(i % places), static_cast<double>(places));
-        const double share = s.curve.time((i + 0.5) / views);
+        v.sample = view.place;
         FieldView::Use use;
-        use.elapsed = s.exposure.open_s + share * (s.exposure.close_s - s.exposure.open_s);
+        use.elapsed = view.time_s;
         v.uses.push_back(std::move(use));
         field.views.push_back(std::move(v));
     }
@@ -96,29 +90,14 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; }))
         behind = filled(frame, result.image, seen);
-    std::size_t touched = 0, gaps = 0;
-    for (std::size_t k = 0; k < seen.touched.size(); ++k) {
-        if (seen.touched[k] == 0) continue;
-        ++touched;
-        const float gap = seen.unknown[k];
-        if (gap > noticeable_gap) ++gaps;
-        for (std::size_t c = 0; c < 3; ++c) {
-            float& to = result.image.rgb[3 * k + c];
-            to = seen.image.rgb[3 * k + c];
-            if (gap > 0) to = (1 - gap) * to + gap * behind.rgb[3 * k + c];
-        }
-    }
-    const auto pixels = static_cast<double>(seen.touched.size());
-    result.touched_share = static_cast<double>(touched) / pixels;
-    if (gaps > 0) {
-        const double share = static_cast<double>(gaps) / pixels;
-        result.warnings.push_back(
-            {"uncovered", share,
-             fmt::format(
+    lay_over(result.image, seen, 0xFF, behind);
+    const auto touched =
+        std::count_if(seen.touched.begin(), seen.touched.end(), [](std::uint8_t mark) { return mark != 0; });
+    result.touched_share = static_cast<double>(touched) / static_cast<double>(seen.touched.size());
+    warn_of_gaps(seen.unknown,
                  "what comes to light while the shutter is open is not in the picture in {:.2f} % of the "
                  "pixels and is filled from around them",
-                 100 * share)});
-    }
+                 result.warnings);
     return result;
 }
 

@@ -9,7 +9,7 @@ namespace postlens {
 struct VectorBlurSettings {
     Exposure exposure;  ///< in frames: 0 is the picture's own instant, 1 the next frame's
     ShutterCurve curve = ShutterCurve::box();
-    std::optional<int> views;  ///< instants, 1..FieldBlurSettings::most_views; absent: by the longest way
+    std::optional<int> views;  ///< instants, 1..most_views; absent: by the longest way
 };
 
 /// The light field over time, every pixel going straight on at its own speed. What it uncovers is not in the

@@ -298,4 +298,16 @@ FieldPicture light_field(const LightField& field) {
     return Field(field).picture();
 }
 
+void lay_over(Image& image, const FieldPicture& seen, std::uint8_t marks, const Image& behind) {
+    for (std::size_t k = 0; k < seen.touched.size(); ++k) {
+        if ((seen.touched[k] & marks) == 0) continue;
+        const float gap = seen.unknown[k];
+        for (std::size_t c = 0; c < 3; ++c) {
+            float& to = image.rgb[3 * k + c];
+            to = seen.image.rgb[3 * k + c];
+            if (gap > 0) to = (1 - gap) * to + gap * behind.rgb[3 * k + c];
+        }
+    }
+}
+
 }  // namespace postlens

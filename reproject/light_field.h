@@ -50,4 +50,8 @@ struct FieldPicture {
 /// Same bits for any number of threads.
 [[nodiscard]] FieldPicture light_field(const LightField& field);
 
+/// Puts what the views show into `image`, of the same size, in the pixels touched by one of `marks`. Where
+/// part of a pixel is unknown, `behind` stands in for that part; it may be empty where nothing is.
+void lay_over(Image& image, const FieldPicture& seen, std::uint8_t marks, const Image& behind);
+
 }  // namespace postlens

@@ -238,15 +238,6 @@ Scene plate_over_wall() {
     return b.scene;
 }
 
-double psnr(const Image& a, const Image& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.rgb.size(); ++i) {
-        const double d = static_cast<double>(a.rgb[i]) - static_cast<double>(b.rgb[i]);
-        sum += d * d;
-    }
-    return -10 * std::log10(sum / static_cast<double>(a.rgb.size()));
-}
-
 TEST(MotionBlur, WhatIsUncoveredIsRightWhereRecordedAndSaidWhereNot) {
     const Scene scene = plate_over_wall();
     RenderSettings truth;

@@ -1,6 +1,7 @@
 // A scene traced into a sample file for the tests of what is made of it: emission only, 64x48 px, 50 mm.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 
 #include "motionblur/motion_blur.h"
@@ -15,6 +16,16 @@ inline constexpr double px_per_m = 50.0 / 36 * 64;
 
 inline std::vector<TransformKey> from_to(const glm::dvec3& to) {
     return {{.time_s = 0}, {.time_s = 1, .translation = to}};
+}
+
+/// Of all colour values, dB; 1 is the peak.
+inline double psnr(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.rgb.size(); ++i) {
+        const double d = static_cast<double>(a.rgb[i]) - static_cast<double>(b.rgb[i]);
+        sum += d * d;
+    }
+    return -10 * std::log10(sum / static_cast<double>(a.rgb.size()));
 }
 
 class TracedFrame {

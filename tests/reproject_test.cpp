@@ -247,15 +247,6 @@ Scene room() {
     return b.scene;
 }
 
-double psnr(const Image& a, const Image& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.rgb.size(); ++i) {
-        const double d = static_cast<double>(a.rgb[i]) - static_cast<double>(b.rgb[i]);
-        sum += d * d;
-    }
-    return -10 * std::log10(sum / static_cast<double>(a.rgb.size()));
-}
-
 class MovingCamera : public testing::TestWithParam<TransformKey> {};
 
 // Views are 128 instants at one place in the pixel each: along an edge that sweeps w pixels the light is
