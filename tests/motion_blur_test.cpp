@@ -292,9 +292,11 @@ TEST(MotionBlur, KeysDoNotTakeAConvolvedObjectFromConvolve) {
     ASSERT_EQ(chosen.objects.size(), 1U);
     EXPECT_EQ(chosen.objects[0].method, MotionMethod::convolve);
     EXPECT_EQ(chosen.method, MotionMethod::convolve);
-    // Rows within the plate. Beside them what stands still is the mean of two keys.
-    for (int y = 20; y < 28; ++y) {
+    // The second key, at which the plate stands elsewhere, says nothing of the wall there. Where four tiles
+    // of the wall meet, the keys are subdivided differently, as other hidden surfaces lie near.
+    for (int y = 0; y < 48; ++y) {
         for (int x = 0; x < 64; ++x) {
+            if ((x == 31 || x == 32) && (y % 12 == 11)) continue;
             for (int c = 0; c < 3; ++c)
                 EXPECT_NEAR(chosen.image.pixel(x, y)[c], convolved.image.pixel(x, y)[c], 1e-6)
                     << x << ", " << y;

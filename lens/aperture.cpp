@@ -1,0 +1,174 @@
+#include "lens/aperture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec2;
+
+/// Chords of the rim that samples are taken from: 6e-6 of its area are lost for a rounded polygon.
+constexpr double fine = 1e-5;
+
+/// The place of u among running sums that end in 1, and how far into its step u is, [0, 1].
+std::pair<std::size_t, double> step_of(const double* begin, const double* end, double u) {
+    const double* at = std::min(std::upper_bound(begin, end, u), end - 1);
+    const double before = at == begin ? 0 : at[-1];
+    const double width = *at - before;
+    return {static_cast<std::size_t>(at - begin),
+            width > 0 ? std::clamp((u - before) / width, 0.0, 1.0) : 0.5};
+}
+
+/// Running sums, scaled to end in 1.
+void accumulate(std::vector<double>::iterator begin, std::vector<double>::iterator end) {
+    double sum = 0;
+    for (auto at = begin; at != end; ++at) *at = sum += *at;
+    if (sum > 0) {
+        for (auto at = begin; at != end; ++at) *at /= sum;
+    }
+}
+
+dvec2 cell_half(const AperturePicture& p) {
+    return dvec2(1.0 / std::max(p.width, p.height));
+}
+
+}  // namespace
+
+Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> picture)
+    : impulse_(impulse), picture_(std::move(picture)) {
+    check_impulse(impulse);
+    half_extent_ = {1 / impulse.squeeze, 1};
+    if (picture_) {
+        const AperturePicture& p = *picture_;
+        const dvec2 half = cell_half(p);
+        half_extent_ *= dvec2(p.width, p.height) * half;
+        double sum = 0;
+        for (const double light : p.light) {
+            if (!(light >= 0 && std::isfinite(light)))
+                fail(ExitCode::invalid_input,
+                     "{}: no picture of an aperture (got a value of {}; expected 0 or more)",
+                     impulse.file.string(), light);
+            sum += light;
+        }
+        if (!(sum > 0 && std::isfinite(sum)))
+            fail(ExitCode::invalid_input,
+                 "{}: an aperture that lets nothing through (got a sum of {}; expected more "
+                 "than 0)",
+                 impulse.file.string(), sum);
+        cell_light_ = p.light;
+        const auto width = static_cast<std::ptrdiff_t>(p.width);
+        for (std::ptrdiff_t y = 0; y < p.height; ++y) {
+            double row = 0;
+            for (std::ptrdiff_t x = 0; x < width; ++x)
+                row += p.light[static_cast<std::size_t>(y * width + x)];
+            row_light_.push_back(row);
+            accumulate(cell_light_.begin() + y * width, cell_light_.begin() + (y + 1) * width);
+        }
+        accumulate(row_light_.begin(), row_light_.end());
+    } else {
+        rim_ = whole(fine);
+        for (std::size_t i = 0; i < rim_.size(); ++i) {
+            const dvec2 a = rim_[i], b = rim_[(i + 1) % rim_.size()];
+            rim_light_.push_back(std::max(0.0, a.x * b.y - a.y * b.x));
+        }
+        accumulate(rim_light_.begin(), rim_light_.end());
+    }
+    if (varies_over_field()) lay_transmission_table();
+}
+
+bool Aperture::is_round() const {
+    return impulse_.kind == ImpulseKind::disc && impulse_.squeeze == 1 && impulse_.cats_eye == 0 &&
+           impulse_.spherical == 0;
+}
+
+bool Aperture::is_point_symmetric() const {
+    if (impulse_.spherical != 0 || impulse_.cats_eye != 0 || picture_) return false;
+    return impulse_.kind == ImpulseKind::disc || impulse_.blades % 2 == 0;
+}
+
+Outline Aperture::whole(double tolerance) const {
+    Outline out = impulse_.kind == ImpulseKind::polygon
+                      ? blades_outline(impulse_.blades, impulse_.rotation_deg, impulse_.roundness, tolerance)
+                      : circle_outline(tolerance);
+    for (dvec2& p : out) p.x /= impulse_.squeeze;
+    return out;
+}
+
+Outline Aperture::outline(const dvec2& field, double tolerance) const {
+    Outline out = whole(tolerance);
+    const dvec2 shift = -impulse_.cats_eye * field;
+    if (shift == dvec2(0)) return out;
+    Outline rim = circle_outline(tolerance);
+    for (dvec2& p : rim) p = {p.x / impulse_.squeeze + shift.x, p.y + shift.y};
+    return intersection(out, rim);
+}
+
+bool Aperture::passes(const dvec2& q, const dvec2& field) const {
+    const dvec2 p = q + impulse_.cats_eye * field;
+    return p.x * p.x * impulse_.squeeze * impulse_.squeeze + p.y * p.y <= 1;
+}
+
+double Aperture::share_passing(const dvec2& field) const {
+    if (!picture_) {
+        constexpr double tolerance = 1e-5;
+        return area(outline(field, tolerance)) / area(whole(tolerance));
+    }
+    const AperturePicture& p = *picture_;
+    const dvec2 half = cell_half(p);
+    double passing = 0, all = 0;
+    for (int y = 0; y < p.height; ++y) {
+        for (int x = 0; x < p.width; ++x) {
+            const double light = p.light[static_cast<std::size_t>(y) * static_cast<std::size_t>(p.width) +
+                                         static_cast<std::size_t>(x)];
+            all += light;
+            const dvec2 q = dvec2(2 * x + 1 - p.width, 2 * y + 1 - p.height) * half;
+            if (passes({q.x / impulse_.squeeze, q.y}, field)) passing += light;
+        }
+    }
+    return passing / all;
+}
+
+void Aperture::lay_transmission_table() {
+    constexpr std::size_t side = table_steps + 1;
+    transmission_.resize(side * side);
+    parallel_for(side * side, [&](std::size_t i) {
+        const dvec2 field(2.0 * static_cast<double>(i % side) / table_steps - 1,
+                          2.0 * static_cast<double>(i / side) / table_steps - 1);
+        transmission_[i] = static_cast<float>(share_passing(field));
+    });
+}
+
+double Aperture::transmission(const dvec2& field) const {
+    if (transmission_.empty()) return 1;
+    constexpr std::size_t side = table_steps + 1;
+    const auto place = [](double at) { return std::clamp((at + 1) / 2, 0.0, 1.0) * table_steps; };
+    const double x = place(field.x), y = place(field.y);
+    const auto i = std::min(static_cast<std::size_t>(x), side - 2),
+               j = std::min(static_cast<std::size_t>(y), side - 2);
+    const double fx = x - static_cast<double>(i), fy = y - static_cast<double>(j);
+    const auto at = [&](std::size_t di, std::size_t dj) {
+        return static_cast<double>(transmission_[(j + dj) * side + i + di]);
+    };
+    return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) + fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
+}
+
+dvec2 Aperture::sample(double u, double v) const {
+    if (picture_) {
+        const auto width = static_cast<std::size_t>(picture_->width);
+        const auto [row, in_row] = step_of(row_light_.data(), row_light_.data() + row_light_.size(), v);
+        const double* cells = cell_light_.data() + row * width;
+        const auto [column, in_cell] = step_of(cells, cells + width, u);
+        const dvec2 half = cell_half(*picture_);
+        return {(2 * (static_cast<double>(column) + in_cell) - picture_->width) * half.x / impulse_.squeeze,
+                (2 * (static_cast<double>(row) + in_row) - picture_->height) * half.y};
+    }
+    const auto [i, along] = step_of(rim_light_.data(), rim_light_.data() + rim_light_.size(), u);
+    const dvec2 a = rim_[i], b = rim_[(i + 1) % rim_.size()];
+    return std::sqrt(v) * (a + along * (b - a));
+}
+
+}  // namespace postlens

@@ -1,0 +1,195 @@
+#include "lens/aperture_response.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lens/cell_deposit.h"
+
+namespace postlens {
+namespace {
+
+using glm::dmat2;
+using glm::dvec2;
+
+dvec2 image_of(const ApertureImage& image, const dmat2& map, const dvec2& q) {
+    return image.centre_px + map * q + image.spherical_px * glm::dot(q, q) * q;
+}
+
+/// Largest stretch of the map: its first singular value.
+double stretch(const dmat2& m) {
+    const double xx = glm::dot(m[0], m[0]), yy = glm::dot(m[1], m[1]), xy = glm::dot(m[0], m[1]);
+    return std::sqrt((xx + yy) / 2 + std::hypot((xx - yy) / 2, xy));
+}
+
+ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWindow& window) {
+    const auto begin = [](double centre, double reach, int low, int high) {
+        return static_cast<int>(
+            std::clamp(std::floor(centre - reach), static_cast<double>(low), static_cast<double>(high)));
+    };
+    const auto end = [](double centre, double reach, int low, int high) {
+        return static_cast<int>(
+            std::clamp(std::ceil(centre + reach), static_cast<double>(low), static_cast<double>(high)));
+    };
+    // A little more than the reach: a corner on a whole coordinate must not fall out by rounding.
+    const double reach = reach_px * (1 + 1e-9) + 1e-9;
+    const int x_begin = begin(image.centre_px.x, reach, window.x_begin, window.x_end),
+              x_end = end(image.centre_px.x, reach, x_begin, window.x_end),
+              y_begin = begin(image.centre_px.y, reach, window.y_begin, window.y_end),
+              y_end = end(image.centre_px.y, reach, y_begin, window.y_end);
+    return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
+}
+
+/// A picture with `step` x `step` of its cells in one.
+struct CoarsePicture {
+    int step = 1, width = 0, height = 0;
+    std::vector<double> light;
+};
+
+/// No finer than half a pixel of the response.
+CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
+    const int longest = std::max(from.width, from.height);
+    const int step =
+        static_cast<int>(std::clamp(0.5 / std::max(cell_px, 1e-12), 1.0, static_cast<double>(longest)));
+    CoarsePicture out{step, (from.width + step - 1) / step, (from.height + step - 1) / step, {}};
+    out.light.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);
+    for (int y = 0; y < from.height; ++y) {
+        for (int x = 0; x < from.width; ++x) {
+            out.light[static_cast<std::size_t>(y / step) * static_cast<std::size_t>(out.width) +
+                      static_cast<std::size_t>(x / step)] +=
+                from.light[static_cast<std::size_t>(y) * static_cast<std::size_t>(from.width) +
+                           static_cast<std::size_t>(x)];
+        }
+    }
+    return out;
+}
+
+void deposit_picture(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
+                     CellDeposit& deposit) {
+    const AperturePicture& whole = *aperture.picture();
+    const double cell = 2.0 / std::max(whole.width, whole.height);
+    const double narrower = aperture.half_extent().x / (whole.width * cell / 2);
+    CoarsePicture p = coarse_enough(whole, cell * scale * std::max(1.0, narrower));
+    // What the last column and row of averaged cells have beyond the picture is not there.
+    const auto corner = [&](int x, int y) {
+        return dvec2((std::min(x * p.step, whole.width) - whole.width / 2.0) * cell * narrower,
+                     (std::min(y * p.step, whole.height) - whole.height / 2.0) * cell);
+    };
+    const auto light = [&p](int x, int y) -> double& {
+        return p.light[static_cast<std::size_t>(y) * static_cast<std::size_t>(p.width) +
+                       static_cast<std::size_t>(x)];
+    };
+    double sum = 0;
+    for (int y = 0; y < p.height; ++y) {
+        for (int x = 0; x < p.width; ++x) {
+            if (aperture.varies_over_field() &&
+                !aperture.passes((corner(x, y) + corner(x + 1, y + 1)) / 2.0, image.field))
+                light(x, y) = 0;
+            sum += light(x, y);
+        }
+    }
+    for (int y = 0; y < p.height && sum > 0; ++y) {
+        for (int x = 0; x < p.width; ++x) {
+            if (light(x, y) == 0) continue;
+            std::array<dvec2, 4> to{corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)};
+            for (dvec2& q : to) q = image_of(image, map, q);
+            deposit.add(to, light(x, y) / sum);
+        }
+    }
+}
+
+/// Rings around the middle of the rim, each cell in two triangles: its image may be folded, but a triangle
+/// has one orientation.
+void deposit_rings(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
+                   CellDeposit& deposit) {
+    constexpr double within_px = 0.02, ring_px = 1.5;
+    const Outline rim = aperture.outline(image.field, std::clamp(within_px / scale, 1e-6, 5e-3));
+    if (rim.empty()) return;
+    dvec2 middle(0);
+    for (const dvec2& p : rim) middle += p / static_cast<double>(rim.size());
+    const double total = area(rim);
+    const int rings = static_cast<int>(std::clamp(scale / ring_px, 24.0, 512.0));
+    std::vector<dvec2> inner(rim.size(), image_of(image, map, middle)), outer(rim.size());
+    for (int ring = 1; ring <= rings; ++ring) {
+        const double t = static_cast<double>(ring) / rings, before = (ring - 1.0) / rings;
+        for (std::size_t i = 0; i < rim.size(); ++i)
+            outer[i] = image_of(image, map, middle + t * (rim[i] - middle));
+        for (std::size_t i = 0; i < rim.size(); ++i) {
+            const std::size_t next = (i + 1) % rim.size();
+            const dvec2 a = rim[i] - middle, b = rim[next] - middle;
+            const double energy = (a.x * b.y - a.y * b.x) / 2 / total * (t * t - before * before);
+            const double inner_share = before / (before + t);  // of the triangle that has the inner side
+            deposit.add(std::array<dvec2, 3>{inner[i], outer[i], outer[next]}, energy * (1 - inner_share));
+            if (ring > 1)
+                deposit.add(std::array<dvec2, 3>{inner[i], outer[next], inner[next]}, energy * inner_share);
+        }
+        std::swap(inner, outer);
+    }
+}
+
+}  // namespace
+
+dmat2 with_area(const dmat2& m) {
+    const auto determinant = [](const dmat2& a) { return a[0].x * a[1].y - a[0].y * a[1].x; };
+    const double largest = stretch(m);
+    if (largest < smallest_response_px) {
+        return dmat2(determinant(m) < 0 || m[0].x + m[1].y >= 0 ? smallest_response_px
+                                                                : -smallest_response_px);
+    }
+    if (std::abs(determinant(m)) >= largest * smallest_response_px) return m;
+    const dmat2 more = m + dmat2(smallest_response_px), less = m - dmat2(smallest_response_px);
+    return std::abs(determinant(more)) >= std::abs(determinant(less)) ? more : less;
+}
+
+bool is_even(const Aperture& aperture, const ApertureImage& image) {
+    return !aperture.picture() && image.spherical_px == 0;
+}
+
+double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
+    const double farthest = glm::length(aperture.half_extent());
+    return stretch(with_area(image.map_px)) * farthest +
+           std::abs(image.spherical_px) * farthest * farthest * farthest;
+}
+
+Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
+    const dmat2 map = with_area(image.map_px);
+    constexpr double within_px = 1e-3;
+    Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02));
+    for (dvec2& p : out) p = image_of(image, map, p);
+    return out;
+}
+
+ResponseGrid dense_response(const Aperture& aperture, const ApertureImage& image, const PixelWindow& window) {
+    const dmat2 map = with_area(image.map_px);
+    const double scale = stretch(map) + 3 * std::abs(image.spherical_px);
+    ResponseGrid grid = grid_for(image, largest_reach_px(aperture, image), window);
+    if (grid.share.empty()) return grid;
+    CellDeposit deposit(grid);
+    if (aperture.picture()) {
+        deposit_picture(aperture, image, map, scale, deposit);
+    } else {
+        deposit_rings(aperture, image, map, scale, deposit);
+    }
+    deposit.finish();
+    return grid;
+}
+
+ResponseGrid ray_response(const Aperture& aperture, const ApertureImage& image, const PixelWindow& window,
+                          int points) {
+    ResponseGrid grid = grid_for(image, largest_reach_px(aperture, image), window);
+    const dmat2 map = with_area(image.map_px);
+    double passing = 0;
+    for (int k = 0; k < points * points; ++k) {
+        const dvec2 q = aperture.sample((k % points + 0.5) / points, (k / points + 0.5) / points);
+        if (aperture.varies_over_field() && !aperture.passes(q, image.field)) continue;
+        passing += 1;
+        const dvec2 p = image_of(image, map, q);
+        const double x = std::floor(p.x) - grid.x_begin, y = std::floor(p.y) - grid.y_begin;
+        if (x >= 0 && y >= 0 && x < grid.width && y < grid.height)
+            grid.at(static_cast<int>(x), static_cast<int>(y)) += 1;
+    }
+    for (double& share : grid.share) share /= std::max(passing, 1.0);
+    return grid;
+}
+
+}  // namespace postlens
