@@ -98,13 +98,15 @@ Outline Aperture::whole(double tolerance) const {
     return out;
 }
 
+Outline Aperture::second_rim(const dvec2& field, double tolerance) const {
+    Outline out = circle_outline(tolerance);
+    for (dvec2& p : out) p = dvec2(p.x / impulse_.squeeze, p.y) - impulse_.cats_eye * field;
+    return out;
+}
+
 Outline Aperture::outline(const dvec2& field, double tolerance) const {
-    Outline out = whole(tolerance);
-    const dvec2 shift = -impulse_.cats_eye * field;
-    if (shift == dvec2(0)) return out;
-    Outline rim = circle_outline(tolerance);
-    for (dvec2& p : rim) p = {p.x / impulse_.squeeze + shift.x, p.y + shift.y};
-    return intersection(out, rim);
+    if (impulse_.cats_eye * field == dvec2(0)) return whole(tolerance);
+    return intersection(whole(tolerance), second_rim(field, tolerance));
 }
 
 bool Aperture::passes(const dvec2& q, const dvec2& field) const {
@@ -114,7 +116,7 @@ bool Aperture::passes(const dvec2& q, const dvec2& field) const {
 
 double Aperture::share_passing(const dvec2& field) const {
     if (!picture_) {
-        constexpr double tolerance = 1e-5;
+        constexpr double tolerance = 2e-4;
         return area(outline(field, tolerance)) / area(whole(tolerance));
     }
     const AperturePicture& p = *picture_;

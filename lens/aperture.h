@@ -45,6 +45,8 @@ class Aperture {
     /// The rim as a place of the field sees it, chords within `tolerance`. Not for pictures. Empty where
     /// nothing passes.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance) const;
+    /// The second rim alone.
+    [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
     /// Whether a point of the aperture also passes the second rim.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field) const;
