@@ -108,6 +108,7 @@ void add_render(CLI::App& root, State& s) {
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     whole(app, "--spp", r.spp, "Samples per pixel, 1 to 1048576", "N")->required();
     lens_options(app, o.lens, "the camera's");
+    impulse_options(app, o.impulse);
     number(app, "--time", r.time_s, "Instant without a shutter [default: the scene's]", "S");
     shutter_options(app, r.shutter, o.curve);
     choice(app, "--sampler", r.sampler, "How samples spread over pixel, lens, time, lights and gloss",
@@ -164,6 +165,7 @@ void add_focus(CLI::App& root, State& s) {
     app.add_option("frame", o.input, "Sample file")->required()->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     lens_options(app, o.lens);
+    impulse_options(app, o.impulse);
     choice(app, "--method", o.method, "How",
            {{"scatter", FocusMethod::scatter}, {"pinhole", FocusMethod::pinhole}});
     app.add_option_function<std::string>(

@@ -62,6 +62,35 @@ void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
         "Film at V = F s / (s - F): the view breathes with the focus, as in the 1981 paper");
 }
 
+void impulse_options(CLI::App& app, Impulse& to) {
+    app.add_option_function<std::string>(
+           "--impulse",
+           [&to](const std::string& text) {
+               const Impulse kind = parse_impulse("--impulse", text);
+               to.kind = kind.kind;
+               to.blades = kind.blades;
+               to.rotation_deg = kind.rotation_deg;
+               to.roundness = kind.roundness;
+               to.wavelengths_nm = kind.wavelengths_nm;
+               to.file = kind.file;
+           },
+           "What a point out of focus becomes: disc; polygon:BLADES[:DEG[:ROUNDNESS]], 3 to 64 blades, a "
+           "corner "
+           "at DEG from the right towards the bottom, roundness 0 to 1; image:FILE, the aperture as a "
+           "picture; "
+           "diffraction[:NM[,NM...]]; lens:PRESCRIPTION [default: disc]")
+        ->type_name("KIND");
+    number(app, "--squeeze", to.squeeze, "The aperture is so many times as tall as wide, 0.1 to 10", "X");
+    number(app, "--cats-eye", to.cats_eye,
+           "Mechanical vignetting: a second rim, shifted by X of the lens's radius at the picture's corner, "
+           "0 to 1.5",
+           "X");
+    number(
+        app, "--spherical", to.spherical,
+        "Spherical aberration: the rim of the lens is focused X dioptres nearer than its middle, -10 to 10",
+        "X");
+}
+
 void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
                    std::string& camera_name) {
     app.add_option("scene", scene, "Scene: .toml (docs/scene_format.md) or .nff")

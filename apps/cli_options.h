@@ -22,6 +22,8 @@ CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::s
 void common_options(CLI::App& app, ParsedCommand& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
+/// The impulse response, for focus and render alike.
+void impulse_options(CLI::App& app, Impulse& to);
 void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
                    std::string& camera_name);
 void tree_options(CLI::App& app, int& max_depth, double& min_contribution);

@@ -46,6 +46,7 @@ struct LensOptions {
 struct FocusOptions {
     std::string input, output;
     LensOptions lens;
+    Impulse impulse;
     FocusMethod method = FocusMethod::scatter;
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
@@ -57,6 +58,7 @@ struct RenderOptions {
     std::string scene, output;
     double metres_per_unit = 1;
     LensOptions lens;
+    Impulse impulse;
     std::string curve = "box";  ///< box, triangle or a file
     RenderSettings settings;
 };

@@ -67,6 +67,7 @@ CommandResult run_focus(const FocusOptions& options) {
                                                     .method = options.method,
                                                     .spacing = options.spacing,
                                                     .depth_model = options.depth_model,
+                                                    .impulse = options.impulse,
                                                     .depths = options.depths});
     write_image(options.output, result.image);
 
@@ -82,6 +83,7 @@ CommandResult run_focus(const FocusOptions& options) {
                 {"focus_m", json_number(lens.focus_m)},
                 {"focal_length_mm", lens.lens.focal_length_mm},
                 {"f_number", json_number(lens.lens.f_number)},
+                {"impulse", impulse_text(options.impulse)},
                 {"largest_coc_px", json_number(result.largest_coc_px)}};
     out.text = fmt::format(
         "{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} depths, widest CoC {:.1f} px",

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "records/aperture_file.h"
 
 namespace postlens {
 
@@ -42,6 +43,7 @@ CommandResult run_render(const RenderOptions& options) {
     settings.focus_m = options.lens.focus_m;
     settings.focus_at = options.lens.focus_at;
     settings.framing = options.lens.framing;
+    settings.aperture = std::make_shared<Aperture>(read_aperture(options.impulse));
     settings.metres_per_unit = options.metres_per_unit;
     settings.curve = shutter_curve(options.curve);
     const Scene scene = read_scene(options.scene, {.metres_per_unit = options.metres_per_unit});
@@ -70,6 +72,7 @@ CommandResult run_render(const RenderOptions& options) {
                 {"focus_m", json_number(r.focus_m)},
                 {"focal_length_mm", r.focal_length_mm},
                 {"f_number", json_number(r.f_number)},
+                {"impulse", impulse_text(options.impulse)},
                 {"shutter_s", shutter_json(settings)},
                 {"seconds_render", r.seconds_render}};
     if (settings.halves) {

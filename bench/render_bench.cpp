@@ -96,6 +96,7 @@ struct Prepared {
         batch.clear(false, tracer.needs_times());
         Sampler::EyeSamples n;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
         LensSamples s;          // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
+        std::vector<float> weights;
         for (int y = y0; y < y0 + tile; ++y) {
             for (int x = x0; x < x0 + tile; ++x) {
                 sampler.fill_eye(static_cast<std::uint32_t>(y * width + x), 0, spp, n);
@@ -106,7 +107,7 @@ struct Prepared {
                     s.lens_v[i] = n.lens_v[i];
                     s.time[i] = n.time_u[i];
                 }
-                camera.add_rays(s, batch);
+                camera.add_rays(s, batch, weights);
             }
         }
     }

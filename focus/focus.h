@@ -8,6 +8,7 @@
 
 #include "focus/depth_levels.h"
 #include "lens/focus_geometry.h"
+#include "lens/impulse.h"
 #include "records/image.h"
 #include "records/sample_file.h"
 
@@ -22,6 +23,7 @@ struct FocusSettings {
     FocusMethod method = FocusMethod::scatter;
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
+    Impulse impulse;
     /// Number of impulse responses over the finite depths, 2..DepthLevels::most_depths. Absent: chosen so
     /// that the CoC's diameter is quantised by less than half a pixel (see DepthLevels).
     std::optional<int> depths;

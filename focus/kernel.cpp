@@ -5,7 +5,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/memory.h"
 #include "core/threads.h"
+#include "focus/response_model.h"
 
 namespace postlens {
 namespace {
@@ -21,10 +23,9 @@ std::int32_t steps(double px) {
     return static_cast<std::int32_t>(std::lround(px / KernelKey::ellipse_step_px));
 }
 
-}  // namespace
-
-Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach) {
-    const EllipseRows source(ellipse, phase_x, phase_y);
+/// Of EllipseRows or OutlineRows.
+template <typename Rows>
+Kernel kernel_of_rows(const Rows& source, KernelReach reach) {
     Kernel out;
     out.inner = static_cast<float>(source.inner_share());
     out.y_begin = std::max(source.y_begin(), -reach.y);
@@ -67,6 +68,41 @@ Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, Kerne
     return out;
 }
 
+}  // namespace
+
+Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach) {
+    return kernel_of_rows(EllipseRows(ellipse, phase_x, phase_y), reach);
+}
+
+Kernel make_kernel(const OutlineRows& outline, KernelReach reach) {
+    return kernel_of_rows(outline, reach);
+}
+
+Kernel make_kernel(const ResponseGrid& grid, KernelReach reach) {
+    Kernel out;
+    out.y_begin = std::max(grid.y_begin, -reach.y);
+    const int y_end = std::min(grid.y_begin + grid.height, reach.y);
+    const int x_begin = std::max(grid.x_begin, -reach.x),
+              x_end = std::max(x_begin, std::min(grid.x_begin + grid.width, reach.x));
+    for (int y = out.y_begin; y < y_end; ++y) {
+        KernelRow row{.x_begin = x_begin,
+                      .inner_begin = x_end,
+                      .inner_end = x_end,
+                      .x_end = x_end,
+                      .tap = static_cast<std::uint32_t>(out.taps.size())};
+        double sum = 0;
+        for (int x = x_begin; x < x_end; ++x) {
+            out.taps.push_back(static_cast<float>(grid.at(x - grid.x_begin, y - grid.y_begin)));
+            sum += static_cast<double>(out.taps.back());
+        }
+        row.sum = static_cast<float>(sum);
+        out.rows.push_back(row);
+    }
+    out.x_begin = x_begin;
+    out.x_end = x_end;
+    return out;
+}
+
 KernelKey KernelKey::ellipse(const Ellipse& e) {
     const double extent = std::max(e.half_width(), e.half_height);
     const double shrink = std::min(1.0, largest_ellipse_px / extent);
@@ -76,20 +112,39 @@ KernelKey KernelKey::ellipse(const Ellipse& e) {
             .top_displacement = steps(e.shear * e.half_height * shrink)};
 }
 
-std::uint64_t KernelKey::packed() const {
+KernelKey KernelKey::map(const glm::dmat2& m) {
+    const double extent = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
+    const double shrink = std::min(1.0, largest_ellipse_px / std::max(extent, 1.0));
+    return {.is_disc = false,
+            .half_height = steps(m[0].x * shrink),
+            .half_chord = steps(m[0].y * shrink),
+            .top_displacement = steps(m[1].x * shrink),
+            .is_map = true,
+            .map_yy = steps(m[1].y * shrink)};
+}
+
+KernelKey::Packed KernelKey::packed() const {
     const auto field = [](std::int32_t value, std::int32_t offset, int shift) {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value + offset)) << shift;
     };
     const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
-    if (is_disc) return phases | static_cast<std::uint64_t>(level) << 12;
-    // 17 bits each hold 16000 px in steps of a quarter, with a sign.
-    return phases | field(half_height, 0, 12) | field(half_chord, 0, 29) |
-           field(top_displacement, 1 << 16, 46) | std::uint64_t{1} << 63;
+    // 17 bits each hold 16000 px in steps of a quarter, with a sign; fields of 2^14 cells either way.
+    constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
+    const std::uint64_t more =
+        (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
+        (upside_down ? std::uint64_t{1} << 18 : 0) | field(std::clamp(cell_x, -cells, cells - 1), cells, 19) |
+        field(std::clamp(cell_y, -cells, cells - 1), cells, 35) | field(cell_log2, 0, 51);
+    if (is_disc) return {phases | static_cast<std::uint64_t>(level) << 12, more};
+    const std::int32_t offset = is_map ? sign : 0;
+    return {phases | field(half_height, offset, 12) | field(half_chord, offset, 29) |
+                field(top_displacement, sign, 46) | std::uint64_t{1} << 63,
+            more};
 }
 
-KernelTable::KernelTable(std::vector<double> disc_radius_px, KernelReach reach)
+KernelTable::KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model)
     : disc_radius_px_(std::move(disc_radius_px)),
       reach_(reach),
+      model_(model),
       disc_used_(std::make_unique<std::atomic<bool>[]>(disc_radius_px_.size())) {
     keys_.reserve(disc_radius_px_.size());
     for (std::uint32_t level = 0; level < disc_radius_px_.size(); ++level)
@@ -97,7 +152,7 @@ KernelTable::KernelTable(std::vector<double> disc_radius_px, KernelReach reach)
 }
 
 std::uint32_t KernelTable::number_of(const KernelKey& key) {
-    if (key.is_disc && key.phase_x == 0 && key.phase_y == 0) {
+    if (key == KernelKey::disc(key.level)) {
         use_disc(key.level);
         return key.level;
     }
@@ -121,11 +176,35 @@ Ellipse KernelTable::outline(const KernelKey& key) const {
             key.top_displacement * KernelKey::ellipse_step_px / half_height};
 }
 
+glm::dmat2 KernelTable::map_px(const KernelKey& key) const {
+    if (key.is_disc)
+        return glm::dmat2(key.upside_down ? -disc_radius_px_[key.level] : disc_radius_px_[key.level]);
+    constexpr double step = KernelKey::ellipse_step_px;
+    return {key.half_height * step, key.half_chord * step, key.top_displacement * step, key.map_yy * step};
+}
+
 std::size_t KernelTable::bytes_of(const KernelKey& key) const {
+    if (!model_.is_round()) {
+        const double reach = model_.reach_px(map_px(key)) + 1;
+        const double rows = std::min(2 * reach, 2.0 * reach_.y) + 1,
+                     columns = std::min(2 * reach, 2.0 * reach_.x) + 1;
+        const double taps = model_.is_even() ? 4 * rows : rows * columns;
+        return static_cast<std::size_t>(rows * sizeof(KernelRow) + taps * sizeof(float)) + sizeof(Kernel);
+    }
     const Ellipse e = outline(key);
     const double rows = std::min(2 * e.half_height + 2, 2.0 * reach_.y + 1);
     const double outline_px = 4 * (e.half_height + e.half_width()) + 8;
     return static_cast<std::size_t>(rows * sizeof(KernelRow) + outline_px * sizeof(float)) + sizeof(Kernel);
+}
+
+Kernel KernelTable::kernel(const KernelKey& key) const {
+    const glm::dvec2 phase =
+        glm::dvec2(key.phase_x, key.phase_y) / static_cast<double>(KernelKey::phase_steps);
+    if (model_.is_round()) return make_kernel(outline(key), phase.x, phase.y, reach_);
+    const double cell_px = std::ldexp(1.0, key.cell_log2);
+    const glm::dvec2 place =
+        key.cell_log2 == 0 ? glm::dvec2(0) : glm::dvec2(key.cell_x + 0.5, key.cell_y + 0.5) * cell_px;
+    return model_.kernel({.map_px = map_px(key), .place_px = place, .phase_px = phase, .reach = reach_});
 }
 
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
@@ -135,11 +214,11 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     for (std::int32_t unit = 2; total > memory_limit_bytes && unit <= 1 << 12; unit *= 2) {
         total = 0;
-        std::unordered_map<std::uint64_t, bool> seen;
+        std::unordered_map<KernelKey::Packed, bool, PackedHash> seen;
         for (const auto& [packed, number] : number_of_key_) {
             KernelKey& key = keys_[number];
             if (key.is_disc) continue;
-            for (std::int32_t* n : {&key.half_height, &key.half_chord, &key.top_displacement}) {
+            for (std::int32_t* n : {&key.half_height, &key.half_chord, &key.top_displacement, &key.map_yy}) {
                 // Always the nearest multiple, halves away from zero: the same key whatever order it comes
                 // in.
                 *n = (*n < 0 ? -1 : 1) * ((std::abs(*n) + unit / 2) / unit) * unit;
@@ -154,7 +233,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     kernels_.resize(keys_.size());
     kernel_of_.assign(keys_.size(), nullptr);
     // Keys that coarsening made equal share the first one's kernel.
-    std::unordered_map<std::uint64_t, std::uint32_t> first_with_key;
+    std::unordered_map<KernelKey::Packed, std::uint32_t, PackedHash> first_with_key;
     std::vector<std::uint32_t> to_build;
     for (std::uint32_t i = 0; i < keys_.size(); ++i) {
         if (i < levels() && !disc_used_[i].load(std::memory_order_relaxed)) continue;
@@ -162,26 +241,23 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
         kernel_of_[i] = &kernels_[entry->second];
         if (is_new) to_build.push_back(i);
     }
+    std::size_t total = 0;
+    for (const std::uint32_t i : to_build) total += bytes_of(keys_[i]);
+    require_memory(total, "impulse responses");
     std::vector<bool> level_used(levels());
     for (std::uint32_t i : to_build) {
         if (keys_[i].is_disc) level_used[keys_[i].level] = true;
     }
     discs_used_ = static_cast<int>(std::count(level_used.begin(), level_used.end(), true));
     parallel_for(
-        to_build.size(),
-        [&](std::size_t i) {
-            const KernelKey& key = keys_[to_build[i]];
-            kernels_[to_build[i]] =
-                make_kernel(outline(key), static_cast<double>(key.phase_x) / KernelKey::phase_steps,
-                            static_cast<double>(key.phase_y) / KernelKey::phase_steps, reach_);
-        },
-        4);
+        to_build.size(), [&](std::size_t i) { kernels_[to_build[i]] = kernel(keys_[to_build[i]]); }, 4);
 }
 
 std::uint32_t KernelNumberCache::number_of(const KernelKey& key) {
-    const std::uint64_t packed = key.packed();
+    const KernelKey::Packed packed = key.packed();
     // Fibonacci hashing; the top 12 bits choose the entry.
-    Entry& entry = entries_[(packed * 0x9E3779B97F4A7C15U) >> 52];
+    Entry& entry =
+        entries_[((packed.first ^ packed.second * 0xC2B2AE3D27D4EB4FU) * 0x9E3779B97F4A7C15U) >> 52];
     if (entry.key != packed) entry = {packed, table_->number_of(key)};
     return entry.number;
 }

@@ -7,9 +7,12 @@
 #include <mutex>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "lens/ellipse_coverage.h"
+#include "lens/outline_rows.h"
+#include "lens/response_grid.h"
 
 namespace postlens {
 
@@ -42,8 +45,13 @@ struct Kernel {
 /// The kernel of an ellipse whose centre lies (phase_x, phase_y) px from the anchor. Rows and columns beyond
 /// `reach` are left out.
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
+/// The same of an outline that is placed already, and of a grid, of which every pixel gets a tap.
+[[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
+[[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
-/// What a splat's kernel is: an outline and where its centre lies between the pixels.
+class ResponseModel;
+
+/// What a splat's kernel is: the shape of its response and where its centre lies between the pixels.
 struct KernelKey {
     /// Steps of phases: centres lie on a grid of 1/16 px.
     static constexpr int phase_steps = 16;
@@ -58,10 +66,19 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;                               ///< in 1/phase_steps px, -16..16
 
+    // Only where the aperture is not round, or not the same all over the field:
+    bool is_map = false;  ///< then the three numbers above and this one are the map's columns, in steps
+    std::int32_t map_yy = 0;
+    bool upside_down = false;             ///< a disc before the focus
+    std::int32_t cell_x = 0, cell_y = 0;  ///< of the field, from the picture's middle
+    std::int32_t cell_log2 = 0;           ///< its width is 2^cell_log2 px; 0: one for all
+
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e);
-    /// All fields in 64 bits.
-    [[nodiscard]] std::uint64_t packed() const;
+    [[nodiscard]] static KernelKey map(const glm::dmat2& map_px);
+    /// All fields in 128 bits.
+    using Packed = std::pair<std::uint64_t, std::uint64_t>;
+    [[nodiscard]] Packed packed() const;
     friend bool operator==(const KernelKey&, const KernelKey&) = default;
 };
 
@@ -70,13 +87,15 @@ struct KernelKey {
 class KernelTable {
   public:
     /// `disc_radius_px`: the radius of each level. Discs of level i with phase (0, 0) have the number i.
-    KernelTable(std::vector<double> disc_radius_px, KernelReach reach);
+    /// `model`: whose responses these are; must outlive the table.
+    KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
     /// Marks the phase (0, 0) disc of a level as needed.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
     /// Makes the kernels, in parallel; to be called once, after the last number_of. Where those of ellipses
-    /// would take more than `memory_limit_bytes`, their steps are doubled until they fit.
+    /// would take more than `memory_limit_bytes`, their steps are doubled until they fit. Throws
+    /// Error(out_of_memory) where all together would take more than there is.
     void build(std::size_t memory_limit_bytes = std::size_t{512} << 20);
 
     [[nodiscard]] const Kernel& operator[](std::uint32_t number) const { return *kernel_of_[number]; }
@@ -84,20 +103,29 @@ class KernelTable {
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
     /// How many levels have a kernel, of any phase; after build.
     [[nodiscard]] int discs_used() const { return discs_used_; }
-    /// The outline that a key stands for.
+    /// The outline that a key of a round aperture stands for.
     [[nodiscard]] Ellipse outline(const KernelKey& key) const;
+    /// The map from the aperture to px that a key of another aperture stands for.
+    [[nodiscard]] glm::dmat2 map_px(const KernelKey& key) const;
 
     /// What a kernel of this key takes, about.
     [[nodiscard]] std::size_t bytes_of(const KernelKey& key) const;
 
   private:
+    struct PackedHash {
+        std::size_t operator()(const KernelKey::Packed& key) const {
+            return (key.first * 0x9E3779B97F4A7C15U) ^ (key.second * 0xC2B2AE3D27D4EB4FU >> 7);
+        }
+    };
     void coarsen_ellipses(std::size_t memory_limit_bytes);
+    [[nodiscard]] Kernel kernel(const KernelKey& key) const;
 
     std::vector<double> disc_radius_px_;
     KernelReach reach_;
+    const ResponseModel& model_;
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
-    std::unordered_map<std::uint64_t, std::uint32_t> number_of_key_;
+    std::unordered_map<KernelKey::Packed, std::uint32_t, PackedHash> number_of_key_;
     std::vector<KernelKey> keys_;           ///< by number
     std::vector<Kernel> kernels_;           ///< by number; empty where another one stands in
     std::vector<const Kernel*> kernel_of_;  ///< by number
@@ -112,7 +140,7 @@ class KernelNumberCache {
 
   private:
     struct Entry {
-        std::uint64_t key = ~std::uint64_t{0};
+        KernelKey::Packed key{~std::uint64_t{0}, 0};
         std::uint32_t number = 0;
     };
     KernelTable* table_;

@@ -42,6 +42,7 @@ class SplatTables::RowBuilder {
   private:
     [[nodiscard]] Response response_to_depth(double inverse_depth_per_m) const;
     [[nodiscard]] Response response_to_w(const Mat2& w) const;
+    void finish_other(Response& out, const glm::dmat2& map_px) const;
     [[nodiscard]] Response response_of(const Record& node, const Response& primary) const;
     void add_sample(const PointSample& s, std::span<const Record> nodes);
     void add_splats(const PointSample& s, const Response& response, const std::array<float, 3>& rgb,
@@ -55,6 +56,7 @@ class SplatTables::RowBuilder {
     std::vector<Splat> splats_;
     std::vector<SplatRun> runs_;
     std::array<float*, 3> raster_{};
+    glm::dvec2 place_px_{0};  ///< of the sample, from the picture's middle
     int y_ = 0;
     double largest_radius_px_ = 0;
     bool negative_ = false;
@@ -63,14 +65,34 @@ class SplatTables::RowBuilder {
 Response SplatTables::RowBuilder::response_to_depth(double inverse_depth_per_m) const {
     Response out;
     out.exact_radius_px = std::abs(t_.geometry_.coc_diameter_px(inverse_depth_per_m)) / 2;
+    const bool round = t_.response_->is_round();
+    const double signed_radius_px = t_.geometry_.coc_diameter_px(inverse_depth_per_m) / 2;
     if (const auto level = t_.levels_.level_of(inverse_depth_per_m)) {
         out.key = KernelKey::disc(*level);
         out.radius_px = t_.levels_.radius_px()[*level];
+        if (!round) {
+            out.key.upside_down = signed_radius_px < 0 && !t_.response_->is_point_symmetric();
+            finish_other(out, glm::dmat2(out.radius_px));
+        }
         return out;
     }
     out.radius_px = std::max(out.exact_radius_px, DepthLevels::smallest_radius_px);
-    out.key = KernelKey::ellipse(Ellipse::disc(out.radius_px));
+    out.key = round ? KernelKey::ellipse(Ellipse::disc(out.radius_px))
+                    : KernelKey::map(glm::dmat2(signed_radius_px));
+    if (!round) finish_other(out, glm::dmat2(signed_radius_px));
     return out;
+}
+
+// What responses that are not round have besides: their own extent, and a place in the field.
+void SplatTables::RowBuilder::finish_other(Response& out, const glm::dmat2& map_px) const {
+    out.radius_px = t_.response_->reach_px(map_px);
+    out.exact_radius_px = out.radius_px;
+    const double cell_px = t_.response_->cell_px(out.radius_px);
+    if (cell_px == 0) return;
+    out.key.cell_log2 = std::ilogb(cell_px);
+    const glm::dvec2 cell = glm::floor(place_px_ * std::ldexp(1.0, -out.key.cell_log2));
+    out.key.cell_x = static_cast<std::int32_t>(cell.x);
+    out.key.cell_y = static_cast<std::int32_t>(cell.y);
 }
 
 Response SplatTables::RowBuilder::response_to_w(const Mat2& w) const {
@@ -82,8 +104,13 @@ Response SplatTables::RowBuilder::response_to_w(const Mat2& w) const {
     // The node moves by gain (I/s - W) q for q on the aperture; glm's matrices go by columns.
     const double s = t_.geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
-    const Ellipse e = Ellipse::from_map(map, DepthLevels::smallest_radius_px);
     Response out;
+    if (!t_.response_->is_round()) {
+        out.key = KernelKey::map(map);
+        finish_other(out, map);
+        return out;
+    }
+    const Ellipse e = Ellipse::from_map(map, DepthLevels::smallest_radius_px);
     out.radius_px = std::max(e.half_height, e.half_width());
     out.exact_radius_px = out.radius_px;
     out.key = KernelKey::ellipse(e);
@@ -132,6 +159,10 @@ void SplatTables::RowBuilder::add_splats(const PointSample& s, const Response& r
 }
 
 void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const Record> nodes) {
+    const RasterWindow& p = t_.picture_;
+    place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
+                 static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
+    const auto passing = static_cast<float>(t_.response_->transmission(place_px_));
     // Infinity has the inverse depth 0; a depth that is smaller than a float's least normal number is none.
     const double z = std::max(static_cast<double>(nodes[0].z), 1e-37);
     const Response primary = response_to_depth(1 / z);
@@ -146,12 +177,13 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
             rgb = {rgb[0] + node.r, rgb[1] + node.g, rgb[2] + node.b};
             continue;
         }
-        add_splats(s, response, {node.r, node.g, node.b}, false);
+        add_splats(s, response, {passing * node.r, passing * node.g, passing * node.b}, false);
     }
+    for (float& channel : rgb) channel *= passing;
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
 
     const bool whole_corner = s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
-    if (whole_corner && primary.key.is_disc) {
+    if (whole_corner && primary.key.is_disc && t_.response_->is_round()) {
         const auto column = static_cast<std::size_t>(static_cast<int>(s.x) - t_.source_.x_begin);
         level_[column] = primary.key.level;
         for (std::size_t c = 0; c < 3; ++c) raster_[c][column] = rgb[c];
@@ -218,13 +250,15 @@ KernelReach reach_of(const RasterWindow& source, const RasterWindow& picture) {
 }  // namespace
 
 SplatTables::SplatTables(const RasterWindow& source, const RasterWindow& picture,
-                         const FocusGeometry& geometry, const DepthLevels& levels, DepthModel model)
+                         const FocusGeometry& geometry, const DepthLevels& levels, DepthModel model,
+                         std::shared_ptr<const ResponseModel> response)
     : source_(source),
       picture_(picture),
       geometry_(geometry),
       levels_(levels),
       model_(model),
-      kernels_(levels.radius_px(), reach_of(source, picture)) {
+      response_(response ? std::move(response) : std::make_shared<ResponseModel>()),
+      kernels_(levels.radius_px(), reach_of(source, picture), *response_) {
     const auto width = static_cast<std::size_t>(source.width());
     const auto height = static_cast<std::size_t>(source.height());
     for (auto& plane : raster_) plane.resize(width * height);

@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "focus/depth_levels.h"
 #include "focus/kernel.h"
+#include "focus/response_model.h"
 #include "records/quadtree.h"
 #include "records/record.h"
 
@@ -71,9 +73,10 @@ struct BorderRadii {
 /// Filled by bands of records in any order, each row once; then finished; then scattered.
 class SplatTables {
   public:
-    /// `source`: the recorded corners. `picture`: the pixels that will be asked for.
+    /// `source`: the recorded corners. `picture`: the pixels that will be asked for. `response`: none: discs.
     SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
-                const DepthLevels& levels, DepthModel model);
+                const DepthLevels& levels, DepthModel model,
+                std::shared_ptr<const ResponseModel> response = nullptr);
 
     /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
     /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
@@ -113,6 +116,7 @@ class SplatTables {
     FocusGeometry geometry_;
     DepthLevels levels_;
     DepthModel model_;
+    std::shared_ptr<const ResponseModel> response_;
     KernelTable kernels_;
     std::vector<float> raster_[3];
     std::vector<SplatRow> rows_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/fingerprint.h"
 #include "core/threads.h"
 
 namespace postlens {
@@ -171,6 +172,21 @@ dvec2 Aperture::sample(double u, double v) const {
     const auto [i, along] = step_of(rim_light_.data(), rim_light_.data() + rim_light_.size(), u);
     const dvec2 a = rim_[i], b = rim_[(i + 1) % rim_.size()];
     return std::sqrt(v) * (a + along * (b - a));
+}
+
+std::uint64_t Aperture::fingerprint() const {
+    Fingerprint out;
+    const bool polygon = impulse_.kind == ImpulseKind::polygon;
+    out.add(static_cast<std::uint64_t>(impulse_.kind));
+    for (const double value :
+         {polygon ? impulse_.blades : 0.0, polygon ? impulse_.rotation_deg : 0.0,
+          polygon ? impulse_.roundness : 0.0, impulse_.squeeze, impulse_.cats_eye, impulse_.spherical})
+        out.add(value);
+    if (picture_) {
+        out.add(static_cast<std::uint64_t>(picture_->width));
+        for (const double light : picture_->light) out.add(light);
+    }
+    return out.value();
 }
 
 }  // namespace postlens

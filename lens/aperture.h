@@ -1,7 +1,7 @@
 // An aperture as light sees it: which points of the lens it lets through, and how much.
 #pragma once
 
-#include <array>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -38,6 +38,7 @@ class Aperture {
     /// Whether a response is the same upside down, so that before and behind the focus do not differ.
     [[nodiscard]] bool is_point_symmetric() const;
     [[nodiscard]] bool varies_over_field() const { return impulse_.cats_eye != 0; }
+    [[nodiscard]] double cats_eye() const { return impulse_.cats_eye; }
     [[nodiscard]] double spherical_per_m() const { return impulse_.spherical; }
     /// Half the width and height of the box around it.
     [[nodiscard]] glm::dvec2 half_extent() const { return half_extent_; }
@@ -56,6 +57,9 @@ class Aperture {
     /// The point of the aperture, without the second rim, that (u, v) in [0, 1) picks, as evenly as the light
     /// comes through; neighbours mostly stay neighbours.
     [[nodiscard]] glm::dvec2 sample(double u, double v) const;
+
+    /// The same for equal apertures, and hardly ever for others.
+    [[nodiscard]] std::uint64_t fingerprint() const;
 
   private:
     [[nodiscard]] Outline whole(double tolerance) const;

@@ -99,18 +99,18 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
             for (int k = 0; k < parts * parts; ++k) {
                 const dvec2 at = low + dvec2(k % parts, k / parts) * size / static_cast<double>(parts);
                 const dvec2 end = at + size / static_cast<double>(parts);
-                Outline cell{at, dvec2(end.x, at.y), end, dvec2(at.x, end.y)};
+                Outline part{at, dvec2(end.x, at.y), end, dvec2(at.x, end.y)};
                 double energy = light(x, y) / (parts * parts);
-                if (!second.empty() && !std::all_of(cell.begin(), cell.end(), [&](const dvec2& q) {
+                if (!second.empty() && !std::all_of(part.begin(), part.end(), [&](const dvec2& q) {
                         return aperture.passes(q, image.field);
                     })) {
-                    const double all = area(cell);
-                    cell = intersection(cell, second);
-                    if (cell.empty()) continue;
-                    energy *= area(cell) / all;
+                    const double all = area(part);
+                    part = intersection(part, second);
+                    if (part.empty()) continue;
+                    energy *= area(part) / all;
                 }
-                for (dvec2& q : cell) q = image_of(image, map, q);
-                deposit.add(cell, energy);
+                for (dvec2& q : part) q = image_of(image, map, q);
+                deposit.add(part, energy);
                 sum += energy;
             }
         }

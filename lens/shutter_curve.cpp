@@ -1,13 +1,13 @@
 #include "lens/shutter_curve.h"
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <string>
 
 #include "core/error.h"
+#include "core/fingerprint.h"
 
 namespace postlens {
 namespace {
@@ -137,15 +137,12 @@ double ShutterCurve::light(double time) const {
 }
 
 std::uint64_t ShutterCurve::fingerprint() const {
-    std::uint64_t hash = 0xcbf29ce484222325U;  // FNV-1a
+    Fingerprint out;
     for (const Knot& k : knots_) {
-        for (const double value : {k.time, k.density}) {
-            const auto bits = std::bit_cast<std::uint64_t>(value);
-            for (int shift = 0; shift < 64; shift += 8)
-                hash = (hash ^ ((bits >> shift) & 0xFFU)) * 0x100000001b3U;
-        }
+        out.add(k.time);
+        out.add(k.density);
     }
-    return hash;
+    return out.value();
 }
 
 double ShutterCurve::density(double time) const {

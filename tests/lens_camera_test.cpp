@@ -79,7 +79,9 @@ void expect_same_rays(const View& v, RandomNumbers& random, bool with_times) {
         }
         RayBatch batch;
         batch.clear(false, with_times);
-        camera.add_rays(s, batch);
+        std::vector<float> weights;
+        camera.add_rays(s, batch, weights);
+        EXPECT_TRUE(weights.empty());
         ASSERT_EQ(batch.count, 16);
         for (std::size_t i = 0; i < 16; ++i) {
             const LensCamera::Ray r = camera.ray(

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -71,7 +72,8 @@ TEST(Kernel, LeavesOutWhatIsOutOfReach) {
 TEST(KernelKey, EllipsesAreRightToAnEighthOfAPixel) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> size(0.3, 60), shear(-3, 3);
-    const KernelTable table({1.0}, far);
+    const ResponseModel round;
+    const KernelTable table({1.0}, far, round);
     for (int i = 0; i < 500; ++i) {
         const Ellipse e{size(random), size(random), shear(random)};
         const Ellipse kept = table.outline(KernelKey::ellipse(e));
@@ -85,7 +87,7 @@ TEST(KernelKey, EllipsesAreRightToAnEighthOfAPixel) {
 }
 
 TEST(KernelTable, PacksKeysWithoutCollision) {
-    std::unordered_map<std::uint64_t, KernelKey> seen;
+    std::map<KernelKey::Packed, KernelKey> seen;
     for (const std::int32_t size : {0, 1, 2, 64000}) {
         for (const std::int32_t displacement : {-64000, -1, 0, 1, 64000}) {
             for (const std::int32_t phase : {-16, 0, 16}) {
@@ -103,13 +105,31 @@ TEST(KernelTable, PacksKeysWithoutCollision) {
         for (const std::int32_t phase : {-16, 0, 16}) {
             const KernelKey key{.level = level, .phase_x = phase};
             EXPECT_TRUE(seen.try_emplace(key.packed(), key).second);
+            KernelKey other = key;
+            other.upside_down = true;
+            EXPECT_TRUE(seen.try_emplace(other.packed(), other).second);
+            for (const std::int32_t cell : {-300, -1, 0, 1, 300}) {
+                for (const std::int32_t width : {3, 10}) {
+                    other.cell_x = cell;
+                    other.cell_y = 2 - cell;
+                    other.cell_log2 = width;
+                    EXPECT_TRUE(seen.try_emplace(other.packed(), other).second);
+                }
+            }
+        }
+    }
+    for (const double yy : {-16000.0, -0.25, 0.0, 0.25, 16000.0}) {
+        for (const double xy : {-7.0, 0.0, 7.0}) {
+            const KernelKey key = KernelKey::map({5, xy, -xy, yy});
+            EXPECT_TRUE(seen.try_emplace(key.packed(), key).second);
         }
     }
 }
 
 TEST(KernelTable, CoarsensEllipsesToFitItsMemory) {
     const auto bytes_with = [](std::size_t limit) {
-        KernelTable table({1.0}, far);
+        const ResponseModel round;
+        KernelTable table({1.0}, far, round);
         std::vector<std::uint32_t> numbers;
         for (int i = 0; i < 200; ++i)
             numbers.push_back(table.number_of(KernelKey::ellipse({10 + 0.25 * i, 20, 0.1})));

@@ -24,6 +24,7 @@ struct EyeRays {
     RayBatch rays;
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
+    std::vector<float> weight;         ///< how much of its light the lens lets through; empty: all
     std::vector<glm::dvec3> radiance;  ///< the result
 };
 

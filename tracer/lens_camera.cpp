@@ -30,6 +30,9 @@ LensCamera::LensCamera(const Camera& camera, const CameraModel& model, const Set
       height_(model.height),
       orthographic_(model.projection == Camera::Projection::orthographic),
       lens_(settings.lens),
+      aperture_(settings.aperture && !settings.aperture->is_round() && settings.lens.aperture_radius_m > 0
+                    ? settings.aperture
+                    : nullptr),
       span_(settings.span),
       curve_(settings.curve),
       even_time_(settings.curve.is_box()),
@@ -79,6 +82,27 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
+dvec2 LensCamera::field_at(double x, double y) const {
+    return dvec2(x - 0.5 * width_, y - 0.5 * height_) / (0.5 * std::hypot(width_, height_));
+}
+
+void LensCamera::local_rays_of_aperture(const LensSamples& s, Local& out,
+                                        std::array<float, 16>& weight) const {
+    for (std::size_t i = 0; i < lanes; ++i) {
+        const auto x = static_cast<double>(s.x[i]), y = static_cast<double>(s.y[i]);
+        const dvec2 unit =
+            aperture_->sample(static_cast<double>(s.lens_u[i]), static_cast<double>(s.lens_v[i]));
+        weight[i] = !loses_rays() || aperture_->passes(unit, field_at(x, y)) ? 1.0F : 0.0F;
+        const dvec2 q = lens_.aperture_radius_m * unit;
+        const double inverse_focus =
+            lens_.inverse_focus_per_m + aperture_->spherical_per_m() * glm::dot(unit, unit);
+        out.tx[i] = static_cast<float>((x - 0.5 * width_) / lens_.gain_px - q.x * inverse_focus);
+        out.ty[i] = static_cast<float>((y - 0.5 * height_) / lens_.gain_px - q.y * inverse_focus);
+        out.qx[i] = static_cast<float>(q.x);
+        out.qy[i] = static_cast<float>(q.y);
+    }
+}
+
 POSTLENS_MULTIVERSION void LensCamera::world_rays(const Local& local, const Frame& frame, bool parallel,
                                                   float* const to[6]) {
     const glm::vec3 position(frame.position), right(frame.right), down(frame.down), forward(frame.forward);
@@ -101,9 +125,14 @@ POSTLENS_MULTIVERSION void LensCamera::world_rays(const Local& local, const Fram
     }
 }
 
-void LensCamera::add_rays(const LensSamples& samples, RayBatch& batch) const {
+void LensCamera::add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const {
     Local local;  // NOLINT(cppcoreguidelines-pro-type-member-init): local_rays fills it
-    local_rays(samples, optics_, local);
+    std::array<float, lanes> weight{};
+    if (aperture_) {
+        local_rays_of_aperture(samples, local, weight);
+    } else {
+        local_rays(samples, optics_, local);
+    }
     const std::size_t first = batch.add_group();
     float* const to[6] = {batch.ox.data() + first, batch.oy.data() + first, batch.oz.data() + first,
                           batch.dx.data() + first, batch.dy.data() + first, batch.dz.data() + first};
@@ -130,6 +159,12 @@ void LensCamera::add_rays(const LensSamples& samples, RayBatch& batch) const {
         std::copy(time.begin(), time.end(), batch.time.begin() + static_cast<std::ptrdiff_t>(first));
     std::fill_n(batch.t_far.begin() + static_cast<std::ptrdiff_t>(first), lanes,
                 std::numeric_limits<float>::infinity());
+    if (!loses_rays()) return;
+    weights.resize(first + lanes);
+    for (std::size_t i = 0; i < lanes; ++i) {
+        weights[first + i] = weight[i];
+        if (weight[i] == 0) batch.t_far[first + i] = 0;  // ends where it begins
+    }
 }
 
 LensCamera::Ray LensCamera::ray(double x, double y, double lens_u, double lens_v, double time) const {
@@ -143,9 +178,12 @@ LensCamera::Ray LensCamera::ray(double x, double y, double lens_u, double lens_v
         out.direction = f.forward;
         return out;
     }
-    const dvec2 q = lens_.aperture_radius_m * disc_point(lens_u, lens_v);
-    const double tx = px / lens_.gain_px - q.x * lens_.inverse_focus_per_m;
-    const double ty = py / lens_.gain_px - q.y * lens_.inverse_focus_per_m;
+    const dvec2 unit = aperture_ ? aperture_->sample(lens_u, lens_v) : disc_point(lens_u, lens_v);
+    if (loses_rays() && !aperture_->passes(unit, field_at(x, y))) out.weight = 0;
+    const dvec2 q = lens_.aperture_radius_m * unit;
+    const double spherical = aperture_ ? aperture_->spherical_per_m() * glm::dot(unit, unit) : 0;
+    const double tx = px / lens_.gain_px - q.x * (lens_.inverse_focus_per_m + spherical);
+    const double ty = py / lens_.gain_px - q.y * (lens_.inverse_focus_per_m + spherical);
     out.origin = f.position + q.x * f.right + q.y * f.down;
     out.direction = glm::normalize(f.forward + tx * f.right + ty * f.down);
     return out;

@@ -4,7 +4,10 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <memory>
+#include <vector>
 
+#include "lens/aperture.h"
 #include "lens/focus_geometry.h"
 #include "lens/shutter_curve.h"
 #include "records/motion_path.h"
@@ -27,18 +30,24 @@ class LensCamera {
         FocusGeometry lens;  ///< aperture radius 0: a pinhole; `gain_px` sets the field of view
         TimeSpan span;
         ShutterCurve curve = ShutterCurve::box();
+        std::shared_ptr<const Aperture> aperture = nullptr;  ///< none: the disc
     };
     /// `camera` gives raster, projection and the pose at rest. An orthographic camera must come with a
     /// pinhole.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
-    /// Adds one group of 16 rays to the batch: unit directions, times where the batch has them.
-    void add_rays(const LensSamples& samples, RayBatch& batch) const;
+    /// Adds one group of 16 rays to the batch: unit directions, times where the batch has them. `weights`, by
+    /// ray, gets the share of its light that each lets through, where not all do; rays without any reach
+    /// nothing.
+    void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
+    /// Whether some rays are lost on their way through the lens; else `weights` stays empty.
+    [[nodiscard]] bool loses_rays() const { return aperture_ && aperture_->varies_over_field(); }
 
     /// One of them in double: slow and obvious, for tests. `time`: share of the time span.
     struct Ray {
         glm::dvec3 origin{0}, direction{0, 0, -1};
         double time = 0;
+        double weight = 1;
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
@@ -60,12 +69,15 @@ class LensCamera {
         float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
+    void local_rays_of_aperture(const LensSamples& samples, Local& out, std::array<float, 16>& weight) const;
+    [[nodiscard]] glm::dvec2 field_at(double x, double y) const;
     static void world_rays(const Local& local, const Frame& frame, bool parallel, float* const to[6]);
     [[nodiscard]] Frame frame_at(double time_s) const;
 
     int width_, height_;
     bool orthographic_, moves_ = false;
     FocusGeometry lens_;
+    std::shared_ptr<const Aperture> aperture_;  ///< none: the disc
     Optics optics_{};
     TimeSpan span_;
     ShutterCurve curve_;

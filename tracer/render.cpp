@@ -104,7 +104,9 @@ class Renderer {
                 const std::size_t pixel = index(x, y);
                 double* sum = state_.sums[half].data() + 3 * pixel;
                 for (int i = 0; i < count; ++i, ++ray) {
-                    const glm::dvec3& c = eye.radiance[ray];
+                    const glm::dvec3 c = eye.weight.empty()
+                                             ? eye.radiance[ray]
+                                             : static_cast<double>(eye.weight[ray]) * eye.radiance[ray];
                     sum[0] += c.x, sum[1] += c.y, sum[2] += c.z;
                 }
                 state_.samples[half][pixel] += static_cast<std::uint32_t>(count);
@@ -119,6 +121,7 @@ class Renderer {
         eye.rays.clear(false, tracers_[half]->needs_times());
         eye.pixel.clear();
         eye.index.clear();
+        eye.weight.clear();
         Sampler::EyeSamples numbers;  // NOLINT(cppcoreguidelines-pro-type-member-init): fill_eye fills it
         LensSamples samples;          // NOLINT(cppcoreguidelines-pro-type-member-init): filled lane by lane
         std::size_t lane = 0;
@@ -136,7 +139,7 @@ class Renderer {
                     eye.pixel.push_back(pixel);
                     eye.index.push_back(first + static_cast<int>(i));
                     if (++lane < 16) continue;
-                    setup_.camera().add_rays(samples, eye.rays);
+                    setup_.camera().add_rays(samples, eye.rays, eye.weight);
                     lane = 0;
                 }
             }
@@ -146,7 +149,7 @@ class Renderer {
         for (std::size_t i = lane; i < 16; ++i) {
             samples.x[i] = samples.y[i] = samples.lens_u[i] = samples.lens_v[i] = samples.time[i] = 0;
         }
-        setup_.camera().add_rays(samples, eye.rays);
+        setup_.camera().add_rays(samples, eye.rays, eye.weight);
         eye.rays.count -= static_cast<int>(16 - lane);
     }
     [[nodiscard]] std::size_t index(int x, int y) const {

@@ -5,10 +5,12 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "lens/aperture.h"
 #include "lens/focus_geometry.h"
 #include "lens/shutter_curve.h"
 #include "records/image.h"
@@ -30,6 +32,7 @@ struct RenderSettings {
     std::optional<double> focus_m;                      ///< absent: the camera's
     std::optional<std::pair<double, double>> focus_at;  ///< raster px; instead of focus_m
     Framing framing = Framing::keep;
+    std::shared_ptr<const Aperture> aperture;  ///< none: the disc
 
     std::optional<TimeSpan> shutter;  ///< absent: open for an instant only
     ShutterCurve curve = ShutterCurve::box();

@@ -39,7 +39,7 @@ RenderSetup::RenderSetup(const Scene& scene, const RenderSettings& settings) {
     const CameraModel model(of, span_.open_s, settings.camera);
     resolve_lens(settings, of, model,
                  settings.time_s.value_or(settings.shutter ? span_.open_s : scene.time_s));
-    camera_.emplace(of, model, LensCamera::Settings{geometry_, span_, settings.curve});
+    camera_.emplace(of, model, LensCamera::Settings{geometry_, span_, settings.curve, settings.aperture});
     const MotionAccuracy accuracy{
         [this](const glm::dvec3& world, double at) { return camera_->px_per_m(world, at); }};
     rays_.emplace(scene_, span_, accuracy);
@@ -107,6 +107,7 @@ std::string RenderSetup::fingerprint(const RenderSettings& s) const {
         {"f_number", exact(lens_.f_number)},
         {"focus_m", exact(focus_m_)},
         {"gain_px", exact(geometry_.gain_px)},
+        {"aperture", s.aperture ? s.aperture->fingerprint() : 0},
         {"shutter_s", {exact(span_.open_s), exact(span_.close_s)}},
         {"curve", s.curve.fingerprint()},
         {"sampler", static_cast<int>(s.sampler)},

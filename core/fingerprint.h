@@ -1,0 +1,23 @@
+// A short number for long settings: equal for equal ones, and hardly ever for others.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+namespace postlens {
+
+/// FNV-1a over the bytes of what is added, in its order.
+class Fingerprint {
+  public:
+    void add(std::uint64_t bits) {
+        for (int shift = 0; shift < 64; shift += 8)
+            hash_ = (hash_ ^ ((bits >> shift) & 0xFFU)) * 0x100000001b3U;
+    }
+    void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
+    [[nodiscard]] std::uint64_t value() const { return hash_; }
+
+  private:
+    std::uint64_t hash_ = 0xcbf29ce484222325U;
+};
+
+}  // namespace postlens

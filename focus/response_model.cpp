@@ -1,0 +1,65 @@
+#include "focus/response_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lens/aperture_response.h"
+
+namespace postlens {
+namespace {
+
+class ApertureModel final : public ResponseModel {
+  public:
+    ApertureModel(const Aperture& aperture, const FocusGeometry& geometry, double half_diagonal_px)
+        : aperture_(aperture),
+          spherical_px_(geometry.gain_px * geometry.aperture_radius_m * aperture.spherical_per_m()),
+          half_diagonal_px_(half_diagonal_px) {}
+
+    [[nodiscard]] bool is_round() const override { return false; }
+    [[nodiscard]] bool is_even() const override { return postlens::is_even(aperture_, image({})); }
+    [[nodiscard]] bool is_point_symmetric() const override { return aperture_.is_point_symmetric(); }
+    [[nodiscard]] double cell_px(double radius_px) const override {
+        if (!aperture_.varies_over_field()) return 0;
+        // The second rim moves by this many px of the response per px of the picture.
+        const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
+        constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
+        return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
+    }
+    [[nodiscard]] double transmission(const glm::dvec2& place_px) const override {
+        return aperture_.transmission(place_px / half_diagonal_px_);
+    }
+    [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
+        return largest_reach_px(aperture_, image({.map_px = map_px}));
+    }
+    [[nodiscard]] Kernel kernel(const ResponseRequest& request) const override {
+        const ApertureImage at = image(request);
+        if (postlens::is_even(aperture_, at)) {
+            const Outline outline = image_outline(aperture_, at);
+            return outline.empty() ? Kernel{} : make_kernel(OutlineRows(outline), request.reach);
+        }
+        const KernelReach& reach = request.reach;
+        return make_kernel(dense_response(aperture_, at, {-reach.x, reach.x, -reach.y, reach.y}), reach);
+    }
+
+  private:
+    [[nodiscard]] ApertureImage image(const ResponseRequest& r) const {
+        return {.map_px = r.map_px,
+                .spherical_px = spherical_px_,
+                .field = r.place_px / half_diagonal_px_,
+                .centre_px = r.phase_px};
+    }
+
+    Aperture aperture_;
+    double spherical_px_;
+    double half_diagonal_px_;
+};
+
+}  // namespace
+
+std::unique_ptr<ResponseModel> response_model(const Aperture& aperture, const FocusGeometry& geometry,
+                                              double half_diagonal_px) {
+    if (aperture.is_round()) return std::make_unique<ResponseModel>();
+    return std::make_unique<ApertureModel>(aperture, geometry, half_diagonal_px);
+}
+
+}  // namespace postlens

@@ -1,0 +1,52 @@
+// Which impulse response a lens has, in the form that scattering wants.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <memory>
+
+#include "focus/kernel.h"
+#include "lens/aperture.h"
+#include "lens/focus_geometry.h"
+
+namespace postlens {
+
+/// A point of light as it arrives: the aperture's point q, in units of its radius, is moved by `map_px q`,
+/// and by what the model adds.
+struct ResponseRequest {
+    glm::dmat2 map_px{1};
+    glm::dvec2 place_px{0};  ///< of the point, from the picture's middle
+    glm::dvec2 phase_px{0};  ///< of the response's centre from the anchor
+    KernelReach reach;
+};
+
+/// Responses of one lens setting. What is round everywhere needs none of the functions: its kernels are those
+/// of discs and ellipses, and the fastest.
+class ResponseModel {
+  public:
+    ResponseModel() = default;
+    ResponseModel(const ResponseModel&) = delete;
+    ResponseModel& operator=(const ResponseModel&) = delete;
+    virtual ~ResponseModel() = default;
+
+    [[nodiscard]] virtual bool is_round() const { return true; }
+    /// Whether a response is an evenly lit outline, and so costs as much as that.
+    [[nodiscard]] virtual bool is_even() const { return true; }
+    /// Whether responses of opposite maps are the same.
+    [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
+    /// Width of the part of the picture, px, over which one kernel of this size serves: its outline changes
+    /// by less than half a pixel. 0: the whole.
+    [[nodiscard]] virtual double cell_px(double /*radius_px*/) const { return 0; }
+    /// Share of the light that is not lost at a place, counted as ResponseRequest's.
+    [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/) const { return 1; }
+    /// No light arrives farther from the centre than this, px.
+    [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
+    /// Its values add up to 1 where the reach does not cut it, or to 0 where nothing passes.
+    [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
+};
+
+/// Of an aperture of any shape. `half_diagonal_px`: of the picture, in the px that the geometry counts in.
+[[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Aperture& aperture,
+                                                            const FocusGeometry& geometry,
+                                                            double half_diagonal_px);
+
+}  // namespace postlens
