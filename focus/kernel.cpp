@@ -204,7 +204,11 @@ Kernel KernelTable::kernel(const KernelKey& key) const {
     const double cell_px = std::ldexp(1.0, key.cell_log2);
     const glm::dvec2 place =
         key.cell_log2 == 0 ? glm::dvec2(0) : glm::dvec2(key.cell_x + 0.5, key.cell_y + 0.5) * cell_px;
-    return model_.kernel({.map_px = map_px(key), .place_px = place, .phase_px = phase, .reach = reach_});
+    return model_.kernel({.map_px = map_px(key),
+                          .place_px = place,
+                          .whole = key.cell_log2 == 0,
+                          .phase_px = phase,
+                          .reach = reach_});
 }
 
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {

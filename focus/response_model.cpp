@@ -13,7 +13,10 @@ class ApertureModel final : public ResponseModel {
     ApertureModel(const Aperture& aperture, const FocusGeometry& geometry, double half_diagonal_px)
         : aperture_(aperture),
           spherical_px_(geometry.gain_px * geometry.aperture_radius_m * aperture.spherical_per_m()),
-          half_diagonal_px_(half_diagonal_px) {}
+          half_diagonal_px_(half_diagonal_px),
+          inverse_focus_per_m_(geometry.inverse_focus_per_m),
+          map_px_m_(geometry.gain_px * geometry.aperture_radius_m),
+          rim_distance_m_(aperture.cats_eye() * map_px_m_ / half_diagonal_px) {}
 
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return postlens::is_even(aperture_, image({})); }
@@ -25,14 +28,20 @@ class ApertureModel final : public ResponseModel {
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
     }
-    [[nodiscard]] double transmission(const glm::dvec2& place_px) const override {
-        return aperture_.transmission(place_px / half_diagonal_px_);
+    [[nodiscard]] double transmission(const glm::dvec2& place_px, double inverse_depth_per_m) const override {
+        return aperture_.transmission(place_px / half_diagonal_px_, rim_scale(inverse_depth_per_m));
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         return largest_reach_px(aperture_, image({.map_px = map_px}));
     }
     [[nodiscard]] Kernel kernel(const ResponseRequest& request) const override {
         const ApertureImage at = image(request);
+        // Smaller than a pixel, its shape does not show; but a sample on a corner of pixels must give each of
+        // them its quarter, so that the picture of a vanishing CoC is the traced one.
+        constexpr double least_px = 0.5;
+        const double size_px = largest_reach_px(aperture_, at);
+        if (size_px < least_px)
+            return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         if (postlens::is_even(aperture_, at)) {
             const Outline outline = image_outline(aperture_, at);
             return outline.empty() ? Kernel{} : make_kernel(OutlineRows(outline), request.reach);
@@ -43,15 +52,25 @@ class ApertureModel final : public ResponseModel {
 
   private:
     [[nodiscard]] ApertureImage image(const ResponseRequest& r) const {
-        return {.map_px = r.map_px,
-                .spherical_px = spherical_px_,
-                .field = r.place_px / half_diagonal_px_,
-                .centre_px = r.phase_px};
+        return {
+            .map_px = r.map_px,
+            .spherical_px = spherical_px_,
+            .field = r.place_px / half_diagonal_px_,
+            // The map is gain R (I/s - W).
+            .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
+            .centre_px = r.phase_px};
+    }
+
+    [[nodiscard]] double rim_scale(double inverse_depth_per_m) const {
+        return 1 - rim_distance_m_ * inverse_depth_per_m;
     }
 
     Aperture aperture_;
     double spherical_px_;
     double half_diagonal_px_;
+    double inverse_focus_per_m_;
+    double map_px_m_;  ///< px by which the rim of the lens moves what differs from the focus by 1/m
+    double rim_distance_m_;
 };
 
 }  // namespace

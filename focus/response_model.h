@@ -15,6 +15,7 @@ namespace postlens {
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< of the point, from the picture's middle
+    bool whole = true;       ///< as if nothing were lost: what the weights are spread by
     glm::dvec2 phase_px{0};  ///< of the response's centre from the anchor
     KernelReach reach;
 };
@@ -37,7 +38,10 @@ class ResponseModel {
     /// by less than half a pixel. 0: the whole.
     [[nodiscard]] virtual double cell_px(double /*radius_px*/) const { return 0; }
     /// Share of the light that is not lost at a place, counted as ResponseRequest's.
-    [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/) const { return 1; }
+    [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
+                                              double /*inverse_depth_per_m*/) const {
+        return 1;
+    }
     /// No light arrives farther from the centre than this, px.
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Its values add up to 1 where the reach does not cut it, or to 0 where nothing passes.

@@ -86,7 +86,6 @@ Response SplatTables::RowBuilder::response_to_depth(double inverse_depth_per_m) 
 // What responses that are not round have besides: their own extent, and a place in the field.
 void SplatTables::RowBuilder::finish_other(Response& out, const glm::dmat2& map_px) const {
     out.radius_px = t_.response_->reach_px(map_px);
-    out.exact_radius_px = out.radius_px;
     const double cell_px = t_.response_->cell_px(out.radius_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
@@ -108,6 +107,7 @@ Response SplatTables::RowBuilder::response_to_w(const Mat2& w) const {
     if (!t_.response_->is_round()) {
         out.key = KernelKey::map(map);
         finish_other(out, map);
+        out.exact_radius_px = out.radius_px;
         return out;
     }
     const Ellipse e = Ellipse::from_map(map, DepthLevels::smallest_radius_px);
@@ -162,10 +162,10 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const RasterWindow& p = t_.picture_;
     place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
                  static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
-    const auto passing = static_cast<float>(t_.response_->transmission(place_px_));
     // Infinity has the inverse depth 0; a depth that is smaller than a float's least normal number is none.
     const double z = std::max(static_cast<double>(nodes[0].z), 1e-37);
     const Response primary = response_to_depth(1 / z);
+    const auto passing = static_cast<float>(t_.response_->transmission(place_px_, 1 / z));
     // Of primary nodes alone: near a fold W has no bound, and a number without one tells nobody anything.
     note_radius(s, primary.exact_radius_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -177,7 +177,9 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
             rgb = {rgb[0] + node.r, rgb[1] + node.g, rgb[2] + node.b};
             continue;
         }
-        add_splats(s, response, {passing * node.r, passing * node.g, passing * node.b}, false);
+        const double w = (static_cast<double>(node.w.xx) + static_cast<double>(node.w.yy)) / 2;
+        const auto node_passing = static_cast<float>(t_.response_->transmission(place_px_, w));
+        add_splats(s, response, {node_passing * node.r, node_passing * node.g, node_passing * node.b}, false);
     }
     for (float& channel : rgb) channel *= passing;
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
@@ -189,7 +191,16 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
         for (std::size_t c = 0; c < 3; ++c) raster_[c][column] = rgb[c];
         return;
     }
-    if (s.total_weight() > 0) add_splats(s, primary, rgb, true);
+    if (!(s.total_weight() > 0)) return;
+    if (primary.key.cell_log2 == 0) {
+        add_splats(s, primary, rgb, true);
+        return;
+    }
+    // What the lens holds back is missing from the light, not from what it is divided by.
+    add_splats(s, primary, rgb, false);
+    Response whole = primary;
+    whole.key.cell_x = whole.key.cell_y = whole.key.cell_log2 = 0;
+    add_splats(s, whole, {0, 0, 0}, true);
 }
 
 void SplatTables::RowBuilder::split_runs() {

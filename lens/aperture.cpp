@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/error.h"
 #include "core/fingerprint.h"
@@ -12,6 +13,8 @@ namespace {
 
 using glm::dvec2;
 
+/// Nearer than twenty times the rim's own distance nothing is cut.
+constexpr double smallest_rim_scale = 0.05;
 /// Chords of the rim that samples are taken from: 6e-6 of its area are lost for a rounded polygon.
 constexpr double fine = 1e-5;
 
@@ -47,6 +50,7 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         const AperturePicture& p = *picture_;
         const dvec2 half = cell_half(p);
         half_extent_ *= dvec2(p.width, p.height) * half;
+        farthest_ = glm::length(half_extent_);
         double sum = 0;
         for (const double light : p.light) {
             if (!(light >= 0 && std::isfinite(light)))
@@ -72,13 +76,16 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
+        // A circle of few chords has its corners a little outside, so that its area is right.
+        constexpr double coarsest = 1.015;
+        farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {
             const dvec2 a = rim_[i], b = rim_[(i + 1) % rim_.size()];
             rim_light_.push_back(std::max(0.0, a.x * b.y - a.y * b.x));
         }
         accumulate(rim_light_.begin(), rim_light_.end());
     }
-    if (varies_over_field()) lay_transmission_table();
+    if (varies_over_field() && !is_plain_disc()) lay_transmission_table();
 }
 
 bool Aperture::is_round() const {
@@ -99,26 +106,43 @@ Outline Aperture::whole(double tolerance) const {
     return out;
 }
 
-Outline Aperture::second_rim(const dvec2& field, double tolerance) const {
+Outline Aperture::second_rim(const dvec2& field, double tolerance, double rim_scale) const {
+    if (rim_scale < smallest_rim_scale) return {{-9, -9}, {9, -9}, {9, 9}, {-9, 9}};
     Outline out = circle_outline(tolerance);
-    for (dvec2& p : out) p = dvec2(p.x / impulse_.squeeze, p.y) - impulse_.cats_eye * field;
+    for (dvec2& p : out) p = (dvec2(p.x / impulse_.squeeze, p.y) - impulse_.cats_eye * field) / rim_scale;
     return out;
 }
 
-Outline Aperture::outline(const dvec2& field, double tolerance) const {
-    if (impulse_.cats_eye * field == dvec2(0)) return whole(tolerance);
-    return intersection(whole(tolerance), second_rim(field, tolerance));
+Outline Aperture::outline(const dvec2& field, double tolerance, double rim_scale) const {
+    if (impulse_.cats_eye * field == dvec2(0) && rim_scale <= 1) return whole(tolerance);
+    return intersection(whole(tolerance), second_rim(field, tolerance, rim_scale));
 }
 
-bool Aperture::passes(const dvec2& q, const dvec2& field) const {
-    const dvec2 p = q + impulse_.cats_eye * field;
+bool Aperture::passes(const dvec2& q, const dvec2& field, double rim_scale) const {
+    if (rim_scale < smallest_rim_scale) return true;
+    const dvec2 p = rim_scale * q + impulse_.cats_eye * field;
     return p.x * p.x * impulse_.squeeze * impulse_.squeeze + p.y * p.y <= 1;
 }
 
-double Aperture::share_passing(const dvec2& field) const {
+// What the unit circle and one of radius r = 1/k, d apart, have in common, over the unit circle.
+double Aperture::share_of_disc(const dvec2& field, double rim_scale) const {
+    if (rim_scale < smallest_rim_scale) return 1;
+    const double r = 1 / rim_scale;
+    const double d = impulse_.cats_eye * std::hypot(field.x * impulse_.squeeze, field.y) * r;
+    if (d >= 1 + r) return 0;
+    if (d <= std::abs(1 - r)) return std::min(1.0, r * r);
+    const auto sector = [](double radius, double distance) {  // half the segment beyond a chord, twice
+        return radius * radius * std::acos(std::clamp(distance / radius, -1.0, 1.0));
+    };
+    const double near = (d * d + 1 - r * r) / (2 * d), far = d - near;
+    const double half_chord = std::sqrt(std::max(0.0, 1 - near * near));
+    return (sector(1, near) + sector(r, far) - d * half_chord) / std::numbers::pi;
+}
+
+double Aperture::share_passing(const dvec2& field, double rim_scale) const {
     if (!picture_) {
         constexpr double tolerance = 2e-4;
-        return area(outline(field, tolerance)) / area(whole(tolerance));
+        return area(outline(field, tolerance, rim_scale)) / area(whole(tolerance));
     }
     const AperturePicture& p = *picture_;
     const dvec2 half = cell_half(p);
@@ -129,7 +153,7 @@ double Aperture::share_passing(const dvec2& field) const {
                                          static_cast<std::size_t>(x)];
             all += light;
             const dvec2 q = dvec2(2 * x + 1 - p.width, 2 * y + 1 - p.height) * half;
-            if (passes({q.x / impulse_.squeeze, q.y}, field)) passing += light;
+            if (passes({q.x / impulse_.squeeze, q.y}, field, rim_scale)) passing += light;
         }
     }
     return passing / all;
@@ -137,26 +161,37 @@ double Aperture::share_passing(const dvec2& field) const {
 
 void Aperture::lay_transmission_table() {
     constexpr std::size_t side = table_steps + 1;
-    transmission_.resize(side * side);
-    parallel_for(side * side, [&](std::size_t i) {
-        const dvec2 field(2.0 * static_cast<double>(i % side) / table_steps - 1,
-                          2.0 * static_cast<double>(i / side) / table_steps - 1);
-        transmission_[i] = static_cast<float>(share_passing(field));
+    transmission_.resize(side * side * table_slices);
+    parallel_for(transmission_.size(), [&](std::size_t i) {
+        const std::size_t slice = i / (side * side), at = i % (side * side);
+        const dvec2 field(2.0 * static_cast<double>(at % side) / table_steps - 1,
+                          2.0 * static_cast<double>(at / side) / table_steps - 1);
+        transmission_[i] = static_cast<float>(
+            share_passing(field, 1 - 0.5 * static_cast<double>(slice) / (table_slices - 1)));
     });
 }
 
-double Aperture::transmission(const dvec2& field) const {
-    if (transmission_.empty()) return 1;
+double Aperture::transmission(const dvec2& field, double rim_scale) const {
+    if (!varies_over_field()) return 1;
+    if (is_plain_disc()) return share_of_disc(field, rim_scale);
     constexpr std::size_t side = table_steps + 1;
     const auto place = [](double at) { return std::clamp((at + 1) / 2, 0.0, 1.0) * table_steps; };
     const double x = place(field.x), y = place(field.y);
     const auto i = std::min(static_cast<std::size_t>(x), side - 2),
                j = std::min(static_cast<std::size_t>(y), side - 2);
     const double fx = x - static_cast<double>(i), fy = y - static_cast<double>(j);
-    const auto at = [&](std::size_t di, std::size_t dj) {
-        return static_cast<double>(transmission_[(j + dj) * side + i + di]);
+    const auto in_slice = [&](std::size_t slice) {
+        const auto at = [&](std::size_t di, std::size_t dj) {
+            return static_cast<double>(transmission_[(slice * side + j + dj) * side + i + di]);
+        };
+        return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) + fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
     };
-    return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) + fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
+    const double k = std::clamp(rim_scale, 0.0, 1.0);
+    if (k < 0.5) return 1 - 2 * k * (1 - in_slice(table_slices - 1));
+    const double z = (1 - k) * 2 * (table_slices - 1);
+    const auto slice = std::min(static_cast<std::size_t>(z), static_cast<std::size_t>(table_slices - 2));
+    const double fz = z - static_cast<double>(slice);
+    return (1 - fz) * in_slice(slice) + fz * in_slice(slice + 1);
 }
 
 dvec2 Aperture::sample(double u, double v) const {

@@ -89,7 +89,8 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
         return p.light[static_cast<std::size_t>(y) * static_cast<std::size_t>(p.width) +
                        static_cast<std::size_t>(x)];
     };
-    const Outline second = aperture.varies_over_field() ? aperture.second_rim(image.field, 1e-3) : Outline();
+    const Outline second =
+        aperture.varies_over_field() ? aperture.second_rim(image.field, 1e-3, image.rim_scale) : Outline();
     double sum = 0;
     for (int y = 0; y < p.height; ++y) {
         for (int x = 0; x < p.width; ++x) {
@@ -102,7 +103,7 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
                 Outline part{at, dvec2(end.x, at.y), end, dvec2(at.x, end.y)};
                 double energy = light(x, y) / (parts * parts);
                 if (!second.empty() && !std::all_of(part.begin(), part.end(), [&](const dvec2& q) {
-                        return aperture.passes(q, image.field);
+                        return aperture.passes(q, image.field, image.rim_scale);
                     })) {
                     const double all = area(part);
                     part = intersection(part, second);
@@ -123,7 +124,8 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
 void deposit_rings(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                    CellDeposit& deposit) {
     constexpr double within_px = 0.02, ring_px = 1.5;
-    const Outline corners = aperture.outline(image.field, std::clamp(within_px / scale, 1e-6, 5e-3));
+    const Outline corners =
+        aperture.outline(image.field, std::clamp(within_px / scale, 1e-6, 5e-3), image.rim_scale);
     Outline rim;
     for (std::size_t i = 0; i < corners.size(); ++i) {
         const dvec2 side = corners[(i + 1) % corners.size()] - corners[i];
@@ -172,15 +174,16 @@ bool is_even(const Aperture& aperture, const ApertureImage& image) {
 }
 
 double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
-    const double farthest = glm::length(aperture.half_extent());
+    const double farthest = aperture.farthest();
     return stretch(with_area(image.map_px)) * farthest +
            std::abs(image.spherical_px) * farthest * farthest * farthest;
 }
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    constexpr double within_px = 1e-3;
-    Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02));
+    // Where the second rim moves from place to place, nothing is known to better than it has moved.
+    const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
+    Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);
     return out;
 }
@@ -209,7 +212,7 @@ ResponseGrid ray_response(const Aperture& aperture, const ApertureImage& image, 
     double passing = 0;
     for (int k = 0; k < points * points; ++k) {
         const dvec2 q = aperture.sample((k % points + 0.5) / points, (k / points + 0.5) / points);
-        if (aperture.varies_over_field() && !aperture.passes(q, image.field)) continue;
+        if (aperture.varies_over_field() && !aperture.passes(q, image.field, image.rim_scale)) continue;
         passing += 1;
         const dvec2 p = image_of(image, map, q);
         const double x = std::floor(p.x) - grid.x_begin, y = std::floor(p.y) - grid.y_begin;

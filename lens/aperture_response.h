@@ -12,6 +12,7 @@ struct ApertureImage {
     glm::dmat2 map_px{1};
     double spherical_px = 0;
     glm::dvec2 field{0};      ///< place of the field, see Aperture
+    double rim_scale = 1;     ///< of the second rim, see Aperture
     glm::dvec2 centre_px{0};  ///< relative to the anchor
 };
 
@@ -26,7 +27,7 @@ inline constexpr double smallest_response_px = 1e-4;
 
 /// True where the response is the image of an outline, evenly lit: then that is all there is to know.
 [[nodiscard]] bool is_even(const Aperture& aperture, const ApertureImage& image);
-/// That outline, px, chords within 1e-3 px; empty where nothing passes.
+/// That outline, px, chords within 1e-3 px, with cats_eye 0.02 px; empty where nothing passes.
 [[nodiscard]] Outline image_outline(const Aperture& aperture, const ApertureImage& image);
 
 /// No point of the response lies farther from its centre, px.

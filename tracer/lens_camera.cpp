@@ -82,22 +82,25 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
-dvec2 LensCamera::field_at(double x, double y) const {
-    return dvec2(x - 0.5 * width_, y - 0.5 * height_) / (0.5 * std::hypot(width_, height_));
+// What Aperture counts directions in: the picture's corner as the pinhole sees it.
+dvec2 LensCamera::field_of(const dvec2& tangent) const {
+    return tangent * lens_.gain_px / (0.5 * std::hypot(width_, height_));
 }
 
 void LensCamera::local_rays_of_aperture(const LensSamples& s, Local& out,
                                         std::array<float, 16>& weight) const {
     for (std::size_t i = 0; i < lanes; ++i) {
-        const auto x = static_cast<double>(s.x[i]), y = static_cast<double>(s.y[i]);
+        const dvec2 px(static_cast<double>(s.x[i]) - 0.5 * width_,
+                       static_cast<double>(s.y[i]) - 0.5 * height_);
         const dvec2 unit =
             aperture_->sample(static_cast<double>(s.lens_u[i]), static_cast<double>(s.lens_v[i]));
-        weight[i] = !loses_rays() || aperture_->passes(unit, field_at(x, y)) ? 1.0F : 0.0F;
         const dvec2 q = lens_.aperture_radius_m * unit;
         const double inverse_focus =
             lens_.inverse_focus_per_m + aperture_->spherical_per_m() * glm::dot(unit, unit);
-        out.tx[i] = static_cast<float>((x - 0.5 * width_) / lens_.gain_px - q.x * inverse_focus);
-        out.ty[i] = static_cast<float>((y - 0.5 * height_) / lens_.gain_px - q.y * inverse_focus);
+        const dvec2 tangent = px / lens_.gain_px - q * inverse_focus;
+        weight[i] = !loses_rays() || aperture_->passes(unit, field_of(tangent)) ? 1.0F : 0.0F;
+        out.tx[i] = static_cast<float>(tangent.x);
+        out.ty[i] = static_cast<float>(tangent.y);
         out.qx[i] = static_cast<float>(q.x);
         out.qy[i] = static_cast<float>(q.y);
     }
@@ -179,11 +182,11 @@ LensCamera::Ray LensCamera::ray(double x, double y, double lens_u, double lens_v
         return out;
     }
     const dvec2 unit = aperture_ ? aperture_->sample(lens_u, lens_v) : disc_point(lens_u, lens_v);
-    if (loses_rays() && !aperture_->passes(unit, field_at(x, y))) out.weight = 0;
     const dvec2 q = lens_.aperture_radius_m * unit;
     const double spherical = aperture_ ? aperture_->spherical_per_m() * glm::dot(unit, unit) : 0;
     const double tx = px / lens_.gain_px - q.x * (lens_.inverse_focus_per_m + spherical);
     const double ty = py / lens_.gain_px - q.y * (lens_.inverse_focus_per_m + spherical);
+    if (loses_rays() && !aperture_->passes(unit, field_of({tx, ty}))) out.weight = 0;
     out.origin = f.position + q.x * f.right + q.y * f.down;
     out.direction = glm::normalize(f.forward + tx * f.right + ty * f.down);
     return out;

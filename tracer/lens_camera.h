@@ -70,7 +70,7 @@ class LensCamera {
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
     void local_rays_of_aperture(const LensSamples& samples, Local& out, std::array<float, 16>& weight) const;
-    [[nodiscard]] glm::dvec2 field_at(double x, double y) const;
+    [[nodiscard]] glm::dvec2 field_of(const glm::dvec2& tangent) const;
     static void world_rays(const Local& local, const Frame& frame, bool parallel, float* const to[6]);
     [[nodiscard]] Frame frame_at(double time_s) const;
 
