@@ -109,10 +109,11 @@ TEST(FourierOptics, SquareIsTheProductOfTwoSincs) {
 
 TEST(FourierOptics, PictureOfADiscIsNearlyADisc) {
     constexpr int n = 256;
+    constexpr double half = n / 2.0;
     std::vector<float> values;
     for (int j = 0; j < n; ++j) {
         for (int i = 0; i < n; ++i)
-            values.push_back(std::hypot(i + 0.5 - n / 2, j + 0.5 - n / 2) < n / 2 ? 1.0F : 0.0F);
+            values.push_back(std::hypot(i + 0.5 - half, j + 0.5 - half) < half ? 1.0F : 0.0F);
     }
     FourierResponse r{.transmission = picture_aperture(n, n, values), .u = 10, .v_per_px = 3};
     ResponseGrid grid = window(8), exact = window(8);
