@@ -49,11 +49,7 @@ void add_psf(CLI::App& lens, ParsedCommand& common) {
     number(app, "--pixel-pitch", o->pixel_pitch_um, "Pixel pitch on the film", "UM");
     whole(app, "--size", o->size_px,
           "Width and height, to 16384; 0: what holds 99% of the energy, at most 1025", "PX");
-    app.add_option(
-           "--impulse", o->impulse,
-           "disc: geometric; diffraction: of a round aperture, at --wavelength or the mean of those listed "
-           "[default: diffraction]")
-        ->type_name("disc|diffraction[:NM[,NM...]]");
+    impulse_options(app, o->impulse);
     app.add_option(
            "--profile", o->profile,
            "Also write a table: radius, v, intensity, encircled energy; with --crossover: f-number, Airy "

@@ -8,6 +8,7 @@
 #include "core/output_file.h"
 #include "lens/wave/crossover.h"
 #include "lens/wave/lens_response.h"
+#include "records/aperture_file.h"
 
 namespace postlens {
 namespace {
@@ -63,14 +64,14 @@ LensResponseRequest request_of(const LensPsfOptions& o) {
         .focus_distance_m = given("--focus", o.focus_m, "metres"),
         .depth_m = given("--depth", o.depth_m, "metres"),
         .pixel_pitch_mm = o.pixel_pitch_um * 1e-3,
-        .impulse = parse_impulse("--impulse", o.impulse),
+        .impulse = o.impulse,
         .wavelength_nm = o.wavelength_nm.value_or(default_wavelength_nm),
         .size_px = o.size_px,
     };
     if (o.wavelength_nm && !q.impulse.wavelengths_nm.empty()) {
         fail(ExitCode::wrong_arguments,
              "--wavelength: --impulse names wavelengths as well (got {} and {}; expected one of them)",
-             *o.wavelength_nm, o.impulse);
+             *o.wavelength_nm, impulse_text(o.impulse));
     }
     return q;
 }
@@ -90,15 +91,21 @@ CommandResult run_lens_psf(const LensPsfOptions& o) {
     if (o.output.empty())
         fail(ExitCode::wrong_arguments, "OUT: missing (got nothing; expected a file OUT.exr)");
     check_response_path(o.output);
-    const LensResponseRequest q = request_of(o);
+    LensResponseRequest q = request_of(o);
     { const OutputFile refuses_early(o.output); }
+    if (q.impulse.kind == ImpulseKind::picture) q.aperture = read_aperture(q.impulse);
     const LensResponse r = lens_response(q);
+    if (o.profile && r.profile.empty()) {
+        fail(ExitCode::wrong_arguments,
+             "--profile: the response is not round (got --impulse {}; expected disc or diffraction)",
+             impulse_text(o.impulse));
+    }
     if (o.profile) write_table(*o.profile, profile_table(r, o.pixel_pitch_um));
     write_response(o.output, r.grid);
 
     CommandResult out;
     const auto um = [&](double px) { return px * o.pixel_pitch_um; };
-    out.json = {{"impulse", o.impulse},
+    out.json = {{"impulse", impulse_text(o.impulse)},
                 {"energy_in_frame", r.energy_in_frame},
                 {"peak", r.peak_share},
                 {"size_px", r.grid.width},

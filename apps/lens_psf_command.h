@@ -5,6 +5,7 @@
 #include <string>
 
 #include "apps/command.h"
+#include "lens/impulse.h"
 
 namespace postlens {
 
@@ -14,7 +15,7 @@ struct LensPsfOptions {
     std::optional<double> wavelength_nm;  ///< absent: 550
     double pixel_pitch_um = 18.75;        ///< 36 mm over 1920 px
     int size_px = 0;                      ///< 0: the response's own
-    std::string impulse = "diffraction";
+    Impulse impulse;
     std::optional<std::string> profile;  ///< a CSV file to write
     bool crossover = false;
 };

@@ -212,9 +212,11 @@ TEST(DiffractionResponses, RefuseWhatTheyCannotMake) {
     refused(geometry(), 1, {.tail = 0}, ExitCode::wrong_arguments, "tail");
     refused(geometry(), 1, {.max_radius_px = 1e6}, ExitCode::wrong_arguments, "radius");
     refused(geometry(), 1, {.spectrum = {{.wavelength_nm = 1}}}, ExitCode::wrong_arguments, "wavelength");
+    refused(geometry(), 1e6, {}, ExitCode::wrong_arguments, "too far out of focus");
+    // 16384 px of a lens of 200 m: 1e10 of v.
     FocusGeometry vast = geometry();
-    vast.aperture_radius_m = 1e5;
-    refused(vast, 1e3, {}, ExitCode::out_of_memory, "needs");
+    vast.aperture_radius_m = 100;
+    refused(vast, 0, {.tail = 1e-9, .max_radius_px = 16384}, ExitCode::out_of_memory, "needs");
     EXPECT_THROW((void)equal_lines({}), Error);
 }
 

@@ -37,7 +37,7 @@ class LensPsfCommand : public CommandTest {
 };
 
 TEST_F(LensPsfCommand, WritesOneChannelOfEnergyOne) {
-    for (const char* impulse : {"disc", "diffraction", "diffraction:450,550,650"}) {
+    for (const char* impulse : {"disc", "polygon:5", "diffraction", "diffraction:450,550,650"}) {
         const Outcome r = run(psf({in("p.exr"), "--impulse", impulse, "--size", "65", "--json"}));
         ASSERT_EQ(r.exit_code, 0) << r.err;
         const json j = json::parse(r.out);
@@ -60,7 +60,8 @@ TEST_F(LensPsfCommand, WritesOneChannelOfEnergyOne) {
 }
 
 TEST_F(LensPsfCommand, ProfileEndsAtTheFrameAndHoldsItsEnergy) {
-    const Outcome r = run(psf({in("p.exr"), "--size", "65", "--profile", in("p.csv"), "--json"}));
+    const Outcome r = run(
+        psf({in("p.exr"), "--impulse", "diffraction", "--size", "65", "--profile", in("p.csv"), "--json"}));
     ASSERT_EQ(r.exit_code, 0) << r.err;
     std::istringstream table(text_of(in("p.csv")));
     std::string line, last;
@@ -84,7 +85,7 @@ TEST_F(LensPsfCommand, ProfileEndsAtTheFrameAndHoldsItsEnergy) {
 TEST_F(LensPsfCommand, SameBitsForAnyNumberOfThreads) {
     std::string before;
     for (const char* threads : {"1", "2", "7"}) {
-        const Outcome r = run(psf({in("p.exr"), "--threads", threads}));
+        const Outcome r = run(psf({in("p.exr"), "--impulse", "diffraction", "--threads", threads}));
         ASSERT_EQ(r.exit_code, 0) << r.err;
         const std::string bytes = text_of(in("p.exr"));
         EXPECT_FALSE(bytes.empty());
@@ -120,6 +121,7 @@ TEST_F(LensPsfCommand, RefusesInOneLine) {
         } else {
             words.insert(words.end(), {option, value});
         }
+        if (std::string_view(option) != "--impulse") words.insert(words.end(), {"--impulse", "diffraction"});
         return words;
     };
     for (const auto& [option, value, part] : {std::tuple{"--f-number", "0", "f-number"},
@@ -152,9 +154,15 @@ TEST_F(LensPsfCommand, RefusesInOneLine) {
     refused({"lens", "psf", out, "--f-number", "8"}, ExitCode::wrong_arguments, "--focal-length");
     refused(psf({in("missing/p.exr")}), ExitCode::cannot_write, "missing");
     refused(with("--profile", in("missing/p.csv").c_str()), ExitCode::cannot_write, "missing");
+    refused(psf({out, "--impulse", "lens:x.toml"}), ExitCode::wrong_arguments, "prescription");
+    refused(psf({out, "--impulse", "image:" + in("missing.png")}), ExitCode::invalid_input, "missing.png");
+    refused(psf({out, "--impulse", "polygon:5", "--profile", in("p.csv")}), ExitCode::wrong_arguments,
+            "--profile");
     auto vast = with("--f-number", "0.0001");
     vast.insert(vast.end(), {"--size", "16384"});
     *(std::find(vast.begin(), vast.end(), "--pixel-pitch") + 1) = "10000";
+    refused(vast, ExitCode::wrong_arguments, "too far out of focus");
+    *(std::find(vast.begin(), vast.end(), "--depth") + 1) = "1";
     refused(vast, ExitCode::out_of_memory, "needs");
 }
 

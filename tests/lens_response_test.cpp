@@ -19,7 +19,7 @@ namespace postlens {
 namespace {
 
 constexpr double pi = std::numbers::pi, infinity = std::numeric_limits<double>::infinity();
-const Impulse diffraction{.kind = Impulse::Kind::diffraction};
+const Impulse diffraction{.kind = ImpulseKind::diffraction};
 
 TEST(LensResponse, InFocusHasAirysFigures) {
     // f/8, s = 1 m, F = 50 mm: V = 52.63 mm, D = 6.25 mm.
@@ -156,20 +156,31 @@ TEST(Crossover, IsWhereTheDiametersAreEqual) {
     EXPECT_THROW((void)crossover(50, 1, -1, 0.005, 550), Error);
 }
 
-TEST(Impulse, KindsAreParsed) {
-    EXPECT_EQ(parse_impulse("--impulse", "disc").kind, Impulse::Kind::disc);
-    EXPECT_TRUE(parse_impulse("--impulse", "diffraction").wavelengths_nm.empty());
-    EXPECT_EQ(parse_impulse("--impulse", "diffraction:480,550.5").wavelengths_nm,
-              (std::vector{480.0, 550.5}));
-    for (const char* wrong : {"", "Disc", "diffraction:", "diffraction:550,", "diffraction:x",
-                              "diffraction:1", "diffraction:nan", "diffraction:inf", "disc:5"}) {
-        try {
-            (void)parse_impulse("--impulse", wrong);
-            ADD_FAILURE() << wrong;
-        } catch (const Error& e) {
-            EXPECT_EQ(e.code(), ExitCode::wrong_arguments) << wrong;
+TEST(LensResponse, BladesStandUprightBehindTheFocus) {
+    // A triangle with a corner to the right: behind the focus its centroid is that of the aperture, at 0, and
+    // most of its light left of the corner.
+    LensResponseRequest q{.lens = {50, 2}, .depth_m = 2, .size_px = 101};
+    q.impulse = {.kind = ImpulseKind::polygon, .blades = 3};
+    const auto corner_side = [&] {
+        const LensResponse r = lens_response(q);
+        EXPECT_NEAR(r.energy_in_frame, 1, 1e-9);
+        EXPECT_TRUE(r.profile.empty());
+        // The corner reaches as far as the disc's radius, the opposite side half as far.
+        double right = 0, left = 0;
+        for (int j = 0; j < 101; ++j) {
+            for (int i = 0; i < 101; ++i) {
+                const double x = r.grid.x_begin + i;
+                if (r.grid.at(i, j) > 1e-9) {  // beyond rounding
+                    right = std::max(right, x);
+                    left = std::min(left, x);
+                }
+            }
         }
-    }
+        return right > -left;
+    };
+    EXPECT_TRUE(corner_side());
+    q.depth_m = 0.7;
+    EXPECT_FALSE(corner_side());
 }
 
 }  // namespace

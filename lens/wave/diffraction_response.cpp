@@ -126,6 +126,7 @@ std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometr
         result_bytes += 3 * pixels * sizeof(double);
         widest_window = std::max(widest_window, 2 * pixels * sizeof(double));
         for (const WaveScale& scale : scales) {
+            check_defocus(scale.v_per_px * coc_px / 2);
             const double v_end = plan.reach_px * scale.v_per_px;
             require_memory(static_cast<std::uint64_t>(std::min(v_end * 8 * 5 * sizeof(double), 1e18)),
                            "the diffraction pattern");

@@ -36,7 +36,8 @@ struct ChannelResponses {
 /// For each signed CoC diameter (px, FocusGeometry::coc_diameter_px) its responses, in the order given. Only
 /// the absolute value matters: without aberrations the light before and behind the focus is the same.
 /// v_per_px(lambda) comes from the geometry, u = v_per_px coc / 2. An aperture of no width diffracts without
-/// bounds: refused, as are CoCs that are not finite and settings out of range: Error(wrong_arguments).
+/// bounds: refused, as are CoCs that are not finite or beyond
+/// `largest_u` and settings out of range: Error(wrong_arguments).
 /// Error(out_of_memory) with what it needs where the tables do not fit. Runs the depths in parallel; the
 /// same bits for any number of threads.
 [[nodiscard]] std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometry,

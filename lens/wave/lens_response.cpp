@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/memory.h"
 #include "core/threads.h"
+#include "lens/aperture_response.h"
 #include "lens/ellipse_coverage.h"
 #include "lens/focus_geometry.h"
 #include "lens/wave/diffraction_response.h"
@@ -21,6 +22,13 @@ constexpr int largest_size_px = 16384, largest_own_size_px = 1025;
 constexpr double airy_first_zero = 3.8317059702075125;
 
 void check(const LensResponseRequest& q) {
+    if (q.impulse.kind == ImpulseKind::lens) {
+        fail(ExitCode::wrong_arguments,
+             "the response of a prescription is not that of a thin lens (got --impulse {}; expected another "
+             "kind)",
+             impulse_text(q.impulse));
+    }
+    check_impulse(q.impulse);
     const double V_mm = image_distance_mm(q.lens, q.focus_distance_m);
     (void)focus_geometry(q.lens, q.focus_distance_m, Framing::breathing,
                          {V_mm > 0 ? V_mm : 1, q.pixel_pitch_mm});
@@ -33,7 +41,7 @@ void check(const LensResponseRequest& q) {
              "size of the response is out of range (got {} px; expected 1 to {} px)", q.size_px,
              largest_size_px);
     }
-    if (q.impulse.kind == Impulse::Kind::diffraction && std::isinf(q.lens.f_number)) {
+    if (q.impulse.kind == ImpulseKind::diffraction && std::isinf(q.lens.f_number)) {
         fail(ExitCode::wrong_arguments,
              "a pinhole without a width diffracts without bounds (got an f-number of inf; expected a finite "
              "one)");
@@ -70,7 +78,9 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    constexpr double per_v = 4, fewest = 512, most = 8192;
+    // One place takes v steps: together no more than a few seconds' worth.
+    constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
+    const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
     const auto count = static_cast<std::size_t>(std::clamp(half_px * v_per_px * per_v, fewest, most));
     std::vector<double> radii(count + 1);
     for (std::size_t i = 0; i <= count; ++i) {
@@ -127,6 +137,27 @@ void make_disc(LensResponse& out, int size_px) {
     if (radius_px <= size_px / 2.0) out.fwhm_px = 2 * radius_px;
 }
 
+/// A response that is not round has no radial profile.
+void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, const LensResponseRequest& q) {
+    require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
+    // A point of the lens moves the light by the CoC's radius; X rho^2 is added to 1/s - 1/z.
+    constexpr double metres_per_mm = 1e-3;
+    const double radius_px = out.coc_px / 2;
+    const double px_per_inverse_metre =
+        out.image_distance_mm / q.pixel_pitch_mm * q.lens.aperture_diameter_mm() / 2 * metres_per_mm;
+    const ApertureImage image{.map_px = with_area(glm::dmat2(radius_px)),
+                              .spherical_px = aperture.spherical_per_m() * px_per_inverse_metre,
+                              .centre_px = glm::dvec2(middle(size_px))};
+    const int begin = -(size_px / 2), end = begin + size_px;
+    const ResponseGrid made = dense_response(aperture, image, {begin, end, begin, end});
+    out.grid = frame(size_px);
+    for (int j = 0; j < made.height; ++j) {
+        for (int i = 0; i < made.width; ++i) {
+            out.grid.at(made.x_begin + i - begin, made.y_begin + j - begin) = std::max(made.at(i, j), 0.0);
+        }
+    }
+}
+
 void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScale>& scales) {
     const double centre = middle(size_px);
     ResponseGrid window;  // without values
@@ -134,6 +165,7 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     window.width = window.height = size_px;
     const double reach = reach_px(window, centre, centre, {});
     double entries = 0;
+    for (const WaveScale& scale : scales) check_defocus(scale.u);
     for (const WaveScale& scale : scales) entries += reach * scale.v_per_px / RadialEnergy::step_for(scale.u);
     require_memory(
         static_cast<std::uint64_t>(std::min(5 * entries * sizeof(double) + frame_bytes(size_px), 1e18)),
@@ -177,7 +209,7 @@ int own_size_px(const std::vector<WaveScale>& scales, double coc_px, bool diffra
 
 LensResponse lens_response(const LensResponseRequest& q) {
     check(q);
-    const bool diffracts = q.impulse.kind == Impulse::Kind::diffraction;
+    const bool diffracts = q.impulse.kind == ImpulseKind::diffraction;
     const bool named = !q.impulse.wavelengths_nm.empty();
     const std::vector<double> wavelengths_nm =
         named ? q.impulse.wavelengths_nm : std::vector{q.wavelength_nm};
@@ -196,13 +228,17 @@ LensResponse lens_response(const LensResponseRequest& q) {
     out.u = mean.u;
     out.v_per_px = mean.v_per_px;
     out.airy_diameter_px = 2 * airy_first_zero / out.v_per_px;
+    const bool plain_disc = q.impulse.kind == ImpulseKind::disc && !q.aperture && q.impulse.squeeze == 1 &&
+                            q.impulse.cats_eye == 0 && q.impulse.spherical == 0;
     const int size_px = q.size_px > 0 ? q.size_px : own_size_px(scales, out.coc_px, diffracts);
     if (diffracts) {
         make_diffraction(out, size_px, scales);
-    } else {
+    } else if (plain_disc) {
         make_disc(out, size_px);
+    } else {
+        make_geometric(out, size_px, q.aperture ? *q.aperture : Aperture(q.impulse), q);
     }
-    out.half_energy_diameter_px = half_energy_diameter(out.profile);
+    if (!out.profile.empty()) out.half_energy_diameter_px = half_energy_diameter(out.profile);
     out.energy_in_frame = std::accumulate(out.grid.share.begin(), out.grid.share.end(), 0.0);
     out.peak_share = *std::max_element(out.grid.share.begin(), out.grid.share.end());
     return out;

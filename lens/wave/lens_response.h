@@ -4,9 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "lens/aperture.h"
+#include "lens/impulse.h"
 #include "lens/response_grid.h"
 #include "lens/thin_lens.h"
-#include "lens/wave/impulse.h"
 
 namespace postlens {
 
@@ -14,7 +15,9 @@ struct LensResponseRequest {
     ThinLens lens;
     double focus_distance_m = 1, depth_m = 1;
     double pixel_pitch_mm = 0.01875;
-    Impulse impulse;
+    Impulse impulse;  ///< disc, polygon, picture or diffraction
+    /// Of geometric kinds; absent: made of `impulse`, which a picture cannot be.
+    std::optional<Aperture> aperture;
     double wavelength_nm = 550;  ///< where the impulse names none
     int size_px = 0;  ///< of the square frame; 0: as large as holds 99% of the energy, 1025 at most
 };
@@ -44,7 +47,7 @@ struct LensResponse {
     /// Of the circle that holds half of all energy: tells the blur where `fwhm_px` tells a bright fringe.
     /// Absent where it does not fit the frame.
     std::optional<double> half_energy_diameter_px;
-    /// From 0 to the frame's half width, four places to a unit of v, 8192 at most.
+    /// From 0 to the frame's half width, four places to a unit of v, 8192 at most, fewer where v reaches 1e6.
     std::vector<RadialSample> profile;
 };
 

@@ -1,5 +1,6 @@
 #include "lens/wave/wave_scale.h"
 
+#include <cmath>
 #include <numbers>
 
 #include "core/error.h"
@@ -15,6 +16,14 @@ void check_wavelength(double wavelength_nm) {
     if (wavelength_nm >= shortest_wavelength_nm && wavelength_nm <= longest_wavelength_nm) return;
     fail(ExitCode::wrong_arguments, "wavelength is out of range (got {} nm; expected {} to {} nm)",
          wavelength_nm, shortest_wavelength_nm, longest_wavelength_nm);
+}
+
+void check_defocus(double u) {
+    if (std::abs(u) <= largest_u) return;
+    fail(ExitCode::wrong_arguments,
+         "too far out of focus for diffraction to be seen (got u = {:.3g}; expected up to {:.3g}, or the "
+         "impulse response disc)",
+         u, largest_u);
 }
 
 WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m, double pixel_pitch_mm,

@@ -18,6 +18,13 @@ inline constexpr double shortest_wavelength_nm = 100, longest_wavelength_nm = 20
 /// Throws Error(wrong_arguments) where the wavelength is not between the two.
 void check_wavelength(double wavelength_nm);
 
+/// Beyond it fringes are a millionth of the disc: the geometric disc is all there is to see, and a table of
+/// waves would take seconds.
+inline constexpr double largest_u = 1e6;
+
+/// Throws Error(wrong_arguments) where |u| exceeds it or is not a number.
+void check_defocus(double u);
+
 /// For a lens with its film at V (`lens psf`), with pixels of `pixel_pitch_mm`. Both numbers hang on the CoC
 /// alone: u = v_per_px |CoC| / 2 in px, so that the edge of the geometric disc is v = |u|.
 /// Needs s > F, n finite.
