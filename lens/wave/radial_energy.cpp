@@ -66,7 +66,7 @@ double RadialEnergy::within(double v) const {
            t * t * ((3 - 2 * t) * within_[i + 1] - r * slope1);
 }
 
-double RadialEnergy::integral_to(double v) const {
+double RadialEnergy::within_integral(double v) const {
     const double at = v / step_;
     const auto i = std::min(static_cast<std::size_t>(at), within_.size() - 2);
     const double t = at - static_cast<double>(i);
@@ -77,11 +77,6 @@ double RadialEnergy::integral_to(double v) const {
     return within_sum_[i] + step_ * t *
                                 (within_[i] + t * (slope0 / 2 + t * ((3 * rise - 2 * slope0 - slope1) / 3 +
                                                                      t * (slope0 + slope1 - 2 * rise) / 4)));
-}
-
-double RadialEnergy::mean_within(double v0, double v1) const {
-    if (v1 - v0 < 2 * step_) return within((v0 + v1) / 2);
-    return (integral_to(v1) - integral_to(v0)) / (v1 - v0);
 }
 
 }  // namespace postlens

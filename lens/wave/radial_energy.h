@@ -30,16 +30,13 @@ class RadialEnergy {
 
     /// Share of the energy within v, for 0 <= v <= v_end. Error below 2e-7.
     [[nodiscard]] double within(double v) const;
-    /// Mean of `within` over [v0, v1], 0 <= v0 < v1 <= v_end: what is left where fringes are finer than the
-    /// span. Where the span is shorter than two steps, `within` of its middle.
-    [[nodiscard]] double mean_within(double v0, double v1) const;
+    /// Integral of `within` from 0 to v: differences are means over spans, which leave out finer fringes.
+    [[nodiscard]] double within_integral(double v) const;
     /// I(u, v) at i step.
     [[nodiscard]] std::span<const double> intensity() const { return intensity_; }
     [[nodiscard]] double step() const { return step_; }
 
   private:
-    [[nodiscard]] double integral_to(double v) const;
-
     double u_ = 0, step_ = 0.5;
     std::vector<double> intensity_;   ///< I(u, i step)
     std::vector<double> within_;      ///< share of the energy

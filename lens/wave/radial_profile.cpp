@@ -36,10 +36,9 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
         }
         // Means B over three neighbouring spans give the middle value of a smooth function as
         // (26 B_0 - B_-1 - B_1) / 24, with an error of 3/640 of the fourth difference.
-        const double left = p.energy->mean_within(v - 1.5 * w, v - 0.5 * w);
-        const double middle = p.energy->mean_within(v - 0.5 * w, v + 0.5 * w);
-        const double right = p.energy->mean_within(v + 0.5 * w, v + 1.5 * w);
-        sum += p.weight * (26 * middle - left - right) / 24;
+        const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
+        const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
+        sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
     }
     return sum;
 }
