@@ -21,27 +21,27 @@ namespace {
 constexpr int largest_size_px = 16384, largest_own_size_px = 1025;
 constexpr double airy_first_zero = 3.8317059702075125;
 
-void check(const LensResponseRequest& q) {
-    if (q.impulse.kind == ImpulseKind::lens) {
+void check(const LensResponseRequest& request) {
+    if (request.impulse.kind == ImpulseKind::lens) {
         fail(ExitCode::wrong_arguments,
              "the response of a prescription is not that of a thin lens (got --impulse {}; expected another "
              "kind)",
-             impulse_text(q.impulse));
+             impulse_text(request.impulse));
     }
-    check_impulse(q.impulse);
-    const double V_mm = image_distance_mm(q.lens, q.focus_distance_m);
-    (void)focus_geometry(q.lens, q.focus_distance_m, Framing::breathing,
-                         {V_mm > 0 ? V_mm : 1, q.pixel_pitch_mm});
-    if (!(q.depth_m > 0)) {
+    check_impulse(request.impulse);
+    const double V_mm = image_distance_mm(request.lens, request.focus_distance_m);
+    (void)focus_geometry(request.lens, request.focus_distance_m, Framing::breathing,
+                         {V_mm > 0 ? V_mm : 1, request.pixel_pitch_mm});
+    if (!(request.depth_m > 0)) {
         fail(ExitCode::wrong_arguments, "depth is out of range (got {} m; expected more than 0, or infinity)",
-             q.depth_m);
+             request.depth_m);
     }
-    if (q.size_px < 0 || q.size_px > largest_size_px) {
+    if (request.size_px < 0 || request.size_px > largest_size_px) {
         fail(ExitCode::wrong_arguments,
-             "size of the response is out of range (got {} px; expected 1 to {} px)", q.size_px,
+             "size of the response is out of range (got {} px; expected 1 to {} px)", request.size_px,
              largest_size_px);
     }
-    if (q.impulse.kind == ImpulseKind::diffraction && std::isinf(q.lens.f_number)) {
+    if (request.impulse.kind == ImpulseKind::diffraction && std::isinf(request.lens.f_number)) {
         fail(ExitCode::wrong_arguments,
              "a pinhole without a width diffracts without bounds (got an f-number of inf; expected a finite "
              "one)");
@@ -138,13 +138,14 @@ void make_disc(LensResponse& out, int size_px) {
 }
 
 /// A response that is not round has no radial profile.
-void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, const LensResponseRequest& q) {
+void make_geometric(LensResponse& out, int size_px, const Aperture& aperture,
+                    const LensResponseRequest& request) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
     // A point of the lens moves the light by the CoC's radius; X rho^2 is added to 1/s - 1/z.
     constexpr double metres_per_mm = 1e-3;
     const double radius_px = out.coc_px / 2;
-    const double px_per_inverse_metre =
-        out.image_distance_mm / q.pixel_pitch_mm * q.lens.aperture_diameter_mm() / 2 * metres_per_mm;
+    const double px_per_inverse_metre = out.image_distance_mm / request.pixel_pitch_mm *
+                                        request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
     const ApertureImage image{.map_px = with_area(glm::dmat2(radius_px)),
                               .spherical_px = aperture.spherical_per_m() * px_per_inverse_metre,
                               .centre_px = glm::dvec2(middle(size_px))};
@@ -207,36 +208,39 @@ int own_size_px(const std::vector<WaveScale>& scales, double coc_px, bool diffra
 
 }  // namespace
 
-LensResponse lens_response(const LensResponseRequest& q) {
-    check(q);
-    const bool diffracts = q.impulse.kind == ImpulseKind::diffraction;
-    const bool named = !q.impulse.wavelengths_nm.empty();
+LensResponse lens_response(const LensResponseRequest& request) {
+    check(request);
+    const bool diffracts = request.impulse.kind == ImpulseKind::diffraction;
+    const bool named = !request.impulse.wavelengths_nm.empty();
     const std::vector<double> wavelengths_nm =
-        named ? q.impulse.wavelengths_nm : std::vector{q.wavelength_nm};
+        named ? request.impulse.wavelengths_nm : std::vector{request.wavelength_nm};
     std::vector<WaveScale> scales;
     for (const SpectralLine& line : equal_lines(wavelengths_nm)) {
-        scales.push_back(
-            wave_scale(q.lens, q.focus_distance_m, q.depth_m, q.pixel_pitch_mm, line.wavelength_nm));
+        scales.push_back(wave_scale(request.lens, request.focus_distance_m, request.depth_m,
+                                    request.pixel_pitch_mm, line.wavelength_nm));
     }
     LensResponse out;
-    out.coc_px = coc_diameter_mm(q.lens, q.focus_distance_m, q.depth_m) / q.pixel_pitch_mm;
-    out.image_distance_mm = image_distance_mm(q.lens, q.focus_distance_m);
+    out.coc_px =
+        coc_diameter_mm(request.lens, request.focus_distance_m, request.depth_m) / request.pixel_pitch_mm;
+    out.image_distance_mm = image_distance_mm(request.lens, request.focus_distance_m);
     out.wavelength_nm = std::accumulate(wavelengths_nm.begin(), wavelengths_nm.end(), 0.0) /
                         static_cast<double>(wavelengths_nm.size());
-    const WaveScale mean =
-        wave_scale(q.lens, q.focus_distance_m, q.depth_m, q.pixel_pitch_mm, out.wavelength_nm);
+    const WaveScale mean = wave_scale(request.lens, request.focus_distance_m, request.depth_m,
+                                      request.pixel_pitch_mm, out.wavelength_nm);
     out.u = mean.u;
     out.v_per_px = mean.v_per_px;
     out.airy_diameter_px = 2 * airy_first_zero / out.v_per_px;
-    const bool plain_disc = q.impulse.kind == ImpulseKind::disc && !q.aperture && q.impulse.squeeze == 1 &&
-                            q.impulse.cats_eye == 0 && q.impulse.spherical == 0;
-    const int size_px = q.size_px > 0 ? q.size_px : own_size_px(scales, out.coc_px, diffracts);
+    const bool plain_disc = request.impulse.kind == ImpulseKind::disc && !request.aperture &&
+                            request.impulse.squeeze == 1 && request.impulse.cats_eye == 0 &&
+                            request.impulse.spherical == 0;
+    const int size_px = request.size_px > 0 ? request.size_px : own_size_px(scales, out.coc_px, diffracts);
     if (diffracts) {
         make_diffraction(out, size_px, scales);
     } else if (plain_disc) {
         make_disc(out, size_px);
     } else {
-        make_geometric(out, size_px, q.aperture ? *q.aperture : Aperture(q.impulse), q);
+        make_geometric(out, size_px, request.aperture ? *request.aperture : Aperture(request.impulse),
+                       request);
     }
     if (!out.profile.empty()) out.half_energy_diameter_px = half_energy_diameter(out.profile);
     out.energy_in_frame = std::accumulate(out.grid.share.begin(), out.grid.share.end(), 0.0);
