@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,6 +30,10 @@ void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, C
 void tree_options(CLI::App& app, int& max_depth, double& min_contribution);
 void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve,
                      const std::string& absent = "open for an instant");
+
+struct LensFitLimitsOptions;
+/// The options of `lens fit` for thin lenses (cli_lens_fit.cpp).
+std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
 
 /// `lens` and its subcommands (cli_lens.cpp); what they parse lives in the callbacks.
 void add_lens_commands(CLI::App& root, ParsedCommand& common);

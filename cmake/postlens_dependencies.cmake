@@ -18,9 +18,13 @@ find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 add_library(xxhash_headers INTERFACE)
 target_include_directories(xxhash_headers SYSTEM INTERFACE "${XXHASH_INCLUDE_DIR}")
 
-# FFTW ships none either; single precision, one thread a transform.
+# FFTW ships none either; single and double precision, one thread a transform.
 find_path(FFTW3F_INCLUDE_DIR fftw3.h REQUIRED)
 find_library(FFTW3F_LIBRARY fftw3f REQUIRED)
 add_library(fftw3f INTERFACE)
 target_include_directories(fftw3f SYSTEM INTERFACE "${FFTW3F_INCLUDE_DIR}")
 target_link_libraries(fftw3f INTERFACE "${FFTW3F_LIBRARY}")
+find_library(FFTW3_LIBRARY fftw3 REQUIRED)
+add_library(fftw3 INTERFACE)
+target_include_directories(fftw3 SYSTEM INTERFACE "${FFTW3F_INCLUDE_DIR}")
+target_link_libraries(fftw3 INTERFACE "${FFTW3_LIBRARY}")

@@ -17,12 +17,12 @@ struct ResponseGrid {
     std::vector<double> share;  ///< row by row, width * height
 
     ResponseGrid() = default;
-    ResponseGrid(int x_begin_, int y_begin_, int width_, int height_)
-        : x_begin(x_begin_),
-          y_begin(y_begin_),
-          width(width_),
-          height(height_),
-          share(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
+    ResponseGrid(int x, int y, int w, int h)
+        : x_begin(x),
+          y_begin(y),
+          width(w),
+          height(h),
+          share(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
 
     /// i in [0, width), j in [0, height).
     [[nodiscard]] double& at(int i, int j) {

@@ -1,0 +1,31 @@
+#include <memory>
+
+#include "apps/cli_options.h"
+#include "apps/lens_fit_limits_command.h"
+
+namespace postlens {
+
+std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app) {
+    const auto o = std::make_shared<LensFitLimitsOptions>();
+    app.add_option("--pairs", o->pairs,
+                   "Find F, n and s from measured circles of confusion: lines distance_m,coc_mm")
+        ->type_name("FILE.csv");
+    app.add_option_function<std::string>(
+           "--sharp", [o](const std::string& text) { o->sharp = parse_depths("--sharp", text); },
+           "Find F, n and s that make everything between two depths sharp, m")
+        ->type_name("NEAR:FAR|inf");
+    number(app, "--coc-limit", o->coc_limit_mm,
+           "With --sharp: widest circle of confusion that counts as sharp [default: 1/1500 of the sensor's "
+           "diagonal]",
+           "MM");
+    app.add_option_function<std::string>(
+           "--sensor", [o](const std::string& text) { o->sensor_mm = parse_sensor("--sensor", text); },
+           "With --sharp: the sensor, for its diagonal and the angle of view, mm")
+        ->type_name("WxH");
+    number(app, "--focal-length", o->focal_length_mm, "F, where it is known [default: to be found]", "MM");
+    number(app, "--f-number", o->f_number, "With --pairs: n, where it is known [default: to be found]", "N");
+    number(app, "--wavelength", o->wavelength_nm, "With --sharp: wavelength of the Airy disc", "NM");
+    return o;
+}
+
+}  // namespace postlens

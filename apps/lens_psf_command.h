@@ -1,0 +1,25 @@
+// `lens psf`: the response of a lens, and where diffraction takes over.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "apps/command.h"
+#include "lens/impulse.h"
+
+namespace postlens {
+
+struct LensPsfOptions {
+    std::string output;  ///< may be empty with `crossover`
+    std::optional<double> focal_length_mm, f_number, focus_m, depth_m;
+    std::optional<double> wavelength_nm;  ///< absent: 550
+    double pixel_pitch_um = 18.75;        ///< 36 mm over 1920 px
+    int size_px = 0;                      ///< 0: the response's own
+    Impulse impulse;
+    std::optional<std::string> profile;  ///< a CSV file to write
+    bool crossover = false;
+};
+
+[[nodiscard]] CommandResult run_lens_psf(const LensPsfOptions& options);
+
+}  // namespace postlens

@@ -1,0 +1,46 @@
+// How the energy of one wavelength's response lies over the radius, tabulated.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lens/wave/bessel.h"
+
+namespace postlens {
+
+/// The response of a circular aperture with the defocus u, tabulated over v in [0, v_end] in steps that leave
+/// no fringe out: I(u, v) has no frequency above 2, since the aperture ends at p = 1.
+/// Energy: all of it is 1 (that of the light through the aperture); intensity: 1 at (u, v) = (0, 0). The two
+/// hang together by dE = I v dv / 2.
+class RadialEnergy {
+  public:
+    /// 1/8 or 1/2: the step that the table for u wants.
+    [[nodiscard]] static double step_for(double u);
+    /// How many entries the grid needs for a table to v_end.
+    [[nodiscard]] static std::size_t grid_count(double step, double v_end);
+
+    /// The grid must have the step `step_for(u)` and at least `grid_count` entries.
+    RadialEnergy(double u, double v_end, const BesselGrid& grid);
+
+    /// Of a table of its own grid.
+    RadialEnergy(double u, double v_end);
+
+    [[nodiscard]] double u() const { return u_; }
+    [[nodiscard]] double v_end() const { return step_ * static_cast<double>(within_.size() - 1); }
+
+    /// Share of the energy within v, for 0 <= v <= v_end. Error below 2e-7.
+    [[nodiscard]] double within(double v) const;
+    /// Integral of `within` from 0 to v: differences are means over spans, which leave out finer fringes.
+    [[nodiscard]] double within_integral(double v) const;
+    /// I(u, v) at i step.
+    [[nodiscard]] std::span<const double> intensity() const { return intensity_; }
+    [[nodiscard]] double step() const { return step_; }
+
+  private:
+    double u_ = 0, step_ = 0.5;
+    std::vector<double> intensity_;   ///< I(u, i step)
+    std::vector<double> within_;      ///< share of the energy
+    std::vector<double> within_sum_;  ///< its integral from 0
+};
+
+}  // namespace postlens
