@@ -8,7 +8,7 @@ namespace postlens {
 namespace {
 
 const TracedLens& double_gauss() {
-    static const TracedLens lens(read_prescription(POSTLENS_SAMPLES "/lenses/double_gauss.toml"),
+    static const TracedLens lens(read_prescription(POSTLENS_LENS_SAMPLES "/double_gauss.toml"),
                                  {.focus_distance_m = 2});
     return lens;
 }
@@ -49,7 +49,7 @@ void impulse(benchmark::State& state) {
 BENCHMARK(impulse)->Arg(33)->Arg(129)->Unit(benchmark::kMillisecond);
 
 void set_up(benchmark::State& state) {
-    const Prescription lens = read_prescription(POSTLENS_SAMPLES "/lenses/double_gauss.toml");
+    const Prescription lens = read_prescription(POSTLENS_LENS_SAMPLES "/double_gauss.toml");
     for (auto _ : state) benchmark::DoNotOptimize(TracedLens(lens, {.focus_distance_m = 2}));
 }
 BENCHMARK(set_up)->Unit(benchmark::kMillisecond);

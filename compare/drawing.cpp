@@ -22,7 +22,7 @@ cv::Scalar scalar(Drawing::Colour c) {
 
 // OpenCV wants whole numbers; what lies far beyond the figure is cut there.
 cv::Point fixed(Drawing::Point p) {
-    constexpr double far = 1e5;
+    static constexpr double far = 1e5;
     const auto to = [](double v) {
         return static_cast<int>(std::lround((std::clamp(v, -far, far) - 0.5) * (1 << subpixel_bits)));
     };
