@@ -50,24 +50,26 @@ Drawing draw_section(const LensSection& section, const Prescription& lens, const
         out.line(polyline(ray.points), ray_colours[ray.field % ray_colours.size()], 1);
     }
     for (const auto& blade : section.stop) out.line(polyline(blade), black, 4);
-    const double film = std::min(height_mm, std::max(0.1 * height_mm, traced.settings().film_radius_mm));
+    double film = std::max(0.1 * height_mm, traced.settings().film_radius_mm);
+    for (const auto& ray : section.rays) film = std::max(film, std::abs(ray.points.back().y));
+    film = std::min(height_mm, film);
     out.line({at({section.film_z_mm, film}), at({section.film_z_mm, -film})}, black, 2.5);
     const FirstOrder& f = traced.first_order();
-    const auto mark = [&](double z, const char* name) {
+    const auto mark = [&](double z, const char* name, double below) {
         if (!(z >= z0 && z <= z1)) return;
         const Point p = at({z, 0});
         out.line({{p.x, p.y - 7}, {p.x, p.y + 7}}, black, 2);
-        out.text({p.x, p.y + 22}, 13, name, Drawing::Anchor::middle);
+        out.text({p.x, p.y + below}, 13, name, Drawing::Anchor::middle);
     };
-    mark(f.entrance_pupil_z_mm, "EP");
-    mark(traced.stack().last_vertex_z_mm() + f.exit_pupil_z_mm, "XP");
+    mark(f.entrance_pupil_z_mm, "EP", 22);
+    mark(traced.stack().last_vertex_z_mm() + f.exit_pupil_z_mm, "XP", -12);
     out.text(
         {margin, 2 * middle + 8}, 17,
         fmt::format("{}: EFL {:.5g} mm, f/{:.3g}, entrance pupil (EP) {:.4g} mm, exit pupil (XP) {:.4g} mm",
                     lens.name.empty() ? "lens" : lens.name.substr(0, 48), f.efl_mm, traced.f_number(),
                     f.entrance_pupil_diameter_mm * f.f_number / traced.f_number(),
                     f.exit_pupil_diameter_mm * f.f_number / traced.f_number()));
-    const double bar_mm = round_step(z1 - z0, 8);
+    const double bar_mm = round_step(z1 - z0, 16);
     const Point end{width - margin, 2 * middle + 18};
     out.line({{end.x - bar_mm * scale, end.y}, end}, black, 2);
     out.text({end.x, end.y - 6}, 14, fmt::format("{:g} mm", bar_mm), Drawing::Anchor::end);
@@ -118,7 +120,7 @@ Drawing draw_curves(const std::vector<Curve>& curves, const std::string& x_title
         }
         const double step = round_step(high - low, 4), x_step = round_step(right_x, 8);
         low = std::floor(low / step + 1e-9) * step;
-        high = std::ceil(high / step - 1e-9) * step;
+        high = std::ceil(high / step - 0.02) * step;  // a hair above a line stays there
         const auto at = [&](double x, double y) {
             return Point{left + x / right_x * (width - left - right),
                          y0 + (high - y) / (high - low) * height};

@@ -97,7 +97,7 @@ double chief_height(const TracedLens& traced, double depth_m, double tangent) {
     if (!aim) return NAN;
     LensRay ray = traced.object_ray(depth_m, {0, tangent}, *aim);
     if (!traced.stack().forward(ray, Apertures::ignored).passes()) return NAN;
-    return -traced.on_film(ray).y;
+    return 0 - traced.on_film(ray).y;
 }
 
 double irradiance(const TracedLens& traced, double film_mm) {

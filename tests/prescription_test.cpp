@@ -337,6 +337,11 @@ TEST_F(PrescriptionFiles, Utf16IsReadLikeUtf8) {
     }
 }
 
+TEST_F(PrescriptionFiles, NamesBecomeAscii) {
+    // Latin-1, as older programs write it: no UTF-8, which JSON would refuse.
+    EXPECT_EQ(read_prescription(write("a.dat", "# Z\xE4hler \x07\n50 1 1.5 9\n0 0 1 9\n")).name, "Z?hler ?");
+}
+
 TEST_F(PrescriptionFiles, SequenceCommands) {
     const std::string text =
         "RDM; LEN\nTITLE 'a; b ! c'\nDIM C\nFNO 4\nWL 656 588 486\nREF 2\nPRV\nPWL 656 588 486\n"

@@ -363,6 +363,32 @@ TEST(TracedLensFilm, TheWeightsAreTheLightOfAUniformScene) {
     EXPECT_LT(irradiance(open, {0, 10}), 0.8 * std::pow(1 + 100 / (to_pupil * to_pupil), -2.0));
 }
 
+// The rectangles that scene_ray samples hold all that gets through: the same light as from the whole rear
+// surface, at film points on and between the zones that they are kept for.
+TEST(TracedLensFilm, NoLightIsOutsideOfTheRectangles) {
+    const Prescription lens = data("dgauss.22deg.50.0mm.dat");
+    for (const double n : {2.04, 5.6}) {
+        const TracedLens traced(lens, {.focus_distance_m = 3, .f_number = n, .film_radius_mm = 16});
+        const double z = traced.stack().last_vertex_z_mm(), to_film = traced.film_distance_mm();
+        for (const double r : {0.0, 3.3, 7.99, 8.0, 12.6, 15.9}) {
+            const dvec2 film(0.6 * r, 0.8 * r);
+            constexpr int nodes = 300;
+            const double clear = 10.2, step = 2 * clear / nodes;
+            double sum = 0;
+            for (int k = 0; k < nodes * nodes; ++k) {
+                const dvec2 p((k % nodes + 0.5) * step - clear, (k / nodes + 0.5) * step - clear);
+                const dvec3 from(film, z + to_film);
+                LensRay ray{from, glm::normalize(dvec3(p, z) - from)};
+                const double cosine = -ray.direction.z;
+                if (traced.stack().backward(ray).passes()) sum += std::pow(cosine, 4);
+            }
+            const double expected = sum * step * step / (to_film * to_film) / traced.axial_irradiance_sr();
+            // Two grids of some 150 (f/2) and 50 (f/5.6) cells across: their edges differ by less than this.
+            EXPECT_NEAR(irradiance(traced, film), expected, n < 3 ? 0.006 : 0.012) << n << " " << r;
+        }
+    }
+}
+
 TEST(TracedLensImpulse, IsADiscOfTheCircleOfConfusionsSize) {
     const Prescription lens = data("rayoptics_ag_dblgauss.seq");
     const TracedLens traced(lens, {.focus_distance_m = 2, .f_number = 16});
@@ -412,6 +438,12 @@ TEST(TracedLensImpulse, ThroughTheFisheyeAndTheAspheres) {
     // Equidistant rather than straight lines kept straight: f times the angle, well below f times its
     // tangent.
     EXPECT_NEAR(-mesh.chief_film_mm.y, std::numbers::pi / 3, 0.15);
+    // Followed to where the pupil has wandered by more than its own size.
+    const auto aim = fisheye.aim_at_stop(INFINITY, {0, tangent(75)});
+    ASSERT_TRUE(aim.has_value());
+    EXPECT_GT(glm::length(*aim), fisheye.first_order().entrance_pupil_diameter_mm);
+    EXPECT_NEAR(glm::length(fisheye.stack().at_stop(fisheye.object_ray(INFINITY, {0, tangent(75)}, *aim))), 0,
+                1e-9);
     const TracedLens aspheric(data("deeplens_rf50mm_f1.8.toml"), {.focus_distance_m = INFINITY});
     ASSERT_TRUE(aspheric.impulse(INFINITY, {0, 0.2}, 65, mesh));
     EXPECT_NEAR(-mesh.chief_film_mm.y, 0.2 * aspheric.first_order().efl_mm, 0.3);

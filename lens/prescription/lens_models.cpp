@@ -77,7 +77,7 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         return std::abs(lens.on_film(ray).y);
     };
     double low = 0, high = 60;  // up to 89 degrees
-    for (int step = 0; step < 100 && high - low > 1e-12; ++step) {
+    for (int step = 0; step < 80 && high - low > 1e-12; ++step) {
         const double middle = 0.5 * (low + high);
         (height(middle) < field_mm ? low : high) = middle;
     }

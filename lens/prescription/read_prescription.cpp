@@ -41,6 +41,14 @@ std::string decoded(std::string bytes) {
     return out;
 }
 
+// Names come in any encoding, and go to terminals, JSON and drawings: ASCII only.
+void make_printable(std::string& text) {
+    for (char& c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 0x20 || byte > 0x7E) c = '?';
+    }
+}
+
 bool has_surface_table(std::string_view text) {
     const auto lines = lines_of(text);
     return std::any_of(lines.begin(), lines.end(), [](const TextLine& line) {
@@ -135,6 +143,8 @@ Prescription read_prescription(const std::filesystem::path& path) {
         fail(ExitCode::invalid_input, "{}: the file is empty (expected a lens prescription)", file);
     }
     Prescription lens = format->parse(text, file);
+    make_printable(lens.name);
+    make_printable(lens.source);
     check_prescription(lens);
     (void)first_order(lens);
     return lens;

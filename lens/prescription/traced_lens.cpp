@@ -103,23 +103,38 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
     const double tangent = glm::length(field);
     if (tangent == 0) return dvec2(0);
     const dvec2 axis = field / tangent;
-    const auto height = [&](double y) { return stack_.at_stop(object_ray(depth_m, {0, tangent}, {0, y})).y; };
     const double scale = 0.5 * first_order_.entrance_pupil_diameter_mm;
-    // The secant method from the paraxial pupil; in steps of at most a pupil, as distant guesses miss the
-    // lens.
-    double y0 = 0, f0 = height(y0), y1 = 0.01 * scale, f1 = height(y1);
-    for (int step = 0; step < 64; ++step) {
-        if (!std::isfinite(f0) || !std::isfinite(f1)) return std::nullopt;
-        if (std::abs(f1) <= 1e-11 * stack_.stop_radius_mm()) return turned(dvec2(0, y1), axis);
-        if (f1 == f0) return std::nullopt;
-        const double change = std::clamp(-f1 * (y1 - y0) / (f1 - f0), -scale, scale);
-        y0 = y1;
-        f0 = f1;
-        y1 += change;
-        f1 = height(y1);
-        if (std::abs(change) <= 1e-14 * scale && std::isfinite(f1)) return turned(dvec2(0, y1), axis);
+    // The secant method, in steps of at most a pupil, as distant guesses miss the lens.
+    const auto aimed = [&](double t, double start) -> std::optional<double> {
+        const auto height = [&](double y) { return stack_.at_stop(object_ray(depth_m, {0, t}, {0, y})).y; };
+        double y0 = start, f0 = height(y0), y1 = start + 0.01 * scale, f1 = height(y1);
+        for (int step = 0; step < 64; ++step) {
+            if (!std::isfinite(f0) || !std::isfinite(f1)) return std::nullopt;
+            if (std::abs(f1) <= 1e-11 * stack_.stop_radius_mm()) return y1;
+            if (f1 == f0) return std::nullopt;
+            const double change = std::clamp(-f1 * (y1 - y0) / (f1 - f0), -scale, scale);
+            y0 = y1;
+            f0 = f1;
+            y1 += change;
+            f1 = height(y1);
+            if (std::abs(change) <= 1e-14 * scale && std::isfinite(f1)) return y1;
+        }
+        return std::nullopt;
+    };
+    if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
+    // A wide lens's pupil wanders with the field: followed from the axis in equal steps of the angle, each
+    // begun where the two before it point to.
+    constexpr int most_steps = 48;
+    const double angle = std::atan(tangent);
+    double before = 0, last = 0;
+    for (int i = 1; i <= most_steps; ++i) {
+        const double t = i == most_steps ? tangent : std::tan(angle * i / most_steps);
+        const auto y = aimed(t, 2 * last - before);
+        if (!y) return std::nullopt;
+        before = last;
+        last = *y;
     }
-    return std::nullopt;
+    return turned(dvec2(0, last), axis);
 }
 
 double TracedLens::sharp_film_mm(const Prescription& lens, double distance_from_pupil_m) const {
