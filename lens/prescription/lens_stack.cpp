@@ -9,6 +9,11 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
+// A line may begin anywhere: from far away its squares would cost digits. The surfaces that follow are near.
+void begin_at(double z, LensRay& ray) {
+    if (ray.direction.z != 0) ray.origin += (z - ray.origin.z) / ray.direction.z * ray.direction;
+}
+
 }  // namespace
 
 LensStack::LensStack(const Prescription& lens, double wavelength_nm, double stop_radius_mm)
@@ -22,15 +27,16 @@ LensStack::LensStack(const Prescription& lens, double wavelength_nm, double stop
         e.k = s.conic;
         e.asphere = s.asphere;
         e.is_asphere = s.is_asphere();
-        e.index_before = n;
-        e.index_after = s.glass.index(wavelength_nm);
+        const double after = s.glass.index(wavelength_nm);
+        e.forward_ratio = n / after;
+        e.backward_ratio = after / n;
         const double opening =
             s.is_stop && std::isfinite(stop_radius_mm) ? stop_radius_mm : s.clear_radius_mm;
         e.radius_squared = opening * opening;
         if (s.is_stop) stop_radius_mm_ = opening;
         elements_.push_back(e);
         z += s.thickness_mm;
-        n = e.index_after;
+        n = after;
     }
 }
 
@@ -41,9 +47,7 @@ double LensStack::clear_radius_mm(std::size_t surface) const {
 RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures apertures,
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
-    // In the surface's own frame, from where the line crosses its vertex plane (or is, if it runs along it).
-    dvec3 p = ray.origin - dvec3(0, 0, e.z);
-    if (d.z != 0) p -= p.z / d.z * d;
+    dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame
     const double q = 1 + e.k;
     // c (x^2 + y^2 + q z^2) - 2 z = 0 along p + t d, the root that goes to 0 with c. [welford1986, 4.3]
     const double a = e.c * (1 + e.k * d.z * d.z);
@@ -106,13 +110,13 @@ bool LensStack::refract(dvec3& direction, const dvec3& normal, double ratio) noe
 
 RayEnd LensStack::forward(LensRay& ray, Apertures apertures, std::span<dvec3> hits) const noexcept {
     dvec3 normal(0, 0, 1);
+    begin_at(elements_.front().z, ray);
     for (std::size_t i = 0; i < elements_.size(); ++i) {
         const Element& e = elements_[i];
         const RayFate fate = meet(e, ray, 1, apertures, normal);
         if (!hits.empty()) hits[i] = ray.origin;
         if (fate != RayFate::passes) return {fate, i};
-        if (e.index_before != e.index_after &&
-            !refract(ray.direction, normal, e.index_before / e.index_after)) {
+        if (e.forward_ratio != 1 && !refract(ray.direction, normal, e.forward_ratio)) {
             return {RayFate::reflected, i};
         }
     }
@@ -121,13 +125,13 @@ RayEnd LensStack::forward(LensRay& ray, Apertures apertures, std::span<dvec3> hi
 
 RayEnd LensStack::backward(LensRay& ray, Apertures apertures, std::span<dvec3> hits) const noexcept {
     dvec3 normal(0, 0, 1);
+    begin_at(elements_.back().z, ray);
     for (std::size_t i = elements_.size(); i-- > 0;) {
         const Element& e = elements_[i];
         const RayFate fate = meet(e, ray, -1, apertures, normal);
         if (!hits.empty()) hits[i] = ray.origin;
         if (fate != RayFate::passes) return {fate, i};
-        if (e.index_before != e.index_after &&
-            !refract(ray.direction, normal, e.index_after / e.index_before)) {
+        if (e.backward_ratio != 1 && !refract(ray.direction, normal, e.backward_ratio)) {
             return {RayFate::reflected, i};
         }
     }
@@ -137,12 +141,12 @@ RayEnd LensStack::backward(LensRay& ray, Apertures apertures, std::span<dvec3> h
 dvec2 LensStack::at_stop(LensRay ray) const noexcept {
     const dvec2 nowhere(std::numeric_limits<double>::quiet_NaN());
     dvec3 normal(0, 0, 1);
+    begin_at(elements_.front().z, ray);
     for (std::size_t i = 0; i <= stop_; ++i) {
         const Element& e = elements_[i];
         if (meet(e, ray, 1, Apertures::ignored, normal) != RayFate::passes) return nowhere;
         if (i == stop_) return {ray.origin};
-        if (e.index_before != e.index_after &&
-            !refract(ray.direction, normal, e.index_before / e.index_after)) {
+        if (e.forward_ratio != 1 && !refract(ray.direction, normal, e.forward_ratio)) {
             return nowhere;
         }
     }

@@ -68,7 +68,7 @@ class LensStack {
   private:
     struct Element {
         double z = 0, c = 0, k = 0;
-        double index_before = 1, index_after = 1;
+        double forward_ratio = 1, backward_ratio = 1;  ///< index before over after, and back
         double radius_squared = std::numeric_limits<double>::infinity();
         bool is_asphere = false;
         std::array<double, asphere_terms> asphere{};

@@ -274,6 +274,7 @@ void TracedLens::find_rear_boxes() {
         }
     }
     axial_irradiance_sr_ = sum / (nodes * nodes);
+    if (!(sum > 0)) rear_boxes_.front() = {};  // an opening that no ray finds lets no light through
 }
 
 bool TracedLens::scene_ray(dvec2 film_mm, dvec2 uv, SceneRay& out) const noexcept {
