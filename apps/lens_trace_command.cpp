@@ -104,9 +104,11 @@ double irradiance(const TracedLens& traced, double film_mm) {
     constexpr int nodes = 96;
     double sum = 0;
     SceneRay ray;
-    for (int k = 0; k < nodes * nodes; ++k) {
-        const dvec2 uv((k % nodes + 0.5) / nodes, (k / nodes + 0.5) / nodes);
-        if (traced.scene_ray({0, -film_mm}, uv, ray)) sum += ray.weight;
+    for (int j = 0; j < nodes; ++j) {
+        for (int i = 0; i < nodes; ++i) {
+            const dvec2 uv((i + 0.5) / nodes, (j + 0.5) / nodes);
+            if (traced.scene_ray({0, -film_mm}, uv, ray)) sum += ray.weight;
+        }
     }
     return sum / (nodes * nodes);
 }

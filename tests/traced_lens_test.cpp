@@ -304,7 +304,8 @@ TEST(TracedLensFilm, RaysGoBothWays) {
     const TracedLens traced(lens, {.focus_distance_m = 1, .f_number = 4});
     int passed = 0;
     for (int i = 0; i < 400; ++i) {
-        const dvec2 film(i % 20 - 10, i / 20 - 10);
+        const int column = i % 20, row = i / 20;
+        const dvec2 film(column - 10, row - 10);
         SceneRay out;
         if (!traced.scene_ray(film, {std::fmod(i * 0.618, 1.0), std::fmod(i * 0.414, 1.0)}, out)) continue;
         ++passed;
@@ -376,7 +377,8 @@ TEST(TracedLensFilm, NoLightIsOutsideOfTheRectangles) {
             const double clear = 10.2, step = 2 * clear / nodes;
             double sum = 0;
             for (int k = 0; k < nodes * nodes; ++k) {
-                const dvec2 p((k % nodes + 0.5) * step - clear, (k / nodes + 0.5) * step - clear);
+                const int i = k % nodes, j = k / nodes;
+                const dvec2 p((i + 0.5) * step - clear, (j + 0.5) * step - clear);
                 const dvec3 from(film, z + to_film);
                 LensRay ray{from, glm::normalize(dvec3(p, z) - from)};
                 const double cosine = -ray.direction.z;

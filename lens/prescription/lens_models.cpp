@@ -101,9 +101,9 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {
-        const double zE = f.entrance_pupil_z_mm;
+        const double pupil_z = f.entrance_pupil_z_mm;
         const ParaxialRay end =
-            paraxial_ray(lens, nm, {1 - zE * inverse_depth_per_mm, inverse_depth_per_mm}, last);
+            paraxial_ray(lens, nm, {1 - pupil_z * inverse_depth_per_mm, inverse_depth_per_mm}, last);
         return end.y_mm + end.nu * film;
     };
     thick_at_infinity_ = landing(0);

@@ -350,8 +350,8 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     dvec2 sum(0);
     double passing = 0;
     for (std::size_t k = 0; k < count; ++k) {
-        const auto i = static_cast<double>(k % static_cast<std::size_t>(nodes));
-        const auto j = static_cast<double>(k / static_cast<std::size_t>(nodes));
+        const auto n = static_cast<std::size_t>(nodes);
+        const std::size_t i = k % n, j = k / n;
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
