@@ -270,7 +270,7 @@ void add_compare(CLI::App& root, State& s) {
 }
 
 void add_info(CLI::App& root, State& s) {
-    CLI::App& app = *root.add_subcommand("info", "What is in a file: scene, sample file or image");
+    CLI::App& app = *root.add_subcommand("info", "What is in a file: scene, lens, sample file or image");
     app.add_option("file", s.input, "Any of them")->required()->type_name("FILE");
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_info(s.input); }; });

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <memory>
 
 #include "apps/cli_options.h"
 #include "apps/lens_command.h"
 #include "apps/lens_fit_limits_command.h"
 #include "apps/lens_psf_command.h"
+#include "apps/numbers.h"
 
 namespace postlens {
 namespace {
@@ -61,12 +63,114 @@ void add_psf(CLI::App& lens, ParsedCommand& common) {
     app.callback([&common, o] { common.run = [o] { return run_lens_psf(*o); }; });
 }
 
+void prescription_options(CLI::App& app, PrescriptionOptions& o, bool required = true) {
+    app.add_option("file", o.input, "Prescription: .dat, .zmx, .seq or .toml (docs/lens_prescriptions.md)")
+        ->required(required)
+        ->type_name("FILE");
+    number(app, "--f-number", o.f_number,
+           "Aperture number n, not below what the lens opens to [default: wide open]", "N");
+    number(app, "--focus", o.focus_m,
+           "Focus distance from the entrance pupil, more than 0 [default: the film as the file has it, else "
+           "infinity]",
+           "M", true);
+    number(app, "--wavelength", o.wavelength_nm, "Wavelength, 100 to 100000 [default: the file's]", "NM");
+    choice(app, "--focus-by", o.criterion,
+           "What is sharp: rays near the axis, or the spot of least RMS radius",
+           {{"paraxial", FocusCriterion::paraxial}, {"rms", FocusCriterion::rms_spot}});
+    choice(app, "--move", o.move,
+           "What moves to focus: the film, or the lens as a whole before a film that stands",
+           {{"film", FocusMove::film}, {"lens", FocusMove::lens}});
+}
+
+void add_show(CLI::App& lens, ParsedCommand& common) {
+    CLI::App& app = *lens.add_subcommand("show", "A prescription's focal lengths, pupils and cross-section");
+    const auto o = std::make_shared<LensShowOptions>();
+    prescription_options(app, o->lens);
+    number(app, "--film-width", o->film_width_mm, "Also the field of view over so much film, more than 0",
+           "MM");
+    app.add_option("-o,--output", o->output, "Drawing of the lens with rays: .svg, .png, .tif, .jpg or .exr")
+        ->type_name("FILE");
+    common_options(app, common);
+    app.callback([&common, o] { common.run = [o] { return run_lens_show(*o); }; });
+}
+
+void add_lens_trace(CLI::App& lens, ParsedCommand& common) {
+    CLI::App& app =
+        *lens.add_subcommand("trace", "Exact rays: spot diagrams, impulse responses, curves over the field");
+    const auto o = std::make_shared<LensTraceOptions>();
+    prescription_options(app, o->lens);
+    number(app, "--depth", o->depth_m,
+           "Depth z' of the object, more than 0 [default: --focus, else infinity]", "M", true);
+    app.add_option_function<std::string>(
+           "--fields",
+           [o](const std::string& text) {
+               o->fields_deg.clear();
+               std::size_t at = 0;
+               do {
+                   const std::size_t end = std::min(text.find(',', at), text.size());
+                   o->fields_deg.push_back(parse_number("--fields", text.substr(at, end - at)));
+                   at = end + 1;
+               } while (at <= text.size());
+           },
+           "Angles of the object from the axis at the entrance pupil, -89 to 89 [default: the film's centre, "
+           "half and "
+           "edge]")
+        ->type_name("DEG,...");
+    number(app, "--film-width", o->film_width_mm, "Width of the film, more than 0", "MM");
+    whole(app, "--rays", o->rays, "Rays along each side of the pupil, 3 to 1025", "N");
+    app.add_option("-o,--output", o->output,
+                   "Spot diagrams: .csv (every ray), .svg, .png, .tif, .jpg or .exr")
+        ->type_name("FILE");
+    app.add_option("--curves", o->curves,
+                   "Vignetting and distortion over the field: .csv, .svg, .png, .tif, .jpg or .exr")
+        ->type_name("FILE");
+    app.add_option("--impulse", o->impulse,
+                   "Impulse responses of the fields, side by side, each of energy 1: .exr")
+        ->type_name("FILE");
+    number(app, "--pixel-pitch", o->pixel_pitch_um, "Pixel pitch of --impulse, more than 0", "UM");
+    common_options(app, common);
+    app.callback([&common, o] { common.run = [o] { return run_lens_trace(*o); }; });
+}
+
 void add_fit(CLI::App& lens, ParsedCommand& common) {
     CLI::App& app =
-        *lens.add_subcommand("fit", "A thin lens from measurements (--pairs) or for a task (--sharp)");
+        *lens.add_subcommand("fit",
+                             "The simplest model of a prescription that is as good as asked for; "
+                             "or a thin lens from measurements (--pairs) or for a task (--sharp)");
+    const auto o = std::make_shared<LensFitOptions>();
+    prescription_options(app, o->lens, false);
     const auto limits = fit_limits_options(app);
+    app.add_option_function<std::string>(
+           "--depths",
+           [o](const std::string& text) {
+               const std::size_t colon = std::min(text.find(':'), text.size());
+               o->depths_m.first = parse_number("--depths", text.substr(0, colon));
+               o->depths_m.second =
+                   parse_number("--depths", text.substr(std::min(colon + 1, text.size())), true);
+           },
+           "Nearest and farthest depth, 0 < A < B, B may be inf [default: 1:100]")
+        ->type_name("A:B");
+    number(app, "--field", o->field_mm, "Farthest point of the film from its centre, 0 or more", "MM");
+    number(app, "--tolerance-px", o->tolerance_px, "Largest error of the model that is picked, more than 0",
+           "PX");
+    number(app, "--pixel-pitch", o->pixel_pitch_um,
+           "Pixel pitch on the film; the default is 36 mm over 1920 px", "UM");
+    whole(app, "--samples", o->samples, "Depths and fields that are compared, 3 to 64", "N");
     common_options(app, common);
-    app.callback([&common, limits] { common.run = [limits] { return run_lens_fit_limits(*limits); }; });
+    app.callback([&common, o, limits] {
+        common.run = [o, limits] {
+            const bool thin = limits->pairs.has_value() || limits->sharp.has_value();
+            if (!o->lens.input.empty() && thin) {
+                fail(ExitCode::wrong_arguments,
+                     "lens fit: too much to do (got a prescription and {}; expected one of them)",
+                     limits->pairs ? "--pairs" : "--sharp");
+            }
+            if (!o->lens.input.empty()) return run_lens_fit(*o);
+            limits->f_number = o->lens.f_number;
+            limits->wavelength_nm = o->lens.wavelength_nm.value_or(limits->wavelength_nm);
+            return run_lens_fit_limits(*limits);
+        };
+    });
 }
 
 }  // namespace
@@ -77,6 +181,8 @@ void add_lens_commands(CLI::App& root, ParsedCommand& common) {
     add_coc(lens, common);
     add_dof(lens, common);
     add_psf(lens, common);
+    add_show(lens, common);
+    add_lens_trace(lens, common);
     add_fit(lens, common);
 }
 

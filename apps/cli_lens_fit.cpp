@@ -23,8 +23,6 @@ std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app) {
            "With --sharp: the sensor, for its diagonal and the angle of view, mm")
         ->type_name("WxH");
     number(app, "--focal-length", o->focal_length_mm, "F, where it is known [default: to be found]", "MM");
-    number(app, "--f-number", o->f_number, "With --pairs: n, where it is known [default: to be found]", "N");
-    number(app, "--wavelength", o->wavelength_nm, "With --sharp: wavelength of the Airy disc", "NM");
     return o;
 }
 

@@ -3,6 +3,8 @@
 #include <filesystem>
 
 #include "apps/command.h"
+#include "lens/prescription/first_order.h"
+#include "lens/prescription/read_prescription.h"
 
 namespace postlens {
 namespace {
@@ -119,12 +121,31 @@ CommandResult scene_info(const std::string& input) {
     return out;
 }
 
+CommandResult lens_info(const std::string& input) {
+    const Prescription lens = read_prescription(input);
+    const FirstOrder f = first_order(lens);
+    CommandResult out;
+    out.json = {{"kind", "lens"},
+                {"name", lens.name},
+                {"surfaces", lens.surfaces.size()},
+                {"stop_surface", lens.stop() + 1},
+                {"focal_length_mm", json_number(f.efl_mm)},
+                {"film_distance_mm", json_number(f.film_distance_mm)},
+                {"f_number", json_number(f.f_number)},
+                {"wavelength_nm", lens.wavelength_nm}};
+    out.text = fmt::format(
+        "{}: lens prescription{}, {} surfaces, EFL {:.6g} mm, f/{:.4g} (postlens lens show says more)", input,
+        lens.name.empty() ? "" : " " + lens.name, lens.surfaces.size(), f.efl_mm, f.f_number);
+    return out;
+}
+
 CommandResult image_info(const std::string& input) {
     const auto file = OIIO::ImageInput::open(input);
     if (!file) {
         (void)OIIO::geterror();
         fail(ExitCode::invalid_input,
-             "{}: not a file that postlens knows (expected a scene, a sample file or an image)", input);
+             "{}: not a file that postlens knows (expected a scene, a lens, a sample file or an image)",
+             input);
     }
     const OIIO::ImageSpec& spec = file->spec();
     CommandResult out;
@@ -150,6 +171,7 @@ CommandResult run_info(const std::string& input) {
     std::string ending = fs::path(input).extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(),
                    [](unsigned char c) { return std::tolower(c); });
+    if (is_prescription(input)) return lens_info(input);
     if (ending == ".toml" || ending == ".nff") return scene_info(input);
     if (SampleFileReader::is_sample_file(input)) return sample_file_info(input);
     return image_info(input);

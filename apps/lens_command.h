@@ -2,8 +2,12 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "apps/command.h"
+#include "lens/prescription/traced_lens.h"
 
 namespace postlens {
 
@@ -16,5 +20,46 @@ struct LensCommandOptions {
 
 [[nodiscard]] CommandResult run_lens_coc(const LensCommandOptions& options);
 [[nodiscard]] CommandResult run_lens_dof(const LensCommandOptions& options);
+
+/// What `lens show`, `trace` and `fit` have in common: a prescription and how it is set.
+struct PrescriptionOptions {
+    std::string input;
+    std::optional<double> f_number, focus_m, wavelength_nm;
+    FocusCriterion criterion = FocusCriterion::paraxial;
+    FocusMove move = FocusMove::film;
+};
+
+struct LensShowOptions {
+    PrescriptionOptions lens;
+    std::optional<double> film_width_mm;
+    std::optional<std::string> output;  ///< drawing
+};
+
+struct LensTraceOptions {
+    PrescriptionOptions lens;
+    std::optional<double> depth_m;  ///< absent: what is in focus
+    std::vector<double> fields_deg;
+    double film_width_mm = 36;
+    int rays = 65;
+    double pixel_pitch_um = 5;
+    std::optional<std::string> output, curves, impulse;
+};
+
+struct LensFitOptions {
+    PrescriptionOptions lens;
+    std::pair<double, double> depths_m{1, 100};
+    double field_mm = 0;
+    double tolerance_px = 0.5;
+    double pixel_pitch_um = 18.75;
+    int samples = 7;
+};
+
+[[nodiscard]] CommandResult run_lens_show(const LensShowOptions& options);
+[[nodiscard]] CommandResult run_lens_trace(const LensTraceOptions& options);
+[[nodiscard]] CommandResult run_lens_fit(const LensFitOptions& options);
+
+/// The lens of the options, focused at infinity or as the file has it where `focus_m` is absent.
+[[nodiscard]] TracedLensSettings traced_lens_settings(const PrescriptionOptions& options,
+                                                      double film_radius_mm);
 
 }  // namespace postlens

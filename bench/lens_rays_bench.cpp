@@ -1,0 +1,58 @@
+// Rays per second through eleven surfaces.
+#include <benchmark/benchmark.h>
+
+#include "lens/prescription/read_prescription.h"
+#include "lens/prescription/traced_lens.h"
+
+namespace postlens {
+namespace {
+
+const TracedLens& double_gauss() {
+    static const TracedLens lens(read_prescription(POSTLENS_LENS_SAMPLES "/double_gauss.toml"),
+                                 {.focus_distance_m = 2});
+    return lens;
+}
+
+void from_scene(benchmark::State& state) {
+    const TracedLens& lens = double_gauss();
+    double y = 0;
+    for (auto _ : state) {
+        y = y < 20 ? y + 0.37 : -20;
+        LensRay ray = lens.object_ray(3, {0.05, 0.1}, {0.4 * y, 0.5 * y});
+        benchmark::DoNotOptimize(lens.stack().forward(ray));
+        benchmark::DoNotOptimize(ray);
+    }
+    state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(from_scene);
+
+void from_film(benchmark::State& state) {
+    const TracedLens& lens = double_gauss();
+    double u = 0;
+    SceneRay ray;
+    for (auto _ : state) {
+        u = u < 0.99 ? u + 0.0137 : 0;
+        benchmark::DoNotOptimize(lens.scene_ray({5, 10 * u}, {u, 0.5}, ray));
+        benchmark::DoNotOptimize(ray);
+    }
+    state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(from_film);
+
+void impulse(benchmark::State& state) {
+    const TracedLens& lens = double_gauss();
+    const int nodes = static_cast<int>(state.range(0));
+    PupilMesh mesh;
+    for (auto _ : state) benchmark::DoNotOptimize(lens.impulse(3, {0, 0.1}, nodes, mesh));
+    state.SetItemsProcessed(state.iterations() * nodes * nodes);
+}
+BENCHMARK(impulse)->Arg(33)->Arg(129)->Unit(benchmark::kMillisecond);
+
+void set_up(benchmark::State& state) {
+    const Prescription lens = read_prescription(POSTLENS_LENS_SAMPLES "/double_gauss.toml");
+    for (auto _ : state) benchmark::DoNotOptimize(TracedLens(lens, {.focus_distance_m = 2}));
+}
+BENCHMARK(set_up)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace postlens

@@ -1,0 +1,58 @@
+// Lines, areas and text, written as SVG or as a picture: figures of optics and curves.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "records/image.h"
+
+namespace postlens {
+
+/// A figure of white ground, in px from its top left corner, y down. Drawn in the order of the calls.
+class Drawing {
+  public:
+    using Colour = std::array<std::uint8_t, 3>;
+    struct Point {
+        double x = 0, y = 0;
+    };
+    enum class Anchor { start, middle, end };
+
+    /// 1 to 16384 px each.
+    Drawing(int width_px, int height_px) : width_(width_px), height_(height_px) {}
+
+    void line(std::vector<Point> points, Colour colour, double width_px = 1, bool dashed = false);
+    /// Filled and outlined; 3 points or more.
+    void area(std::vector<Point> points, Colour fill, Colour edge, double width_px = 1);
+    void dot(Point at, double radius_px, Colour colour);
+    /// ASCII; `at` is on the base line, `size_px` the height of the capitals times 1.4.
+    void text(Point at, double size_px, const std::string& words, Anchor anchor = Anchor::start);
+
+    [[nodiscard]] std::string svg() const;
+    /// Scene-linear, for `write_image`.
+    [[nodiscard]] Image image() const;
+
+  private:
+    enum class Kind { line, area, dot, text };
+    struct Part {
+        Kind kind = Kind::line;
+        std::vector<Point> points;
+        Colour fill{}, edge{};
+        double size = 1;
+        bool dashed = false;
+        std::string words;
+        Anchor anchor = Anchor::start;
+    };
+    int width_, height_;
+    std::vector<Part> parts_;
+};
+
+/// Throws Error(wrong_arguments) unless the ending is .svg or one of `write_image`.
+void check_drawing_path(const std::filesystem::path& path);
+
+/// By the ending. Throws Error(cannot_write).
+void write_drawing(const std::filesystem::path& path, const Drawing& drawing);
+
+}  // namespace postlens

@@ -1,0 +1,155 @@
+#include "lens/prescription/prescription.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace postlens {
+namespace {
+
+// Mounts round clear radii up: in patents' tables neighbouring rims overlap by a few thousandths of them,
+// where no light goes.
+constexpr double crossing_tolerance = 0.01;
+
+bool all_finite(const Surface& s) {
+    return std::isfinite(s.curvature_per_mm) && std::isfinite(s.conic) && std::isfinite(s.thickness_mm) &&
+           std::all_of(s.asphere.begin(), s.asphere.end(), [](double a) { return std::isfinite(a); });
+}
+
+void check_surface(const Prescription& lens, std::size_t i) {
+    const Surface& s = lens.surfaces[i];
+    if (!all_finite(s)) {
+        fail(ExitCode::invalid_input, "{}: surface {} has a number that is not finite", place_of(lens, i),
+             i + 1);
+    }
+    if (!(s.clear_radius_mm > 0)) {
+        fail(ExitCode::invalid_input,
+             "{}: clear aperture of surface {} is not positive (got a diameter of {} mm; expected more than "
+             "0)",
+             place_of(lens, i), i + 1, 2 * s.clear_radius_mm);
+    }
+    const bool last = i + 1 == lens.surfaces.size();
+    if (s.thickness_mm < 0 && !last) {
+        fail(ExitCode::invalid_input,
+             "{}: thickness after surface {} is negative (got {} mm; expected 0 or more)", place_of(lens, i),
+             i + 1, s.thickness_mm);
+    }
+    const double n = lens.index_after(i);
+    if (!(n >= 1 && n <= 5)) {
+        fail(ExitCode::invalid_input, "{}: index after surface {} is out of range (got {}; expected 1 to 5)",
+             place_of(lens, i), i + 1, n);
+    }
+}
+
+// Whether the surface i + 1 stays behind the surface i where light may pass both.
+void check_gap(const Prescription& lens, std::size_t i) {
+    const Surface& a = lens.surfaces[i];
+    const Surface& b = lens.surfaces[i + 1];
+    const double radius = std::min(a.clear_radius_mm, b.clear_radius_mm);
+    if (!std::isfinite(radius)) return;
+    constexpr int steps = 64;
+    for (int step = 1; step <= steps; ++step) {
+        const double r = radius * step / steps;
+        const double gap = a.thickness_mm + b.sag_mm(r) - a.sag_mm(r);
+        if (std::isnan(gap)) return;  // beyond the edge of one of them
+        if (gap < -crossing_tolerance * radius) {
+            fail(ExitCode::invalid_input,
+                 "{}: surfaces {} and {} cross at {:.4g} mm from the axis, within their clear radius of "
+                 "{:.4g} mm (got a gap of {:.4g} mm; expected 0 or more)",
+                 place_of(lens, i + 1), i + 1, i + 2, r, radius, gap);
+        }
+    }
+}
+
+void check_stop(const Prescription& lens) {
+    std::size_t stops = 0, last = 0;
+    for (std::size_t i = 0; i < lens.surfaces.size(); ++i) {
+        if (!lens.surfaces[i].is_stop) continue;
+        ++stops;
+        last = i;
+    }
+    if (stops == 0) {
+        fail(ExitCode::invalid_input, "{}: the lens has no stop (got {} surfaces; expected one marked as it)",
+             lens.file, lens.surfaces.size());
+    }
+    if (stops > 1) {
+        fail(ExitCode::invalid_input, "{}: the lens has {} stops (expected one)", place_of(lens, last),
+             stops);
+    }
+    const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
+    if (lens.entrance_pupil_diameter_mm && !positive(*lens.entrance_pupil_diameter_mm)) {
+        fail(ExitCode::invalid_input,
+             "{}: entrance pupil's diameter is out of range (got {} mm; expected more than 0)", lens.file,
+             *lens.entrance_pupil_diameter_mm);
+    }
+    if (lens.f_number && !positive(*lens.f_number)) {
+        fail(ExitCode::invalid_input, "{}: f-number is out of range (got {}; expected more than 0)",
+             lens.file, *lens.f_number);
+    }
+    if (!lens.entrance_pupil_diameter_mm && !lens.f_number &&
+        !std::isfinite(lens.surfaces[last].clear_radius_mm)) {
+        fail(
+            ExitCode::invalid_input,
+            "{}: nothing says how wide the stop is (expected its diameter, an entrance pupil or an f-number)",
+            place_of(lens, last));
+    }
+}
+
+}  // namespace
+
+bool Surface::is_asphere() const {
+    return std::any_of(asphere.begin(), asphere.end(), [](double a) { return a != 0; });
+}
+
+double Surface::sag_mm(double r_mm) const {
+    const double q = r_mm * r_mm, c = curvature_per_mm;
+    double polynomial = 0;
+    for (std::size_t i = asphere_terms; i-- > 0;) polynomial = (polynomial + asphere[i]) * q;
+    return c * q / (1 + std::sqrt(1 - (1 + conic) * c * c * q)) + polynomial;
+}
+
+std::size_t Prescription::stop() const {
+    const auto at =
+        std::find_if(surfaces.begin(), surfaces.end(), [](const Surface& s) { return s.is_stop; });
+    return static_cast<std::size_t>(at - surfaces.begin());
+}
+
+double Prescription::length_mm() const {
+    double sum = 0;
+    for (std::size_t i = 0; i + 1 < surfaces.size(); ++i) sum += surfaces[i].thickness_mm;
+    return sum;
+}
+
+std::string place_of(const Prescription& lens, std::size_t surface) {
+    const int line = lens.surfaces[surface].line;
+    return line > 0 ? fmt::format("{}:{}", lens.file, line) : lens.file;
+}
+
+void check_prescription(const Prescription& lens) {
+    if (lens.surfaces.empty()) {
+        fail(ExitCode::invalid_input, "{}: no surface (expected 1 to {})", lens.file, most_surfaces);
+    }
+    if (lens.surfaces.size() > most_surfaces) {
+        fail(ExitCode::invalid_input, "{}: too many surfaces (got {}; expected 1 to {})", lens.file,
+             lens.surfaces.size(), most_surfaces);
+    }
+    if (!(lens.wavelength_nm >= 100 && lens.wavelength_nm <= 1e5)) {
+        fail(ExitCode::invalid_input, "{}: wavelength out of range (got {} nm; expected 100 to 100000)",
+             lens.file, lens.wavelength_nm);
+    }
+    for (std::size_t i = 0; i < lens.surfaces.size(); ++i) check_surface(lens, i);
+    if (const double n = lens.index_after(lens.surfaces.size() - 1); std::abs(n - 1) > 1e-9) {
+        fail(ExitCode::invalid_input, "{}: the film is not in air (got index {} behind the last surface)",
+             place_of(lens, lens.surfaces.size() - 1), n);
+    }
+    check_stop(lens);
+    if (lens.film_distance_mm && !(*lens.film_distance_mm > 0 && std::isfinite(*lens.film_distance_mm))) {
+        fail(ExitCode::invalid_input,
+             "{}: the film is not behind the lens (got {} mm from the last surface; expected more than 0)",
+             lens.file, *lens.film_distance_mm);
+    }
+    for (std::size_t i = 0; i + 1 < lens.surfaces.size(); ++i) check_gap(lens, i);
+}
+
+}  // namespace postlens
