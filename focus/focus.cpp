@@ -9,7 +9,6 @@
 #include "focus/reframe.h"
 #include "focus/scatter.h"
 #include "focus/splat_tables.h"
-#include "records/aperture_file.h"
 #include "records/quadtree.h"
 
 namespace postlens {
@@ -91,8 +90,8 @@ FocusResult scattered(const SampleFileReader& file, const FocusSettings& setting
     traced.gain_px /= geometry.zoom;
     traced.zoom = 1;
     const DepthLevels levels(traced, depth_range(file), settings.spacing, settings.depths);
-    const std::shared_ptr<const ResponseModel> response = response_model(
-        read_aperture(settings.impulse), traced, std::hypot(window.width(), window.height()) / 2.0);
+    const std::shared_ptr<const ResponseModel> response =
+        response_model(settings.impulse, traced, std::hypot(window.width(), window.height()) / 2.0);
     SplatTables tables(recorded_corners(file), window, traced, levels, settings.depth_model, response);
     take_in(file, tables);
     FocusResult out;

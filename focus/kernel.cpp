@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "core/memory.h"
@@ -197,18 +198,33 @@ std::size_t KernelTable::bytes_of(const KernelKey& key) const {
     return static_cast<std::size_t>(rows * sizeof(KernelRow) + outline_px * sizeof(float)) + sizeof(Kernel);
 }
 
-Kernel KernelTable::kernel(const KernelKey& key) const {
-    const glm::dvec2 phase =
-        glm::dvec2(key.phase_x, key.phase_y) / static_cast<double>(KernelKey::phase_steps);
-    if (model_.is_round()) return make_kernel(outline(key), phase.x, phase.y, reach_);
+ResponseRequest KernelTable::request(const KernelKey& key) const {
     const double cell_px = std::ldexp(1.0, key.cell_log2);
-    const glm::dvec2 place =
-        key.cell_log2 == 0 ? glm::dvec2(0) : glm::dvec2(key.cell_x + 0.5, key.cell_y + 0.5) * cell_px;
-    return model_.kernel({.map_px = map_px(key),
-                          .place_px = place,
-                          .whole = key.cell_log2 == 0,
-                          .phase_px = phase,
-                          .reach = reach_});
+    return {.map_px = map_px(key),
+            .place_px =
+                key.cell_log2 == 0 ? glm::dvec2(0) : glm::dvec2(key.cell_x + 0.5, key.cell_y + 0.5) * cell_px,
+            .whole = key.cell_log2 == 0,
+            .phase_px = glm::dvec2(key.phase_x, key.phase_y) / static_cast<double>(KernelKey::phase_steps),
+            .reach = reach_};
+}
+
+Kernel KernelTable::make(const KernelKey& key) const {
+    const ResponseRequest r = request(key);
+    return model_.is_round() ? make_kernel(outline(key), r.phase_px.x, r.phase_px.y, reach_)
+                             : model_.kernel(r);
+}
+
+void KernelTable::make_channels(const std::vector<std::uint32_t>& numbers) {
+    std::map<std::pair<std::int32_t, std::int32_t>, std::vector<std::uint32_t>> by_phase;
+    for (const std::uint32_t i : numbers) by_phase[{keys_[i].phase_x, keys_[i].phase_y}].push_back(i);
+    for (const auto& [phase, group] : by_phase) {
+        std::vector<ResponseRequest> requests;
+        for (const std::uint32_t i : group) requests.push_back(request(keys_[i]));
+        std::vector<std::array<Kernel, 3>> made = model_.channel_kernels(requests);
+        for (std::size_t k = 0; k < group.size(); ++k) {
+            for (std::size_t c = 0; c < 3; ++c) kernels_[3 * group[k] + c] = std::move(made[k][c]);
+        }
+    }
 }
 
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
@@ -234,27 +250,32 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
 
 void KernelTable::build(std::size_t memory_limit_bytes) {
     coarsen_ellipses(memory_limit_bytes);
-    kernels_.resize(keys_.size());
-    kernel_of_.assign(keys_.size(), nullptr);
+    channels_ = model_.has_channels() ? 3 : 1;
+    kernels_.resize(channels_ * keys_.size());
+    kernel_of_.assign(keys_.size(), 0);
     // Keys that coarsening made equal share the first one's kernel.
     std::unordered_map<KernelKey::Packed, std::uint32_t, PackedHash> first_with_key;
     std::vector<std::uint32_t> to_build;
     for (std::uint32_t i = 0; i < keys_.size(); ++i) {
         if (i < levels() && !disc_used_[i].load(std::memory_order_relaxed)) continue;
         const auto [entry, is_new] = first_with_key.try_emplace(keys_[i].packed(), i);
-        kernel_of_[i] = &kernels_[entry->second];
+        kernel_of_[i] = entry->second;
         if (is_new) to_build.push_back(i);
     }
     std::size_t total = 0;
-    for (const std::uint32_t i : to_build) total += bytes_of(keys_[i]);
+    for (const std::uint32_t i : to_build) total += channels_ * bytes_of(keys_[i]);
     require_memory(total, "impulse responses");
     std::vector<bool> level_used(levels());
     for (std::uint32_t i : to_build) {
         if (keys_[i].is_disc) level_used[keys_[i].level] = true;
     }
     discs_used_ = static_cast<int>(std::count(level_used.begin(), level_used.end(), true));
+    if (model_.has_channels()) {
+        make_channels(to_build);
+        return;
+    }
     parallel_for(
-        to_build.size(), [&](std::size_t i) { kernels_[to_build[i]] = kernel(keys_[to_build[i]]); }, 4);
+        to_build.size(), [&](std::size_t i) { kernels_[to_build[i]] = make(keys_[to_build[i]]); }, 4);
 }
 
 std::uint32_t KernelNumberCache::number_of(const KernelKey& key) {

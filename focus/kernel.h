@@ -50,6 +50,7 @@ struct Kernel {
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
 class ResponseModel;
+struct ResponseRequest;
 
 /// What a splat's kernel is: the shape of its response and where its centre lies between the pixels.
 struct KernelKey {
@@ -98,7 +99,12 @@ class KernelTable {
     /// Error(out_of_memory) where all together would take more than there is.
     void build(std::size_t memory_limit_bytes = std::size_t{512} << 20);
 
-    [[nodiscard]] const Kernel& operator[](std::uint32_t number) const { return *kernel_of_[number]; }
+    /// `channel`: 0..2 where the response has channels; else there is one for all.
+    [[nodiscard]] const Kernel& kernel(std::uint32_t number, std::size_t channel) const {
+        return channels_ == 1 ? kernels_[kernel_of_[number]] : kernels_[3 * kernel_of_[number] + channel];
+    }
+    [[nodiscard]] const Kernel& operator[](std::uint32_t number) const { return kernel(number, 0); }
+    [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
     /// How many levels have a kernel, of any phase; after build.
@@ -118,7 +124,9 @@ class KernelTable {
         }
     };
     void coarsen_ellipses(std::size_t memory_limit_bytes);
-    [[nodiscard]] Kernel kernel(const KernelKey& key) const;
+    [[nodiscard]] Kernel make(const KernelKey& key) const;
+    [[nodiscard]] ResponseRequest request(const KernelKey& key) const;
+    void make_channels(const std::vector<std::uint32_t>& numbers);
 
     std::vector<double> disc_radius_px_;
     KernelReach reach_;
@@ -127,8 +135,9 @@ class KernelTable {
     std::mutex mutex_;
     std::unordered_map<KernelKey::Packed, std::uint32_t, PackedHash> number_of_key_;
     std::vector<KernelKey> keys_;           ///< by number
-    std::vector<Kernel> kernels_;           ///< by number; empty where another one stands in
-    std::vector<const Kernel*> kernel_of_;  ///< by number
+    std::vector<Kernel> kernels_;           ///< by number and channel; empty where another one stands in
+    std::vector<std::uint32_t> kernel_of_;  ///< by number: which number's kernels it has
+    std::size_t channels_ = 1;
     int discs_used_ = 0;
 };
 

@@ -17,6 +17,7 @@ struct PointPass {
     std::size_t count = 0;
     int y = 0;  ///< of the source row
     const KernelTable* kernels = nullptr;
+    std::size_t channel = 0;
     RasterWindow rows;
     std::size_t stride = 0;
     double* sum = nullptr;
@@ -28,7 +29,7 @@ void add_points(const PointPass& pass) {
     const int width = pass.rows.x_end - pass.rows.x_begin;
     for (std::size_t i = 0; i < pass.count; ++i) {
         const Splat& s = pass.splats[i];
-        const Kernel& kernel = (*pass.kernels)[s.kernel];
+        const Kernel& kernel = pass.kernels->kernel(s.kernel, pass.channel);
         // Columns from the block's first.
         const int x = s.x - pass.rows.x_begin;
         if (x + kernel.x_end <= 0 || x + kernel.x_begin >= width) continue;
@@ -91,6 +92,7 @@ bool PointScatter::add_class(std::size_t reach_class, bool begun) {
                     .count = static_cast<std::size_t>(last - first),
                     .y = y,
                     .kernels = &tables_.kernels(),
+                    .channel = channel_,
                     .rows = rows_,
                     .stride = stride_,
                     .sum = sum_.data(),

@@ -16,7 +16,9 @@ namespace postlens {
 /// would leave a trace of every bright light to the right of it.
 class PointScatter {
   public:
-    explicit PointScatter(const SplatTables& tables) : tables_(tables) {}
+    /// `channel`: whose kernels, where the response has channels.
+    explicit PointScatter(const SplatTables& tables, std::size_t channel = 0)
+        : tables_(tables), channel_(channel) {}
 
     /// Adds all splats that reach the rows, which lie in tables.picture(), to sums that start from zero.
     /// False where none does: then there are no sums. Buffers are kept from call to call.
@@ -31,6 +33,7 @@ class PointScatter {
     bool add_class(std::size_t reach_class, bool begun);
 
     const SplatTables& tables_;
+    std::size_t channel_;
     RasterWindow rows_;
     std::size_t stride_ = 0;  ///< pixels from row to row: one more than there are, for what ends there
     std::vector<double> sum_;

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
+#include "focus/diffraction_model.h"
 #include "lens/aperture_response.h"
+#include "records/aperture_file.h"
 
 namespace postlens {
 namespace {
@@ -79,6 +82,24 @@ std::unique_ptr<ResponseModel> response_model(const Aperture& aperture, const Fo
                                               double half_diagonal_px) {
     if (aperture.is_round()) return std::make_unique<ResponseModel>();
     return std::make_unique<ApertureModel>(aperture, geometry, half_diagonal_px);
+}
+
+std::unique_ptr<ResponseModel> response_model(const Impulse& impulse, const FocusGeometry& geometry,
+                                              double half_diagonal_px) {
+    switch (impulse.kind) {
+        case ImpulseKind::diffraction:
+            check_impulse(impulse);
+            return diffraction_model(impulse.wavelengths_nm, geometry);
+        case ImpulseKind::lens:
+            fail(ExitCode::wrong_arguments,
+                 "--impulse: not for scatter (got {}; expected disc, polygon, image or diffraction)",
+                 impulse_text(impulse));
+        case ImpulseKind::disc:
+        case ImpulseKind::polygon:
+        case ImpulseKind::picture:
+            break;
+    }
+    return response_model(read_aperture(impulse), geometry, half_diagonal_px);
 }
 
 }  // namespace postlens

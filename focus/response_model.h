@@ -1,8 +1,11 @@
 // Which impulse response a lens has, in the form that scattering wants.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "focus/kernel.h"
 #include "lens/aperture.h"
@@ -46,7 +49,25 @@ class ResponseModel {
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Its values add up to 1 where the reach does not cut it, or to 0 where nothing passes.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
+
+    /// Whether red, green and blue have responses of their own: then `channel_kernels` stands for `kernel`.
+    [[nodiscard]] virtual bool has_channels() const { return false; }
+    /// Whether maps other than a multiple of the identity have responses of their own; else what mirrors and
+    /// glass stretch has that of its mean.
+    [[nodiscard]] virtual bool takes_maps() const { return true; }
+    /// Of all requests, which share their phase; runs in parallel itself.
+    [[nodiscard]] virtual std::vector<std::array<Kernel, 3>> channel_kernels(
+        std::span<const ResponseRequest> /*requests*/) const {
+        return {};
+    }
 };
+
+/// Of a lens setting. `half_diagonal_px`: of the picture, in the px that the geometry counts in. Throws
+/// Error(wrong_arguments) and Error(invalid_input) as read_aperture does, and for kinds that scattering
+/// cannot do.
+[[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
+                                                            const FocusGeometry& geometry,
+                                                            double half_diagonal_px);
 
 /// Of an aperture of any shape. `half_diagonal_px`: of the picture, in the px that the geometry counts in.
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Aperture& aperture,

@@ -43,6 +43,21 @@ void normalise(const Sums& sums, bool may_be_negative, float* __restrict rgb) {
     }
 }
 
+/// Responses with channels: each of the three has made its own sums of all, of which it keeps its colour.
+/// `points` is absent where nothing arrives.
+void store_channel(const SplatTables& tables, const PointScatter* points, std::size_t channel,
+                   const RasterWindow& rows, Image& image) {
+    const RasterWindow& picture = tables.picture();
+    for (int y = rows.y_begin; y < rows.y_end; ++y) {
+        for (int x = rows.x_begin; x < rows.x_end; ++x) {
+            const double* sums = points != nullptr ? points->sums(y) + 4 * (x - rows.x_begin) : nullptr;
+            const double value = sums != nullptr && sums[3] > smallest_weight ? sums[channel] / sums[3] : 0;
+            image.pixel(x - picture.x_begin, y - picture.y_begin)[channel] =
+                static_cast<float>(tables.any_negative() ? value : std::max(value, 0.0));
+        }
+    }
+}
+
 /// Brings together what runs and single splats have left in a few rows of a block. `runs` and `points` are
 /// absent where nothing of theirs arrives.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter* points,
@@ -89,7 +104,10 @@ void scatter(const SplatTables& tables, Image& image) {
         image = Image(picture.width(), picture.height());
     }
     tbb::enumerable_thread_specific<RunScatter> run_scatters([&] { return RunScatter(tables); });
-    tbb::enumerable_thread_specific<PointScatter> point_scatters([&] { return PointScatter(tables); });
+    using PointScatters = std::array<PointScatter, 3>;
+    tbb::enumerable_thread_specific<PointScatters> point_scatters([&] {
+        return PointScatters{PointScatter(tables, 0), PointScatter(tables, 1), PointScatter(tables, 2)};
+    });
     const int columns = (picture.width() + block_width - 1) / block_width;
     const int rows = (picture.height() + block_height - 1) / block_height;
     parallel_for(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t i) {
@@ -102,20 +120,31 @@ void scatter(const SplatTables& tables, Image& image) {
         for (int first = block.y_begin; first < block.y_end; first += point_rows) {
             const RasterWindow part{block.x_begin, block.x_end, first,
                                     std::min(first + point_rows, block.y_end)};
-            PointScatter& points = point_scatters.local();
+            PointScatters& by_channel = point_scatters.local();
+            if (tables.kernels().channels() == 3) {
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const bool any = by_channel[c].run(part);
+                    store_channel(tables, any ? &by_channel[c] : nullptr, c, part, image);
+                }
+                continue;
+            }
+            PointScatter& points = by_channel[0];
             const bool any_points = points.run(part);
             store_rows(tables, any_runs ? &runs : nullptr, any_points ? &points : nullptr, part, image);
         }
     });
 }
 
-Image scatter_reference(const SplatTables& tables) {
+namespace {
+
+/// Colour sums (0..2) and weights (3) of every pixel, with the kernels of one channel.
+std::vector<double> reference_sums(const SplatTables& tables, std::size_t channel) {
     const RasterWindow& picture = tables.picture();
     const RasterWindow& source = tables.source();
     std::vector<double> sums(4 * static_cast<std::size_t>(picture.width()) *
                              static_cast<std::size_t>(picture.height()));
     const auto add = [&](int x, int y, std::uint32_t kernel_number, const double(&value)[4]) {
-        const Kernel& kernel = tables.kernels()[kernel_number];
+        const Kernel& kernel = tables.kernels().kernel(kernel_number, channel);
         for (int dy = kernel.y_begin; dy < kernel.y_end(); ++dy) {
             if (y + dy < picture.y_begin || y + dy >= picture.y_end) continue;
             const KernelRow& row = kernel.rows[static_cast<std::size_t>(dy - kernel.y_begin)];
@@ -150,10 +179,20 @@ Image scatter_reference(const SplatTables& tables) {
                  static_cast<double>(s.weight)});
         }
     }
-    Image image(picture.width(), picture.height());
-    for (std::size_t i = 0; i < image.rgb.size(); ++i) {
-        const double* sum = sums.data() + i / 3 * 4;
-        image.rgb[i] = static_cast<float>(sum[3] > smallest_weight ? sum[i % 3] / sum[3] : 0);
+    return sums;
+}
+
+}  // namespace
+
+Image scatter_reference(const SplatTables& tables) {
+    Image image(tables.picture().width(), tables.picture().height());
+    for (std::size_t channel = 0; channel < tables.kernels().channels(); ++channel) {
+        const std::vector<double> sums = reference_sums(tables, channel);
+        for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+            if (tables.kernels().channels() == 3 && i % 3 != channel) continue;
+            const double* sum = sums.data() + i / 3 * 4;
+            image.rgb[i] = static_cast<float>(sum[3] > smallest_weight ? sum[i % 3] / sum[3] : 0);
+        }
     }
     return image;
 }

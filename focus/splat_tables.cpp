@@ -13,6 +13,8 @@ namespace {
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 /// Corner rows that one task takes in: find_point_samples looks at one row more on either side.
 constexpr int rows_per_task = 8;
+/// A phase in between is shared out to its neighbours from this radius on at quarters of a pixel.
+constexpr double few_phases_from_px = 17;
 /// Outlines closer than this to a circle's are taken for one, px.
 constexpr double round_within_px = 0.05;
 
@@ -97,7 +99,8 @@ void SplatTables::RowBuilder::finish_other(Response& out, const glm::dmat2& map_
 Response SplatTables::RowBuilder::response_to_w(const Mat2& w) const {
     const double xx = w.xx, xy = w.xy, yx = w.yx, yy = w.yy;
     const double scale = t_.geometry_.gain_px * t_.geometry_.aperture_radius_m;
-    if (std::max({std::abs(xx - yy), std::abs(xy), std::abs(yx)}) * scale < round_within_px) {
+    if (std::max({std::abs(xx - yy), std::abs(xy), std::abs(yx)}) * scale < round_within_px ||
+        !t_.response_->takes_maps()) {
         return response_to_depth((xx + yy) / 2);
     }
     // The node moves by gain (I/s - W) q for q on the aperture; glm's matrices go by columns.
@@ -146,7 +149,10 @@ void SplatTables::RowBuilder::note_radius(const PointSample& s, double radius_px
 
 void SplatTables::RowBuilder::add_splats(const PointSample& s, const Response& response,
                                          const std::array<float, 3>& rgb, bool primary) {
-    const Phases phases = phases_of(s, response.radius_px);
+    // Responses that are dear to make come in few phases.
+    const double radius_px =
+        t_.response_->has_channels() ? std::max(response.radius_px, few_phases_from_px) : response.radius_px;
+    const Phases phases = phases_of(s, radius_px);
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
         KernelKey key = response.key;
@@ -317,8 +323,11 @@ namespace {
 void sort_by_reach(SplatRow& row, const KernelTable& kernels) {
     std::array<std::vector<Splat>, reach_classes> classes;
     for (const Splat& s : row.splats) {
-        const Kernel& k = kernels[s.kernel];
-        const Reach reach{k.y_begin, k.y_end(), k.x_begin, k.x_end};
+        Reach reach;
+        for (std::size_t channel = 0; channel < kernels.channels(); ++channel) {
+            const Kernel& k = kernels.kernel(s.kernel, channel);
+            reach.include({k.y_begin, k.y_end(), k.x_begin, k.x_end});
+        }
         const std::size_t c = reach_class(reach);
         classes[c].push_back(s);
         row.class_reach[c].include(reach);
