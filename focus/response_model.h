@@ -30,6 +30,8 @@ class ResponseModel {
     ResponseModel() = default;
     ResponseModel(const ResponseModel&) = delete;
     ResponseModel& operator=(const ResponseModel&) = delete;
+    ResponseModel(ResponseModel&&) = delete;
+    ResponseModel& operator=(ResponseModel&&) = delete;
     virtual ~ResponseModel() = default;
 
     [[nodiscard]] virtual bool is_round() const { return true; }

@@ -163,9 +163,9 @@ void Aperture::lay_transmission_table() {
     constexpr std::size_t side = table_steps + 1;
     transmission_.resize(side * side * table_slices);
     parallel_for(transmission_.size(), [&](std::size_t i) {
-        const std::size_t slice = i / (side * side), at = i % (side * side);
-        const dvec2 field(2.0 * static_cast<double>(at % side) / table_steps - 1,
-                          2.0 * static_cast<double>(at / side) / table_steps - 1);
+        const std::size_t slice = i / (side * side), row = i % (side * side) / side, column = i % side;
+        const dvec2 field(2.0 * static_cast<double>(column) / table_steps - 1,
+                          2.0 * static_cast<double>(row) / table_steps - 1);
         transmission_[i] = static_cast<float>(
             share_passing(field, 1 - 0.5 * static_cast<double>(slice) / (table_slices - 1)));
     });

@@ -211,7 +211,8 @@ ResponseGrid ray_response(const Aperture& aperture, const ApertureImage& image, 
     const dmat2 map = with_area(image.map_px);
     double passing = 0;
     for (int k = 0; k < points * points; ++k) {
-        const dvec2 q = aperture.sample((k % points + 0.5) / points, (k / points + 0.5) / points);
+        const int column = k % points, row = k / points;
+        const dvec2 q = aperture.sample((column + 0.5) / points, (row + 0.5) / points);
         if (aperture.varies_over_field() && !aperture.passes(q, image.field, image.rim_scale)) continue;
         passing += 1;
         const dvec2 p = image_of(image, map, q);

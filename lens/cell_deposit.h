@@ -20,7 +20,7 @@ class CellDeposit {
     void finish();
 
   private:
-    void add_side(const glm::dvec2& a, const glm::dvec2& b, double density);
+    void add_side(const glm::dvec2& from, const glm::dvec2& to, double density);
     void add_point(const glm::dvec2& p, double energy);
 
     ResponseGrid& grid_;

@@ -139,7 +139,8 @@ double outline_coverage_reference(const Outline& outline, int x, int y, int n) {
     const double direction = area(outline) < 0 ? -1 : 1;
     int inside = 0;
     for (int k = 0; k < n * n; ++k) {
-        const glm::dvec2 p(x + (k % n + 0.5) / n, y + (k / n + 0.5) / n);
+        const int column = k % n, row = k / n;
+        const glm::dvec2 p(x + (column + 0.5) / n, y + (row + 0.5) / n);
         bool in = true;
         for (std::size_t i = 0; i < outline.size(); ++i) {
             const glm::dvec2 a = outline[i], along = outline[(i + 1) % outline.size()] - a;

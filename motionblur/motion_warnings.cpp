@@ -62,9 +62,8 @@ std::uint64_t count_pixels(const SampleHeader& h, const std::vector<RecordBand>&
 }
 
 double share_of(std::uint64_t pixels, const SampleHeader& h, int step) {
-    const auto across = static_cast<double>((h.width + step - 1) / step),
-               down = static_cast<double>((h.height + step - 1) / step);
-    return static_cast<double>(pixels) / (across * down);
+    const int across = (h.width + step - 1) / step, down = (h.height + step - 1) / step;
+    return static_cast<double>(pixels) / (static_cast<double>(across) * down);
 }
 
 struct MovingSphere {
