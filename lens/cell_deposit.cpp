@@ -41,16 +41,19 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
 // A side adds what lies to its right, upwards with the density's sign, downwards against it: what two sides
 // of a polygon have both to their left cancels.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
-    if (from.y == to.y) return;
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;
     const dvec2 top = a.y < b.y ? a : b, bottom = a.y < b.y ? b : a;
+    // Level sides, and those that are so next to the rounding of the grid's coordinates.
+    if (!(bottom.y > top.y)) return;
     const double slope = (bottom.x - top.x) / (bottom.y - top.y);
+    const double x_low = std::min(a.x, b.x), x_high = std::max(a.x, b.x);
     const double y0 = std::max(top.y, 0.0), y1 = std::min(bottom.y, static_cast<double>(grid_.height));
     for (int row = static_cast<int>(y0); row < y1; ++row) {
         const double low = std::max(y0, static_cast<double>(row)), high = std::min(y1, row + 1.0);
         const double height = sign * (high - low);
-        const double at_low = top.x + slope * (low - top.y), at_high = top.x + slope * (high - top.y);
+        const double at_low = std::clamp(top.x + slope * (low - top.y), x_low, x_high),
+                     at_high = std::clamp(top.x + slope * (high - top.y), x_low, x_high);
         const double x0 = std::min(at_low, at_high), x1 = std::max(at_low, at_high);
         double* share =
             grid_.share.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.width);

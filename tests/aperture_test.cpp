@@ -187,6 +187,29 @@ TEST(ApertureResponse, RingsAndTheOutlineAgree) {
     }
 }
 
+// Corners on and next to the borders of pixels, sides that are level but for the last bit.
+TEST(ApertureResponse, KeepsAllLightWhereCornersMeetPixels) {
+    for (int blades = 3; blades < 13; ++blades) {
+        const Aperture aperture({.kind = ImpulseKind::polygon, .blades = blades});
+        for (const double radius : {0.5, 1.0, 9.0, 17.5, -9.0, -17.5}) {
+            for (const double phase : {0.0, 0.25, 0.5}) {
+                const ApertureImage image{.map_px = dmat2(radius), .centre_px = {phase, 0.5 - phase}};
+                const ResponseGrid dense = dense_response(aperture, image, everywhere);
+                EXPECT_NEAR(sum_of(dense), 1, 1e-9) << blades << ", " << radius << ", " << phase;
+                const OutlineRows rows(image_outline(aperture, image));
+                double sum = 0;
+                for (int y = rows.y_begin(); y < rows.y_end(); ++y) {
+                    CoverageSpan span;
+                    rows.row(y, span);
+                    sum += (span.inner_end - span.inner_begin) * rows.inner_share();
+                    for (const double share : span.edge_share) sum += share;
+                }
+                EXPECT_NEAR(sum, 1, 1e-9) << blades << ", " << radius << ", " << phase;
+            }
+        }
+    }
+}
+
 // Energy within a radius: the share of the zones that land there, 2 rho d rho.
 double encircled(double c, double s, double radius) {
     constexpr int n = 20000;
