@@ -141,13 +141,7 @@ void add_fit(CLI::App& lens, ParsedCommand& common) {
     prescription_options(app, o->lens, false);
     const auto limits = fit_limits_options(app);
     app.add_option_function<std::string>(
-           "--depths",
-           [o](const std::string& text) {
-               const std::size_t colon = std::min(text.find(':'), text.size());
-               o->depths_m.first = parse_number("--depths", text.substr(0, colon));
-               o->depths_m.second =
-                   parse_number("--depths", text.substr(std::min(colon + 1, text.size())), true);
-           },
+           "--depths", [o](const std::string& text) { o->depths_m = parse_depths("--depths", text); },
            "Nearest and farthest depth, 0 < A < B, B may be inf [default: 1:100]")
         ->type_name("A:B");
     number(app, "--field", o->field_mm, "Farthest point of the film from its centre, 0 or more", "MM");

@@ -1,12 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 
 #include "apps/lens_command.h"
 #include "apps/lens_drawing.h"
 #include "apps/numbers.h"
-#include "core/output_file.h"
+#include "apps/response_picture.h"
 #include "lens/prescription/lens_models.h"
 #include "lens/prescription/mesh_response.h"
 #include "lens/prescription/read_prescription.h"
@@ -37,15 +36,6 @@ bool is_csv(const std::string& path) {
 
 void check_path(const std::string& path) {
     if (!is_csv(path)) check_drawing_path(path);
-}
-
-void write_text(const std::string& path, const std::string& text) {
-    OutputFile file(path);
-    std::ofstream out(file.temporary_path(), std::ios::binary);
-    out << text;
-    out.close();
-    if (!out) fail(ExitCode::cannot_write, "{}: cannot write", path);
-    file.commit();
 }
 
 FieldResult trace_field(const TracedLens& traced, double depth_m, double deg, int rays,
@@ -151,7 +141,7 @@ void write_curves(const std::string& path, const FieldCurves& c) {
             text += fmt::format("{},{},{},{},{}\n", c.deg[i], c.film_mm[i], c.distortion_percent[i],
                                 c.pupil_share[i], c.illumination[i]);
         }
-        write_text(path, text);
+        write_table(path, text);
         return;
     }
     write_drawing(path,
@@ -252,7 +242,7 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
                 {"fields", list}};
     std::vector<Spot> spots;
     for (const FieldResult& f : fields) spots.push_back(f.spot);
-    if (o.output && is_csv(*o.output)) write_text(*o.output, spots_csv(fields));
+    if (o.output && is_csv(*o.output)) write_table(*o.output, spots_csv(fields));
     if (o.output && !is_csv(*o.output)) write_drawing(*o.output, draw_spots(spots));
     if (o.curves)
         write_curves(*o.curves, field_curves(traced, depth, 0.5 * o.film_width_mm, axis.passing_area_mm2));

@@ -2,9 +2,6 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -12,23 +9,6 @@
 #include "core/output_file.h"
 
 namespace postlens {
-namespace {
-
-void write_bytes(OutputFile& file, const void* bytes, std::size_t count) {
-    std::FILE* out = std::fopen(file.temporary_path().c_str(), "wb");
-    bool ok = out != nullptr && std::fwrite(bytes, 1, count, out) == count;
-    int error = errno;
-    if (out != nullptr && std::fclose(out) != 0 && ok) {
-        ok = false;
-        error = errno;
-    }
-    if (!ok)
-        fail(ExitCode::cannot_write, "{}: cannot write ({})", file.target().string(), std::strerror(error));
-    file.commit();
-}
-
-}  // namespace
-
 void check_response_path(const std::filesystem::path& path) {
     if (path.extension() == ".exr") return;
     fail(ExitCode::wrong_arguments, "{}: responses are written as OpenEXR (got ending \"{}\"; expected .exr)",
@@ -52,12 +32,14 @@ void write_response(const std::filesystem::path& path, const ResponseGrid& grid)
         fail(ExitCode::cannot_write, "{}: cannot write ({})", path.string(),
              out ? out->geterror() : OIIO::geterror());
     }
-    write_bytes(file, memory.buffer().data(), memory.buffer().size());
+    file.write({reinterpret_cast<const char*>(memory.buffer().data()), memory.buffer().size()});
+    file.commit();
 }
 
 void write_table(const std::filesystem::path& path, const std::string& text) {
     OutputFile file(path);
-    write_bytes(file, text.data(), text.size());
+    file.write(text);
+    file.commit();
 }
 
 }  // namespace postlens

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
@@ -189,10 +188,7 @@ void write_drawing(const std::filesystem::path& path, const Drawing& drawing) {
         return;
     }
     OutputFile file(path);
-    std::ofstream out(file.temporary_path(), std::ios::binary);
-    out << drawing.svg();
-    out.close();
-    if (!out) fail(ExitCode::cannot_write, "{}: cannot write", path.string());
+    file.write(drawing.svg());
     file.commit();
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cassert>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
@@ -117,6 +118,17 @@ OutputFile::~OutputFile() {
         fs::remove(temporary_, ec);
     }
     unlist_temporary(slot_);
+}
+
+void OutputFile::write(std::string_view bytes) {
+    std::FILE* out = std::fopen(temporary_.c_str(), "wb");
+    bool ok = out != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
+    int error = errno;
+    if (out != nullptr && std::fclose(out) != 0 && ok) {
+        ok = false;
+        error = errno;
+    }
+    if (!ok) fail(ExitCode::cannot_write, "{}: cannot write ({})", target_.string(), std::strerror(error));
 }
 
 void OutputFile::commit() {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 
 namespace postlens {
 
@@ -26,6 +27,10 @@ class OutputFile {
     /// The file exists, empty, and belongs to this object alone.
     [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_; }
     [[nodiscard]] const std::filesystem::path& target() const { return target_; }
+
+    /// The whole contents at once, for a file that is made in memory; then `commit()`. Throws
+    /// Error(cannot_write), on a full disk too.
+    void write(std::string_view bytes);
 
     /// Flushes to disk and renames onto the target; to be called once.
     /// Throws Error(cannot_write) on failure; the older target is then unchanged.

@@ -15,6 +15,11 @@ constexpr double widest_skirt_px = 256;
 /// From this radius on the disc of rays stands for the response: fringes are finer than any pixel shows.
 constexpr double disc_from_px = 2048;
 
+/// Of the disc: what mirrors and glass stretch has that of its mean.
+double radius_of(const glm::dmat2& map_px) {
+    return std::abs(map_px[0].x + map_px[1].y) / 2;
+}
+
 class DiffractionModel final : public ResponseModel {
   public:
     DiffractionModel(Spectrum spectrum, const FocusGeometry& geometry)
@@ -27,7 +32,7 @@ class DiffractionModel final : public ResponseModel {
     [[nodiscard]] bool takes_maps() const override { return false; }
     [[nodiscard]] bool has_channels() const override { return true; }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
-        const double radius_px = std::abs(map_px[0].x + map_px[1].y) / 2;
+        const double radius_px = radius_of(map_px);
         if (radius_px >= disc_from_px) return radius_px;
         const double v_per_px = wave_scale(geometry_, geometry_.inverse_focus_per_m, longest_nm_).v_per_px;
         return std::min(radius_of_tail(v_per_px * radius_px, tail) / v_per_px, radius_px + widest_skirt_px);
@@ -40,7 +45,7 @@ class DiffractionModel final : public ResponseModel {
         double widest_px = 0;
         for (std::size_t i = 0; i < requests.size(); ++i) {
             const ResponseRequest& r = requests[i];
-            const double radius_px = std::abs(r.map_px[0].x + r.map_px[1].y) / 2;
+            const double radius_px = radius_of(r.map_px);
             if (radius_px >= disc_from_px) {
                 out[i].fill(make_kernel(Ellipse::disc(radius_px), r.phase_px.x, r.phase_px.y, r.reach));
                 continue;

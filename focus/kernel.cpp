@@ -234,7 +234,7 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     for (std::int32_t unit = 2; total > memory_limit_bytes && unit <= 1 << 12; unit *= 2) {
         total = 0;
-        std::unordered_map<KernelKey::Packed, bool, PackedHash> seen;
+        std::unordered_map<KernelKey::Packed, bool, KernelKey::PackedHash> seen;
         for (const auto& [packed, number] : number_of_key_) {
             KernelKey& key = keys_[number];
             if (key.is_disc) continue;
@@ -254,7 +254,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     kernels_.resize(channels_ * keys_.size());
     kernel_of_.assign(keys_.size(), 0);
     // Keys that coarsening made equal share the first one's kernel.
-    std::unordered_map<KernelKey::Packed, std::uint32_t, PackedHash> first_with_key;
+    std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> first_with_key;
     std::vector<std::uint32_t> to_build;
     for (std::uint32_t i = 0; i < keys_.size(); ++i) {
         if (i < levels() && !disc_used_[i].load(std::memory_order_relaxed)) continue;
@@ -281,8 +281,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
 std::uint32_t KernelNumberCache::number_of(const KernelKey& key) {
     const KernelKey::Packed packed = key.packed();
     // Fibonacci hashing; the top 12 bits choose the entry.
-    Entry& entry =
-        entries_[((packed.first ^ packed.second * 0xC2B2AE3D27D4EB4FU) * 0x9E3779B97F4A7C15U) >> 52];
+    Entry& entry = entries_[KernelKey::PackedHash()(packed) >> 52];
     if (entry.key != packed) entry = {packed, table_->number_of(key)};
     return entry.number;
 }

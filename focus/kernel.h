@@ -79,6 +79,11 @@ struct KernelKey {
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px);
     /// All fields in 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
+    struct PackedHash {
+        std::size_t operator()(const Packed& key) const {
+            return (key.first ^ key.second * 0xC2B2AE3D27D4EB4FU) * 0x9E3779B97F4A7C15U;
+        }
+    };
     [[nodiscard]] Packed packed() const;
     friend bool operator==(const KernelKey&, const KernelKey&) = default;
 };
@@ -99,11 +104,12 @@ class KernelTable {
     /// Error(out_of_memory) where all together would take more than there is.
     void build(std::size_t memory_limit_bytes = std::size_t{512} << 20);
 
-    /// `channel`: 0..2 where the response has channels; else there is one for all.
+    /// `channel` below channels().
     [[nodiscard]] const Kernel& kernel(std::uint32_t number, std::size_t channel) const {
-        return channels_ == 1 ? kernels_[kernel_of_[number]] : kernels_[3 * kernel_of_[number] + channel];
+        return kernels_[channels_ * kernel_of_[number] + channel];
     }
     [[nodiscard]] const Kernel& operator[](std::uint32_t number) const { return kernel(number, 0); }
+    /// 3 where each colour has its own kernels, else 1 for all.
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
@@ -118,11 +124,6 @@ class KernelTable {
     [[nodiscard]] std::size_t bytes_of(const KernelKey& key) const;
 
   private:
-    struct PackedHash {
-        std::size_t operator()(const KernelKey::Packed& key) const {
-            return (key.first * 0x9E3779B97F4A7C15U) ^ (key.second * 0xC2B2AE3D27D4EB4FU >> 7);
-        }
-    };
     void coarsen_ellipses(std::size_t memory_limit_bytes);
     [[nodiscard]] Kernel make(const KernelKey& key) const;
     [[nodiscard]] ResponseRequest request(const KernelKey& key) const;
@@ -133,7 +134,7 @@ class KernelTable {
     const ResponseModel& model_;
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
-    std::unordered_map<KernelKey::Packed, std::uint32_t, PackedHash> number_of_key_;
+    std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> number_of_key_;
     std::vector<KernelKey> keys_;           ///< by number
     std::vector<Kernel> kernels_;           ///< by number and channel; empty where another one stands in
     std::vector<std::uint32_t> kernel_of_;  ///< by number: which number's kernels it has

@@ -78,12 +78,6 @@ class ApertureModel final : public ResponseModel {
 
 }  // namespace
 
-std::unique_ptr<ResponseModel> response_model(const Aperture& aperture, const FocusGeometry& geometry,
-                                              double half_diagonal_px) {
-    if (aperture.is_round()) return std::make_unique<ResponseModel>();
-    return std::make_unique<ApertureModel>(aperture, geometry, half_diagonal_px);
-}
-
 std::unique_ptr<ResponseModel> response_model(const Impulse& impulse, const FocusGeometry& geometry,
                                               double half_diagonal_px) {
     switch (impulse.kind) {
@@ -99,7 +93,9 @@ std::unique_ptr<ResponseModel> response_model(const Impulse& impulse, const Focu
         case ImpulseKind::picture:
             break;
     }
-    return response_model(read_aperture(impulse), geometry, half_diagonal_px);
+    const Aperture aperture = read_aperture(impulse);
+    if (aperture.is_round()) return std::make_unique<ResponseModel>();
+    return std::make_unique<ApertureModel>(aperture, geometry, half_diagonal_px);
 }
 
 }  // namespace postlens

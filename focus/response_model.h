@@ -71,9 +71,4 @@ class ResponseModel {
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);
 
-/// Of an aperture of any shape. `half_diagonal_px`: of the picture, in the px that the geometry counts in.
-[[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Aperture& aperture,
-                                                            const FocusGeometry& geometry,
-                                                            double half_diagonal_px);
-
 }  // namespace postlens

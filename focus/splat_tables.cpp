@@ -36,7 +36,8 @@ struct Response {
 /// Takes in one row of corners; everything it writes belongs to that row alone.
 class SplatTables::RowBuilder {
   public:
-    explicit RowBuilder(SplatTables& tables) : t_(tables), cache_(tables.kernels_) {}
+    explicit RowBuilder(SplatTables& tables)
+        : t_(tables), round_(tables.response_->is_round()), cache_(tables.kernels_) {}
 
     void build(const RecordBand& band, const PointSamples& samples, std::uint32_t begin, std::uint32_t end,
                int y);
@@ -53,6 +54,7 @@ class SplatTables::RowBuilder {
     void split_runs();
 
     SplatTables& t_;
+    bool round_;  ///< all responses are discs and ellipses
     KernelNumberCache cache_;
     std::vector<std::uint32_t> level_;  ///< of each corner of the row in the raster, else no_level
     std::vector<Splat> splats_;
@@ -67,21 +69,20 @@ class SplatTables::RowBuilder {
 Response SplatTables::RowBuilder::response_to_depth(double inverse_depth_per_m) const {
     Response out;
     out.exact_radius_px = std::abs(t_.geometry_.coc_diameter_px(inverse_depth_per_m)) / 2;
-    const bool round = t_.response_->is_round();
     const double signed_radius_px = t_.geometry_.coc_diameter_px(inverse_depth_per_m) / 2;
     if (const auto level = t_.levels_.level_of(inverse_depth_per_m)) {
         out.key = KernelKey::disc(*level);
         out.radius_px = t_.levels_.radius_px()[*level];
-        if (!round) {
+        if (!round_) {
             out.key.upside_down = signed_radius_px < 0 && !t_.response_->is_point_symmetric();
             finish_other(out, glm::dmat2(out.radius_px));
         }
         return out;
     }
     out.radius_px = std::max(out.exact_radius_px, DepthLevels::smallest_radius_px);
-    out.key = round ? KernelKey::ellipse(Ellipse::disc(out.radius_px))
-                    : KernelKey::map(glm::dmat2(signed_radius_px));
-    if (!round) finish_other(out, glm::dmat2(signed_radius_px));
+    out.key = round_ ? KernelKey::ellipse(Ellipse::disc(out.radius_px))
+                     : KernelKey::map(glm::dmat2(signed_radius_px));
+    if (!round_) finish_other(out, glm::dmat2(signed_radius_px));
     return out;
 }
 
@@ -107,7 +108,7 @@ Response SplatTables::RowBuilder::response_to_w(const Mat2& w) const {
     const double s = t_.geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     Response out;
-    if (!t_.response_->is_round()) {
+    if (!round_) {
         out.key = KernelKey::map(map);
         finish_other(out, map);
         out.exact_radius_px = out.radius_px;
@@ -171,7 +172,12 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     // Infinity has the inverse depth 0; a depth that is smaller than a float's least normal number is none.
     const double z = std::max(static_cast<double>(nodes[0].z), 1e-37);
     const Response primary = response_to_depth(1 / z);
-    const auto passing = static_cast<float>(t_.response_->transmission(place_px_, 1 / z));
+    // One kernel for the whole picture: then no light is lost.
+    const auto passing = [&](const Response& response, double inverse_depth_per_m) {
+        return response.key.cell_log2 == 0
+                   ? 1.0F
+                   : static_cast<float>(t_.response_->transmission(place_px_, inverse_depth_per_m));
+    };
     // Of primary nodes alone: near a fold W has no bound, and a number without one tells nobody anything.
     note_radius(s, primary.exact_radius_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -184,14 +190,14 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
             continue;
         }
         const double w = (static_cast<double>(node.w.xx) + static_cast<double>(node.w.yy)) / 2;
-        const auto node_passing = static_cast<float>(t_.response_->transmission(place_px_, w));
-        add_splats(s, response, {node_passing * node.r, node_passing * node.g, node_passing * node.b}, false);
+        const float share = passing(response, w);
+        add_splats(s, response, {share * node.r, share * node.g, share * node.b}, false);
     }
-    for (float& channel : rgb) channel *= passing;
+    for (float& channel : rgb) channel *= passing(primary, 1 / z);
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
 
     const bool whole_corner = s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
-    if (whole_corner && primary.key.is_disc && t_.response_->is_round()) {
+    if (whole_corner && primary.key.is_disc && round_) {
         const auto column = static_cast<std::size_t>(static_cast<int>(s.x) - t_.source_.x_begin);
         level_[column] = primary.key.level;
         for (std::size_t c = 0; c < 3; ++c) raster_[c][column] = rgb[c];

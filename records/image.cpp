@@ -4,10 +4,8 @@
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -125,14 +123,7 @@ void write_image(const fs::path& path, const Image& image) {
     check_image_path(path);
     OutputFile file(path);  // refuses what cannot be written before the work is done
     const std::vector<unsigned char> bytes = encode_file(path, format_of(path), image);
-    std::FILE* out = std::fopen(file.temporary_path().c_str(), "wb");
-    bool ok = out != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
-    int error = errno;
-    if (out != nullptr && std::fclose(out) != 0 && ok) {
-        ok = false;
-        error = errno;
-    }
-    if (!ok) fail(ExitCode::cannot_write, "{}: cannot write ({})", path.string(), std::strerror(error));
+    file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     file.commit();
 }
 

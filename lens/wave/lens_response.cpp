@@ -146,7 +146,7 @@ void make_geometric(LensResponse& out, int size_px, const Aperture& aperture,
     const double radius_px = out.coc_px / 2;
     const double px_per_inverse_metre = out.image_distance_mm / request.pixel_pitch_mm *
                                         request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
-    const ApertureImage image{.map_px = with_area(glm::dmat2(radius_px)),
+    const ApertureImage image{.map_px = glm::dmat2(radius_px),
                               .spherical_px = aperture.spherical_per_m() * px_per_inverse_metre,
                               .centre_px = glm::dvec2(middle(size_px))};
     const int begin = -(size_px / 2), end = begin + size_px;
