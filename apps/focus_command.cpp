@@ -1,6 +1,8 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "lens/prescription/first_order.h"
+#include "lens/prescription/read_prescription.h"
 #include "records/pixel_samples.h"
 
 namespace postlens {
@@ -34,6 +36,20 @@ void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, CommandRe
     }
 }
 
+// A real lens has a focal length and a widest f-number of its own.
+void take_from_prescription(const Impulse& impulse, LensOptions& lens) {
+    check_impulse(impulse);
+    const Prescription prescription = read_prescription(impulse.file);
+    if (lens.focal_length_mm) {
+        fail(ExitCode::wrong_arguments,
+             "--focal-length: not with a real lens (got {} mm; expected nothing, as {} has its own)",
+             *lens.focal_length_mm, prescription.file);
+    }
+    const FirstOrder first = first_order(prescription, prescription.wavelength_nm);
+    lens.focal_length_mm = first.efl_mm;
+    if (!lens.f_number) lens.f_number = first.f_number;
+}
+
 }  // namespace
 
 nlohmann::ordered_json json_number(double value) {
@@ -60,6 +76,7 @@ CommandResult run_focus(const FocusOptions& options) {
         if (!lens_options.focus_m && !lens_options.focus_at)
             lens_options.focus_m = file.header().focus_m.value_or(1.0);
     }
+    if (options.impulse.kind == ImpulseKind::lens) take_from_prescription(options.impulse, lens_options);
     const ResolvedLens lens = resolve_lens(lens_options, file);
     const FocusResult result = focus_picture(file, {.lens = lens.lens,
                                                     .focus_distance_m = lens.focus_m,

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "lens/prescription/read_prescription.h"
 #include "records/aperture_file.h"
 
 namespace postlens {
@@ -43,7 +44,12 @@ CommandResult run_render(const RenderOptions& options) {
     settings.focus_m = options.lens.focus_m;
     settings.focus_at = options.lens.focus_at;
     settings.framing = options.lens.framing;
-    settings.aperture = std::make_shared<Aperture>(read_aperture(options.impulse));
+    if (options.impulse.kind == ImpulseKind::lens) {
+        check_impulse(options.impulse);
+        settings.prescription = std::make_shared<Prescription>(read_prescription(options.impulse.file));
+    } else {
+        settings.aperture = std::make_shared<Aperture>(read_aperture(options.impulse));
+    }
     settings.metres_per_unit = options.metres_per_unit;
     settings.curve = shutter_curve(options.curve);
     const Scene scene = read_scene(options.scene, {.metres_per_unit = options.metres_per_unit});

@@ -31,6 +31,7 @@ class DiffractionModel final : public ResponseModel {
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool takes_maps() const override { return false; }
     [[nodiscard]] bool has_channels() const override { return true; }
+    [[nodiscard]] double few_phases_from_px() const override { return 0; }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const double radius_px = radius_of(map_px);
         if (radius_px >= disc_from_px) return radius_px;

@@ -5,10 +5,12 @@
 
 #include "core/error.h"
 #include "core/threads.h"
+#include "focus/lens_model.h"
 #include "focus/overscan.h"
 #include "focus/reframe.h"
 #include "focus/scatter.h"
 #include "focus/splat_tables.h"
+#include "lens/prescription/read_prescription.h"
 #include "records/quadtree.h"
 
 namespace postlens {
@@ -83,16 +85,21 @@ void take_in(const SampleFileReader& file, SplatTables& tables) {
 }
 
 FocusResult scattered(const SampleFileReader& file, const FocusSettings& settings,
-                      const FocusGeometry& geometry, const RasterWindow& window) {
+                      const FocusGeometry& geometry, const LensView* view, const RasterWindow& window) {
     // Blur and magnification commute: scatter in traced pixels, where the CoC is the framed one over the
     // zoom.
     FocusGeometry traced = geometry;
     traced.gain_px /= geometry.zoom;
     traced.zoom = 1;
-    const DepthLevels levels(traced, depth_range(file), settings.spacing, settings.depths);
+    const DepthRange range = depth_range(file);
+    const DepthLevels levels(traced, range, settings.spacing, settings.depths);
+    const RasterWindow corners = recorded_corners(file);
     const std::shared_ptr<const ResponseModel> response =
-        response_model(settings.impulse, traced, std::hypot(window.width(), window.height()) / 2.0);
-    SplatTables tables(recorded_corners(file), window, traced, levels, settings.depth_model, response);
+        view != nullptr
+            ? lens_model(*view, traced, std::hypot(corners.width(), corners.height()) / 2.0,
+                         1 / range.nearest_m.value_or(std::numeric_limits<double>::infinity()))
+            : response_model(settings.impulse, traced, std::hypot(window.width(), window.height()) / 2.0);
+    SplatTables tables(corners, window, traced, levels, settings.depth_model, response);
     take_in(file, tables);
     FocusResult out;
     out.method = FocusMethod::scatter;
@@ -125,15 +132,30 @@ FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& set
         }
         return {.image = pinhole_picture(file), .method = FocusMethod::pinhole, .warnings = {}};
     }
-    const FocusGeometry geometry = focus_geometry(settings.lens, settings.focus_distance_m, settings.framing,
-                                                  {h.film_distance_mm, h.pixel_pitch_mm});
+    const Film film{h.film_distance_mm, h.pixel_pitch_mm};
+    std::optional<LensView> view;
+    if (!pinhole && settings.impulse.kind == ImpulseKind::lens) {
+        check_impulse(settings.impulse);
+        const RasterWindow corners = recorded_corners(file);
+        view.emplace(read_prescription(settings.impulse.file),
+                     LensViewSettings{.focus_distance_m = settings.focus_distance_m,
+                                      .f_number = settings.lens.f_number,
+                                      .framing = settings.framing,
+                                      .film = film,
+                                      .half_diagonal_px = std::hypot(h.width, h.height) / 2.0,
+                                      .widest_tangent = std::hypot(corners.width(), corners.height()) / 2 *
+                                                        film.pixel_pitch_mm / film.distance_mm});
+    }
+    const FocusGeometry geometry =
+        view ? view->geometry()
+             : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(file, settings, geometry);
     FocusResult out;
     if (pinhole) {
         out.method = FocusMethod::pinhole;
         out.image = traced_picture(file, frame.window);
     } else {
-        out = scattered(file, settings, geometry, frame.window);
+        out = scattered(file, settings, geometry, view ? &*view : nullptr, frame.window);
     }
     if (frame.zoom != 1) out.image = reframe(out.image, frame.window, h.width, h.height, frame.zoom);
     return out;

@@ -17,7 +17,7 @@ namespace postlens {
 enum class FocusMethod { pinhole, scatter };
 
 struct FocusSettings {
-    ThinLens lens;  ///< f_number infinity: pinhole
+    ThinLens lens;  ///< f_number infinity: pinhole; an `impulse` of a real lens has a focal length of its own
     double focus_distance_m = 1;
     Framing framing = Framing::keep;
     FocusMethod method = FocusMethod::scatter;

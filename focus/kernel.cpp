@@ -1,6 +1,7 @@
 #include "focus/kernel.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <map>
@@ -116,12 +117,39 @@ KernelKey KernelKey::ellipse(const Ellipse& e) {
 KernelKey KernelKey::map(const glm::dmat2& m) {
     const double extent = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     const double shrink = std::min(1.0, largest_ellipse_px / std::max(extent, 1.0));
-    return {.is_disc = false,
-            .half_height = steps(m[0].x * shrink),
-            .half_chord = steps(m[0].y * shrink),
-            .top_displacement = steps(m[1].x * shrink),
-            .is_map = true,
-            .map_yy = steps(m[1].y * shrink)};
+    KernelKey out{.is_disc = false,
+                  .half_height = steps(m[0].x * shrink),
+                  .half_chord = steps(m[0].y * shrink),
+                  .top_displacement = steps(m[1].x * shrink),
+                  .is_map = true,
+                  .map_yy = steps(m[1].y * shrink)};
+    out.round_map(map_bits);
+    return out;
+}
+
+void KernelKey::round_to(std::int32_t unit) {
+    for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy}) {
+        // Always the nearest multiple, halves away from zero: the same key whatever order it comes in.
+        *n = (*n < 0 ? -1 : 1) * ((std::abs(*n) + unit / 2) / unit) * unit;
+    }
+}
+
+void KernelKey::round_map(int bits) {
+    const auto extent = static_cast<std::uint32_t>(std::max(
+        {std::abs(half_height), std::abs(half_chord), std::abs(top_displacement), std::abs(map_yy)}));
+    round_to(std::int32_t{1} << std::max(0, static_cast<int>(std::bit_width(extent)) - bits));
+}
+
+void KernelKey::coarsen(std::int32_t unit) {
+    if (!is_map) {
+        round_to(unit);
+        return;
+    }
+    round_map(map_bits - std::countr_zero(static_cast<std::uint32_t>(unit)));
+    if (cell_log2 == 0) return;
+    cell_x >>= 1;
+    cell_y >>= 1;
+    ++cell_log2;
 }
 
 KernelKey::Packed KernelKey::packed() const {
@@ -232,17 +260,15 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     for (const auto& [packed, number] : number_of_key_) {
         if (!keys_[number].is_disc) total += bytes_of(keys_[number]);
     }
-    for (std::int32_t unit = 2; total > memory_limit_bytes && unit <= 1 << 12; unit *= 2) {
+    for (std::int32_t unit = 2;
+         total > memory_limit_bytes && unit <= (model_.is_round() ? 1 << 12 : 1 << (KernelKey::map_bits - 1));
+         unit *= 2) {
         total = 0;
         std::unordered_map<KernelKey::Packed, bool, KernelKey::PackedHash> seen;
         for (const auto& [packed, number] : number_of_key_) {
             KernelKey& key = keys_[number];
             if (key.is_disc) continue;
-            for (std::int32_t* n : {&key.half_height, &key.half_chord, &key.top_displacement, &key.map_yy}) {
-                // Always the nearest multiple, halves away from zero: the same key whatever order it comes
-                // in.
-                *n = (*n < 0 ? -1 : 1) * ((std::abs(*n) + unit / 2) / unit) * unit;
-            }
+            key.coarsen(unit);
             if (seen.try_emplace(key.packed(), true).second) total += bytes_of(key);
         }
     }

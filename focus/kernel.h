@@ -76,7 +76,12 @@ struct KernelKey {
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e);
+    /// Maps are told apart by so many leading bits of their largest number, and by no less than a step.
+    static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px);
+    /// A shape for several of its like: an ellipse in steps of `unit` > 1 quarters of a pixel; a map with a
+    /// bit less for each doubling of it, and each time twice the place in the field.
+    void coarsen(std::int32_t unit);
     /// All fields in 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
     struct PackedHash {
@@ -86,6 +91,10 @@ struct KernelKey {
     };
     [[nodiscard]] Packed packed() const;
     friend bool operator==(const KernelKey&, const KernelKey&) = default;
+
+  private:
+    void round_to(std::int32_t unit);
+    void round_map(int bits);
 };
 
 /// Kernels by number. Numbers are given out by any thread at any time; `build` then makes all that were asked

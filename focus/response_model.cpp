@@ -24,8 +24,9 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return postlens::is_even(aperture_, image({})); }
     [[nodiscard]] bool is_point_symmetric() const override { return aperture_.is_point_symmetric(); }
-    [[nodiscard]] double cell_px(double radius_px) const override {
+    [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!aperture_.varies_over_field()) return 0;
+        const double radius_px = reach_px(map_px);
         // The second rim moves by this many px of the response per px of the picture.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
@@ -86,7 +87,8 @@ std::unique_ptr<ResponseModel> response_model(const Impulse& impulse, const Focu
             return diffraction_model(impulse.wavelengths_nm, geometry);
         case ImpulseKind::lens:
             fail(ExitCode::wrong_arguments,
-                 "--impulse: not for scatter (got {}; expected disc, polygon, image or diffraction)",
+                 "--impulse: has no aperture of its own (got {}; expected disc, polygon, image or "
+                 "diffraction)",
                  impulse_text(impulse));
         case ImpulseKind::disc:
         case ImpulseKind::polygon:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
@@ -39,9 +40,12 @@ class ResponseModel {
     [[nodiscard]] virtual bool is_even() const { return true; }
     /// Whether responses of opposite maps are the same.
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
-    /// Width of the part of the picture, px, over which one kernel of this size serves: its outline changes
-    /// by less than half a pixel. 0: the whole.
-    [[nodiscard]] virtual double cell_px(double /*radius_px*/) const { return 0; }
+    /// Width of the part of the picture, px, over which one kernel of this map serves: its outline changes
+    /// by less than half a pixel, or hardly next to its size. 0: the whole.
+    [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
+    /// Whether the weights that pictures are divided by spread as the light does at its place. False: as it
+    /// would if nothing were lost.
+    [[nodiscard]] virtual bool weighs_as_it_shines() const { return false; }
     /// Share of the light that is not lost at a place, counted as ResponseRequest's.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
                                               double /*inverse_depth_per_m*/) const {
@@ -51,6 +55,9 @@ class ResponseModel {
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Its values add up to 1 where the reach does not cut it, or to 0 where nothing passes.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
+
+    /// Responses that are dear to make come in few phases from this radius on, px.
+    [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
 
     /// Whether red, green and blue have responses of their own: then `channel_kernels` stands for `kernel`.
     [[nodiscard]] virtual bool has_channels() const { return false; }
@@ -66,7 +73,7 @@ class ResponseModel {
 
 /// Of a lens setting. `half_diagonal_px`: of the picture, in the px that the geometry counts in. Throws
 /// Error(wrong_arguments) and Error(invalid_input) as read_aperture does, and for kinds that scattering
-/// cannot do.
+/// real lenses, which lens_model (focus/lens_model.h) makes.
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);

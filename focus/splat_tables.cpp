@@ -89,7 +89,7 @@ Response SplatTables::RowBuilder::response_to_depth(double inverse_depth_per_m) 
 // What responses that are not round have besides: their own extent, and a place in the field.
 void SplatTables::RowBuilder::finish_other(Response& out, const glm::dmat2& map_px) const {
     out.radius_px = t_.response_->reach_px(map_px);
-    const double cell_px = t_.response_->cell_px(out.radius_px);
+    const double cell_px = t_.response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
     const glm::dvec2 cell = glm::floor(place_px_ * std::ldexp(1.0, -out.key.cell_log2));
@@ -150,9 +150,9 @@ void SplatTables::RowBuilder::note_radius(const PointSample& s, double radius_px
 
 void SplatTables::RowBuilder::add_splats(const PointSample& s, const Response& response,
                                          const std::array<float, 3>& rgb, bool primary) {
-    // Responses that are dear to make come in few phases.
     const double radius_px =
-        t_.response_->has_channels() ? std::max(response.radius_px, few_phases_from_px) : response.radius_px;
+        std::max(response.radius_px,
+                 t_.response_->few_phases_from_px() <= response.radius_px ? few_phases_from_px : 0.0);
     const Phases phases = phases_of(s, radius_px);
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
@@ -204,7 +204,7 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
         return;
     }
     if (!(s.total_weight() > 0)) return;
-    if (primary.key.cell_log2 == 0) {
+    if (primary.key.cell_log2 == 0 || t_.response_->weighs_as_it_shines()) {
         add_splats(s, primary, rgb, true);
         return;
     }

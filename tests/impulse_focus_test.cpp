@@ -3,14 +3,13 @@
 #include <cmath>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <random>
 
 #include "core/error.h"
 #include "core/threads.h"
 #include "focus/focus.h"
 #include "records/aperture_file.h"
 #include "records/image.h"
-#include "tests/scene_builder.h"
+#include "tests/mosaic.h"
 #include "tests/temporary_folder.h"
 #include "tracer/render.h"
 #include "tracer/trace.h"
@@ -23,44 +22,12 @@ constexpr double gain_px = 50.0 / 36 * 64;
 /// Radii of 6.7 px behind the focus at 1.6 m, of -6.7 px before the focus at infinity (-4.4) and 16 m.
 constexpr ThinLens lens{.focal_length_mm = 200, .f_number = 0.5};
 
-/// Tiles of many colours, some of them lights, side by side on one plane that is wider than the view.
-Scene mosaic() {
-    SceneBuilder b;
-    std::mt19937 random(5);
-    std::uniform_real_distribution<double> even(0, 1);
-    constexpr double tile_m = 0.33;
-    for (int y = -6; y < 6; ++y) {
-        for (int x = -8; x < 8; ++x) {
-            const bool light = even(random) < 0.06;
-            const glm::dvec3 colour(even(random), even(random), even(random));
-            b.add(Rectangle{{x * tile_m, y * tile_m, -depth_m}, {tile_m, 0, 0}, {0, tile_m, 0}},
-                  glowing((light ? 12.0 : 0.6) * colour));
-        }
-    }
-    return b.scene;
-}
-
-double psnr(const Image& a, const Image& b, double peak) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.rgb.size(); ++i) {
-        const double d = static_cast<double>(a.rgb[i]) - static_cast<double>(b.rgb[i]);
-        sum += d * d;
-    }
-    return -10 * std::log10(sum / static_cast<double>(a.rgb.size()) / peak / peak);
-}
-
-double mean(const Image& image) {
-    double sum = 0;
-    for (const float v : image.rgb) sum += static_cast<double>(v);
-    return sum / static_cast<double>(image.rgb.size());
-}
-
 class ImpulseFocus : public testing::Test {
   protected:
     // Once, by the first test: a temporary folder has a test's name.
     void SetUp() override {
         if (scene_ != nullptr) return;
-        scene_ = new Scene(mosaic());
+        scene_ = new Scene(mosaic(depth_m, 0.33));
         folder_ = new TemporaryFolder();
         TraceSettings settings;
         settings.overscan_px = 24;

@@ -33,6 +33,7 @@ LensCamera::LensCamera(const Camera& camera, const CameraModel& model, const Set
       aperture_(settings.aperture && !settings.aperture->is_round() && settings.lens.aperture_radius_m > 0
                     ? settings.aperture
                     : nullptr),
+      view_(settings.view),
       span_(settings.span),
       curve_(settings.curve),
       even_time_(settings.curve.is_box()),
@@ -106,6 +107,21 @@ void LensCamera::local_rays_of_aperture(const LensSamples& s, Local& out,
     }
 }
 
+void LensCamera::local_rays_of_view(const LensSamples& s, Local& out, std::array<float, 16>& weight) const {
+    for (std::size_t i = 0; i < lanes; ++i) {
+        const dvec2 tangent =
+            dvec2(static_cast<double>(s.x[i]) - 0.5 * width_, static_cast<double>(s.y[i]) - 0.5 * height_) /
+            lens_.gain_px;
+        ViewRay ray{.lens_m = dvec2(0), .tangent = tangent, .weight = 0};
+        const dvec2 uv(static_cast<double>(s.lens_u[i]), static_cast<double>(s.lens_v[i]));
+        weight[i] = view_->ray(tangent, uv, ray) ? static_cast<float>(ray.weight) : 0.0F;
+        out.tx[i] = static_cast<float>(ray.tangent.x);
+        out.ty[i] = static_cast<float>(ray.tangent.y);
+        out.qx[i] = static_cast<float>(ray.lens_m.x);
+        out.qy[i] = static_cast<float>(ray.lens_m.y);
+    }
+}
+
 POSTLENS_MULTIVERSION void LensCamera::world_rays(const Local& local, const Frame& frame, bool parallel,
                                                   float* const to[6]) {
     const glm::vec3 position(frame.position), right(frame.right), down(frame.down), forward(frame.forward);
@@ -131,7 +147,9 @@ POSTLENS_MULTIVERSION void LensCamera::world_rays(const Local& local, const Fram
 void LensCamera::add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const {
     Local local;  // NOLINT(cppcoreguidelines-pro-type-member-init): local_rays fills it
     std::array<float, lanes> weight{};
-    if (aperture_) {
+    if (view_) {
+        local_rays_of_view(samples, local, weight);
+    } else if (aperture_) {
         local_rays_of_aperture(samples, local, weight);
     } else {
         local_rays(samples, optics_, local);
@@ -179,6 +197,13 @@ LensCamera::Ray LensCamera::ray(double x, double y, double lens_u, double lens_v
         const auto metres_per_px = static_cast<double>(optics_.metres_per_px);
         out.origin = f.position + px * metres_per_px * f.right + py * metres_per_px * f.down;
         out.direction = f.forward;
+        return out;
+    }
+    if (view_) {
+        ViewRay ray{.tangent = dvec2(px, py) / lens_.gain_px};
+        out.weight = view_->ray(ray.tangent, {lens_u, lens_v}, ray) ? ray.weight : 0;
+        out.origin = f.position + ray.lens_m.x * f.right + ray.lens_m.y * f.down;
+        out.direction = glm::normalize(f.forward + ray.tangent.x * f.right + ray.tangent.y * f.down);
         return out;
     }
     const dvec2 unit = aperture_ ? aperture_->sample(lens_u, lens_v) : disc_point(lens_u, lens_v);

@@ -9,6 +9,7 @@
 
 #include "lens/aperture.h"
 #include "lens/focus_geometry.h"
+#include "lens/prescription/lens_view.h"
 #include "lens/shutter_curve.h"
 #include "records/motion_path.h"
 #include "tracer/camera_model.h"
@@ -31,6 +32,7 @@ class LensCamera {
         TimeSpan span;
         ShutterCurve curve = ShutterCurve::box();
         std::shared_ptr<const Aperture> aperture = nullptr;  ///< none: the disc
+        std::shared_ptr<const LensView> view = nullptr;      ///< a real lens, whose geometry `lens` then is
     };
     /// `camera` gives raster, projection and the pose at rest. An orthographic camera must come with a
     /// pinhole.
@@ -41,7 +43,7 @@ class LensCamera {
     /// nothing.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
     /// Whether some rays are lost on their way through the lens; else `weights` stays empty.
-    [[nodiscard]] bool loses_rays() const { return aperture_ && aperture_->varies_over_field(); }
+    [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
     /// One of them in double: slow and obvious, for tests. `time`: share of the time span.
     struct Ray {
@@ -69,6 +71,7 @@ class LensCamera {
         float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
+    void local_rays_of_view(const LensSamples& samples, Local& out, std::array<float, 16>& weight) const;
     void local_rays_of_aperture(const LensSamples& samples, Local& out, std::array<float, 16>& weight) const;
     [[nodiscard]] glm::dvec2 field_of(const glm::dvec2& tangent) const;
     static void world_rays(const Local& local, const Frame& frame, bool parallel, float* const to[6]);
@@ -78,6 +81,7 @@ class LensCamera {
     bool orthographic_, moves_ = false;
     FocusGeometry lens_;
     std::shared_ptr<const Aperture> aperture_;  ///< none: the disc
+    std::shared_ptr<const LensView> view_;      ///< none: a thin lens
     Optics optics_{};
     TimeSpan span_;
     ShutterCurve curve_;

@@ -12,6 +12,7 @@
 
 #include "lens/aperture.h"
 #include "lens/focus_geometry.h"
+#include "lens/prescription/prescription.h"
 #include "lens/shutter_curve.h"
 #include "records/image.h"
 #include "tracer/camera_model.h"
@@ -33,6 +34,8 @@ struct RenderSettings {
     std::optional<std::pair<double, double>> focus_at;  ///< raster px; instead of focus_m
     Framing framing = Framing::keep;
     std::shared_ptr<const Aperture> aperture;  ///< none: the disc
+    /// A real lens instead of the thin one: `focal_length_mm` must be absent, `f_number` absent is wide open.
+    std::shared_ptr<const Prescription> prescription;
 
     std::optional<TimeSpan> shutter;  ///< absent: open for an instant only
     ShutterCurve curve = ShutterCurve::box();

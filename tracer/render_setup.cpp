@@ -12,6 +12,8 @@ namespace postlens {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Of a real lens until it has been read: any number but that of a pinhole.
+constexpr double wide_open = 1;
 
 void check(const RenderSettings& s) {
     if (s.spp < 1 || s.spp > Sampler::max_spp) {
@@ -39,7 +41,8 @@ RenderSetup::RenderSetup(const Scene& scene, const RenderSettings& settings) {
     const CameraModel model(of, span_.open_s, settings.camera);
     resolve_lens(settings, of, model,
                  settings.time_s.value_or(settings.shutter ? span_.open_s : scene.time_s));
-    camera_.emplace(of, model, LensCamera::Settings{geometry_, span_, settings.curve, settings.aperture});
+    camera_.emplace(of, model,
+                    LensCamera::Settings{geometry_, span_, settings.curve, settings.aperture, view_});
     const MotionAccuracy accuracy{
         [this](const glm::dvec3& world, double at) { return camera_->px_per_m(world, at); }};
     rays_.emplace(scene_, span_, accuracy);
@@ -57,6 +60,13 @@ void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, co
                  "inf)",
                  *s.f_number);
         }
+        if (s.prescription) {
+            fail(ExitCode::wrong_arguments,
+                 "--impulse: out of range for an orthographic camera, which has no lens (got lens:{}; "
+                 "expected "
+                 "nothing)",
+                 s.prescription->file);
+        }
         if (s.framing != Framing::keep) {
             fail(ExitCode::wrong_arguments,
                  "--framing: out of range for an orthographic camera, which has no film distance (expected "
@@ -65,7 +75,7 @@ void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, co
         lens_.f_number = focus_m_ = infinity;
         return;
     }
-    lens_.f_number = s.f_number.value_or(camera.f_number.value_or(infinity));
+    lens_.f_number = s.f_number.value_or(s.prescription ? wide_open : camera.f_number.value_or(infinity));
     const std::optional<double> focus = s.focus_m ? s.focus_m : camera.focus_m;
     if (s.focus_at) {
         const CameraModel then(camera, time_s, s.camera);
@@ -78,7 +88,28 @@ void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, co
     } else {
         focus_m_ = infinity;  // a pinhole needs none
     }
-    geometry_ = focus_geometry(lens_, focus_m_, s.framing, {model.film_distance_mm, model.pixel_pitch_mm});
+    if (s.prescription) {
+        look_through(s, model);
+    } else {
+        geometry_ =
+            focus_geometry(lens_, focus_m_, s.framing, {model.film_distance_mm, model.pixel_pitch_mm});
+    }
+}
+
+void RenderSetup::look_through(const RenderSettings& s, const CameraModel& model) {
+    if (s.focal_length_mm) {
+        fail(ExitCode::wrong_arguments,
+             "--focal-length: not with a real lens (got {} mm; expected nothing, as {} has its own)",
+             *s.focal_length_mm, s.prescription->file);
+    }
+    view_ = std::make_shared<LensView>(
+        *s.prescription, LensViewSettings{.focus_distance_m = focus_m_,
+                                          .f_number = s.f_number,
+                                          .framing = s.framing,
+                                          .film = {model.film_distance_mm, model.pixel_pitch_mm},
+                                          .half_diagonal_px = std::hypot(model.width, model.height) / 2.0});
+    geometry_ = view_->geometry();
+    lens_ = {view_->lens().first_order().efl_mm, view_->lens().f_number()};
 }
 
 double RenderSetup::depth_at(double x, double y, const CameraModel& model, double time_s) const {
@@ -108,6 +139,7 @@ std::string RenderSetup::fingerprint(const RenderSettings& s) const {
         {"focus_m", exact(focus_m_)},
         {"gain_px", exact(geometry_.gain_px)},
         {"aperture", s.aperture ? s.aperture->fingerprint() : 0},
+        {"prescription", s.prescription ? postlens::fingerprint(*s.prescription) : 0},
         {"shutter_s", {exact(span_.open_s), exact(span_.close_s)}},
         {"curve", s.curve.fingerprint()},
         {"sampler", static_cast<int>(s.sampler)},

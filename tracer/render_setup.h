@@ -29,6 +29,7 @@ class RenderSetup {
     [[nodiscard]] std::string fingerprint(const RenderSettings& settings) const;
 
   private:
+    void look_through(const RenderSettings& settings, const CameraModel& model);
     void resolve_lens(const RenderSettings& settings, const Camera& camera, const CameraModel& model,
                       double time_s);
     [[nodiscard]] double depth_at(double x, double y, const CameraModel& model, double time_s) const;
@@ -38,6 +39,7 @@ class RenderSetup {
     ThinLens lens_;
     double focus_m_ = 0;
     FocusGeometry geometry_;
+    std::shared_ptr<const LensView> view_;  ///< none: the thin lens
     std::optional<RayScene> rays_;
     std::optional<LensCamera> camera_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/fingerprint.h"
 
 namespace postlens {
 namespace {
@@ -124,6 +125,22 @@ double Prescription::length_mm() const {
 std::string place_of(const Prescription& lens, std::size_t surface) {
     const int line = lens.surfaces[surface].line;
     return line > 0 ? fmt::format("{}:{}", lens.file, line) : lens.file;
+}
+
+std::uint64_t fingerprint(const Prescription& lens) {
+    Fingerprint out;
+    for (const Surface& s : lens.surfaces) {
+        for (const double v : {s.curvature_per_mm, s.conic, s.thickness_mm, s.clear_radius_mm,
+                               s.glass.index(lens.wavelength_nm), s.is_stop ? 1.0 : 0.0})
+            out.add(v);
+        for (const double a : s.asphere) out.add(a);
+    }
+    constexpr double none = -1;
+    for (const double v :
+         {lens.wavelength_nm, lens.film_distance_mm.value_or(none), lens.object_distance_mm.value_or(none),
+          lens.entrance_pupil_diameter_mm.value_or(none), lens.f_number.value_or(none)})
+        out.add(v);
+    return out.value();
 }
 
 void check_prescription(const Prescription& lens) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -60,6 +61,9 @@ struct Prescription {
 
 /// "FILE:LINE" of a surface.
 [[nodiscard]] std::string place_of(const Prescription& lens, std::size_t surface);
+
+/// Equal for prescriptions of which no ray can tell one from the other.
+[[nodiscard]] std::uint64_t fingerprint(const Prescription& lens);
 
 /// Throws Error(invalid_input) "FILE:LINE: ..." unless there are 1 to `most_surfaces` surfaces and exactly
 /// one stop, numbers are finite, thicknesses not negative, clear radii positive, indices at the wavelength

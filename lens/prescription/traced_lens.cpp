@@ -1,8 +1,10 @@
 #include "lens/prescription/traced_lens.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/error.h"
 
@@ -210,24 +212,50 @@ void TracedLens::set_focus(const Prescription& lens) {
          s, 4e-3 * first_order_.efl_mm);
 }
 
-TracedLens::Box TracedLens::passing_rear(double film_radius_mm, double extent_mm) const {
+TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from) const {
     const dvec3 film(0, film_radius_mm, film_from_vertex_mm_);
     const double z = stack_.last_vertex_z_mm();
-    const double step = 2 * extent_mm / search_cells;
-    Box box{dvec2(HUGE_VAL), dvec2(-HUGE_VAL)};
-    for (int j = 0; j <= search_cells; ++j) {
-        for (int i = search_cells / 2; i <= search_cells; ++i) {  // symmetric about x = 0
-            const dvec2 p(-extent_mm + step * i, -extent_mm + step * j);
-            LensRay ray{film, glm::normalize(dvec3(p, z) - film)};
-            if (!stack_.backward(ray).passes()) continue;
-            box.low = glm::min(box.low, p);
-            box.high = glm::max(box.high, p);
+    const dvec2 step = (from.high - from.low) / static_cast<double>(search_cells);
+    // Symmetric about x = 0: half of the grid is enough.
+    constexpr int rows = search_cells + 1, columns = search_cells / 2 + 1;
+    std::array<std::uint8_t, std::size_t{rows} * columns> passes{};
+    const auto node = [&](int i, int j) { return from.low + step * dvec2(i + search_cells / 2, j); };
+    for (int j = 0; j < rows; ++j) {
+        for (int i = 0; i < columns; ++i) {
+            LensRay ray{film, glm::normalize(dvec3(node(i, j), z) - film)};
+            passes[static_cast<std::size_t>(j * columns + i)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
-    if (!(box.high.y >= box.low.y)) return {};
+    // Where a prescription does not say how wide its surfaces are, rays on wild ways get through as well,
+    // which every mount would stop: the largest patch counts.
+    Box box;
+    std::size_t largest = 0;
+    std::vector<int> patch;
+    for (int first = 0; first < rows * columns; ++first) {
+        if (passes[static_cast<std::size_t>(first)] == 0) continue;
+        passes[static_cast<std::size_t>(first)] = 0;
+        patch.assign(1, first);
+        Box around{dvec2(HUGE_VAL), dvec2(-HUGE_VAL)};
+        for (std::size_t k = 0; k < patch.size(); ++k) {
+            const int i = patch[k] % columns, j = patch[k] / columns;
+            around.low = glm::min(around.low, node(i, j));
+            around.high = glm::max(around.high, node(i, j));
+            for (const auto& [u, v] : {std::pair{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}}) {
+                if (u < 0 || u >= columns || v < 0 || v >= rows) continue;
+                std::uint8_t& next = passes[static_cast<std::size_t>(v * columns + u)];
+                if (next == 0) continue;
+                next = 0;
+                patch.push_back(v * columns + u);
+            }
+        }
+        if (patch.size() <= largest) continue;
+        largest = patch.size();
+        box = around;
+    }
+    if (largest == 0) return {};
     // The edge lies less than a step beyond the last node that passes.
-    const double x = box.high.x + step;
-    return {{-x, box.low.y - step}, {x, box.high.y + step}};
+    const double x = box.high.x + step.x;
+    return {{-x, box.low.y - step.y}, {x, box.high.y + step.y}};
 }
 
 void TracedLens::find_rear_boxes() {
@@ -244,13 +272,13 @@ void TracedLens::find_rear_boxes() {
     std::vector<Box> at_radius;
     for (std::size_t i = 0; i <= rear_zones; ++i) {
         const double r = settings_.film_radius_mm * static_cast<double>(i) / rear_zones;
-        // Coarsely over all that may pass, then once more around what does.
-        Box box = passing_rear(r, widest);
+        // Coarsely over all that may pass, then ever closer around what does.
+        Box box = passing_rear(r, {dvec2(-widest), dvec2(widest)});
         if (box.empty() && i == 0) box = {dvec2(-2 * radius * share), dvec2(2 * radius * share)};
-        if (!box.empty()) {
-            const double extent = std::max(
-                {std::abs(box.low.x), std::abs(box.high.x), std::abs(box.low.y), std::abs(box.high.y)});
-            if (extent < 0.7 * widest) box = passing_rear(r, extent);
+        for (int again = 0; again < 3 && !box.empty(); ++again) {
+            const Box closer = passing_rear(r, box);
+            if (closer.empty()) break;
+            box = closer;
         }
         at_radius.push_back(box);
     }

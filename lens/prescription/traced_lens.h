@@ -116,7 +116,7 @@ class TracedLens {
     void set_focus(const Prescription& lens);
     [[nodiscard]] double sharp_film_mm(const Prescription& lens, double distance_from_pupil_m) const;
     void find_rear_boxes();
-    [[nodiscard]] Box passing_rear(double film_radius_mm, double extent_mm) const;
+    [[nodiscard]] Box passing_rear(double film_radius_mm, const Box& from) const;
     [[nodiscard]] Box passing_pupil(double depth_m, glm::dvec2 field, Box from) const;
 
     TracedLensSettings settings_;

@@ -1,0 +1,88 @@
+#include "focus/lens_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lens/prescription/fan_table.h"
+
+namespace postlens {
+namespace {
+
+double mean_of(const glm::dmat2& map) {
+    return (map[0].x + map[1].y) / 2;
+}
+
+class LensModel final : public ResponseModel {
+  public:
+    LensModel(const LensView& view, const FocusGeometry& geometry, double half_diagonal_px,
+              double largest_inverse_depth_per_m)
+        : geometry_(geometry),
+          table_(view, largest_inverse_depth_per_m, half_diagonal_px / geometry.gain_px) {}
+
+    [[nodiscard]] bool is_round() const override { return false; }
+    [[nodiscard]] bool is_even() const override { return false; }
+    [[nodiscard]] bool is_point_symmetric() const override { return false; }
+    [[nodiscard]] bool weighs_as_it_shines() const override { return true; }
+    // Smaller ones must show where in its pixel a sample lies.
+    [[nodiscard]] double few_phases_from_px() const override { return 2; }
+    [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
+        // Half a pixel, or a part of a large response that nobody sees in its edge.
+        constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
+        const double w = inverse_depth_per_m(map_px);
+        const double within = std::max(within_px, within_share * geometry_.gain_px * table_.reach(w));
+        return std::clamp(within / std::max(table_.change_over_field(w), 1e-9), narrowest_px, widest_px);
+    }
+    [[nodiscard]] double transmission(const glm::dvec2& place_px,
+                                      double /*inverse_depth_per_m*/) const override {
+        return table_.light(glm::length(place_px) / geometry_.gain_px);
+    }
+    [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
+        const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
+        // Of a matrix no larger than its Frobenius norm, on a pupil that may have grown by a half.
+        const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
+        return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
+    }
+    [[nodiscard]] Kernel kernel(const ResponseRequest& request) const override {
+        const double place_px = glm::length(request.place_px);
+        const double w = inverse_depth_per_m(request.map_px);
+        const PupilFan fan = table_.fan(w, place_px / geometry_.gain_px);
+        const FanImage image{.gain_px = geometry_.gain_px,
+                             .further_px_m = (request.map_px - glm::dmat2(mean_of(request.map_px))) /
+                                             geometry_.aperture_radius_m,
+                             .axis = place_px > 0 ? request.place_px / place_px : glm::dvec2(0, 1),
+                             .centre_px = request.phase_px};
+        // As with other apertures: smaller than a pixel its shape does not show, but a sample on a corner of
+        // pixels must give each its quarter.
+        constexpr double least_px = 0.5;
+        const double size_px = fan_reach_px(fan, image);
+        if (size_px < least_px)
+            return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
+        const KernelReach& reach = request.reach;
+        // What mirrors and glass spread as far as this is faint; the lens's own part in it cannot be told.
+        constexpr double widest_bent_px = 128;
+        if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
+            return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
+                               request.phase_px.y, reach);
+        }
+        return make_kernel(fan_response(fan, image, {-reach.x, reach.x, -reach.y, reach.y}), reach);
+    }
+
+  private:
+    // The map is gain R (I/s - W).
+    [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
+        return geometry_.inverse_focus_per_m -
+               mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);
+    }
+
+    FocusGeometry geometry_;
+    FanTable table_;
+};
+
+}  // namespace
+
+std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,
+                                          double half_diagonal_px, double largest_inverse_depth_per_m) {
+    return std::make_unique<LensModel>(view, geometry, half_diagonal_px, largest_inverse_depth_per_m);
+}
+
+}  // namespace postlens

@@ -1,0 +1,17 @@
+// Impulse responses of a real lens, in the form that scattering wants.
+#pragma once
+
+#include <memory>
+
+#include "focus/response_model.h"
+#include "lens/prescription/lens_view.h"
+
+namespace postlens {
+
+/// From a table of traced rays (lens/prescription/fan_table.h). `geometry`: the view's, in the px that the
+/// picture is scattered in. `half_diagonal_px`: of all that was recorded.
+[[nodiscard]] std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,
+                                                        double half_diagonal_px,
+                                                        double largest_inverse_depth_per_m);
+
+}  // namespace postlens
