@@ -30,6 +30,8 @@ const char* name(MotionKind kind) {
             return "still";
         case MotionKind::translation:
             return "translation";
+        case MotionKind::parallax:
+            return "parallax";
         case MotionKind::general:
             return "general";
     }

@@ -140,6 +140,9 @@ class MotionBlur {
             } else if (settings_.method != MotionMethod::automatic) {
                 o.method = settings_.method;
                 o.reason = "asked for";
+            } else if (m.kind == MotionKind::parallax) {
+                o.method = MotionMethod::convolve;
+                o.reason = fmt::format("moves parallel to the film, {:.1f} px", m.largest_move_px);
             } else if (m.kind == MotionKind::translation) {
                 o.method = MotionMethod::convolve;
                 o.reason = fmt::format("moves as a whole, {:.1f} px, within {:.2f} px", m.largest_move_px,
@@ -161,9 +164,10 @@ class MotionBlur {
         double low = header_.height, high = 0;
         for (const MovingGroup& g : groups) {
             double up = 0, down = 0;
+            const double scale = g.has_parallax ? g.extent.inverse_z_max / g.path_inverse_z : 1;
             for (const PathPoint& p : g.path) {
-                up = std::min(up, p.at_px.y);
-                down = std::max(down, p.at_px.y);
+                up = std::min(up, scale * p.at_px.y);
+                down = std::max(down, scale * p.at_px.y);
             }
             low = std::min(low, g.extent.y_min + up);
             high = std::max(high, g.extent.y_max + down);
@@ -194,7 +198,7 @@ class MotionBlur {
         const auto [y_begin, y_end] = rows_touched(groups);
         bands_.need(y_begin, y_end);
         ConvolveBlur blur = convolve_blur(result_.image, band_surfaces(bands_.bands(), y_begin, y_end),
-                                          groups, settings_.exposure, settings_.curve);
+                                          groups, settings_.exposure, settings_.curve, across_per_px(header_));
         result_.image = std::move(blur.image);
         touched_ = std::move(blur.touched);
         unknown_ = std::move(blur.unknown);
