@@ -9,6 +9,17 @@
 
 namespace postlens {
 
+/// More slices are not made; the steps between them grow then.
+inline constexpr int most_slices = 64;
+/// How many slices a group with parallax gets, 2..most_slices.
+[[nodiscard]] int slices_for(const MovingGroup& group);
+
+/// Parts of one group that lie behind one another: the area, px^2, that the motion uncovers between them or
+/// lays over each other at most, as a share of the group's recorded area. Steps in depth that come apart by
+/// less than half a pixel do not count. DepthSlices takes such parts for one opaque surface.
+[[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
+                                const MovingGroup& group, double across_per_px);
+
 /// A direction in which the group's path goes, and how far: of path . direction, px.
 struct PathAxis {
     glm::dvec2 direction{1, 0};
@@ -49,7 +60,7 @@ class DepthSlices {
     /// What the group's path is multiplied by for slice k.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
-    /// Light for light, all slices together: where the group was recorded.
+    /// Where the group was recorded: the cells of every slice.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:
@@ -75,8 +86,5 @@ class DepthSlices {
     std::vector<PathAxis> axes_;
     std::vector<BandPieces> bands_;
 };
-
-/// How many slices a group needs.
-[[nodiscard]] int slices_for(const MovingGroup& group);
 
 }  // namespace postlens

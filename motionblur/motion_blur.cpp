@@ -7,9 +7,11 @@
 
 #include "core/error.h"
 #include "motionblur/convolve_blur.h"
+#include "motionblur/depth_slices.h"
 #include "motionblur/field_blur.h"
 #include "motionblur/motion_warnings.h"
 #include "motionblur/shutter_views.h"
+#include "motionblur/slice_rule.h"
 #include "motionblur/still_pictures.h"
 #include "reproject/fill_gaps.h"
 
@@ -66,6 +68,7 @@ class MotionBlur {
         result_.image = file_.picture();
         find_motion();
         choose();
+        prepare_convolution();
         // A second recorded instant may show other colours of what stands still.
         const bool blends = file_.instants() > 1 && settings_.method != MotionMethod::convolve &&
                             settings_.exposure.close_s > settings_.exposure.open_s;
@@ -142,7 +145,8 @@ class MotionBlur {
                 o.reason = "asked for";
             } else if (m.kind == MotionKind::parallax) {
                 o.method = MotionMethod::convolve;
-                o.reason = fmt::format("moves parallel to the film, {:.1f} px", m.largest_move_px);
+                o.reason = fmt::format("moves parallel to the film, {:.1f} px, its parts by their depth",
+                                       m.largest_move_px);
             } else if (m.kind == MotionKind::translation) {
                 o.method = MotionMethod::convolve;
                 o.reason = fmt::format("moves as a whole, {:.1f} px, within {:.2f} px", m.largest_move_px,
@@ -160,17 +164,12 @@ class MotionBlur {
     }
 
     // Rows of the raster that some group is recorded in or passes over.
-    [[nodiscard]] std::pair<int, int> rows_touched(const std::vector<MovingGroup>& groups) const {
+    [[nodiscard]] std::pair<int, int> rows_touched() const {
         double low = header_.height, high = 0;
-        for (const MovingGroup& g : groups) {
-            double up = 0, down = 0;
-            const double scale = g.has_parallax ? g.extent.inverse_z_max / g.path_inverse_z : 1;
-            for (const PathPoint& p : g.path) {
-                up = std::min(up, scale * p.at_px.y);
-                down = std::max(down, scale * p.at_px.y);
-            }
-            low = std::min(low, g.extent.y_min + up);
-            high = std::max(high, g.extent.y_max + down);
+        for (const MovingGroup& g : groups_) {
+            const PassedBox box = passed_box(g);
+            low = std::min(low, box.low_px.y);
+            high = std::max(high, box.high_px.y);
         }
         // Two rows more: a quarter of a leaf reaches beyond its corner, a cell beyond its middle.
         const auto within = [&](double y) {
@@ -180,25 +179,56 @@ class MotionBlur {
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
-    void convolve_groups() {
+    /// The groups to convolve, and the surfaces of the rows that they touch. `automatic` leaves those with
+    /// parallax to lightfield that are more than one surface, or that others lie among.
+    void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
             if (result_.objects[i].method == MotionMethod::convolve) ids.push_back(motions_[i]);
         }
-        const std::vector<MovingGroup> groups =
-            find_groups(motion_, ids, extents_, header_.time_s, settings_.exposure, settings_.fit_px);
-        for (const MovingGroup& g : groups) {
-            for (ObjectReport& o : result_.objects) {
-                if (!std::binary_search(g.ids.begin(), g.ids.end(), o.id)) continue;
+        if (ids.empty()) return;
+        groups_ = find_groups(motion_, ids, extents_, header_.time_s, settings_.exposure, settings_.fit_px);
+        const auto [y_begin, y_end] = rows_touched();
+        bands_.need(y_begin, y_end);
+        surfaces_ = band_surfaces(bands_.bands(), y_begin, y_end);
+        if (settings_.method == MotionMethod::automatic) leave_to_lightfield();
+        for (const MovingGroup& g : groups_) {
+            for_objects(g, [&](ObjectReport& o) {
+                o.slices = g.has_parallax ? slices_for(g) : 1;
                 o.path_points = g.points;
                 o.fitted_knots = g.fitted_knots;
                 o.fit_error_px = g.fit_error_px;
-            }
+            });
         }
-        const auto [y_begin, y_end] = rows_touched(groups);
-        bands_.need(y_begin, y_end);
-        ConvolveBlur blur = convolve_blur(result_.image, band_surfaces(bands_.bands(), y_begin, y_end),
-                                          groups, settings_.exposure, settings_.curve, across_per_px(header_));
+    }
+
+    template <typename OnObject>
+    void for_objects(const MovingGroup& g, const OnObject& on_object) {
+        for (ObjectReport& o : result_.objects) {
+            if (std::binary_search(g.ids.begin(), g.ids.end(), o.id)) on_object(o);
+        }
+    }
+
+    void leave_to_lightfield() {
+        const GroupTable table(groups_);
+        std::vector<MovingGroup> kept;
+        for (std::size_t i = 0; i < groups_.size(); ++i) {
+            const MovingGroup& g = groups_[i];
+            const std::string why =
+                g.has_parallax ? why_not_sliced(groups_, i, table, surfaces_, header_) : "";
+            if (why.empty()) kept.push_back(g);
+            if (why.empty()) continue;
+            for_objects(g, [&](ObjectReport& o) {
+                o.method = MotionMethod::lightfield;
+                o.reason = fmt::format("moves parallel to the film, {:.1f} px, but {}", o.largest_move_px, why);
+            });
+        }
+        groups_ = std::move(kept);
+    }
+
+    void convolve_groups() {
+        ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
+                                          settings_.curve, across_per_px(header_));
         result_.image = std::move(blur.image);
         touched_ = std::move(blur.touched);
         unknown_ = std::move(blur.unknown);
@@ -275,6 +305,8 @@ class MotionBlur {
     FrameMotion motion_;
     RecordBands bands_;
     IdExtents extents_;
+    std::vector<MovingGroup> groups_;     ///< to convolve
+    std::vector<BandSurfaces> surfaces_;  ///< of the rows that they touch
     std::vector<IdMotion> motions_;  ///< as result_.objects, by id
     std::vector<std::uint8_t> touched_;
     std::vector<float> unknown_;
