@@ -288,10 +288,10 @@ ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& 
         const int c = cells_for(group);
         const Planes i1 = draw_group(bands, table, static_cast<int>(g), group, c);
         recorded.push_back(in_pixels(i1, c, still.width, still.height));
-        blurred.push_back(group.has_parallax
-                              ? blur.sliced(DepthSlices(bands, table, static_cast<int>(g), group, c, across_per_px),
-                                            group, c)
-                              : blur.whole(i1, group, c));
+        blurred.push_back(group.has_parallax ? blur.sliced(DepthSlices(bands, table, static_cast<int>(g),
+                                                                       group, c, across_per_px),
+                                                           group, c)
+                                             : blur.whole(i1, group, c));
     }
     Composite(bands, groups, table, blurred, recorded, still, out).run();
     return out;

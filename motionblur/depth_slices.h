@@ -40,7 +40,8 @@ struct Stretch {
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// r, g, b and coverage of a slice. At t it is the sum of `flat` and of `stretched[a]` times (path(t) . axis a
+/// r, g, b and coverage of a slice. At t it is the sum of `flat` and of `stretched[a]` times (path(t) . axis
+/// a
 /// - low_px of a).
 struct SliceRaster {
     Planes flat;

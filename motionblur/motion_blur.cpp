@@ -145,8 +145,7 @@ class MotionBlur {
                 o.reason = "asked for";
             } else if (m.kind == MotionKind::parallax) {
                 o.method = MotionMethod::convolve;
-                o.reason = fmt::format("moves parallel to the film, {:.1f} px, its parts by their depth",
-                                       m.largest_move_px);
+                o.reason = "moves parallel to the film";  // more is said of it in prepare_convolution
             } else if (m.kind == MotionKind::translation) {
                 o.method = MotionMethod::convolve;
                 o.reason = fmt::format("moves as a whole, {:.1f} px, within {:.2f} px", m.largest_move_px,
@@ -198,6 +197,11 @@ class MotionBlur {
                 o.path_points = g.points;
                 o.fitted_knots = g.fitted_knots;
                 o.fit_error_px = g.fit_error_px;
+                if (!g.has_parallax || settings_.method != MotionMethod::automatic) return;
+                o.reason = fmt::format(
+                    "moves parallel to the film, {:.1f} px, its nearest and farthest parts {:.2g} px apart: "
+                    "{} slices of depth",
+                    o.largest_move_px, parallax_px(g), o.slices);
             });
         }
     }
@@ -220,7 +224,8 @@ class MotionBlur {
             if (why.empty()) continue;
             for_objects(g, [&](ObjectReport& o) {
                 o.method = MotionMethod::lightfield;
-                o.reason = fmt::format("moves parallel to the film, {:.1f} px, but {}", o.largest_move_px, why);
+                o.reason =
+                    fmt::format("moves parallel to the film, {:.1f} px, but {}", o.largest_move_px, why);
             });
         }
         groups_ = std::move(kept);
@@ -307,7 +312,7 @@ class MotionBlur {
     IdExtents extents_;
     std::vector<MovingGroup> groups_;     ///< to convolve
     std::vector<BandSurfaces> surfaces_;  ///< of the rows that they touch
-    std::vector<IdMotion> motions_;  ///< as result_.objects, by id
+    std::vector<IdMotion> motions_;       ///< as result_.objects, by id
     std::vector<std::uint8_t> touched_;
     std::vector<float> unknown_;
     MotionBlurResult result_;

@@ -41,7 +41,7 @@ struct ObjectReport {
     MotionMethod method = MotionMethod::automatic;  ///< automatic: none
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
-    int slices = 0;  ///< of depth, convolve
+    int slices = 0;                                 ///< of depth, convolve
     std::size_t path_points = 0, fitted_knots = 0;  ///< convolve; knots 0: not fitted
     double fit_error_px = 0;
     std::string reason;

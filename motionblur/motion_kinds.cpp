@@ -122,8 +122,7 @@ IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& e
             const double middle_dx = middle->x - out.centre.x, middle_dy = middle->y - out.centre.y;
             out.deviation_px = std::max(out.deviation_px, std::hypot(dx - middle_dx, dy - middle_dy));
             const double nearer = out.inverse_z > 0 ? from.inverse_z / out.inverse_z : 1;
-            out.bend_px =
-                std::max(out.bend_px, std::hypot(dx - nearer * middle_dx, dy - nearer * middle_dy));
+            out.bend_px = std::max(out.bend_px, std::hypot(dx - nearer * middle_dx, dy - nearer * middle_dy));
         }
     }
     if (!(out.largest_move_px >= still_px)) {

@@ -56,8 +56,7 @@ double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& tab
         for (int y = std::max(static_cast<int>(std::floor(box.low_px.y)), band.y_begin); y < y_end; ++y) {
             for (int x = std::max(static_cast<int>(std::floor(box.low_px.x)), band.x_begin); x < x_end; ++x) {
                 band.for_each_leaf(x, y, [&](const Leaf& leaf) {
-                    const auto quarter =
-                        static_cast<double>(leaf.size) * static_cast<double>(leaf.size) / 4;
+                    const auto quarter = static_cast<double>(leaf.size) * static_cast<double>(leaf.size) / 4;
                     for (const std::uint32_t corner : leaf.corner)
                         sums[b] += lies_among(corner) ? quarter : 0;
                 });
