@@ -146,6 +146,9 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
+    // A point sample is a corner of four leaves or so.
+    require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
+                   "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });
 }
 
@@ -164,7 +167,8 @@ Stretch DepthSlices::leaf_stretch(const Leaf& leaf, const std::array<const Surfa
 
 void DepthSlices::collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const {
     const int c = cells_per_px_;
-    std::vector<std::pair<int, Piece>> found;
+    // As many as there can be: what is not used is not touched.
+    out.pieces.reserve(4 * band.leaves.leaves.size());
     const CellWindow pixels{window_.x_begin / c, window_.x_end / c, window_.y_begin / c, window_.y_end / c};
     for_each_leaf_of(band, table, g, pixels, [&](const Leaf& leaf, const std::array<const Surface*, 4>& s) {
         const PointSample& at = band.leaves.points.samples[leaf.corner[0]];
@@ -191,15 +195,17 @@ void DepthSlices::collect(const BandSurfaces& band, const GroupTable& table, int
             piece.g = s[k]->g;
             piece.b = s[k]->b;
             piece.nearer = static_cast<float>(place - slice);
-            found.emplace_back(slice, piece);
+            piece.slice = slice;
+            out.pieces.push_back(piece);
         }
     });
     out.offsets.assign(static_cast<std::size_t>(count_) + 1, 0);
-    for (const auto& [slice, piece] : found) ++out.offsets[static_cast<std::size_t>(slice) + 1];
+    for (const Piece& piece : out.pieces) ++out.offsets[static_cast<std::size_t>(piece.slice) + 1];
     for (std::size_t k = 1; k < out.offsets.size(); ++k) out.offsets[k] += out.offsets[k - 1];
     std::vector<std::size_t> next = out.offsets;
-    out.pieces.resize(found.size());
-    for (const auto& [slice, piece] : found) out.pieces[next[static_cast<std::size_t>(slice)]++] = piece;
+    out.order.resize(out.pieces.size());
+    for (std::uint32_t i = 0; i < out.pieces.size(); ++i)
+        out.order[next[static_cast<std::size_t>(out.pieces[i].slice)]++] = i;
 }
 
 SliceRaster DepthSlices::draw(int k) const {
@@ -226,14 +232,14 @@ SliceRaster DepthSlices::draw(int k) const {
         const BandPieces& band = bands_[b];
         if (band.pieces.empty()) return;
         const auto slice = static_cast<std::size_t>(k);
-        if (k > 0) {
-            for (std::size_t i = band.offsets[slice - 1]; i < band.offsets[slice]; ++i)
-                add(band.pieces[i], band.pieces[i].share * band.pieces[i].nearer);
-        }
-        if (k + 1 < count_) {
-            for (std::size_t i = band.offsets[slice]; i < band.offsets[slice + 1]; ++i)
-                add(band.pieces[i], band.pieces[i].share * (1 - band.pieces[i].nearer));
-        }
+        const auto add_all = [&](std::size_t of, const auto& share) {
+            for (std::size_t i = band.offsets[of]; i < band.offsets[of + 1]; ++i) {
+                const Piece& p = band.pieces[band.order[i]];
+                add(p, p.share * share(p));
+            }
+        };
+        if (k > 0) add_all(slice - 1, [](const Piece& p) { return p.nearer; });
+        if (k + 1 < count_) add_all(slice, [](const Piece& p) { return 1 - p.nearer; });
     });
     return out;
 }

@@ -67,15 +67,16 @@ class DepthSlices {
   private:
     /// A corner's quarter of a leaf.
     struct Piece {
-        int x = 0, y = 0, n = 1;
+        int x = 0, y = 0, n = 1, slice = 0;
         float share = 0, r = 0, g = 0, b = 0;
         float nearer = 0;  ///< 0..1: from its slice to the next
         float area = 1;    ///< Stretch::area, with the rates' part up to the axes' low ends
         std::array<float, 2> rate{};
     };
     struct BandPieces {
-        std::vector<Piece> pieces;         ///< slice by slice
-        std::vector<std::size_t> offsets;  ///< of a slice and the next one
+        std::vector<Piece> pieces;
+        std::vector<std::uint32_t> order;  ///< slice by slice: indices into pieces
+        std::vector<std::size_t> offsets;  ///< by slice: its first in `order`
     };
 
     void collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const;
