@@ -87,6 +87,7 @@ bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only,
 
 std::vector<double> probe_times(const std::vector<double>& breaks_s, const Exposure& exposure) {
     std::vector<double> out;
+    out.reserve(even_probes + breaks_s.size());
     for (int i = 0; i < even_probes; ++i)
         out.push_back(exposure.open_s + (exposure.close_s - exposure.open_s) * i / (even_probes - 1));
     for (const double t : breaks_s) {

@@ -89,6 +89,8 @@ std::vector<MovingGroup> find_groups(const FrameMotion& motion, const std::vecto
         MovingGroup& group = out[g];
         std::sort(group.ids.begin(), group.ids.end());
         group.inverse_z = group.extent.centre().inverse_z;
+        // What has depth at other recorded instants may be flat at this one.
+        group.has_parallax = group.has_parallax && group.extent.inverse_z_max > group.extent.inverse_z_min;
         const IdMotion& of = *first[g];
         const std::vector<double> breaks = motion.breaks_s(of.id);
         group.path = flatten([&](double t) { return displacement(motion, of, recorded_s, t); }, breaks,
