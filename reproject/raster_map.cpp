@@ -11,6 +11,7 @@ namespace {
 
 std::vector<double> times_of(const std::vector<TransformKey>& keys) {
     std::vector<double> out;
+    out.reserve(keys.size());
     for (const TransformKey& k : keys) out.push_back(k.time_s);
     return out;
 }
