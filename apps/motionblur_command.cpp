@@ -30,6 +30,8 @@ const char* name(MotionKind kind) {
             return "still";
         case MotionKind::translation:
             return "translation";
+        case MotionKind::parallax:
+            return "parallax";
         case MotionKind::general:
             return "general";
     }
@@ -63,6 +65,7 @@ nlohmann::ordered_json object_json(const ObjectReport& o) {
                                   {"move_px", json_number(o.largest_move_px)},
                                   {"deviation_px", json_number(o.deviation_px)},
                                   {"reason", o.reason}};
+    if (o.slices > 0) out["slices"] = o.slices;
     if (o.path_points > 0) out["path_points"] = o.path_points;
     if (o.fitted_knots > 0) {
         out["fitted_knots"] = o.fitted_knots;

@@ -7,6 +7,7 @@
 
 #include "core/threads.h"
 #include "motionblur/motion_blur.h"
+#include "tests/scene_builder.h"
 #include "tracer/trace.h"
 
 namespace {
@@ -20,44 +21,26 @@ std::filesystem::path frame(int levels, bool packed) {
     const std::filesystem::path path = std::filesystem::temp_directory_path() /
                                        ("postlens_motion_blur_bench_" + std::to_string(::getpid()) + "_" +
                                         std::to_string(levels) + (packed ? "_zips" : "_none") + ".exr");
-    Scene scene;
-    scene.name = "bench";
-    scene.ambient_light = glm::dvec3(0);
-    Camera camera;
-    camera.focal_length_mm = 50;
-    camera.width = 1920;
-    camera.height = 1080;
-    scene.cameras.push_back(camera);
-    const auto add = [&](Shape shape, const glm::dvec3& emission, const glm::dvec3& to) {
-        Material m;
-        m.ambient = m.diffuse = glm::dvec3(0);
-        m.emission = emission;
-        scene.materials.push_back(m);
-        Object o;
-        o.id = static_cast<std::uint32_t>(scene.objects.size() + 1);
-        o.name = "object " + std::to_string(o.id);
-        o.material = scene.materials.size() - 1;
-        o.shape = std::move(shape);
-        if (to != glm::dvec3(0)) o.keys = {{.time_s = 0}, {.time_s = 1, .translation = to}};
-        scene.objects.push_back(o);
-    };
+    test::SceneBuilder scene;
+    scene.scene.cameras[0].width = 1920;
+    scene.scene.cameras[0].height = 1080;
     for (int i = -8; i < 8; ++i) {
         const double shade = i % 2 == 0 ? 0.7 : 0.2;
-        add(Rectangle{{i * 0.4, -3, -8}, {0.4, 0, 0}, {0, 6, 0}}, glm::dvec3(shade), glm::dvec3(0));
+        scene.add(Rectangle{{i * 0.4, -3, -8}, {0.4, 0, 0}, {0, 6, 0}}, test::glowing(glm::dvec3(shade)));
     }
     const double m_per_px = 4 / px_per_m_at_1m;
     const double way = 120 * m_per_px;
     for (int i = 0; i < 3; ++i) {
         const double x = (i - 1) * 560 * m_per_px, half = 150 * m_per_px;
         const double angle = 0.4 * i;
-        add(Disc{{x, 0, -4}, {0, 0, 1}, half, 0}, {0.9, 0.3 * i, 0.2},
-            {way * std::cos(angle), way * std::sin(angle), 0});
+        scene.add(Disc{{x, 0, -4}, {0, 0, 1}, half, 0}, test::glowing({0.9, 0.3 * i, 0.2})).keys = {
+            {.time_s = 0}, {.time_s = 1, .translation = {way * std::cos(angle), way * std::sin(angle), 0}}};
     }
     TraceSettings settings;
     settings.subdivision.levels = levels;
     settings.for_shutter = TimeSpan{0, 1};
     settings.compression = packed ? RecordCompression::zips : RecordCompression::none;
-    trace_to_file(scene, settings, path);
+    trace_to_file(scene.scene, settings, path);
     return path;
 }
 

@@ -5,15 +5,11 @@
 #include <utility>
 
 #include "core/threads.h"
-#include "motionblur/group_raster.h"
-#include "motionblur/path_raster.h"
+#include "motionblur/group_blur.h"
 #include "reproject/fill_gaps.h"
 
 namespace postlens {
 namespace {
-
-/// Coverage below this is the rounding of a Fourier transform.
-constexpr float least_coverage = 2e-6F;
 
 /// Sums over the point samples of one pixel, by how many groups are nearer than what stands still.
 struct Between {
@@ -178,25 +174,25 @@ class Composite {
 
 ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                            const std::vector<MovingGroup>& groups, const Exposure& exposure,
-                           const ShutterCurve& curve) {
+                           const ShutterCurve& curve, double across_per_px) {
     ConvolveBlur out;
     out.image = still;
     const GroupTable table(groups);
     std::vector<GroupPicture> blurred, recorded;
     for (std::size_t g = 0; g < groups.size(); ++g) {
-        const int c = cells_for(groups[g]);
-        const Planes i1 = draw_group(bands, table, static_cast<int>(g), groups[g], c);
+        const MovingGroup& group = groups[g];
+        const int c = cells_for(group);
+        const Planes i1 = draw_group(bands, table, static_cast<int>(g), group, c);
         recorded.push_back(in_pixels(i1, c, still.width, still.height));
-        // Displacements that bring some of it into the frame.
-        const CellWindow frame{0, still.width * c, 0, still.height * c};
-        const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
-                               frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};
-        const PathRaster i2 =
-            draw_path(groups[g].path, {0, 0}, exposure.open_s, exposure.close_s, curve, c, reach);
-        ConvolutionMethod used = ConvolutionMethod::automatic;
-        const Planes moved = convolve(i1, i2, ConvolutionMethod::automatic, &used, frame);
-        (used == ConvolutionMethod::fft ? out.fft_groups : out.direct_groups) += 1;
-        blurred.push_back(in_pixels(moved, c, still.width, still.height));
+        GroupBlur blur(still.width, still.height, c, exposure, curve);
+        if (group.has_parallax) {
+            const DepthSlices slices(bands, table, static_cast<int>(g), group, c, across_per_px);
+            blurred.push_back(blur.sliced(slices, group));
+        } else {
+            blurred.push_back(blur.whole(i1, group));
+        }
+        out.direct_groups += blur.direct();
+        out.fft_groups += blur.fft();
     }
     Composite(bands, groups, table, blurred, recorded, still, out).run();
     return out;

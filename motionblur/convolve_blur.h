@@ -25,6 +25,6 @@ struct ConvolveBlur {
 /// behind it, and so on, each by the coverage of what is known there.
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
-                                         const ShutterCurve& curve);
+                                         const ShutterCurve& curve, double across_per_px);
 
 }  // namespace postlens

@@ -18,7 +18,8 @@ int floor_div(int a, int b) {
     return a >= 0 ? a / b : -((-a + b - 1) / b);
 }
 
-/// The group's surface at a point sample: the nearest of them.
+}  // namespace
+
 const Surface* surface_of(const BandSurfaces& band, std::uint32_t sample, const GroupTable& table, int g) {
     for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
         if (table(band.surfaces.surfaces[i].id) == g) return &band.surfaces.surfaces[i];
@@ -26,7 +27,25 @@ const Surface* surface_of(const BandSurfaces& band, std::uint32_t sample, const 
     return nullptr;
 }
 
-}  // namespace
+QuarterCells quarter_cells(const PointSample& leaf_at, float leaf_size, std::size_t corner,
+                           int cells_per_px) {
+    const float half = leaf_size / 2, cells = static_cast<float>(cells_per_px), edge = half * cells;
+    const float x = (corner & 1) != 0 ? leaf_at.x + half : leaf_at.x,
+                y = (corner & 2) != 0 ? leaf_at.y + half : leaf_at.y;
+    return {static_cast<int>(std::floor(x * cells)), static_cast<int>(std::floor(y * cells)),
+            edge >= 1 ? static_cast<int>(edge) : 1, edge >= 1 ? 1 : edge * edge};
+}
+
+CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group, int c) {
+    const BandSurfaces& top = bands.front();
+    int rows_end = top.y_begin;
+    for (const BandSurfaces& band : bands) rows_end = std::max(rows_end, band.y_end);
+    const int x0 = std::max(top.x_begin, static_cast<int>(std::floor(group.extent.x_min)) - 1),
+              x1 = std::min(top.x_begin + top.width - 1, static_cast<int>(std::ceil(group.extent.x_max)) + 1);
+    const int y0 = std::max(top.y_begin, static_cast<int>(std::floor(group.extent.y_min)) - 1),
+              y1 = std::min(std::max(rows_end, y0), static_cast<int>(std::ceil(group.extent.y_max)) + 1);
+    return {x0 * c, std::max(x0, x1) * c, y0 * c, std::max(y0, y1) * c};
+}
 
 int cells_for(const MovingGroup& group) {
     glm::dvec2 low(0), high(0);
@@ -47,31 +66,19 @@ int cells_for(const MovingGroup& group) {
 
 Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                   const MovingGroup& group, int cells_per_px) {
-    const BandSurfaces& top = bands.front();
-    int rows_end = top.y_begin;
-    for (const BandSurfaces& band : bands) rows_end = std::max(rows_end, band.y_end);
     const int c = cells_per_px;
-    const int x0 = std::max(top.x_begin, static_cast<int>(std::floor(group.extent.x_min)) - 1),
-              x1 = std::min(top.x_begin + top.width - 1, static_cast<int>(std::ceil(group.extent.x_max)) + 1);
-    const int y0 = std::max(top.y_begin, static_cast<int>(std::floor(group.extent.y_min)) - 1),
-              y1 = std::min(std::max(rows_end, y0), static_cast<int>(std::ceil(group.extent.y_max)) + 1);
-    Planes out{x0 * c, y0 * c, std::max(0, x1 - x0) * c, std::max(0, y1 - y0) * c, {}};
+    const CellWindow window = group_window(bands, group, c);
+    Planes out{window.x_begin, window.y_begin, window.width(), window.height(), {}};
     const auto cells = static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height);
     require_memory(cells * 4 * sizeof(float) * 3, "the raster of a moving object");
     out.planes.assign(4, std::vector<float>(cells, 0));
-    // What a corner's quarter of a leaf gives to the cells it covers; leaves are dyadic, so it covers whole
-    // cells or lies within one.
-    const auto add_quarter = [&](float x, float y, float size, const Surface& s) {
-        const float edge = size * static_cast<float>(c);
-        const int n = edge >= 1 ? static_cast<int>(edge) : 1;
-        const float share = edge >= 1 ? 1 : edge * edge;
-        const int cx = static_cast<int>(std::floor(x * static_cast<float>(c))) - out.x_begin,
-                  cy = static_cast<int>(std::floor(y * static_cast<float>(c))) - out.y_begin;
-        const float values[4] = {s.r * share, s.g * share, s.b * share, share};
-        for (int j = 0; j < n; ++j) {
-            const auto row = static_cast<std::size_t>(cy + j) * static_cast<std::size_t>(out.width) +
-                             static_cast<std::size_t>(cx);
-            for (int i = 0; i < n; ++i) {
+    const auto add_quarter = [&](const QuarterCells& q, const Surface& s) {
+        const float values[4] = {s.r * q.share, s.g * q.share, s.b * q.share, q.share};
+        for (int j = 0; j < q.n; ++j) {
+            const auto row =
+                static_cast<std::size_t>(q.y - out.y_begin + j) * static_cast<std::size_t>(out.width) +
+                static_cast<std::size_t>(q.x - out.x_begin);
+            for (int i = 0; i < q.n; ++i) {
                 for (std::size_t k = 0; k < 4; ++k)
                     out.planes[k][row + static_cast<std::size_t>(i)] += values[k];
             }
@@ -79,16 +86,14 @@ Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& tabl
     };
     parallel_for(bands.size(), [&](std::size_t b) {
         const BandSurfaces& band = bands[b];
-        for (int y = std::max(y0, band.y_begin); y < std::min(y1, band.y_end); ++y) {
-            for (int x = x0; x < x1; ++x) {
+        for (int y = std::max(window.y_begin / c, band.y_begin); y < std::min(window.y_end / c, band.y_end);
+             ++y) {
+            for (int x = window.x_begin / c; x < window.x_end / c; ++x) {
                 band.for_each_leaf(x, y, [&](const Leaf& leaf) {
                     const PointSample& at = band.leaves.points.samples[leaf.corner[0]];
-                    const float half = leaf.size / 2;
                     for (std::size_t k = 0; k < 4; ++k) {
                         const Surface* s = surface_of(band, leaf.corner[k], table, g);
-                        if (s == nullptr) continue;
-                        add_quarter((k & 1) != 0 ? at.x + half : at.x, (k & 2) != 0 ? at.y + half : at.y,
-                                    half, *s);
+                        if (s != nullptr) add_quarter(quarter_cells(at, leaf.size, k, c), *s);
                     }
                 });
             }

@@ -23,6 +23,23 @@ struct GroupPicture {
 /// Cells to a pixel for a group: a path along neither axis, or a short one, needs finer ones.
 [[nodiscard]] int cells_for(const MovingGroup& group);
 
+/// The cells that a group's records can lie in, within the rows and columns that `bands` have.
+[[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
+                                      int cells_per_px);
+
+/// Cells that the quarter of a leaf next to a corner covers: [x, x + n) x [y, y + n), each with this share of
+/// its area. Leaves are dyadic, so a quarter covers whole cells or lies within one.
+struct QuarterCells {
+    int x = 0, y = 0, n = 1;
+    float share = 1;
+};
+[[nodiscard]] QuarterCells quarter_cells(const PointSample& leaf_at, float leaf_size, std::size_t corner,
+                                         int cells_per_px);
+
+/// The group's surface at a point sample: the nearest of them; nullptr: none.
+[[nodiscard]] const Surface* surface_of(const BandSurfaces& band, std::uint32_t sample,
+                                        const GroupTable& table, int g);
+
 /// i1 of group g: at every place the nearest surface of the group that is recorded there, hidden ones
 /// included; cells of 1/cells_per_px px.
 [[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,

@@ -7,9 +7,11 @@
 
 #include "core/error.h"
 #include "motionblur/convolve_blur.h"
+#include "motionblur/depth_slices.h"
 #include "motionblur/field_blur.h"
 #include "motionblur/motion_warnings.h"
 #include "motionblur/shutter_views.h"
+#include "motionblur/slice_rule.h"
 #include "motionblur/still_pictures.h"
 #include "reproject/fill_gaps.h"
 
@@ -34,25 +36,6 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>& paths) {
-    FrameMotion motion(header);
-    const std::vector<std::vector<std::uint32_t>> ids = resolve_ids(paths, header.object_names);
-    for (std::size_t i = 0; i < paths.size(); ++i) {
-        for (const std::uint32_t id : ids[i]) {
-            if (const auto* keys = std::get_if<RigidKeys>(&paths[i].motion)) {
-                motion.set_keys(id, *keys);
-                continue;
-            }
-            const ScreenPath path = std::get<ScreenPath>(paths[i].motion);
-            std::vector<double> breaks;
-            for (const PathKnot& knot : path.knot_list()) breaks.push_back(knot.time_s);
-            motion.set_displacement(
-                id, [path](double t) { return path.at(t); }, std::move(breaks));
-        }
-    }
-    return motion;
-}
-
 class MotionBlur {
   public:
     MotionBlur(const SampleFileReader& file, const MotionBlurSettings& settings)
@@ -66,6 +49,7 @@ class MotionBlur {
         result_.image = file_.picture();
         find_motion();
         choose();
+        prepare_convolution();
         // A second recorded instant may show other colours of what stands still.
         const bool blends = file_.instants() > 1 && settings_.method != MotionMethod::convolve &&
                             settings_.exposure.close_s > settings_.exposure.open_s;
@@ -140,6 +124,9 @@ class MotionBlur {
             } else if (settings_.method != MotionMethod::automatic) {
                 o.method = settings_.method;
                 o.reason = "asked for";
+            } else if (m.kind == MotionKind::parallax) {
+                o.method = MotionMethod::convolve;
+                o.reason = "moves parallel to the film";  // more is said of it in prepare_convolution
             } else if (m.kind == MotionKind::translation) {
                 o.method = MotionMethod::convolve;
                 o.reason = fmt::format("moves as a whole, {:.1f} px, within {:.2f} px", m.largest_move_px,
@@ -157,16 +144,12 @@ class MotionBlur {
     }
 
     // Rows of the raster that some group is recorded in or passes over.
-    [[nodiscard]] std::pair<int, int> rows_touched(const std::vector<MovingGroup>& groups) const {
+    [[nodiscard]] std::pair<int, int> rows_touched() const {
         double low = header_.height, high = 0;
-        for (const MovingGroup& g : groups) {
-            double up = 0, down = 0;
-            for (const PathPoint& p : g.path) {
-                up = std::min(up, p.at_px.y);
-                down = std::max(down, p.at_px.y);
-            }
-            low = std::min(low, g.extent.y_min + up);
-            high = std::max(high, g.extent.y_max + down);
+        for (const MovingGroup& g : groups_) {
+            const PassedBox box = passed_box(g);
+            low = std::min(low, box.low_px.y);
+            high = std::max(high, box.high_px.y);
         }
         // Two rows more: a quarter of a leaf reaches beyond its corner, a cell beyond its middle.
         const auto within = [&](double y) {
@@ -176,25 +159,62 @@ class MotionBlur {
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
-    void convolve_groups() {
+    /// The groups to convolve, and the surfaces of the rows that they touch. `automatic` leaves those with
+    /// parallax to lightfield that are more than one surface, or that others lie among.
+    void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
             if (result_.objects[i].method == MotionMethod::convolve) ids.push_back(motions_[i]);
         }
-        const std::vector<MovingGroup> groups =
-            find_groups(motion_, ids, extents_, header_.time_s, settings_.exposure, settings_.fit_px);
-        for (const MovingGroup& g : groups) {
-            for (ObjectReport& o : result_.objects) {
-                if (!std::binary_search(g.ids.begin(), g.ids.end(), o.id)) continue;
+        if (ids.empty()) return;
+        groups_ = find_groups(motion_, ids, extents_, header_.time_s, settings_.exposure, settings_.fit_px);
+        const auto [y_begin, y_end] = rows_touched();
+        bands_.need(y_begin, y_end);
+        surfaces_ = band_surfaces(bands_.bands(), y_begin, y_end);
+        if (settings_.method == MotionMethod::automatic) leave_to_lightfield();
+        for (const MovingGroup& g : groups_) {
+            for_objects(g, [&](ObjectReport& o) {
+                o.slices = g.has_parallax ? slices_for(g) : 1;
                 o.path_points = g.points;
                 o.fitted_knots = g.fitted_knots;
                 o.fit_error_px = g.fit_error_px;
-            }
+                if (!g.has_parallax || settings_.method != MotionMethod::automatic) return;
+                o.reason = fmt::format(
+                    "moves parallel to the film, {:.1f} px, its nearest and farthest parts {:.2g} px apart: "
+                    "{} slices of depth",
+                    o.largest_move_px, parallax_px(g), o.slices);
+            });
         }
-        const auto [y_begin, y_end] = rows_touched(groups);
-        bands_.need(y_begin, y_end);
-        ConvolveBlur blur = convolve_blur(result_.image, band_surfaces(bands_.bands(), y_begin, y_end),
-                                          groups, settings_.exposure, settings_.curve);
+    }
+
+    template <typename OnObject>
+    void for_objects(const MovingGroup& g, const OnObject& on_object) {
+        for (ObjectReport& o : result_.objects) {
+            if (std::binary_search(g.ids.begin(), g.ids.end(), o.id)) on_object(o);
+        }
+    }
+
+    void leave_to_lightfield() {
+        const GroupTable table(groups_);
+        std::vector<MovingGroup> kept;
+        for (std::size_t i = 0; i < groups_.size(); ++i) {
+            const MovingGroup& g = groups_[i];
+            const std::string why =
+                g.has_parallax ? why_not_sliced(groups_, i, table, surfaces_, header_) : "";
+            if (why.empty()) kept.push_back(g);
+            if (why.empty()) continue;
+            for_objects(g, [&](ObjectReport& o) {
+                o.method = MotionMethod::lightfield;
+                o.reason =
+                    fmt::format("moves parallel to the film, {:.1f} px, but {}", o.largest_move_px, why);
+            });
+        }
+        groups_ = std::move(kept);
+    }
+
+    void convolve_groups() {
+        ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
+                                          settings_.curve, across_per_px(header_));
         result_.image = std::move(blur.image);
         touched_ = std::move(blur.touched);
         unknown_ = std::move(blur.unknown);
@@ -271,7 +291,9 @@ class MotionBlur {
     FrameMotion motion_;
     RecordBands bands_;
     IdExtents extents_;
-    std::vector<IdMotion> motions_;  ///< as result_.objects, by id
+    std::vector<MovingGroup> groups_;     ///< to convolve
+    std::vector<BandSurfaces> surfaces_;  ///< of the rows that they touch
+    std::vector<IdMotion> motions_;       ///< as result_.objects, by id
     std::vector<std::uint8_t> touched_;
     std::vector<float> unknown_;
     MotionBlurResult result_;

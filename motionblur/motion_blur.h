@@ -15,7 +15,8 @@
 namespace postlens {
 
 /// convolve: i1 * i2 for every moving group. lightfield: the surfaces at many instants. automatic: convolve
-/// for what moves parallel to the film as a whole (within 0.25 px), lightfield for the rest.
+/// for what moves parallel to the film (within 0.25 px), as a whole or, where it is one surface and nothing
+/// else lies in its depth, each part by its own depth; lightfield for the rest.
 enum class MotionMethod { automatic, convolve, lightfield };
 
 struct MotionBlurSettings {
@@ -40,6 +41,7 @@ struct ObjectReport {
     MotionMethod method = MotionMethod::automatic;  ///< automatic: none
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
+    int slices = 0;                                 ///< of depth, convolve
     std::size_t path_points = 0, fitted_knots = 0;  ///< convolve; knots 0: not fitted
     double fit_error_px = 0;
     std::string reason;

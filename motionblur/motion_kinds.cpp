@@ -87,6 +87,7 @@ bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only,
 
 std::vector<double> probe_times(const std::vector<double>& breaks_s, const Exposure& exposure) {
     std::vector<double> out;
+    out.reserve(even_probes + breaks_s.size());
     for (int i = 0; i < even_probes; ++i)
         out.push_back(exposure.open_s + (exposure.close_s - exposure.open_s) * i / (even_probes - 1));
     for (const double t : breaks_s) {
@@ -114,19 +115,23 @@ IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& e
                                    (k & 4) != 0 ? extent.inverse_z_max : extent.inverse_z_min};
             const std::optional<RasterPoint> to = map(from);
             if (!to || !middle) {
-                out.largest_move_px = out.deviation_px = infinite;
+                out.largest_move_px = out.deviation_px = out.bend_px = infinite;
                 break;
             }
             const double dx = to->x - from.x, dy = to->y - from.y;
             out.largest_move_px = std::max(out.largest_move_px, std::hypot(dx, dy));
-            out.deviation_px = std::max(out.deviation_px, std::hypot(dx - (middle->x - out.centre.x),
-                                                                     dy - (middle->y - out.centre.y)));
+            const double middle_dx = middle->x - out.centre.x, middle_dy = middle->y - out.centre.y;
+            out.deviation_px = std::max(out.deviation_px, std::hypot(dx - middle_dx, dy - middle_dy));
+            const double nearer = out.inverse_z > 0 ? from.inverse_z / out.inverse_z : 1;
+            out.bend_px = std::max(out.bend_px, std::hypot(dx - nearer * middle_dx, dy - nearer * middle_dy));
         }
     }
     if (!(out.largest_move_px >= still_px)) {
         out.kind = MotionKind::still;
     } else {
-        out.kind = out.deviation_px <= translation_px ? MotionKind::translation : MotionKind::general;
+        out.kind = out.deviation_px <= translation_px ? MotionKind::translation
+                   : out.bend_px <= translation_px    ? MotionKind::parallax
+                                                      : MotionKind::general;
     }
     return out;
 }

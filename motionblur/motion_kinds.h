@@ -1,4 +1,5 @@
-// How each object moves on the raster while the shutter is open: not at all, as a whole, or otherwise.
+// How each object moves on the raster while the shutter is open: not at all, as a whole, each part by its
+// depth, or otherwise.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,9 @@ bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only,
 enum class MotionKind {
     still,        ///< within 0.01 px of where it was recorded
     translation,  ///< every point moves as the middle does, within 0.25 px: parallel to the film
-    general       ///< turns, comes closer, has parallax of its own, or passes the camera
+    parallax,     ///< parallel to the film as well, but of some depth: every point moves as the middle does,
+                  ///< times its inverse depth over the middle's, within 0.25 px
+    general       ///< turns, comes closer, or passes the camera
 };
 
 struct IdMotion {
@@ -37,6 +40,7 @@ struct IdMotion {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0;  ///< of a corner of the box, from the instant of the records; may be infinite
     double deviation_px = 0;     ///< of a corner's movement from the middle's; may be infinite
+    double bend_px = 0;  ///< of a corner's movement from the middle's at the corner's depth; may be infinite
     RasterPoint centre;
     double inverse_z = 0;  ///< mean of its records, 1/m
 };

@@ -128,7 +128,10 @@ bool crosses(const dvec3& p, const MovingLight& light, const MovingSphere& spher
 class ShadowTest {
   public:
     ShadowTest(const SampleHeader& h, const Exposure& exposure)
-        : header_(h), spheres_(spheres_of(h.motion, exposure)), lights_(lights_of(h.motion, exposure)) {}
+        : is_perspective_(h.projection == Projection::perspective),
+          world_from_raster_(h.world_from_camera * camera_from_raster(h)),
+          spheres_(spheres_of(h.motion, exposure)),
+          lights_(lights_of(h.motion, exposure)) {}
 
     [[nodiscard]] bool possible() const { return !spheres_.empty() && !lights_.empty(); }
     [[nodiscard]] bool operator()(const Record& r) const {
@@ -147,16 +150,13 @@ class ShadowTest {
 
   private:
     [[nodiscard]] dvec3 world(const Record& r) const {
-        const bool perspective = header_.projection == Projection::perspective;
-        const auto z = static_cast<double>(r.z);
-        const double scale = perspective ? z * header_.pixel_pitch_mm / header_.film_distance_mm
-                                         : header_.pixel_pitch_mm * 1e-3;
-        const dvec3 camera((static_cast<double>(r.x) - 0.5 * header_.width) * scale,
-                           -(static_cast<double>(r.y) - 0.5 * header_.height) * scale, -z);
-        return {header_.world_from_camera * glm::dvec4(camera, 1)};
+        const auto x = static_cast<double>(r.x), y = static_cast<double>(r.y), z = static_cast<double>(r.z);
+        const double scale = is_perspective_ ? z : 1;
+        return {world_from_raster_ * glm::dvec4(scale * x, scale * y, z, 1)};
     }
 
-    const SampleHeader& header_;
+    bool is_perspective_;
+    glm::dmat4 world_from_raster_;
     std::vector<MovingSphere> spheres_;
     std::vector<MovingLight> lights_;
 };

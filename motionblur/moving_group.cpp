@@ -24,31 +24,62 @@ glm::dvec2 displacement(const FrameMotion& motion, const IdMotion& id, double re
     return {to->x - id.centre.x, to->y - id.centre.y};
 }
 
+/// `nearest`: 0: middle against middle; else at this inverse depth, to which both are scaled.
 bool alike(const FrameMotion& motion, const IdMotion& a, const IdMotion& b, double recorded_s,
-           const Exposure& exposure) {
+           const Exposure& exposure, double nearest) {
+    const double scale_a = nearest > 0 ? nearest / a.inverse_z : 1,
+                 scale_b = nearest > 0 ? nearest / b.inverse_z : 1;
     std::vector<double> breaks = motion.breaks_s(a.id);
     const std::vector<double> others = motion.breaks_s(b.id);
     breaks.insert(breaks.end(), others.begin(), others.end());
     for (const double t : probe_times(breaks, exposure)) {
-        const glm::dvec2 d = displacement(motion, a, recorded_s, t) - displacement(motion, b, recorded_s, t);
+        const glm::dvec2 d = scale_a * displacement(motion, a, recorded_s, t) -
+                             scale_b * displacement(motion, b, recorded_s, t);
         if (!(glm::length(d) <= alike_px)) return false;
     }
     return true;
 }
 
+bool overlap_in_depth(const IdExtent& a, const IdExtent& b) {
+    return a.inverse_z_min <= b.inverse_z_max && b.inverse_z_min <= a.inverse_z_max;
+}
+
 }  // namespace
+
+double longest_way_px(const MovingGroup& group) {
+    double longest = 0;
+    for (const PathPoint& p : group.path) longest = std::max(longest, glm::length(p.at_px));
+    return longest;
+}
+
+double parallax_px(const MovingGroup& group) {
+    if (!group.has_parallax) return 0;
+    return longest_way_px(group) * (group.extent.inverse_z_max - group.extent.inverse_z_min) /
+           group.path_inverse_z;
+}
 
 std::vector<MovingGroup> find_groups(const FrameMotion& motion, const std::vector<IdMotion>& ids,
                                      const IdExtents& extents, double recorded_s, const Exposure& exposure,
                                      const std::optional<double>& fit_px) {
     std::vector<MovingGroup> out;
     std::vector<const IdMotion*> first;
+    const auto belongs = [&](const IdMotion& m, const MovingGroup& group, const IdMotion& to) {
+        const bool parallax = m.kind == MotionKind::parallax;
+        if (parallax != group.has_parallax) return false;
+        if (!parallax) return alike(motion, to, m, recorded_s, exposure, 0);
+        const IdExtent& own = extents.at(m.id);
+        return overlap_in_depth(own, group.extent) &&
+               alike(motion, to, m, recorded_s, exposure,
+                     std::max(own.inverse_z_max, group.extent.inverse_z_max));
+    };
     for (const IdMotion& m : ids) {
         if (m.kind == MotionKind::still) continue;
         std::size_t g = 0;
-        while (g < out.size() && !alike(motion, *first[g], m, recorded_s, exposure)) ++g;
+        while (g < out.size() && !belongs(m, out[g], *first[g])) ++g;
         if (g == out.size()) {
             out.emplace_back();
+            out.back().has_parallax = m.kind == MotionKind::parallax;
+            out.back().path_inverse_z = m.inverse_z;
             first.push_back(&m);
         }
         out[g].ids.push_back(m.id);
@@ -58,6 +89,8 @@ std::vector<MovingGroup> find_groups(const FrameMotion& motion, const std::vecto
         MovingGroup& group = out[g];
         std::sort(group.ids.begin(), group.ids.end());
         group.inverse_z = group.extent.centre().inverse_z;
+        // What has depth at other recorded instants may be flat at this one.
+        group.has_parallax = group.has_parallax && group.extent.inverse_z_max > group.extent.inverse_z_min;
         const IdMotion& of = *first[g];
         const std::vector<double> breaks = motion.breaks_s(of.id);
         group.path = flatten([&](double t) { return displacement(motion, of, recorded_s, t); }, breaks,

@@ -1,6 +1,7 @@
 #include "motionblur/path_raster.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -19,6 +20,12 @@ constexpr double farthest_cell = 1e13;
 struct Piece {
     double begin, end;  ///< shares of the open time
     dvec2 from, to;
+    double value_from = 1, value_to = 1;
+
+    /// Exactly 1 where both are.
+    [[nodiscard]] double value_at(double share_of_piece) const {
+        return value_from + share_of_piece * (value_to - value_from);
+    }
 };
 
 /// Along one axis: the cell at the piece's begin, and where it enters the next ones.
@@ -76,6 +83,8 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.end = mix(whole.begin, whole.end, leave);
     piece.from = mix(whole.from, whole.to, enter);
     piece.to = mix(whole.from, whole.to, leave);
+    piece.value_from = whole.value_at(enter);
+    piece.value_to = whole.value_at(leave);
     // Far outside, mix has rounded off by more than the half cell: back to where the window's edge is.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
@@ -84,37 +93,45 @@ bool clip(Piece& piece, const CellWindow& window) {
     return true;
 }
 
-std::vector<Piece> pieces_of(std::span<const PathPoint> points, dvec2 origin_px, double open_s,
-                             double close_s, int cells_per_px) {
+std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const double> values,
+                             dvec2 origin_px, double open_s, double close_s, int cells_per_px) {
     const auto place = [&](const PathPoint& p) {
         return static_cast<double>(cells_per_px) * (p.at_px - origin_px) + 0.5;
     };
     const auto share = [&](double time_s) {
         return std::clamp((time_s - open_s) / (close_s - open_s), 0.0, 1.0);
     };
+    const auto value = [&](std::size_t i) { return values.empty() ? 1.0 : values[i]; };
     std::vector<Piece> out;
     out.reserve(points.size() + 1);
+    const auto stand = [&](double begin, double end, std::size_t i) {
+        out.push_back({begin, end, place(points[i]), place(points[i]), value(i), value(i)});
+    };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
         // One instant: the first point that is not before it.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
-        out.push_back({0, 1, place(*at), place(*at)});
+        stand(0, 1, static_cast<std::size_t>(at - points.begin()));
         return out;
     }
-    if (share(first.time_s) > 0) out.push_back({0, share(first.time_s), place(first), place(first)});
+    if (share(first.time_s) > 0) stand(0, share(first.time_s), 0);
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const PathPoint &a = points[i], &b = points[i + 1];
         if (!(b.time_s > open_s && a.time_s < close_s && b.time_s > a.time_s)) continue;
         // What lies outside of the exposure is cut off.
-        const auto at = [&](double time_s) {
-            const double s = std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
-            return (1 - s) * place(a) + s * place(b);
+        const auto along = [&](double time_s) {
+            return std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
         };
-        out.push_back({share(a.time_s), share(b.time_s), at(std::max(a.time_s, open_s)),
-                       at(std::min(b.time_s, close_s))});
+        const double begin = along(std::max(a.time_s, open_s)), end = along(std::min(b.time_s, close_s));
+        const auto at = [&](double s) { return (1 - s) * place(a) + s * place(b); };
+        Piece piece{share(a.time_s), share(b.time_s), at(begin), at(end), value(i), value(i + 1)};
+        const double value_begin = piece.value_at(begin);
+        piece.value_to = piece.value_at(end);
+        piece.value_from = value_begin;
+        out.push_back(piece);
     }
-    if (share(last.time_s) < 1) out.push_back({share(last.time_s), 1, place(last), place(last)});
+    if (share(last.time_s) < 1) stand(share(last.time_s), 1, points.size() - 1);
     return out;
 }
 
@@ -161,9 +178,11 @@ void require_reasonable(const Extent& x, const Extent& y, double crossings, int 
 }  // namespace
 
 PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, double open_s, double close_s,
-                     const ShutterCurve& curve, int cells_per_px, const std::optional<CellWindow>& keep) {
+                     const ShutterCurve& curve, int cells_per_px, const std::optional<CellWindow>& keep,
+                     std::span<const double> values) {
     check(points, origin_px, open_s, close_s, cells_per_px);
-    std::vector<Piece> pieces = pieces_of(points, origin_px, open_s, close_s, cells_per_px);
+    assert(values.empty() || values.size() == points.size());
+    std::vector<Piece> pieces = pieces_of(points, values, origin_px, open_s, close_s, cells_per_px);
     if (keep) std::erase_if(pieces, [&](Piece& p) { return !clip(p, *keep); });
     PathRaster out;
     out.cells_per_px = cells_per_px;
@@ -196,14 +215,17 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
     };
     for (const Piece& p : pieces) {
         Crossings along_x(p.from.x, p.to.x), along_y(p.from.y, p.to.y);
-        double light_before = curve.light(p.begin);
+        double light_before = curve.light(p.begin), before = 0;
         for (;;) {
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
-            // Rounding may put a crossing a hair before the last one.
-            add(along_x.cell(), along_y.cell(), std::max(0.0, light - light_before));
+            // Rounding may put a crossing a hair before the last one. Within a cell the light falls as in the
+            // middle of its time: exact for an even shutter.
+            const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
+            add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;
             light_before = std::max(light, light_before);
+            before = at;
             if (at_x <= at_y) along_x.cross();
             if (at_y <= at_x) along_y.cross();
         }

@@ -44,12 +44,16 @@ inline constexpr double most_path_crossings = 200'000'000;
 /// of the light within; the raster is empty where that is nothing. A path of any length then takes a time
 /// bounded by its number of points times the window's width and height.
 ///
+/// `values`, one for each point, linear in time between them: a cell holds the integral of the value over the
+/// light that falls there, in place of the light alone.
+///
 /// Throws Error(wrong_arguments) for times out of order, no point, places that are not finite or more than
 /// 1e13 cells away, a raster
 /// longer than `most_path_cells` or a path with more crossings than `most_path_crossings` (both after `keep`
 /// has cut it), Error(out_of_memory) for a raster that does not fit.
 [[nodiscard]] PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, double open_s,
                                    double close_s, const ShutterCurve& curve, int cells_per_px,
-                                   const std::optional<CellWindow>& keep = std::nullopt);
+                                   const std::optional<CellWindow>& keep = std::nullopt,
+                                   std::span<const double> values = {});
 
 }  // namespace postlens

@@ -166,4 +166,23 @@ std::vector<std::vector<std::uint32_t>> resolve_ids(const std::vector<ObjectPath
     return out;
 }
 
+FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>& paths) {
+    FrameMotion motion(header);
+    const std::vector<std::vector<std::uint32_t>> ids = resolve_ids(paths, header.object_names);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        for (const std::uint32_t id : ids[i]) {
+            if (const auto* keys = std::get_if<RigidKeys>(&paths[i].motion)) {
+                motion.set_keys(id, *keys);
+                continue;
+            }
+            const ScreenPath path = std::get<ScreenPath>(paths[i].motion);
+            std::vector<double> breaks;
+            for (const PathKnot& knot : path.knot_list()) breaks.push_back(knot.time_s);
+            motion.set_displacement(
+                id, [path](double t) { return path.at(t); }, std::move(breaks));
+        }
+    }
+    return motion;
+}
+
 }  // namespace postlens

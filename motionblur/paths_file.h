@@ -10,6 +10,7 @@
 
 #include "motionblur/screen_path.h"
 #include "records/transform_key.h"
+#include "reproject/raster_map.h"
 
 namespace postlens {
 
@@ -36,5 +37,9 @@ struct ObjectPath {
 /// an id that two paths move.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> resolve_ids(
     const std::vector<ObjectPath>& paths, const std::map<std::uint32_t, std::string>& names);
+
+/// The motion of the file's objects, with these paths in place of what it says of theirs. Throws as
+/// resolve_ids.
+[[nodiscard]] FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>& paths);
 
 }  // namespace postlens

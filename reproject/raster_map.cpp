@@ -11,11 +11,13 @@ namespace {
 
 std::vector<double> times_of(const std::vector<TransformKey>& keys) {
     std::vector<double> out;
+    out.reserve(keys.size());
     for (const TransformKey& k : keys) out.push_back(k.time_s);
     return out;
 }
 
-// The camera's frame from raster coordinates, both homogeneous; x right, y up, looking along -z.
+}  // namespace
+
 dmat4 camera_from_raster(const SampleHeader& h) {
     const bool perspective = h.projection == Projection::perspective;
     const double scale =
@@ -27,8 +29,6 @@ dmat4 camera_from_raster(const SampleHeader& h) {
                : dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(0, 0, -1, 0),
                        dvec4(x0, y0, 0, 1));
 }
-
-}  // namespace
 
 std::optional<RasterPoint> RasterMap::operator()(const RasterPoint& p) const {
     if (projection_ == Projection::perspective) {

@@ -38,6 +38,10 @@ class RasterMap {
     Projection projection_ = Projection::perspective;
 };
 
+/// The camera's frame at the frame's instant (m; x right, y up, looking along -z) from the raster, both
+/// homogeneous: (x, y, 1, 1/z') for a perspective camera, (x, y, z', 1) for an orthographic one.
+[[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
+
 /// The motion of every id on the raster: what the header says, or what was put in its place.
 class FrameMotion {
   public:

@@ -11,10 +11,6 @@
 namespace postlens {
 namespace {
 
-/// A surface that slopes more than this against the film, as tangent, is taken for two, one behind the other.
-/// 40 is 88.6 degrees: a sphere's last half pixel before its outline.
-constexpr double steepest_slope = 40;
-
 /// A corner's share of a quad in a leaf: all four vertices, or the quarter next to one corner.
 struct LeafPiece {
     std::uint32_t id = 0;
@@ -71,12 +67,7 @@ class TileBuilder {
     [[nodiscard]] bool continuous(const std::array<std::uint32_t, 4>& s, float size) const {
         const auto [low, high] = std::minmax({surface(s[0]).inverse_z, surface(s[1]).inverse_z,
                                               surface(s[2]).inverse_z, surface(s[3]).inverse_z});
-        if (high == low) return true;
-        // Slope: depth over width, both at the nearer end; dz / z = relative step of 1/z, width = z tan.
-        const auto near = static_cast<double>(high), far = static_cast<double>(low);
-        const double across = static_cast<double>(size) * per_px_;
-        if (perspective_) return (near - far) / near <= steepest_slope * across;
-        return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
+        return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
     }
 
     void add_leaf(const Leaf& leaf) {
@@ -228,7 +219,7 @@ SampleMesh sample_mesh(const SampleFileReader& file, std::size_t instant) {
     require_memory(file.record_count() * 2 * (sizeof(MicroQuad) + 6 * sizeof(float)),
                    "the mesh of micro-quads");
     const bool perspective = h.projection == Projection::perspective;
-    const double per_px = perspective ? h.pixel_pitch_mm / h.film_distance_mm : h.pixel_pitch_mm * 1e-3;
+    const double per_px = across_per_px(h);
     constexpr int tile = SampleMesh::block_px;
     constexpr int tiles_per_task = 8;
     RecordBand band;

@@ -6,6 +6,9 @@
 namespace postlens {
 namespace {
 
+/// A surface that slopes more than this against the film, as tangent, is taken for two, one behind the other.
+constexpr double steepest_slope = 40;
+
 /// The surface of the nodes that begin at `r` and share its place and layer; leaves `r` behind them.
 bool take_surface(const Record*& r, const Record* end, Surface& out) {
     const Record& primary = *r;
@@ -24,6 +27,19 @@ bool take_surface(const Record*& r, const Record* end, Surface& out) {
 }
 
 }  // namespace
+
+bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
+    if (high_inverse_z == low_inverse_z) return true;
+    // Slope: depth over width, both at the nearer end; dz / z = relative step of 1/z, width = z tan.
+    const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
+    if (perspective) return (near - far) / near <= steepest_slope * across;
+    return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
+}
+
+double across_per_px(const SampleHeader& h) {
+    return h.projection == Projection::perspective ? h.pixel_pitch_mm / h.film_distance_mm
+                                                   : h.pixel_pitch_mm * 1e-3;
+}
 
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out) {
     struct Hidden {

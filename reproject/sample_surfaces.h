@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "records/quadtree.h"
+#include "records/sample_header.h"
 
 namespace postlens {
 
@@ -15,6 +16,13 @@ struct Surface {
     float r = 0, g = 0, b = 0;
     std::uint32_t id = 0;
 };
+
+/// Whether surfaces of these inverse depths, `across` apart (tangent of the angle; orthographic: m), can be
+/// one: whether it would slope by at most 88.6 degrees against the film, a sphere's last half pixel before
+/// its outline.
+[[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
+/// The film's tangent, orthographic: m, per px.
+[[nodiscard]] double across_per_px(const SampleHeader& header);
 
 /// The surfaces of some point samples: sample i has [offsets[i], offsets[i + 1]), the nearest layer first.
 struct SampleSurfaces {

@@ -308,5 +308,27 @@ TEST(PathRasters, WhatCannotBeDrawnIsRefused) {
     refused({{0, {0, 0}}, {1, {999'990, 999'990}}}, 0, 1, 1, "memory");
 }
 
+TEST(PathRasters, ValuesWeighTheLight) {
+    const std::vector<PathPoint> points{{0, {0, 0}}, {1, {10, 0}}};
+    const std::vector<double> values{2, 12};
+    const PathRaster r = draw_path(points, dvec2(0), 0, 1, ShutterCurve::box(), 1, std::nullopt, values);
+    ASSERT_EQ(r.width, 11);
+    // Cell i has the tenth of the light during which the value goes from i + 1.5 to i + 2.5; the ends have
+    // half.
+    for (int i = 1; i < 10; ++i) EXPECT_NEAR(r.at(i, 0), 0.1 * (i + 2), 1e-12) << i;
+    EXPECT_NEAR(r.at(0, 0), 0.05 * 2.25, 1e-12);
+    EXPECT_NEAR(r.at(10, 0), 0.05 * 11.75, 1e-12);
+    // A window holds what it did before; half of the exposure, the half of the path.
+    const PathRaster kept =
+        draw_path(points, dvec2(0), 0, 1, ShutterCurve::box(), 1, CellWindow{3, 6, 0, 1}, values);
+    for (int i = 3; i < 6; ++i) EXPECT_NEAR(kept.at(i, 0), r.at(i, 0), 1e-12) << i;
+    const PathRaster half = draw_path(points, dvec2(0), 0, 0.5, ShutterCurve::box(), 1, std::nullopt, values);
+    for (int i = 1; i < 5; ++i) EXPECT_NEAR(half.at(i, 0), 2 * r.at(i, 0), 1e-12) << i;
+    // Values of 1 are the light itself, bit for bit.
+    const std::vector<double> ones{1, 1};
+    EXPECT_EQ(draw_path(points, dvec2(0), -1, 2, ShutterCurve::triangle(), 2, std::nullopt, ones).weight,
+              draw_path(points, dvec2(0), -1, 2, ShutterCurve::triangle(), 2).weight);
+}
+
 }  // namespace
 }  // namespace postlens::test
