@@ -9,7 +9,9 @@ namespace postlens {
 namespace {
 
 /// 1/s to s, m; infinity for 0.
-double focus_m(const LensPlace& place) { return 1 / place.inverse_focus_per_m; }
+double focus_m(const LensPlace& place) {
+    return 1 / place.inverse_focus_per_m;
+}
 
 nlohmann::ordered_json candidate_json(const LensCandidate& c, double focal_length_mm) {
     return {{"f_number", focal_length_mm / c.place.aperture_mm},
@@ -61,13 +63,14 @@ CommandResult run_lens_fit_picture(const LensFitLimitsOptions& o) {
         out.json["others"].push_back(candidate_json(c, focal_length_mm));
         out.warnings.push_back(
             {.code = "ambiguous",
-             .text = fmt::format("another lens is nearly as good: f/{:.4g}, focused at {:.4g} m (error {:.3g} "
-                                 "against {:.3g})",
-                                 focal_length_mm / c.place.aperture_mm, focus_m(c.place), c.error,
-                                 found.best.error)});
+             .text = fmt::format(
+                 "another lens is nearly as good: f/{:.4g}, focused at {:.4g} m (error {:.3g} "
+                 "against {:.3g})",
+                 focal_length_mm / c.place.aperture_mm, focus_m(c.place), c.error, found.best.error)});
     }
     out.text = fmt::format(
-        "F = {:.6g} mm, f/{:.5g} +- {:.2g}, focused at {:.5g} +- {:.2g} m; error {:.3g}, without a lens {:.3g}, "
+        "F = {:.6g} mm, f/{:.5g} +- {:.2g}, focused at {:.5g} +- {:.2g} m; error {:.3g}, without a lens "
+        "{:.3g}, "
         "over {:.0f} % of the pixels; widest CoC {:.3g} px, {} pictures focused",
         focal_length_mm, f_number, f_number_error, s_m, focus_error_m, found.best.error, found.pinhole_error,
         100 * found.reliable_share, found.largest_coc_px, found.pictures);

@@ -73,7 +73,8 @@ cv::Mat disc(double diameter_px) {
 std::vector<double> diameters_up_to(double largest_px) {
     std::vector<double> out{0};
     while (out.back() < largest_px)
-        out.push_back(out.back() < even_to_px ? out.back() + step_px : out.back() * (1 + step_px / even_to_px));
+        out.push_back(out.back() < even_to_px ? out.back() + step_px
+                                              : out.back() * (1 + step_px / even_to_px));
     return out;
 }
 
@@ -98,7 +99,8 @@ class RoughModel {
             }
             for (std::size_t i = 0; i < inverse_depth_per_m_.size(); ++i) {
                 const double have = picture_tone(static_cast<double>(blurred.ptr<float>()[i * stride]));
-                const double want = picture_tone(static_cast<double>(reduced.picture.ptr<float>()[i * stride]));
+                const double want =
+                    picture_tone(static_cast<double>(reduced.picture.ptr<float>()[i * stride]));
                 const double r = robust(have - want, linear_from);
                 squares_[i * levels + level] = static_cast<float>(r * r);
             }
@@ -157,7 +159,9 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     std::vector<RoughMatch> out;
     for (int i = 0; i < aperture_steps; ++i) {
         for (int k = 0; k < focus_steps; ++k) {
-            const auto at = [&](int a, int b) { return errors[static_cast<std::size_t>(a * focus_steps + b)]; };
+            const auto at = [&](int a, int b) {
+                return errors[static_cast<std::size_t>(a * focus_steps + b)];
+            };
             bool least = true;
             for (int a = std::max(0, i - 1); a <= std::min(aperture_steps - 1, i + 1); ++a) {
                 for (int b = std::max(0, k - 1); b <= std::min(focus_steps - 1, k + 1); ++b) {

@@ -21,10 +21,10 @@ struct RoughMatch {
 };
 
 /// The lenses at which the rough model is better than at all its neighbours, best first, at least one. The
-/// model: each pixel of the pinhole picture blurred evenly by its own CoC, as if all around it lay at its depth;
-/// made once for each of some 60 diameters, so that a lens costs a look-up for each pixel and 4,000 are tried:
-/// apertures whose largest CoC is 0.7 px to a quarter of the picture, focus distances over the depths seen and
-/// half of their range beyond, in 1/s. Pictures of more than 256 px are reduced.
+/// model: each pixel of the pinhole picture blurred evenly by its own CoC, as if all around it lay at its
+/// depth; made once for each of some 60 diameters, so that a lens costs a look-up for each pixel and 4,000
+/// are tried: apertures whose largest CoC is 0.7 px to a quarter of the picture, focus distances over the
+/// depths seen and half of their range beyond, in 1/s. Pictures of more than 256 px are reduced.
 [[nodiscard]] std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture,
                                                   const RecordedDepths& depths, const SampleHeader& header);
 

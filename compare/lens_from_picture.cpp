@@ -24,6 +24,9 @@ constexpr double least_spread = 1e-3;
 constexpr double most_left = 0.5;
 /// Of the pinhole picture's error: a lens that gains less than this is not seen.
 constexpr double least_gain = 0.8;
+/// Range of inverse depths over the largest, below which everything is at one depth for any lens: its CoCs
+/// differ by a hundredth.
+constexpr double least_span = 0.01;
 /// Standard errors of log aperture, and of 1/s over the range of depths, from which on a number says nothing.
 constexpr double most_error = 0.2;
 /// A second minimum is told of where its error is less than this many times the best one's.
@@ -94,24 +97,27 @@ void check(const SampleFileReader& file, const Image& picture, const LensFromPic
     if (s.starts < 1 || s.starts > 16)
         fail(ExitCode::wrong_arguments, "starts: out of range (got {}; expected 1 to 16)", s.starts);
     if (h.projection == Projection::orthographic) {
-        fail(ExitCode::wrong_arguments,
-             "no lens took a picture of parallel rays (got an orthographic file; expected a perspective one)");
+        fail(
+            ExitCode::wrong_arguments,
+            "no lens took a picture of parallel rays (got an orthographic file; expected a perspective one)");
     }
     if (picture.width != h.width || picture.height != h.height) {
         fail(ExitCode::invalid_input,
              "the picture is not of the sample file's view (got {}x{} px; expected {}x{} px)", picture.width,
              picture.height, h.width, h.height);
     }
-    const auto bad = std::count_if(picture.rgb.begin(), picture.rgb.end(),
-                                   [](float v) { return !std::isfinite(v); });
+    const auto bad =
+        std::count_if(picture.rgb.begin(), picture.rgb.end(), [](float v) { return !std::isfinite(v); });
     if (bad > 0) {
-        fail(ExitCode::invalid_input, "the picture has values that are not finite (got {}; expected none)", bad);
+        fail(ExitCode::invalid_input, "the picture has values that are not finite (got {}; expected none)",
+             bad);
     }
 }
 
 void refuse_no_blur(double lens_error, double pinhole_error) {
     fail(ExitCode::invalid_input,
-         "the picture shows no blur from which a lens could be told (got an error of {:.3g} with the best lens, "
+         "the picture shows no blur from which a lens could be told (got an error of {:.3g} with the best "
+         "lens, "
          "{:.3g} without any; expected a clear gain)",
          lens_error, pinhole_error);
 }
@@ -121,6 +127,13 @@ void refuse_other_view(double error, double spread) {
          "no lens makes this picture from these records: another view, another exposure, or motion (got "
          "{:.0f} % of the picture's variation unexplained; expected at most {:.0f} %)",
          100 * error / spread, 100 * most_left);
+}
+
+void refuse_one_depth() {
+    fail(ExitCode::invalid_input,
+         "the picture does not tell aperture and focus apart (got blur at one depth, or too little; expected "
+         "it "
+         "at two or more)");
 }
 
 /// Standard errors at the minimum; throws where they are so large that the numbers mean nothing.
@@ -156,9 +169,7 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     // 1e-4: where the two columns are alike to 0.01 %, the differences' own error is what tells them apart.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
-        fail(ExitCode::invalid_input,
-             "the picture does not tell aperture and focus apart (got blur at one depth, or too little; expected "
-             "it at two or more)");
+        refuse_one_depth();
     }
     out.aperture_error_mm = out.best.place.aperture_mm * error_a;
     out.inverse_focus_error_per_m = error_b;
@@ -173,15 +184,30 @@ Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& f
     return descend(residuals, view, rough.place, last_linear_from, 1e-4);
 }
 
-/// The starts in the order in which `focus` likes them; those much worse than the best are left out.
-std::vector<RoughMatch> sifted(PictureResiduals& residuals, std::vector<RoughMatch> starts, int most) {
-    starts.resize(std::min(starts.size(), static_cast<std::size_t>(most)));
-    for (RoughMatch& s : starts) s.error = residuals.rms_at(s.place, first_linear_from);
-    std::stable_sort(starts.begin(), starts.end(),
+/// Whether two lenses lie in one valley of the error: steps of the rough search make several minima of one.
+bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
+    return std::abs(std::log(a.aperture_mm / b.aperture_mm)) < 0.3 &&
+           std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;
+}
+
+/// The best starts of as many valleys, in the order in which `focus` likes them; those much worse than the
+/// best are left out.
+std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
+                               const std::vector<RoughMatch>& matches, int most) {
+    std::vector<RoughMatch> out;
+    for (const RoughMatch& m : matches) {
+        const bool known = std::any_of(out.begin(), out.end(), [&](const RoughMatch& better) {
+            return alike(better.place, m.place, view.span_per_m);
+        });
+        if (!known) out.push_back(m);
+        if (out.size() == static_cast<std::size_t>(most)) break;
+    }
+    for (RoughMatch& s : out) s.error = residuals.rms_at(s.place, first_linear_from);
+    std::stable_sort(out.begin(), out.end(),
                      [](const RoughMatch& a, const RoughMatch& b) { return a.error < b.error; });
-    const double limit = 1.5 * starts.front().error;
-    std::erase_if(starts, [&](const RoughMatch& s) { return s.error > limit; });
-    return starts;
+    const double limit = 1.5 * out.front().error;
+    std::erase_if(out, [&](const RoughMatch& s) { return s.error > limit; });
+    return out;
 }
 
 }  // namespace
@@ -195,10 +221,11 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         fail(ExitCode::invalid_input,
              "the sample file shows nothing at a finite depth (expected something that a lens can blur)");
     }
-    view.span_per_m = std::max(view.nearest_per_m - view.depths.farthest(), 0.1 * view.nearest_per_m);
+    view.span_per_m = view.nearest_per_m - view.depths.farthest();
 
     PictureResiduals residuals(file, picture, settings.impulse,
                                static_cast<std::uint64_t>(25 * settings.starts), settings.quiet);
+    if (view.span_per_m < least_span * view.nearest_per_m) refuse_one_depth();
     const Image pinhole = pinhole_picture(file);
     const double spread = residuals.rms_of_even(first_linear_from);
     if (spread < least_spread) {
@@ -209,7 +236,7 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
     const double sharp_error = residuals.rms_of(pinhole, first_linear_from);
     if (sharp_error < least_spread) refuse_no_blur(sharp_error, sharp_error);
     const std::vector<RoughMatch> starts =
-        sifted(residuals, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
+        sifted(residuals, view, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
     if (starts.front().error > least_gain * spread) refuse_other_view(starts.front().error, spread);
 
     std::vector<LensFromPicture> found;
@@ -223,9 +250,7 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         one.reliable_share =
             static_cast<double>(residuals.size()) / static_cast<double>(view.depths.nearest_per_m.size());
         const bool known = std::any_of(found.begin(), found.end(), [&](const LensFromPicture& f) {
-            return std::abs(std::log(f.best.place.aperture_mm / end.place.aperture_mm)) < 0.05 &&
-                   std::abs(f.best.place.inverse_focus_per_m - end.place.inverse_focus_per_m) <
-                       0.05 * view.span_per_m;
+            return alike(f.best.place, end.place, view.span_per_m);
         });
         if (!known) found.push_back(one);
     }

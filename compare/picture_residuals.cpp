@@ -57,7 +57,8 @@ const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place
     // A solver's logarithm of the aperture comes back rounded.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
-        if (same(at.aperture_mm, place.aperture_mm) && same(at.inverse_focus_per_m, place.inverse_focus_per_m))
+        if (same(at.aperture_mm, place.aperture_mm) &&
+            same(at.inverse_focus_per_m, place.inverse_focus_per_m))
             return tones;
     }
     throw_if_interrupted();

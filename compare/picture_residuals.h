@@ -27,7 +27,8 @@ class PictureResiduals {
 
     /// Robust residuals of `focus` through a lens, beyond `linear_from` counted linearly.
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Derivatives by log aperture and by 1/s (m), interleaved. `focus_step_per_m`: half the difference in 1/s.
+    /// Derivatives by log aperture and by 1/s (m), interleaved. `focus_step_per_m`: half the difference in
+    /// 1/s.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
     /// The same residuals of any picture, and of an even one of the median tone.
     void of(const Image& image, double* out, double linear_from) const;

@@ -23,9 +23,9 @@ struct RecordedDepths {
 [[nodiscard]] RecordedDepths recorded_depths(const SampleFileReader& file);
 
 /// 1 for the pixels that no light from the neighbourhood of a depth edge reaches, nor any from beyond the
-/// records: there, nothing hidden comes into view and nothing is missing, so `focus` is as right as its samples
-/// are. A depth edge is a pixel over which the CoC's diameter changes by a pixel or more; light goes as far as
-/// its larger radius.
+/// records: there, nothing hidden comes into view and nothing is missing, so `focus` is as right as its
+/// samples are. A depth edge is a pixel over which the CoC's diameter changes by a pixel or more; light goes
+/// as far as its larger radius.
 [[nodiscard]] std::vector<char> reliable_pixels(const RecordedDepths& depths, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -38,8 +38,8 @@ void add_panel(SceneBuilder& b, const Rectangle& where, unsigned seed, glm::dvec
     add_texture(b.scene, seed, 16, repeat);
 }
 
-/// A wall across the view from 1.5 m on the left to 9 m on the right, 1/z even over the picture, alone or with
-/// panels before it, whose edges hide what a lens would see.
+/// A wall across the view from 1.5 m on the left to 9 m on the right, 1/z even over the picture, alone or
+/// with panels before it, whose edges hide what a lens would see.
 Scene room(bool panels) {
     SceneBuilder b;
     b.scene.cameras[0].width = width;
@@ -70,12 +70,12 @@ struct Traced {
     }
 };
 
-Image rendered(const Scene& scene, double f_number, double focus_m) {
+Image rendered(const Scene& scene, double f_number, double focus_m, int spp = 256) {
     RenderSettings s;
     s.focal_length_mm = 50;
     s.f_number = f_number;
     s.focus_m = focus_m;
-    s.spp = 256;
+    s.spp = spp;
     return render_picture(scene, s).image;
 }
 
@@ -102,8 +102,9 @@ std::string refusal(const SampleFileReader& file, const Image& picture, ExitCode
     return "";
 }
 
-// Nothing is left where the picture was made by `focus` with the same depths. The descent ends where the error
-// falls by less than 1e-4 of itself; before, it fell to 0 with the square of each step, from 3 % or less.
+// Nothing is left where the picture was made by `focus` with the same depths. The descent ends where the
+// error falls by less than 1e-4 of itself; before, it fell to 0 with the square of each step, from 3 % or
+// less.
 TEST(LensFromPicture, FindsTheLensOfAPictureByFocus) {
     const Traced room_with_panels(room(true));
     const LensFromPicture found =
@@ -113,8 +114,8 @@ TEST(LensFromPicture, FindsTheLensOfAPictureByFocus) {
     EXPECT_TRUE(found.others.empty());
 }
 
-// A hundredth is what is promised for 256 samples a pixel and CoCs of 5 to 10 px: their noise makes a standard
-// error of 0.1 % and less, the rest is what `focus` gets wrong (docs/lens.md).
+// A hundredth is what is promised for 256 samples a pixel and CoCs of 5 to 10 px: their noise makes a
+// standard error of 0.1 % and less, the rest is what `focus` gets wrong (docs/lens.md).
 TEST(LensFromPicture, FindsALensFocusedNear) {
     const Traced t(room(true));
     const LensFromPicture found = lens_from_picture(*t.file, rendered(t.scene, 0.6, 2));
@@ -128,11 +129,11 @@ TEST(LensFromPicture, FindsALensFocusedNear) {
 
 TEST(LensFromPicture, FindsALensFocusedFar) {
     const Traced t(room(true));
-    expect_lens(lens_from_picture(*t.file, rendered(t.scene, 0.6, 6)), 0.6, 6, 0.01);
+    expect_lens(lens_from_picture(*t.file, rendered(t.scene, 0.6, 5)), 0.6, 5, 0.01);
 }
 
-// The wall's near end is blurred alike by a focus before and behind: the rough search has minima on both sides,
-// and the right one wins.
+// The wall's near end is blurred alike by a focus before and behind: the rough search has minima on both
+// sides, and the right one wins.
 TEST(LensFromPicture, TellsNearFromFarFocus) {
     const Traced t(room(false));
     const Image picture = rendered(t.scene, 1, 2);
@@ -150,7 +151,7 @@ TEST(LensFromPicture, RefusesWhatTellsNoLens) {
     EXPECT_NE(refusal(*t.file, pinhole_picture(*t.file), ExitCode::invalid_input).find("no blur"),
               std::string::npos);
     // The same without a lens but with the noise and the pixels of a render.
-    EXPECT_NE(refusal(*t.file, rendered(t.scene, std::numeric_limits<double>::infinity(), 2),
+    EXPECT_NE(refusal(*t.file, rendered(t.scene, std::numeric_limits<double>::infinity(), 2, 64),
                       ExitCode::invalid_input)
                   .find("no blur"),
               std::string::npos);
@@ -163,11 +164,10 @@ TEST(LensFromPicture, RefusesAPictureOfSomethingElse) {
     for (float& v : noise.rgb) v = std::uniform_real_distribution<float>(0, 1)(random);
     EXPECT_NE(refusal(*t.file, noise, ExitCode::invalid_input).find("no lens makes"), std::string::npos);
     // The room from the other side: the same colours and depths at other places.
-    const Image picture = rendered(t.scene, 1, 2);
+    const Image picture = focused(*t.file, 1, 2);
     Image mirrored(width, height);
     for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x)
-            std::copy_n(picture.pixel(width - 1 - x, y), 3, mirrored.pixel(x, y));
+        for (int x = 0; x < width; ++x) std::copy_n(picture.pixel(width - 1 - x, y), 3, mirrored.pixel(x, y));
     }
     EXPECT_NE(refusal(*t.file, mirrored, ExitCode::invalid_input).find("no lens makes"), std::string::npos);
 }
@@ -179,7 +179,7 @@ TEST(LensFromPicture, RefusesOneDepth) {
     b.scene.cameras[0].height = height;
     add_panel(b, square({0, 0, -3}, {0, 0, 1}, 4), 1, {3, 3});
     const Traced t(b.scene);
-    EXPECT_NE(refusal(*t.file, rendered(t.scene, 0.6, 1.5), ExitCode::invalid_input).find("apart"),
+    EXPECT_NE(refusal(*t.file, focused(*t.file, 0.6, 1.5), ExitCode::invalid_input).find("apart"),
               std::string::npos);
 }
 
