@@ -30,9 +30,10 @@ CommandResult run_lens_fit_picture(const LensFitLimitsOptions& o) {
     const SampleFileReader file(*o.frame);
     const double focal_length_mm = o.focal_length_mm.value_or(file.header().focal_length_mm);
     in_range("--focal-length", focal_length_mm, 0, false, "more than 0 mm");
+    const Image picture = read_image(*o.picture);
     LensFromPicture found;
     try {
-        found = lens_from_picture(file, read_image(*o.picture), {.impulse = o.impulse, .quiet = o.quiet});
+        found = lens_from_picture(file, picture, {.impulse = o.impulse, .quiet = o.quiet});
     } catch (const Error& e) {
         if (e.code() != ExitCode::invalid_input) throw;
         fail(e.code(), "{}: {}", *o.picture, e.what());

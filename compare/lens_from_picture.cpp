@@ -239,6 +239,9 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         sifted(residuals, view, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
     if (starts.front().error > least_gain * spread) refuse_other_view(starts.front().error, spread);
 
+    // Far off the minimum still, but where there is a lens its pixels are closer already.
+    if (starts.front().error > sharp_error) refuse_no_blur(starts.front().error, sharp_error);
+
     std::vector<LensFromPicture> found;
     for (const RoughMatch& start : starts) {
         const Descent end = refine(residuals, view, start.place);
