@@ -85,6 +85,10 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     options.max_num_iterations = 10;
     // The error falls with the square of the step: the one after a fall of 1e-4 is far below 0.1 %.
     options.function_tolerance = tolerance;
+    // Where nearly undamped steps no longer lower the error, what is left are the steps of `focus`, not a
+    // slope.
+    options.initial_trust_region_radius = 1e4;
+    options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
