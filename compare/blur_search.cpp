@@ -58,8 +58,9 @@ cv::Mat disc(double diameter_px) {
         for (int x = -reach; x <= reach; ++x) {
             int inside = 0;
             for (int i = 0; i < points * points; ++i) {
+                const int row = i / points;
                 const double dx = x + (i % points + 0.5) / points - 0.5;
-                const double dy = y + (i / points + 0.5) / points - 0.5;
+                const double dy = y + (row + 0.5) / points - 0.5;
                 inside += std::hypot(dx, dy) <= diameter_px / 2 ? 1 : 0;
             }
             out.at<float>(y + reach, x + reach) = static_cast<float>(inside);
@@ -125,7 +126,7 @@ class RoughModel {
         const double level = coc_px < even_to_px
                                  ? coc_px / step_px
                                  : even + std::log(coc_px / even_to_px) / std::log1p(step_px / even_to_px);
-        return std::min(static_cast<std::size_t>(level + 0.5), diameters_px_.size() - 1);
+        return std::min(static_cast<std::size_t>(std::lround(level)), diameters_px_.size() - 1);
     }
     std::vector<double> diameters_px_;
     std::vector<float> inverse_depth_per_m_, squares_;
@@ -160,7 +161,7 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     for (int i = 0; i < aperture_steps; ++i) {
         for (int k = 0; k < focus_steps; ++k) {
             const auto at = [&](int a, int b) {
-                return errors[static_cast<std::size_t>(a * focus_steps + b)];
+                return errors[static_cast<std::size_t>(a) * focus_steps + static_cast<std::size_t>(b)];
             };
             bool least = true;
             for (int a = std::max(0, i - 1); a <= std::min(aperture_steps - 1, i + 1); ++a) {
