@@ -152,13 +152,20 @@ void add_fit(CLI::App& lens, ParsedCommand& common) {
     whole(app, "--samples", o->samples, "Depths and fields that are compared, 3 to 64", "N");
     common_options(app, common);
     app.callback([&common, o, limits] {
+        limits->quiet = common.quiet;
         common.run = [o, limits] {
-            const bool thin = limits->pairs.has_value() || limits->sharp.has_value();
-            if (!o->lens.input.empty() && thin) {
+            int tasks = o->lens.input.empty() ? 0 : 1;
+            for (const bool given :
+                 {limits->pairs.has_value(), limits->sharp.has_value(), limits->picture.has_value()})
+                tasks += given ? 1 : 0;
+            if (tasks > 1) {
                 fail(ExitCode::wrong_arguments,
-                     "lens fit: too much to do (got a prescription and {}; expected one of them)",
-                     limits->pairs ? "--pairs" : "--sharp");
+                     "lens fit: too much to do (got {} of a prescription, --pairs, --sharp and --picture; "
+                     "expected "
+                     "one)",
+                     tasks);
             }
+            if (limits->picture) return run_lens_fit_picture(*limits);
             if (!o->lens.input.empty()) return run_lens_fit(*o);
             limits->f_number = o->lens.f_number;
             limits->wavelength_nm = o->lens.wavelength_nm.value_or(limits->wavelength_nm);

@@ -23,6 +23,12 @@ std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app) {
            "With --sharp: the sensor, for its diagonal and the angle of view, mm")
         ->type_name("WxH");
     number(app, "--focal-length", o->focal_length_mm, "F, where it is known [default: to be found]", "MM");
+    app.add_option("--picture", o->picture,
+                   "Which lens took this? Find F/n and s such that focus makes this picture from --frame")
+        ->type_name("IMAGE");
+    app.add_option("--frame", o->frame, "With --picture: the sample file of the same view")
+        ->type_name("FRAME");
+    impulse_options(app, o->impulse);
     return o;
 }
 

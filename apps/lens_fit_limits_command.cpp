@@ -128,9 +128,9 @@ CommandResult run_lens_fit_limits(const LensFitLimitsOptions& options) {
     }
     if (options.pairs) return fit_pairs(options);
     if (options.sharp) return fit_sharp(options);
-    fail(
-        ExitCode::wrong_arguments,
-        "lens fit: nothing to fit to (got no prescription, no --pairs and no --sharp; expected one of them)");
+    fail(ExitCode::wrong_arguments,
+         "lens fit: nothing to fit to (got no prescription, --pairs, --sharp or --picture; expected one of "
+         "them)");
 }
 
 }  // namespace postlens
