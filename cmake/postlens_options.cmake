@@ -9,6 +9,12 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
 endif()
 
+# Most of the link time of some hundred small programs, where it is installed (it comes with GNU's own linker).
+find_program(POSTLENS_GOLD ld.gold)
+if(POSTLENS_GOLD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  add_link_options(-fuse-ld=gold)
+endif()
+
 add_library(postlens_options INTERFACE)
 target_include_directories(postlens_options INTERFACE "${PROJECT_SOURCE_DIR}")
 target_compile_options(postlens_options INTERFACE
