@@ -159,9 +159,9 @@ TEST_F(LensCommand, BadRequestsAreRefused) {
     refused({"lens", "fit", sample_, "--depths", "2"}, wrong, "--depths");
     refused({"lens", "fit", sample_, "--tolerance-px", "0"}, wrong, "--tolerance-px");
     refused({"lens", "fit", sample_, "--field", "900"}, wrong, "--field: no chief ray");
-    // A hole of a tenth of a micrometre, which no ray finds.
+    // A hole of a picometre, which no ray finds.
     const std::string dark = in("dark.dat");
-    std::ofstream(dark) << "50 5 1.5 20\n-50 5 1 20\n0 20 1 10\n80 3 1.5 0.0001\n-80 0 1 20\n";
+    std::ofstream(dark) << "50 5 1.5 20\n-50 5 1 20\n0 20 1 10\n80 3 1.5 0.000000001\n-80 0 1 20\n";
     refused({"lens", "trace", dark}, invalid, "no ray gets");
     const std::string negative = in("negative.dat");
     std::ofstream(negative) << "-50 5 1.5 20\n50 5 1 20\n0 0 1 10\n";

@@ -118,12 +118,33 @@ TEST(KernelTable, PacksKeysWithoutCollision) {
             }
         }
     }
-    for (const double yy : {-16000.0, -0.25, 0.0, 0.25, 16000.0}) {
+    // Far apart: maps are told apart by their leading bits.
+    for (const double yy : {-100.0, -0.25, 0.0, 0.25, 100.0}) {
         for (const double xy : {-7.0, 0.0, 7.0}) {
             const KernelKey key = KernelKey::map({5, xy, -xy, yy});
             EXPECT_TRUE(seen.try_emplace(key.packed(), key).second);
         }
     }
+    for (const double yy : {-16000.0, 16000.0}) {
+        const KernelKey key = KernelKey::map({5, 0, 0, yy});
+        EXPECT_TRUE(seen.try_emplace(key.packed(), key).second);
+    }
+}
+
+TEST(KernelTable, MapsKeepTheirLeadingBits) {
+    const ResponseModel round;
+    const KernelTable table({1.0}, far, round);
+    const glm::dmat2 small{3.25, -0.5, 0.75, 1}, large{1000, -3, 500, 7};
+    EXPECT_EQ(table.map_px(KernelKey::map(small)), small);
+    // 4000 quarters of a pixel have 12 bits, of which 6 stay: steps of 16 px.
+    EXPECT_EQ(table.map_px(KernelKey::map(large)), glm::dmat2(1008, 0, 496, 0));
+    KernelKey key = KernelKey::map(small);
+    key.cell_x = -3;
+    key.cell_y = 5;
+    key.cell_log2 = 4;
+    key.coarsen(2);
+    EXPECT_EQ(table.map_px(key), glm::dmat2(3.25, -0.5, 0.75, 1));
+    EXPECT_EQ(std::tuple(key.cell_x, key.cell_y, key.cell_log2), std::tuple(-2, 2, 5));
 }
 
 TEST(KernelTable, CoarsensEllipsesToFitItsMemory) {
@@ -415,7 +436,9 @@ TEST(Scatter, SplatsEqualTheReference) {
     }
 }
 
-/// Each point sample with its own CoC at its own place, laid out in full: what no table has touched.
+/// Each point sample with its own CoC at its own place, laid out in full: what no table has touched. Where
+/// leaves of different sizes meet, each pulls its part of the sample by a sixth of its edge towards its
+/// middle.
 Image exact_scatter(const RecordBand& band, const FocusGeometry& geometry) {
     PointSamples samples;
     find_point_samples(band, band.y_begin, band.y_end, band.y_begin, band.y_end - 1, samples);
@@ -426,9 +449,13 @@ Image exact_scatter(const RecordBand& band, const FocusGeometry& geometry) {
         const Record& r = band.records[s.first_record];
         const double radius = std::abs(geometry.coc_diameter_px(1 / static_cast<double>(r.z))) / 2;
         const double weight = static_cast<double>(s.total_weight());
-        const auto rows =
-            ellipse_coverage(Ellipse::disc(std::max(radius, 1e-4)), static_cast<double>(s.x) - band.x_begin,
-                             static_cast<double>(s.y) - band.y_begin);
+        glm::dvec2 place(static_cast<double>(s.x) - band.x_begin, static_cast<double>(s.y) - band.y_begin);
+        for (std::size_t q = 0; q < 4 && weight > 0; ++q) {
+            const glm::dvec2 inwards(q % 2 == 0 ? -1 : 1, q / 2 == 0 ? -1 : 1);
+            place +=
+                static_cast<double>(s.weight[q]) / weight * static_cast<double>(s.leaf_size[q]) / 6 * inwards;
+        }
+        const auto rows = ellipse_coverage(Ellipse::disc(std::max(radius, 1e-4)), place.x, place.y);
         for (const CoverageRow& row : rows) {
             if (row.y < 0 || row.y >= image.height) continue;
             for (std::size_t i = 0; i < row.share.size(); ++i) {
@@ -453,12 +480,71 @@ Image exact_scatter(const RecordBand& band, const FocusGeometry& geometry) {
 
 TEST(Scatter, SubdividedPicturesEqualEachSampleAtItsOwnPlace) {
     std::mt19937 random(29);
-    for (const double radius : {2.5, 6.0, 15.5, 40.0}) {
-        // Positions in quarters: those have kernels of their own at every radius up to 256 px.
-        RecordBand band = random_band(random, 0, 50, 0, 40, {.levels = 2, .probability = 0.4});
+    for (const double radius : {2.5, 6.0, 12.5}) {
+        // Leaves of a quarter of a pixel everywhere: positions that have kernels of their own. Only those on
+        // the raster's border, which have leaves on one side alone, lie between them.
+        RecordBand band = random_band(random, 0, 50, 0, 40, {.levels = 2, .probability = 1});
         for (Record& r : band.records) r.z = static_cast<float>(1 / radius);
-        EXPECT_LT(difference(scattered(band, 0, {.depths = 2}), exact_scatter(band, unit_geometry)), 4e-6)
-            << radius;
+        const Image got = scattered(band, 0, {.depths = 2}), exact = exact_scatter(band, unit_geometry);
+        const int border = static_cast<int>(radius) + 2;
+        for (int y = border; y < got.height - border; ++y) {
+            for (int x = border; x < got.width - border; ++x)
+                ASSERT_NEAR(got.pixel(x, y)[1], exact.pixel(x, y)[1], 4e-6) << radius;
+        }
+    }
+}
+
+/// Moments of a border's blur, px and px^2.
+struct BorderBlur {
+    double place = 0, variance = 0;
+};
+
+/// Of the border at `edge_px` of one row of pixels divided into 16 x 16, among others that are not, between
+/// two colours; discs of radius_px.
+BorderBlur border_blur(double edge_px, double radius_px) {
+    constexpr int width = 80, height = 40, parts = 16;
+    const int divided = static_cast<int>(edge_px);
+    RecordBand band;
+    band.x_end = width + 1;
+    band.y_end = height + 1;
+    for (int y = 0; y <= height; ++y) {
+        for (int x = 0; x <= width; ++x) {
+            // Right borders of pixels belong to their neighbours, lower ones to the next row.
+            const int rows = (x == divided || x == divided + 1) && y < height ? parts : 1;
+            const int columns = x == divided ? parts : 1;
+            for (int j = 0; j < rows; ++j) {
+                for (int i = 0; i < columns; ++i) {
+                    const double at = x + i / static_cast<double>(parts);
+                    Record r = corner(1 / radius_px, at < edge_px ? 1.0F : 0.0F, 0, 0);
+                    r.x = static_cast<float>(at);
+                    r.y = static_cast<float>(y + j / static_cast<double>(parts));
+                    band.records.push_back(r);
+                }
+            }
+            band.offsets.push_back(static_cast<std::uint32_t>(band.records.size()));
+        }
+    }
+    const Image image = scattered(band, 0, {.depths = 2});
+    double mean = 0, square = 0;
+    for (int x = 20; x < 60; ++x) {
+        const double share = static_cast<double>(image.pixel(x - 1, height / 2)[0]) -
+                             static_cast<double>(image.pixel(x, height / 2)[0]);
+        mean += share * x;
+        square += share * x * x;
+    }
+    return {mean, square - mean * mean};
+}
+
+// A disc has the variance r^2 / 4 along an axis, differences between pixels add that of a triangle, 1 / 6.
+// What the trapezoidal rule would add is another 1 / 6.
+TEST(Scatter, BordersThatLeavesAreDividedForAreNoWiderThanTheirDisc) {
+    for (const double radius : {3.3, 6.2, 12.7}) {
+        for (const double edge : {40.22, 40.47, 40.78}) {
+            const BorderBlur got = border_blur(edge, radius);
+            // Samples stand 1/16 px apart.
+            EXPECT_NEAR(got.place, edge, 1.0 / 32 + 0.01) << radius;
+            EXPECT_NEAR(got.variance - radius * radius / 4 - 1.0 / 6, 0, 0.025) << radius << ", " << edge;
+        }
     }
 }
 
