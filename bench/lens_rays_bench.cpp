@@ -1,6 +1,7 @@
 // Rays per second through eleven surfaces.
 #include <benchmark/benchmark.h>
 
+#include "lens/prescription/fan_table.h"
 #include "lens/prescription/read_prescription.h"
 #include "lens/prescription/traced_lens.h"
 
@@ -47,6 +48,33 @@ void impulse(benchmark::State& state) {
     state.SetItemsProcessed(state.iterations() * nodes * nodes);
 }
 BENCHMARK(impulse)->Arg(33)->Arg(129)->Unit(benchmark::kMillisecond);
+
+const LensView& view() {
+    static const LensView view(read_prescription(POSTLENS_LENS_SAMPLES "/double_gauss.toml"),
+                               {.focus_distance_m = 2,
+                                .film = {.distance_mm = 100, .pixel_pitch_mm = 0.0375},
+                                .half_diagonal_px = 550});
+    return view;
+}
+
+// What `focus` prepares for one setting of the lens.
+void fan_table(benchmark::State& state) {
+    for (auto _ : state) benchmark::DoNotOptimize(FanTable(view(), 1, 0.22));
+}
+BENCHMARK(fan_table)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+// One kernel, of about `range` px of radius.
+void fan_kernel(benchmark::State& state) {
+    static const FanTable table(view(), 1, 0.22);
+    const auto radius_px = static_cast<double>(state.range(0));
+    const double gain_px = radius_px / (view().geometry().aperture_radius_m * 0.5);
+    const int window = 4 * static_cast<int>(radius_px);
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(
+            fan_response(table.fan(0, 0.11), {.gain_px = gain_px}, {-window, window, -window, window}));
+    }
+}
+BENCHMARK(fan_kernel)->Arg(2)->Arg(8)->Arg(32)->Arg(64)->Unit(benchmark::kMicrosecond);
 
 void set_up(benchmark::State& state) {
     const Prescription lens = read_prescription(POSTLENS_LENS_SAMPLES "/double_gauss.toml");
