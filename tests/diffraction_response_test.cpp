@@ -50,6 +50,18 @@ double worst_difference(const ResponseGrid& a, const ResponseGrid& b) {
     return worst;
 }
 
+TEST(RadialProfile, ARowOfSmoothedEnergiesIsEachByItself) {
+    const RadialEnergy fine(300, 700), coarse(3, 200);
+    const RadialProfile profile(
+        {{&fine, 5.0, 0.7}, {&coarse, 0.4, 0.3}});  // the second is too coarse to smooth
+    const double begin_px = 3.1, width_px = 0.7 / 3;
+    const std::vector<double> row = profile.smoothed_row(begin_px, width_px, 500);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+        const double radius_px = begin_px + static_cast<double>(i) * width_px / RadialProfile::row_steps;
+        ASSERT_NEAR(row[i], profile.smoothed_within(radius_px, width_px), 1e-12) << i;
+    }
+}
+
 TEST(PixelEnergy, IsTheIntegralOfTheIntensityOverThePixel) {
     for (const Case& c :
          {Case{0, 4, 0.3, 0.1}, Case{0, 4, 0.5, 0.5}, Case{1.3, 5, 0, 0}, Case{6, 5, 0.2, 0.9}}) {

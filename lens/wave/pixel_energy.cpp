@@ -49,12 +49,12 @@ double smoothing_px(const PixelEnergySettings& settings) {
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
-        : begin_(begin_px), per_px_(6 / width_px) {
+        : begin_(begin_px), per_px_(RadialProfile::row_steps / width_px) {
         const auto count = static_cast<std::size_t>(std::ceil((end_px - begin_px) * per_px_)) + 2;
-        values_.resize(count);
+        values_ = profile.smoothed_row(begin_px, width_px, count);
         for (std::size_t i = 0; i < count; ++i) {
             const double r = begin_ + static_cast<double>(i) / per_px_;
-            values_[i] = profile.smoothed_within(r, width_px) / (two_pi * r * r);
+            values_[i] /= two_pi * r * r;
         }
     }
     [[nodiscard]] double at(double r) const {

@@ -1,6 +1,7 @@
 #include "lens/wave/radial_profile.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 
@@ -41,6 +42,33 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
         sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
     }
     return sum;
+}
+
+std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
+    // Half a width and three halves of it before and behind, in steps.
+    constexpr std::size_t half = row_steps / 2, three = 3 * half;
+    std::vector<double> out(count), integral(count + 2 * three);
+    for (const Part& p : parts_) {
+        const double w = width_px * p.v_per_px;
+        if (w < 2 * p.energy->step()) {
+            for (std::size_t i = 0; i < count; ++i) {
+                const double radius_px = begin_px + static_cast<double>(i) * width_px / row_steps;
+                out[i] += p.weight * p.energy->within(radius_px * p.v_per_px);
+            }
+            continue;
+        }
+        for (std::size_t i = 0; i < integral.size(); ++i) {
+            const double steps = static_cast<double>(i) - static_cast<double>(three);
+            integral[i] = p.energy->within_integral((begin_px + steps * width_px / row_steps) * p.v_per_px);
+        }
+        // As smoothed_within.
+        const double scale = p.weight / (24 * w);
+        for (std::size_t i = 0; i < count; ++i) {
+            out[i] += scale * (27 * (integral[i + three + half] - integral[i + three - half]) -
+                               (integral[i + 2 * three] - integral[i]));
+        }
+    }
+    return out;
 }
 
 double RadialProfile::density(double radius_px) const {

@@ -27,6 +27,10 @@ class RadialProfile {
     /// `within` without what is finer than `width_px`: exact to the fourth order where it is smooth, means
     /// over the width where fringes are finer. The radius must keep 3/2 widths from 0 and from the end.
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
+    /// The same for `count` radii from `begin_px` on, `row_steps` to a width: each integral that a mean needs
+    /// serves four of them.
+    static constexpr int row_steps = 6;
+    [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
     /// Energy per square pixel at the radius, from the closed form of each part.
     [[nodiscard]] double density(double radius_px) const;
 
