@@ -222,6 +222,7 @@ TEST_F(Cli, CtrlCStopsWithinASecondAndLeavesNothing) {
     const std::string scene_file = std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml";
     const std::string out = in("big.exr");
     const pid_t child = begin({"trace", scene_file, "-o", out, "--size", "7680x4320", "--quiet"});
+    wait_for_handler(child);
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     ASSERT_EQ(::kill(child, SIGINT), 0);
     const auto start = std::chrono::steady_clock::now();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include <iterator>
 #include <string>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 #include <vector>
 
@@ -17,6 +19,20 @@
 #include "tests/temporary_folder.h"
 
 namespace postlens::test {
+
+/// Until a program that was started has a handler for SIGINT, which kills it before: the loader alone may
+/// take a second on a busy machine. A bit of a hexadecimal mask says so [proc(5)].
+inline void wait_for_handler(pid_t process) {
+    for (int i = 0; i < 600; ++i) {
+        std::ifstream status("/proc/" + std::to_string(process) + "/status");
+        for (std::string line; std::getline(status, line);) {
+            if (line.rfind("SigCgt:", 0) == 0 &&
+                (std::stoull(line.substr(7), nullptr, 16) >> (SIGINT - 1) & 1U) != 0)
+                return;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+}
 
 struct Outcome {
     int exit_code = -1;

@@ -469,6 +469,7 @@ TEST_F(MotionblurCommand, AnInterruptLeavesNothing) {
     const std::size_t before = folder_.file_count();
     const pid_t child = begin({"motionblur", frame, "-o", in("o.exr"), "--shutter", "0:1", "--method",
                                "lightfield", "--views", "4096", "--threads", "1", "--quiet"});
+    wait_for_handler(child);
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
     ::kill(child, SIGINT);
     const auto asked = std::chrono::steady_clock::now();

@@ -217,6 +217,7 @@ class RenderInterrupted : public Render {
     }
     void interrupt(const Words& words) {
         const pid_t child = begin(words + Words{"--threads", "1"});
+        wait_for_handler(child);
         std::this_thread::sleep_for(std::chrono::milliseconds(600) * slower);
         ASSERT_EQ(::kill(child, SIGINT), 0);
         const auto asked = std::chrono::steady_clock::now();
