@@ -48,9 +48,7 @@ double film_distance_mm(const ThinLens& lens, double focus_distance_m, Framing f
 
 }  // namespace
 
-FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
-                             const Film& film) {
-    check(lens, focus_distance_m, framing);
+void check_film(const Film& film) {
     if (!(film.distance_mm > 0) || !(film.pixel_pitch_mm > 0) || !std::isfinite(film.distance_mm) ||
         !std::isfinite(film.pixel_pitch_mm)) {
         fail(ExitCode::wrong_arguments,
@@ -58,6 +56,12 @@ FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Fram
              "than 0)",
              film.distance_mm, film.pixel_pitch_mm);
     }
+}
+
+FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
+                             const Film& film) {
+    check(lens, focus_distance_m, framing);
+    check_film(film);
     const double distance_mm = film_distance_mm(lens, focus_distance_m, framing, film);
     return {.aperture_radius_m = lens.aperture_diameter_mm() / 2 * metres_per_mm,
             .inverse_focus_per_m = 1 / focus_distance_m,

@@ -20,6 +20,9 @@ struct Film {
     double pixel_pitch_mm = 0;  ///< > 0
 };
 
+/// Throws Error(wrong_arguments) unless both lengths are positive and finite.
+void check_film(const Film& film);
+
 /// A lens set to a focus distance in front of a film that was traced through a pinhole.
 /// A lens point q (m, raster axes) moves what has inverse depth 1/z' by `gain_px * (1/s - 1/z') * q` px.
 struct FocusGeometry {

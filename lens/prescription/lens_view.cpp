@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "core/error.h"
 #include "lens/prescription/lit_outline.h"
 
 namespace postlens {
@@ -36,13 +35,7 @@ TracedLensSettings traced_settings(const LensViewSettings& s) {
 
 LensView::LensView(const Prescription& prescription, const LensViewSettings& settings) {
     const Film& film = settings.film;
-    if (!(film.distance_mm > 0) || !(film.pixel_pitch_mm > 0) || !std::isfinite(film.distance_mm) ||
-        !std::isfinite(film.pixel_pitch_mm)) {
-        fail(ExitCode::wrong_arguments,
-             "film is out of range (got a distance of {} mm and a pixel pitch of {} mm; expected both more "
-             "than 0)",
-             film.distance_mm, film.pixel_pitch_mm);
-    }
+    check_film(film);
     TracedLensSettings traced = traced_settings(settings);
     lens_.emplace(prescription, traced);
     const FirstOrder& first = lens_->first_order();
