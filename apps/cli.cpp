@@ -167,11 +167,17 @@ void add_focus(CLI::App& root, State& s) {
     lens_options(app, o.lens);
     impulse_options(app, o.impulse);
     choice(app, "--method", o.method, "How",
-           {{"scatter", FocusMethod::scatter}, {"pinhole", FocusMethod::pinhole}});
+           {{"scatter", FocusMethod::scatter},
+            {"lightfield", FocusMethod::lightfield},
+            {"pinhole", FocusMethod::pinhole}});
     app.add_option_function<std::string>(
            "--depths", [&o](const std::string& text) { o.depths = parse_whole("--depths", text); },
            "Number K of impulse responses, 2 or more [default: CoC right to half a pixel]")
         ->type_name("K");
+    app.add_option_function<std::string>(
+           "--views", [&o](const std::string& text) { o.views = parse_whole("--views", text); },
+           "Points of the lens that lightfield looks from, 1 to 4096 [default: 64]")
+        ->type_name("M");
     choice(app, "--spacing", o.spacing, "Spacing of the K depths: equal steps in z' or in 1/z'",
            {{"linear", DepthSpacing::linear}, {"inverse", DepthSpacing::inverse}});
     choice(app, "--depth-model", o.depth_model,

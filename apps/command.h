@@ -51,6 +51,7 @@ struct FocusOptions {
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
+    int views = default_lens_views;
     bool strict = false;
 };
 

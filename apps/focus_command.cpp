@@ -9,7 +9,15 @@ namespace postlens {
 namespace {
 
 const char* name(FocusMethod method) {
-    return method == FocusMethod::pinhole ? "pinhole" : "scatter";
+    switch (method) {
+        case FocusMethod::pinhole:
+            return "pinhole";
+        case FocusMethod::scatter:
+            return "scatter";
+        case FocusMethod::lightfield:
+            break;
+    }
+    return "lightfield";
 }
 
 double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
@@ -85,7 +93,8 @@ CommandResult run_focus(const FocusOptions& options) {
                                                     .spacing = options.spacing,
                                                     .depth_model = options.depth_model,
                                                     .impulse = options.impulse,
-                                                    .depths = options.depths});
+                                                    .depths = options.depths,
+                                                    .views = options.views});
     write_image(options.output, result.image);
 
     CommandResult out;
@@ -93,7 +102,7 @@ CommandResult run_focus(const FocusOptions& options) {
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
     out.json = {{"method", name(result.method)},
-                {"views", nullptr},
+                {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
                 {"depths", result.depths},
                 {"predicted_db", nullptr},
                 {"retraced_share", 0.0},
@@ -102,10 +111,12 @@ CommandResult run_focus(const FocusOptions& options) {
                 {"f_number", json_number(lens.lens.f_number)},
                 {"impulse", impulse_text(options.impulse)},
                 {"largest_coc_px", json_number(result.largest_coc_px)}};
-    out.text = fmt::format(
-        "{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} depths, widest CoC {:.1f} px",
-        options.output, result.image.width, result.image.height, name(result.method),
-        lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m, result.depths, result.largest_coc_px);
+    out.text =
+        fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} {}, widest CoC {:.1f} px",
+                    options.output, result.image.width, result.image.height, name(result.method),
+                    lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m,
+                    result.views > 0 ? result.views : result.depths, result.views > 0 ? "views" : "depths",
+                    result.largest_coc_px);
     return out;
 }
 

@@ -5,12 +5,14 @@
 
 #include "core/error.h"
 #include "core/threads.h"
+#include "focus/field_focus.h"
 #include "focus/lens_model.h"
 #include "focus/overscan.h"
 #include "focus/reframe.h"
 #include "focus/scatter.h"
 #include "focus/splat_tables.h"
 #include "lens/prescription/read_prescription.h"
+#include "records/aperture_file.h"
 #include "records/quadtree.h"
 
 namespace postlens {
@@ -110,6 +112,45 @@ FocusResult scattered(const SampleFileReader& file, const FocusSettings& setting
     return out;
 }
 
+FocusResult seen_from_lens(const SampleFileReader& file, const FocusSettings& settings,
+                           const FocusGeometry& geometry, const RasterWindow& window) {
+    if (settings.impulse.kind == ImpulseKind::diffraction || settings.impulse.kind == ImpulseKind::lens) {
+        check_impulse(settings.impulse);
+        fail(ExitCode::wrong_arguments,
+             "--impulse: lightfield looks from points of a thin lens, and {} (got {}; expected disc, polygon "
+             "or "
+             "image, or another method)",
+             settings.impulse.kind == ImpulseKind::lens
+                 ? "a real lens has others for every place of the field"
+                 : "waves have none",
+             impulse_text(settings.impulse));
+    }
+    if (settings.depth_model != DepthModel::ray_differentials) {
+        fail(ExitCode::wrong_arguments,
+             "--depth-model: lightfield knows what is seen in mirrors by W (expected W, or another method)");
+    }
+    FocusGeometry traced = geometry;
+    traced.gain_px /= geometry.zoom;
+    traced.zoom = 1;
+    FieldFocus seen = field_focus(file, {traced, read_aperture(settings.impulse), window, settings.views});
+    FocusResult out;
+    out.method = FocusMethod::lightfield;
+    out.image = std::move(seen.image);
+    out.views = settings.views;
+    const DepthRange range = depth_range(file);
+    for (const auto& z : {range.nearest_m, range.farthest_m}) {
+        if (z) out.largest_coc_px = std::max(out.largest_coc_px, std::abs(geometry.coc_diameter_px(1 / *z)));
+    }
+    constexpr double noticeable = 1e-3;
+    if (seen.unknown_share > noticeable) {
+        out.warnings.push_back({"uncovered", seen.unknown_share,
+                                fmt::format("{:.2g} % of the light comes from what was never recorded "
+                                            "(trace with --hidden-layers and --overscan auto for this lens)",
+                                            100 * seen.unknown_share)});
+    }
+    return out;
+}
+
 }  // namespace
 
 FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings) {
@@ -154,6 +195,8 @@ FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& set
     if (pinhole) {
         out.method = FocusMethod::pinhole;
         out.image = traced_picture(file, frame.window);
+    } else if (settings.method == FocusMethod::lightfield) {
+        out = seen_from_lens(file, settings, geometry, frame.window);
     } else {
         out = scattered(file, settings, geometry, view ? &*view : nullptr, frame.window);
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "focus/depth_levels.h"
+#include "focus/lens_views.h"
 #include "lens/focus_geometry.h"
 #include "lens/impulse.h"
 #include "records/image.h"
@@ -14,7 +15,7 @@
 
 namespace postlens {
 
-enum class FocusMethod { pinhole, scatter };
+enum class FocusMethod { pinhole, scatter, lightfield };
 
 struct FocusSettings {
     ThinLens lens;  ///< f_number infinity: pinhole; an `impulse` of a real lens has a focal length of its own
@@ -27,10 +28,13 @@ struct FocusSettings {
     /// Number of impulse responses over the finite depths, 2..DepthLevels::most_depths. Absent: chosen so
     /// that the CoC's diameter is quantised by less than half a pixel (see DepthLevels).
     std::optional<int> depths;
+    /// Points of the lens that `lightfield` looks from, 1..most_lens_views.
+    int views = default_lens_views;
 };
 
 struct FocusWarning {
-    std::string code;  ///< "overscan": the records end before what the border needs
+    std::string code;  ///< "overscan": the records end before what the border needs; "uncovered": nothing was
+                       ///< recorded of what the lens sees
     double share = 0;  ///< of the pixels concerned
     std::string text;
 };
@@ -40,6 +44,7 @@ struct FocusResult {
     FocusMethod method = FocusMethod::scatter;  ///< what was used: `pinhole` for a zero aperture
     /// Impulse responses: as many as were asked for, else discs of different radius in use; 0 for pinhole.
     int depths = 0;
+    int views = 0;              ///< of `lightfield`
     double largest_coc_px = 0;  ///< greatest diameter among the primary nodes, px of the image
     std::vector<FocusWarning> warnings;
 };

@@ -79,6 +79,12 @@ class ApertureModel final : public ResponseModel {
 
 }  // namespace
 
+std::unique_ptr<ResponseModel> aperture_model(const Aperture& aperture, const FocusGeometry& geometry,
+                                              double half_diagonal_px) {
+    if (aperture.is_round()) return std::make_unique<ResponseModel>();
+    return std::make_unique<ApertureModel>(aperture, geometry, half_diagonal_px);
+}
+
 std::unique_ptr<ResponseModel> response_model(const Impulse& impulse, const FocusGeometry& geometry,
                                               double half_diagonal_px) {
     switch (impulse.kind) {
@@ -95,9 +101,7 @@ std::unique_ptr<ResponseModel> response_model(const Impulse& impulse, const Focu
         case ImpulseKind::picture:
             break;
     }
-    const Aperture aperture = read_aperture(impulse);
-    if (aperture.is_round()) return std::make_unique<ResponseModel>();
-    return std::make_unique<ApertureModel>(aperture, geometry, half_diagonal_px);
+    return aperture_model(read_aperture(impulse), geometry, half_diagonal_px);
 }
 
 }  // namespace postlens

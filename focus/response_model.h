@@ -71,6 +71,11 @@ class ResponseModel {
     }
 };
 
+/// Of an aperture.
+[[nodiscard]] std::unique_ptr<ResponseModel> aperture_model(const Aperture& aperture,
+                                                            const FocusGeometry& geometry,
+                                                            double half_diagonal_px);
+
 /// Of a lens setting. `half_diagonal_px`: of the picture, in the px that the geometry counts in. Throws
 /// Error(wrong_arguments) and Error(invalid_input) as read_aperture does, and for kinds that scattering
 /// real lenses, which lens_model (focus/lens_model.h) makes.

@@ -38,6 +38,19 @@ class RasterMap {
     Projection projection_ = Projection::perspective;
 };
 
+/// What a point of the lens adds to the movement of what it sees: `(1/s I - W) lens_px + offset_px`, W being
+/// I / z' for what is seen directly.
+struct LensShift {
+    glm::dvec2 lens_px{0};  ///< film distance / pitch times the point of the lens, px m
+    double inverse_focus_per_m = 0;
+    glm::dvec2 offset_px{0};
+    friend bool operator==(const LensShift&, const LensShift&) = default;
+    [[nodiscard]] bool none() const { return *this == LensShift{}; }
+};
+
+/// A motion, then the lens's shift of what is seen directly. Perspective, unless the lens shifts nothing.
+[[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
+
 /// The camera's frame at the frame's instant (m; x right, y up, looking along -z) from the raster, both
 /// homogeneous: (x, y, 1, 1/z') for a perspective camera, (x, y, z', 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);

@@ -9,13 +9,13 @@ namespace {
 /// A surface that slopes more than this against the film, as tangent, is taken for two, one behind the other.
 constexpr double steepest_slope = 40;
 
-/// The surface of the nodes that begin at `r` and share its place and layer; leaves `r` behind them.
-bool take_surface(const Record*& r, const Record* end, Surface& out) {
-    const Record& primary = *r;
+/// The surface that the nodes of a place and layer make. False without a primary node.
+bool take_surface(const Record* first, const Record* last, Surface& out) {
+    const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
     out = {std::isinf(primary.z) ? 0.0F : 1 / primary.z, 0, 0, 0, primary.id};
     double red = 0, green = 0, blue = 0;
-    for (; r != end && r->layer == primary.layer && r->x == primary.x && r->y == primary.y; ++r) {
+    for (const Record* r = first; r != last; ++r) {
         red += static_cast<double>(r->r);
         green += static_cast<double>(r->g);
         blue += static_cast<double>(r->b);
@@ -41,14 +41,19 @@ double across_per_px(const SampleHeader& h) {
                                                    : h.pixel_pitch_mm * 1e-3;
 }
 
-void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out) {
-    struct Hidden {
+namespace {
+
+/// Calls take(sample, first, last) for the runs of records that share sample and layer: of each sample that
+/// of layer 0, then those of the deeper layers, by growing layer. Layers at places without a point sample of
+/// layer 0 are left out.
+template <typename Take, typename Done>
+void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
+                    const Done& done) {
+    struct Run {
         std::uint32_t sample = 0;
-        Surface surface;
+        const Record *first = nullptr, *last = nullptr;
     };
-    thread_local std::vector<Hidden> hidden;
-    out.surfaces.clear();
-    out.offsets.assign(1, 0);
+    thread_local std::vector<Run> hidden;
     const std::size_t pixels = points.offsets.size() - 1;
     const std::size_t first_pixel = band.pixel(band.x_begin, y_begin);
     const Record* records = band.records.data();
@@ -67,21 +72,90 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
                                 (points.samples[at].y == r->y && points.samples[at].x < r->x)))
                 ++at;
             const bool of_sample = at < end && points.samples[at].x == r->x && points.samples[at].y == r->y;
-            Surface surface;
-            if (take_surface(r, pixel_end, surface) && of_sample) hidden.push_back({at, surface});
+            const Record* first = r;
+            while (r != pixel_end && r->layer == layer && r->x == first->x && r->y == first->y) ++r;
+            if (of_sample) hidden.push_back({at, first, r});
         }
         std::stable_sort(hidden.begin(), hidden.end(),
-                         [](const Hidden& a, const Hidden& b) { return a.sample < b.sample; });
+                         [](const Run& a, const Run& b) { return a.sample < b.sample; });
         auto next = hidden.cbegin();
         for (std::uint32_t i = begin; i < end; ++i) {
             const PointSample& s = points.samples[i];
             const Record* node = records + s.first_record;
-            Surface surface;
-            if (take_surface(node, node + s.record_count, surface)) out.surfaces.push_back(surface);
-            for (; next != hidden.cend() && next->sample == i; ++next) out.surfaces.push_back(next->surface);
-            out.offsets.push_back(static_cast<std::uint32_t>(out.surfaces.size()));
+            take(node, node, node + s.record_count);
+            for (; next != hidden.cend() && next->sample == i; ++next) take(node, next->first, next->last);
+            done();
         }
     }
+}
+
+/// The node of a run that has this path; null where there is none.
+const Record* node_at(const Record* first, const Record* last, NodePath path) {
+    const Record* found = std::lower_bound(
+        first, last, path, [](const Record& r, NodePath p) { return r.path.bits() < p.bits(); });
+    return found != last && found->path == path ? found : nullptr;
+}
+
+}  // namespace
+
+void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out) {
+    out.surfaces.clear();
+    out.offsets.assign(1, 0);
+    for_each_layer(
+        band, points, y_begin,
+        [&](const Record*, const Record* first, const Record* last) {
+            Surface surface;
+            if (take_surface(first, last, surface)) out.surfaces.push_back(surface);
+        },
+        [&] { out.offsets.push_back(static_cast<std::uint32_t>(out.surfaces.size())); });
+}
+
+void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, SampleTrees& primary,
+                SampleTrees& deeper) {
+    for (SampleTrees* trees : {&primary, &deeper}) {
+        trees->nodes.clear();
+        trees->offsets.assign(1, 0);
+    }
+    for_each_layer(
+        band, points, y_begin,
+        [&](const Record* visible, const Record* first, const Record* last) {
+            const bool own_tree = first->path.bits() == 0;
+            for (const Record* r = first; r != last; ++r) {
+                TreeSurface s;
+                s.inverse_z = std::isinf(r->z) ? 0.0F : 1 / r->z;
+                s.rgb = {r->r, r->g, r->b};
+                s.id = r->id;
+                s.path = r->path;
+                s.w = r->w;
+                for (const auto b : {NodePath::Bounce::reflected, NodePath::Bounce::transmitted}) {
+                    if (r->path.depth() < NodePath::max_bounces && node_at(first, last, r->path.child(b)))
+                        s.children |= child_bit(b);
+                }
+                if (r->path.bits() == 0) {
+                    for (const Record* d = first; d != last; ++d) {
+                        if (d->path.bits() == 0) continue;
+                        auto& below = s.below[static_cast<std::size_t>(d->path.bounce(0)) - 1];
+                        below = {below[0] + d->r, below[1] + d->g, below[2] + d->b};
+                    }
+                    primary.nodes.push_back(s);
+                    continue;
+                }
+                const NodePath parent = r->path.parent();
+                const Record* seen_in = node_at(first, last, parent);
+                if (seen_in == nullptr && !own_tree) {
+                    const Record* end = visible;  // the tree of layer 0 ends where its place or layer does
+                    while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
+                    seen_in = node_at(visible, end, parent);
+                }
+                if (seen_in == nullptr) continue;
+                s.parent_id = seen_in->id;
+                deeper.nodes.push_back(s);
+            }
+        },
+        [&] {
+            for (SampleTrees* trees : {&primary, &deeper})
+                trees->offsets.push_back(static_cast<std::uint32_t>(trees->nodes.size()));
+        });
 }
 
 }  // namespace postlens

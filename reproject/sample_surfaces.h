@@ -1,6 +1,7 @@
 // Records as surfaces: per point sample and layer one surface with the colour of its whole shading tree.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -16,6 +17,22 @@ struct Surface {
     float r = 0, g = 0, b = 0;
     std::uint32_t id = 0;
 };
+
+/// A node of the shading tree as a surface of its own: what is seen directly, in a mirror or through glass.
+struct TreeSurface {
+    float inverse_z = 0;       ///< of z', 1/m
+    std::array<float, 3> rgb;  ///< this node's alone
+    std::uint32_t id = 0;
+    NodePath path;
+    std::uint32_t parent_id = 0;  ///< of what it is seen in; 0 for a primary node
+    std::uint8_t children = 0;    ///< child_bit of the bounces that have a node here
+    Mat2 w;                       ///< 1/m
+    /// Of primary nodes: the colours of all nodes whose first bounce is the reflection, the transmission.
+    std::array<std::array<float, 3>, 2> below{};
+};
+[[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
+    return static_cast<std::uint8_t>(1U << (static_cast<std::uint32_t>(b) - 1));
+}
 
 /// Whether surfaces of these inverse depths, `across` apart (tangent of the angle; orthographic: m), can be
 /// one: whether it would slope by at most 88.6 degrees against the film, a sphere's last half pixel before
@@ -33,5 +50,18 @@ struct SampleSurfaces {
 /// Of `points`, taken from the rows of `band` from y_begin on. A layer whose primary node is not recorded is
 /// left out.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
+
+/// The nodes of some point samples: sample i has [offsets[i], offsets[i + 1]), the nearest layer first, in
+/// each by path.
+struct SampleTrees {
+    std::vector<TreeSurface> nodes;
+    std::vector<std::uint32_t> offsets;
+};
+
+/// As find_surfaces, with every node by itself: primary nodes, hidden ones included, into `primary`, all
+/// others into `deeper`. Of a layer without a primary node, which is what a mirror or glass of layer 0 hides,
+/// the nodes whose parent is known.
+void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, SampleTrees& primary,
+                SampleTrees& deeper);
 
 }  // namespace postlens

@@ -1,0 +1,185 @@
+#include "focus/field_highlights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "focus/depth_levels.h"
+#include "reproject/patch_raster.h"
+#include "reproject/sample_surfaces.h"
+
+namespace postlens {
+namespace {
+
+/// px, half width of the blur from which dots would show.
+constexpr double spread_from_px = 2;
+/// Radiance above which light is a highlight.
+constexpr float brightest = 1;
+constexpr int band_px = 64;
+/// Nearer than the light by this share, a surface covers it.
+constexpr float nearer = 1.02F;
+
+}  // namespace
+
+HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry) {
+    HighlightRule rule;
+    rule.above = brightest;
+    if (aperture.varies_over_field() || aperture.spherical_per_m() != 0) return rule;
+    const PatchLens lens{geometry.gain_px * geometry.aperture_radius_m, geometry.inverse_focus_per_m};
+    rule.blurs = [lens](const Mat2& w) { return lens.least_blur_px(w) >= spread_from_px; };
+    return rule;
+}
+
+FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& aperture,
+                                 const FocusGeometry& geometry, const std::vector<LensViewPoint>& views,
+                                 const RasterWindow& window)
+    : sheets_(sheets), geometry_(geometry), window_(window), round_(aperture.is_round()) {
+    if (sheets.primary.highlights.empty() && sheets.deeper.highlights.empty()) return;
+    model_ = aperture_model(aperture, geometry, std::hypot(window.width(), window.height()) / 2.0);
+    const KernelReach reach{window.width() + 1, window.height() + 1};
+    kernels_ = std::make_unique<KernelTable>(std::vector<double>{}, reach, *model_);
+    KernelNumberCache cache(*kernels_);
+    for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
+        // Lights of one sheet within half a pixel are one.
+        std::map<std::tuple<std::uint32_t, int, int>, std::pair<Highlight, double>> merged;
+        for (const Highlight& h : mesh->highlights) {
+            const double energy = static_cast<double>(h.rgb[0] + h.rgb[1] + h.rgb[2]);
+            const auto [found, is_new] = merged.try_emplace(
+                {h.sheet, static_cast<int>(std::floor(2 * h.x)), static_cast<int>(std::floor(2 * h.y))}, h,
+                energy);
+            if (is_new) continue;
+            auto& [sum, weight] = found->second;
+            const auto share = static_cast<float>(energy / (weight + energy));
+            const auto mix = [share](float& to, float from) { to += share * (from - to); };
+            mix(sum.x, h.x);
+            mix(sum.y, h.y);
+            mix(sum.inverse_z, h.inverse_z);
+            mix(sum.w.xx, h.w.xx);
+            mix(sum.w.xy, h.w.xy);
+            mix(sum.w.yx, h.w.yx);
+            mix(sum.w.yy, h.w.yy);
+            for (std::size_t c = 0; c < 3; ++c) sum.rgb[c] += h.rgb[c];
+            weight += energy;
+        }
+        for (const auto& [key, light] : merged) add_source(light.first, *mesh, cache);
+    }
+    kernels_->build();
+    lay_nearest_views(views);
+    rows_.resize(static_cast<std::size_t>((window.height() + band_px - 1) / band_px));
+    for (std::uint32_t i = 0; i < sources_.size(); ++i) {
+        const Kernel& k = (*kernels_)[sources_[i].kernel];
+        if (k.rows.empty()) continue;
+        const int first = std::max(0, sources_[i].y + k.y_begin),
+                  last = std::min(window.height(), sources_[i].y + k.y_end()) - 1;
+        for (int band = first / band_px; first <= last && band <= last / band_px; ++band)
+            rows_[static_cast<std::size_t>(band)].push_back(i);
+    }
+}
+
+void FieldHighlights::add_source(const Highlight& h, const SheetMesh& mesh, KernelNumberCache& cache) {
+    Source s;
+    const double scale = geometry_.gain_px * geometry_.aperture_radius_m;
+    const glm::dmat2 map = scale * glm::dmat2(geometry_.inverse_focus_per_m - static_cast<double>(h.w.xx),
+                                              -static_cast<double>(h.w.yx), -static_cast<double>(h.w.xy),
+                                              geometry_.inverse_focus_per_m - static_cast<double>(h.w.yy));
+    s.lens_from_px = glm::inverse(map);
+    KernelKey key = round_ ? KernelKey::ellipse(Ellipse::from_map(map, DepthLevels::smallest_radius_px))
+                           : KernelKey::map(map);
+    s.at = glm::dvec2(h.x, h.y) - glm::dvec2(window_.x_begin, window_.y_begin);
+    const glm::dvec2 whole = glm::floor(s.at);
+    s.x = static_cast<int>(whole.x);
+    s.y = static_cast<int>(whole.y);
+    const auto phase = [](double part) {
+        return static_cast<std::int32_t>(std::lround(part * KernelKey::phase_steps));
+    };
+    key.phase_x = phase(s.at.x - whole.x);
+    key.phase_y = phase(s.at.y - whole.y);
+    s.kernel = cache.number_of(key);
+    s.rgb = h.rgb;
+    s.inverse_z = h.inverse_z;
+    s.key = mesh.sheets[h.sheet].key;
+    sources_.push_back(s);
+}
+
+void FieldHighlights::lay_nearest_views(const std::vector<LensViewPoint>& views) {
+    nearest_.resize(static_cast<std::size_t>(table_edge) * table_edge);
+    for (int y = 0; y < table_edge; ++y) {
+        for (int x = 0; x < table_edge; ++x) {
+            const glm::dvec2 q((2 * (x + 0.5) / table_edge - 1) * table_reach,
+                               (2 * (y + 0.5) / table_edge - 1) * table_reach);
+            std::array<std::pair<double, std::uint32_t>, nearest> best;
+            best.fill({HUGE_VAL, 0});
+            for (std::uint32_t v = 0; v < views.size(); ++v) {
+                const glm::dvec2 d = views[v].lens - q;
+                std::pair<double, std::uint32_t> candidate{glm::dot(d, d), v};
+                for (auto& b : best) {
+                    if (candidate < b) std::swap(candidate, b);
+                }
+            }
+            auto& to = nearest_[static_cast<std::size_t>(y) * table_edge + static_cast<std::size_t>(x)];
+            for (std::size_t i = 0; i < nearest; ++i)
+                to[i] = std::isinf(best[i].first) ? best[0].second : best[i].second;
+        }
+    }
+}
+
+bool FieldHighlights::reach(int x, int y, int width, int height) const {
+    if (sources_.empty()) return false;
+    const auto& row = rows_[static_cast<std::size_t>(y / band_px)];
+    return std::any_of(row.begin(), row.end(), [&](std::uint32_t i) {
+        const Source& s = sources_[i];
+        const Kernel& k = (*kernels_)[s.kernel];
+        return s.x + k.x_begin < x + width && s.x + k.x_end > x && s.y + k.y_begin < y + height &&
+               s.y + k.y_end() > y;
+    });
+}
+
+bool FieldHighlights::sees(const Source& s, const TileViews& views, std::size_t k) const {
+    const std::uint32_t texel = views.texel[k];
+    if (texel == SeenTile::no_texel) return true;
+    const Texel& t = sheets_.primary.texels[texel];
+    const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
+    if (s.key.path.bits() == 0) return seen.id == s.key.id || views.inverse_z[k] <= nearer * s.inverse_z;
+    // In a mirror: where the view sees the mirror.
+    if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
+    return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
+}
+
+void FieldHighlights::add(const TileViews& views, std::vector<double>& rgb) const {
+    for (const std::uint32_t i : rows_[static_cast<std::size_t>(views.y / band_px)]) {
+        const Source& s = sources_[i];
+        const Kernel& kernel = (*kernels_)[s.kernel];
+        const int y0 = std::max(views.y, s.y + kernel.y_begin),
+                  y1 = std::min(views.y + views.height, s.y + kernel.y_end());
+        for (int y = y0; y < y1; ++y) {
+            const KernelRow& row = kernel.rows[static_cast<std::size_t>(y - s.y - kernel.y_begin)];
+            const int x0 = std::max(views.x, s.x + row.x_begin),
+                      x1 = std::min(views.x + views.width, s.x + row.x_end);
+            for (int x = x0; x < x1; ++x) {
+                const int column = x - s.x;
+                const bool inner = column >= row.inner_begin && column < row.inner_end;
+                const int tap = column < row.inner_begin
+                                    ? column - row.x_begin
+                                    : column - row.x_begin - (row.inner_end - row.inner_begin);
+                const auto value = static_cast<double>(
+                    inner ? kernel.inner : kernel.taps[row.tap + static_cast<std::uint32_t>(tap)]);
+                const glm::dvec2 q = s.lens_from_px * (glm::dvec2(x + 0.5, y + 0.5) - s.at);
+                const auto cell = [](double v) {
+                    return static_cast<std::size_t>(
+                        std::clamp((v / table_reach + 1) / 2 * table_edge, 0.0, table_edge - 1.0));
+                };
+                const std::size_t pixel = static_cast<std::size_t>(y - views.y) * TileViews::row +
+                                          static_cast<std::size_t>(x - views.x);
+                int seen = 0;
+                for (const std::uint32_t v : nearest_[cell(q.y) * table_edge + cell(q.x)])
+                    seen += sees(s, views, v * TileViews::view + pixel) ? 1 : 0;
+                const double share = value * seen / nearest;
+                for (std::size_t c = 0; c < 3; ++c)
+                    rgb[3 * pixel + c] += share * static_cast<double>(s.rgb[c]);
+            }
+        }
+    }
+}
+
+}  // namespace postlens

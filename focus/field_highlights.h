@@ -1,0 +1,61 @@
+// Highlights over the views of a light field: each spread by its exact impulse response, as far as the lens
+// sees it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "focus/kernel.h"
+#include "focus/lens_views.h"
+#include "focus/response_model.h"
+#include "focus/run_scatter.h"
+#include "lens/aperture.h"
+#include "reproject/patch_field.h"
+
+namespace postlens {
+
+/// What a mean of views would show as a ghost of the light for each: which light that is, for `tree_sheets`.
+/// Nothing for apertures whose responses differ over the field or are not images of their outline.
+[[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
+
+/// Adds the light that the rule has taken from the sheets. At a pixel the response's value comes through one
+/// point of the lens; whether that point sees the light is looked up in the views nearest to it.
+class FieldHighlights final : public Lights {
+  public:
+    /// Keeps references to `sheets`. `window`: the picture's pixels.
+    FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
+                    const std::vector<LensViewPoint>& views, const RasterWindow& window);
+
+    [[nodiscard]] bool any() const { return !sources_.empty(); }
+    [[nodiscard]] bool reach(int x, int y, int width, int height) const override;
+    void add(const TileViews& views, std::vector<double>& rgb) const override;
+
+  private:
+    struct Source {
+        int x = 0, y = 0;  ///< picture px of the kernel's anchor
+        std::uint32_t kernel = 0;
+        glm::dvec2 at{0};  ///< picture px
+        std::array<float, 3> rgb{};
+        glm::dmat2 lens_from_px{1};
+        float inverse_z = 0;
+        SheetKey key;
+    };
+    void add_source(const Highlight& h, const SheetMesh& mesh, KernelNumberCache& cache);
+    void lay_nearest_views(const std::vector<LensViewPoint>& views);
+    [[nodiscard]] bool sees(const Source& s, const TileViews& views, std::size_t k) const;
+
+    static constexpr int table_edge = 64;       ///< cells across the lens
+    static constexpr int nearest = 3;           ///< views that are asked
+    static constexpr double table_reach = 1.1;  ///< lens radii
+    const TreeSheets& sheets_;
+    FocusGeometry geometry_;
+    RasterWindow window_;
+    bool round_;
+    std::unique_ptr<ResponseModel> model_;
+    std::unique_ptr<KernelTable> kernels_;
+    std::vector<Source> sources_;
+    std::vector<std::array<std::uint32_t, nearest>> nearest_;
+    std::vector<std::vector<std::uint32_t>> rows_;  ///< sources by rows of 64 px that they reach
+};
+
+}  // namespace postlens

@@ -1,0 +1,308 @@
+#include "reproject/patch_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "core/threads.h"
+#include "reproject/patch_raster.h"
+#include "reproject/tree_sums.h"
+
+namespace postlens {
+namespace {
+
+/// Two instants show one surface where ids agree and depths do within this share.
+constexpr float same_depth = 0.02F;
+
+using Bins = std::vector<std::vector<std::uint32_t>>;  ///< by tile: patches that some view may have there
+
+/// Everything that one thread draws with.
+struct Workplace {
+    SeenTile seen[2];
+    std::array<std::array<double, 4>, SeenTile::pixels> sum{};  ///< r, g, b and known
+    TreeSums trees;
+    TileViews views;
+    std::vector<double> light;
+};
+
+class Field {
+  public:
+    explicit Field(const PatchField& field)
+        : field_(field), columns_(tiles(field.width)), rows_(tiles(field.height)) {
+        for (const PatchView& v : field.views) total_ += v.weight;
+        for (std::size_t i = 0; i < field.instants.size(); ++i) {
+            primary_.push_back(sorted(*field.instants[i].primary, i));
+            deeper_.push_back(field.instants[i].deeper != nullptr ? sorted(*field.instants[i].deeper, i)
+                                                                  : Bins());
+            trees_ = trees_ || field.instants[i].deeper != nullptr;
+        }
+    }
+
+    PatchPicture picture() {
+        PatchPicture out;
+        const auto n = static_cast<std::size_t>(field_.width) * static_cast<std::size_t>(field_.height);
+        out.image = Image(field_.width, field_.height);
+        out.unknown.assign(n, 0);
+        out.unknown_below.assign(n, 0);
+        parallel_for(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_),
+                     [&](std::size_t tile) {
+                         thread_local std::unique_ptr<Workplace> w;
+                         if (!w) w = std::make_unique<Workplace>();
+                         draw_tile(tile, *w, out);
+                     });
+        return out;
+    }
+
+  private:
+    static int tiles(int px) { return (px + SeenTile::edge - 1) / SeenTile::edge; }
+
+    [[nodiscard]] RasterMap motion_of(const PatchMesh& mesh, const Patch& patch,
+                                      const PatchView::Use& use) const {
+        if (use.motions.empty()) return {};
+        const SheetKey& key = mesh.sheet(patch).key;
+        return use.motions[field_.motion_class(key.path.bits() == 0 ? key.id : key.parent_id)];
+    }
+
+    /// By tile, the patches that reach it in some view: by path, so that what is seen in something comes
+    /// after that, then the nearest first, so that what they hide is soon done with.
+    [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant) const {
+        std::vector<PxRect> swept(mesh.patches.size());
+        parallel_for(
+            swept.size(), [&](std::size_t i) { swept[i] = swept_rect(mesh, mesh.patches[i], instant); }, 256);
+        Bins bins(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+        const auto tile_of = [](double px, int first, int count) {
+            return static_cast<int>(
+                std::clamp(std::floor((px - first) / SeenTile::edge), -1.0, static_cast<double>(count)));
+        };
+        for (std::uint32_t i = 0; i < swept.size(); ++i) {
+            const PxRect& r = swept[i];
+            if (!(r.x_min <= r.x_max && r.y_min <= r.y_max)) continue;
+            const int x0 = std::max(0, tile_of(r.x_min - 1, field_.x, columns_)),
+                      x1 = std::min(columns_ - 1, tile_of(r.x_max + 1, field_.x, columns_)),
+                      y0 = std::max(0, tile_of(r.y_min - 1, field_.y, rows_)),
+                      y1 = std::min(rows_ - 1, tile_of(r.y_max + 1, field_.y, rows_));
+            for (int y = y0; y <= y1; ++y) {
+                for (int x = x0; x <= x1; ++x)
+                    bins[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+                         static_cast<std::size_t>(x)]
+                        .push_back(i);
+            }
+        }
+        parallel_for(bins.size(), [&](std::size_t t) {
+            std::stable_sort(bins[t].begin(), bins[t].end(), [&](std::uint32_t a, std::uint32_t b) {
+                const Patch &p = mesh.patches[a], &q = mesh.patches[b];
+                const std::uint32_t path = mesh.sheet(p).key.path.bits(),
+                                    other = mesh.sheet(q).key.path.bits();
+                if (path != other) return path < other;
+                return mesh.planes[p.first_plane].value > mesh.planes[q.first_plane].value;
+            });
+        });
+        return bins;
+    }
+
+    /// Where nothing moves a patch lies affinely in the lens's point: the corners of a box around all of them
+    /// bound it.
+    [[nodiscard]] PxRect swept_rect(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const {
+        PxRect out;
+        PatchPlace place;
+        const auto add = [&](const RasterMap& motion, const LensShift& lens) {
+            if (place_patch(mesh, patch, motion, lens, place)) out.add(covered(patch, place));
+        };
+        LensShift low, high;
+        bool still = true, first = true;
+        for (const PatchView& v : field_.views) {
+            for (const auto& use : v.uses) {
+                if (use.instant != instant) continue;
+                if (!use.motions.empty()) {
+                    still = false;
+                    add(motion_of(mesh, patch, use), v.lens);
+                    continue;
+                }
+                if (first) low = high = v.lens;
+                first = false;
+                low.lens_px = glm::min(low.lens_px, v.lens.lens_px);
+                high.lens_px = glm::max(high.lens_px, v.lens.lens_px);
+                low.offset_px = glm::min(low.offset_px, v.lens.offset_px);
+                high.offset_px = glm::max(high.offset_px, v.lens.offset_px);
+            }
+        }
+        if (!still || first) return out;
+        for (int k = 0; k < 16; ++k) {
+            LensShift corner = low;
+            if ((k & 1) != 0) corner.lens_px.x = high.lens_px.x;
+            if ((k & 2) != 0) corner.lens_px.y = high.lens_px.y;
+            if ((k & 4) != 0) corner.offset_px.x = high.offset_px.x;
+            if ((k & 8) != 0) corner.offset_px.y = high.offset_px.y;
+            if (k >= 4 && low.offset_px == high.offset_px) break;
+            add({}, corner);
+        }
+        return out;
+    }
+
+    void draw_tile(std::size_t tile, Workplace& w, PatchPicture& out) const {
+        const int x0 = static_cast<int>(tile) % columns_ * SeenTile::edge,
+                  y0 = static_cast<int>(tile) / columns_ * SeenTile::edge;
+        TilePlace at{field_.x + x0, field_.y + y0, std::min(SeenTile::edge, field_.width - x0),
+                     std::min(SeenTile::edge, field_.height - y0)};
+        w.sum.fill({});
+        if (trees_) begin_trees(tile, w);
+        const bool lights = field_.lights != nullptr && field_.lights->reach(x0, y0, at.width, at.height);
+        if (lights) {
+            w.views.x = x0;
+            w.views.y = y0;
+            w.views.width = at.width;
+            w.views.height = at.height;
+            w.views.inverse_z.resize(field_.views.size() * TileViews::view);
+            w.views.texel.resize(field_.views.size() * TileViews::view);
+        }
+        for (std::size_t i = 0; i < field_.views.size(); ++i) {
+            at.sample = field_.views[i].sample;
+            draw_view(field_.views[i], at, tile, w);
+            if (!lights) continue;
+            const auto to = static_cast<std::ptrdiff_t>(i * TileViews::view);
+            std::copy(w.seen[0].inverse_z.begin(), w.seen[0].inverse_z.end(), w.views.inverse_z.begin() + to);
+            std::copy(w.seen[0].texel.begin(), w.seen[0].texel.end(), w.views.texel.begin() + to);
+        }
+        if (lights) {
+            w.light.assign(3 * SeenTile::pixels, 0);
+            field_.lights->add(w.views, w.light);
+        }
+        store(x0, y0, at, lights, w, out);
+    }
+
+    // All chains of bounces that the tile may show, so that they are counted also where a view has none.
+    void begin_trees(std::size_t tile, Workplace& w) const {
+        std::vector<NodePath> paths;
+        for (std::size_t i = 0; i < field_.instants.size(); ++i) {
+            if (field_.instants[i].deeper == nullptr) continue;
+            const PatchMesh& mesh = *field_.instants[i].deeper;
+            NodePath last;
+            for (const std::uint32_t p : deeper_[i][tile]) {
+                const NodePath path = mesh.sheet(mesh.patches[p]).key.path;
+                if (path != last) paths.push_back(path);
+                last = path;
+            }
+        }
+        if (!paths.empty()) {
+            paths.push_back(NodePath().child(NodePath::Bounce::reflected));
+            paths.push_back(NodePath().child(NodePath::Bounce::transmitted));
+        }
+        w.trees.begin(std::move(paths));
+    }
+
+    void draw_primary(const PatchView& v, const PatchView::Use& use, const TilePlace& at, std::size_t tile,
+                      SeenTile& seen) const {
+        const PatchMesh& mesh = *field_.instants[use.instant].primary;
+        seen.clear();
+        PatchPlace place;
+        for (const std::uint32_t p : primary_[use.instant][tile]) {
+            const Patch& patch = mesh.patches[p];
+            if (place_patch(mesh, patch, motion_of(mesh, patch, use), v.lens, place))
+                draw_patch(mesh, patch, place, at, seen);
+        }
+    }
+
+    void draw_deeper(const PatchView& v, const PatchView::Use& use, const TilePlace& at, std::size_t tile,
+                     const SeenTile& seen, TreeSums& trees) const {
+        const PatchInstant& instant = field_.instants[use.instant];
+        trees.begin_use(*instant.primary->sheets,
+                        instant.deeper != nullptr ? instant.deeper->sheets : nullptr, seen);
+        if (instant.deeper == nullptr) return;
+        const PatchMesh& mesh = *instant.deeper;
+        PatchPlace place;
+        NodePath path;
+        SeenTile* out = nullptr;
+        const SeenTile* in = nullptr;
+        for (const std::uint32_t p : deeper_[use.instant][tile]) {
+            const Patch& patch = mesh.patches[p];
+            const SheetKey& key = mesh.sheet(patch).key;
+            if (key.path != path) {
+                path = key.path;
+                out = trees.seen(path);
+                in = path.depth() == 1 ? &seen : trees.seen(path.parent());
+            }
+            if (out == nullptr || in == nullptr) continue;
+            if (place_patch(mesh, patch, motion_of(mesh, patch, use), v.lens, place)) {
+                draw_patch_in(mesh, patch, place, at, *(path.depth() == 1 ? instant.primary : &mesh)->sheets,
+                              *in, *out);
+            }
+        }
+    }
+
+    void draw_view(const PatchView& v, const TilePlace& at, std::size_t tile, Workplace& w) const {
+        for (std::size_t u = 0; u < v.uses.size(); ++u) draw_primary(v, v.uses[u], at, tile, w.seen[u]);
+        const bool trees = trees_ && w.trees.any();
+        // Per use: a pixel counts with the use's share where both show one surface, else the nearer counts.
+        for (std::size_t u = 0; u < v.uses.size(); ++u) {
+            if (trees) draw_deeper(v, v.uses[u], at, tile, w.seen[u], w.trees);
+            const SheetMesh& mesh = *field_.instants[v.uses[u].instant].primary->sheets;
+            for (int y = 0; y < at.height; ++y) {
+                for (int x = 0; x < at.width; ++x) {
+                    const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+                    const std::uint32_t texel = w.seen[u].texel[k];
+                    if (texel == SeenTile::no_texel) continue;
+                    const double weight = v.uses.size() == 1 ? v.weight : v.weight * share(v, u, k, w);
+                    if (weight == 0) continue;
+                    w.sum[k][3] += weight;
+                    if (v.passes && !v.passes(at.x - field_.x + x, at.y - field_.y + y)) continue;
+                    const Texel& t = mesh.texels[texel];
+                    w.sum[k][0] += weight * static_cast<double>(t.r);
+                    w.sum[k][1] += weight * static_cast<double>(t.g);
+                    w.sum[k][2] += weight * static_cast<double>(t.b);
+                    if (trees && t.children() != 0) w.trees.add(k, weight);
+                }
+            }
+        }
+    }
+
+    [[nodiscard]] double share(const PatchView& v, std::size_t u, std::size_t k, const Workplace& w) const {
+        const std::size_t o = 1 - u;
+        if (w.seen[o].texel[k] == SeenTile::no_texel) return 1;
+        const auto id = [&](std::size_t n) {
+            const SheetMesh& mesh = *field_.instants[v.uses[n].instant].primary->sheets;
+            return mesh.sheets[mesh.texels[w.seen[n].texel[k]].sheet()].key.id;
+        };
+        const float mine = w.seen[u].inverse_z[k], other = w.seen[o].inverse_z[k];
+        if (id(u) == id(o) && std::abs(mine - other) <= same_depth * std::max(mine, other))
+            return v.uses[u].share;
+        return mine > other || (mine == other && u == 0) ? 1 : 0;
+    }
+
+    void store(int x0, int y0, const TilePlace& at, bool lights, Workplace& w, PatchPicture& out) const {
+        for (int y = 0; y < at.height; ++y) {
+            for (int x = 0; x < at.width; ++x) {
+                const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+                const std::size_t p =
+                    static_cast<std::size_t>(y0 + y) * static_cast<std::size_t>(field_.width) +
+                    static_cast<std::size_t>(x0 + x);
+                const double known = w.sum[k][3];
+                out.unknown[p] = static_cast<float>(std::max(0.0, 1 - known / total_));
+                if (known <= 0) {
+                    out.unknown[p] = 1;
+                    continue;
+                }
+                std::array<double, 3> sum{w.sum[k][0], w.sum[k][1], w.sum[k][2]};
+                if (trees_) out.unknown_below[p] = static_cast<float>(w.trees.sum_up(k, sum) / total_);
+                float* rgb = out.image.pixel(x0 + x, y0 + y);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    rgb[c] = static_cast<float>(sum[c] / known);
+                    if (lights) rgb[c] += static_cast<float>(w.light[3 * k + c]);
+                }
+            }
+        }
+    }
+
+    const PatchField& field_;
+    int columns_, rows_;
+    double total_ = 0;
+    bool trees_ = false;
+    std::vector<Bins> primary_, deeper_;
+};
+
+}  // namespace
+
+PatchPicture patch_field(const PatchField& field) {
+    return Field(field).picture();
+}
+
+}  // namespace postlens

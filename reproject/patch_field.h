@@ -1,0 +1,80 @@
+// The mean of many views of the sheets, each from its own point of the lens and at its own instant.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "records/image.h"
+#include "reproject/patches.h"
+
+namespace postlens {
+
+/// One instant's sheets.
+struct PatchInstant {
+    const PatchMesh* primary = nullptr;
+    const PatchMesh* deeper = nullptr;  ///< null: nothing is seen in mirrors or through glass
+};
+
+/// One view: up to two recorded instants, each moved to where the view is, and blended.
+struct PatchView {
+    glm::dvec2 sample{0.5};  ///< where in every pixel it looks, px
+    double weight = 1;
+    struct Use {
+        std::size_t instant = 0;
+        double share = 1;  ///< of the colour where both instants show the same surface
+        /// The motion by class; empty: nothing moves.
+        std::vector<RasterMap> motions;
+    };
+    std::vector<Use> uses;  ///< one or two
+    LensShift lens;         ///< after the motion
+    /// Whether light gets through to the pixel (x, y) of the picture; none: to all. What does not is black.
+    std::function<bool(int x, int y)> passes;
+};
+
+struct PatchField {
+    std::vector<PatchInstant> instants;
+    /// The motion class of an id; not asked for where nothing moves.
+    std::function<std::size_t(std::uint32_t id)> motion_class;
+    std::vector<PatchView> views;
+    int x = 0, y = 0;  ///< raster px of the picture's first pixel
+    int width = 0, height = 0;
+    /// May add light of its own to a tile, knowing what every view sees there; from several threads. None:
+    /// nothing is added.
+    const class Lights* lights = nullptr;
+};
+
+/// What every view sees in a tile, of its first use's primary sheets.
+struct TileViews {
+    int x = 0, y = 0, width = 0, height = 0;        ///< px of the picture
+    static constexpr std::size_t row = 64;          ///< pixels to the next row of a view
+    static constexpr std::size_t view = row * row;  ///< and to the next view
+    std::vector<float> inverse_z;                   ///< -1: nothing known
+    std::vector<std::uint32_t> texel;
+};
+
+/// Light that is not in the sheets.
+class Lights {
+  public:
+    Lights() = default;
+    Lights(const Lights&) = delete;
+    Lights& operator=(const Lights&) = delete;
+    Lights(Lights&&) = delete;
+    Lights& operator=(Lights&&) = delete;
+    virtual ~Lights() = default;
+    [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
+    /// `rgb`: three for each pixel, in rows of TileViews::row pixels.
+    virtual void add(const TileViews& views, std::vector<double>& rgb) const = 0;
+};
+
+struct PatchPicture {
+    Image image;                 ///< mean of what is known; black where nothing is
+    std::vector<float> unknown;  ///< share of the views' weight in which no surface is known there
+    /// Share of the views' weight in which something is seen in a mirror or glass that was not recorded.
+    std::vector<float> unknown_below;
+};
+
+/// Same bits for any number of threads.
+[[nodiscard]] PatchPicture patch_field(const PatchField& field);
+
+}  // namespace postlens

@@ -1,0 +1,46 @@
+// Patches drawn into a small square of the raster, one sample a pixel, nearest first.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "reproject/patches.h"
+
+namespace postlens {
+
+/// What one view sees in a square of pixels.
+struct SeenTile {
+    static constexpr int edge = 64;  ///< px
+    static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
+    static constexpr float nothing = -1;  ///< as inverse depth: no surface known there
+    static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
+
+    alignas(64) std::array<float, pixels> inverse_z{};
+    alignas(64) std::array<std::uint32_t, pixels> texel{};
+
+    void clear() {
+        inverse_z.fill(nothing);
+        texel.fill(no_texel);
+    }
+};
+
+/// Which pixels of the raster a tile has, and where in each of them a view looks.
+struct TilePlace {
+    int x = 0, y = 0;                                     ///< raster px of the first
+    int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
+    glm::dvec2 sample{0.5};                               ///< px
+};
+
+/// Draws a patch where it has been placed. Of surfaces at one pixel the nearest stays, of equals the first
+/// drawn. A patch that is turned over is not drawn: its other side was not recorded.
+void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
+                SeenTile& out);
+
+/// The same of what is seen in a mirror or glass, only where `in`, of `in_mesh`, shows the sheet's parent
+/// with a child of the sheet's kind. Turned over or not; but not where it is torn apart, a pixel to more than
+/// `largest_torn_px`.
+void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
+                   const SheetMesh& in_mesh, const SeenTile& in, SeenTile& out);
+inline constexpr double largest_torn_px = 16;
+
+}  // namespace postlens

@@ -1,0 +1,263 @@
+#include "reproject/patches.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+/// px at the rim of the lens by which a patch's plane may miss a cell's depth, and as a share of the blur.
+constexpr double exact_px = 0.1, exact_share = 0.02;
+/// px, half width of the blur from which cells may be even squares: they add 1/12 px^2 to a variance of 9.
+constexpr double coarse_from_px = 6;
+
+/// Least squares over the cells of a patch, around the patch's corner: four places within each cell.
+class Fit {
+  public:
+    explicit Fit(std::size_t values) : values_(values) {}
+    void add(int x, int y, const Plane* planes) {
+        each(x, y, planes, [&](double px, double py, const std::array<double, 5>& v) {
+            n_ += 1;
+            x_ += px;
+            y_ += py;
+            xx_ += px * px;
+            xy_ += px * py;
+            yy_ += py * py;
+            for (std::size_t i = 0; i < values_; ++i) {
+                v_[i] += v[i];
+                vx_[i] += v[i] * px;
+                vy_[i] += v[i] * py;
+            }
+        });
+    }
+    void solve() {
+        const double mx = x_ / n_, my = y_ / n_;
+        const double xx = xx_ / n_ - mx * mx, xy = xy_ / n_ - mx * my, yy = yy_ / n_ - my * my;
+        const double det = xx * yy - xy * xy;
+        for (std::size_t i = 0; i < values_; ++i) {
+            const double mean = v_[i] / n_, cx = vx_[i] / n_ - mx * mean, cy = vy_[i] / n_ - my * mean;
+            const double dx = (yy * cx - xy * cy) / det, dy = (xx * cy - xy * cx) / det;
+            plane_[i] = {mean - dx * mx - dy * my, dx, dy};
+        }
+    }
+    /// The largest difference of any value from the cell's own.
+    [[nodiscard]] double error(int x, int y, const Plane* planes) const {
+        double worst = 0;
+        each(x, y, planes, [&](double px, double py, const std::array<double, 5>& v) {
+            for (std::size_t i = first_moving(); i < values_; ++i)
+                worst = std::max(worst, std::abs(v[i] - at(i, px, py)));
+        });
+        return worst;
+    }
+    [[nodiscard]] double at(std::size_t i, double x, double y) const {
+        return plane_[i][0] + plane_[i][1] * x + plane_[i][2] * y;
+    }
+    [[nodiscard]] Plane plane(std::size_t i) const {
+        return {static_cast<float>(plane_[i][0]), static_cast<float>(plane_[i][1]),
+                static_cast<float>(plane_[i][2])};
+    }
+
+  private:
+    /// With W, z' only orders.
+    [[nodiscard]] std::size_t first_moving() const { return values_ == 1 ? 0 : 1; }
+    template <typename Visit>
+    void each(int x, int y, const Plane* planes, const Visit& visit) const {
+        for (const double oy : {-0.25, 0.25}) {
+            for (const double ox : {-0.25, 0.25}) {
+                std::array<double, 5> v{};
+                for (std::size_t i = 0; i < values_; ++i) {
+                    v[i] = static_cast<double>(planes[i].value) + static_cast<double>(planes[i].x) * ox +
+                           static_cast<double>(planes[i].y) * oy;
+                }
+                visit(x + 0.5 + ox, y + 0.5 + oy, v);
+            }
+        }
+    }
+    std::size_t values_;
+    double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0;
+    std::array<double, 5> v_{}, vx_{}, vy_{};
+    std::array<std::array<double, 3>, 5> plane_{};
+};
+
+class Cutter {
+  public:
+    Cutter(const SheetMesh& sheets, const PatchLens& lens, PatchMesh& out)
+        : sheets_(sheets), lens_(lens), out_(out) {}
+
+    void cut(std::uint32_t sheet) {
+        sheet_ = sheet;
+        cut(0, 0, sheets_.sheets[sheet].width, sheets_.sheets[sheet].height);
+    }
+
+  private:
+    [[nodiscard]] std::size_t cell(int x, int y) const {
+        const Sheet& s = sheets_.sheets[sheet_];
+        return s.first_cell + static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
+               static_cast<std::size_t>(x);
+    }
+    template <typename Visit>
+    void each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
+        for (int y = y0; y < y0 + height; ++y) {
+            for (int x = x0; x < x0 + width; ++x) {
+                const std::size_t k = cell(x, y);
+                if (sheets_.fine[k] != SheetNode::none)
+                    visit(x - x0, y - y0, k, sheets_.planes.data() + k * sheets_.values);
+            }
+        }
+    }
+    [[nodiscard]] Mat2 w_of(const Plane* p) const {
+        return sheets_.has_w() ? Mat2{p[1].value, p[2].value, p[3].value, p[4].value}
+                               : Mat2::isotropic(p[0].value);
+    }
+
+    void cut(int x0, int y0, int width, int height) {
+        Fit fit(sheets_.values);
+        double blur_px = HUGE_VAL;
+        int cells = 0;
+        each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const Plane* p) {
+            fit.add(x, y, p);
+            blur_px = std::min(blur_px, lens_.least_blur_px(w_of(p)));
+            ++cells;
+        });
+        if (cells == 0) return;
+        fit.solve();
+        if (width > 1 || height > 1) {
+            const double within = std::max(exact_px, exact_share * blur_px) / lens_.radius_px_m;
+            double error = 0;
+            each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const Plane* p) {
+                error = std::max(error, fit.error(x, y, p));
+            });
+            if (!(error <= within)) {
+                const int left = (width + 1) / 2, upper = (height + 1) / 2;
+                cut(x0, y0, left, upper);
+                if (left < width) cut(x0 + left, y0, width - left, upper);
+                if (upper < height) cut(x0, y0 + upper, left, height - upper);
+                if (left < width && upper < height) cut(x0 + left, y0 + upper, width - left, height - upper);
+                return;
+            }
+        }
+        add(x0, y0, width, height, fit, blur_px);
+    }
+
+    void add(int x0, int y0, int width, int height, const Fit& fit, double blur_px) {
+        Patch p;
+        p.sheet = sheet_;
+        p.x = static_cast<std::uint8_t>(x0);
+        p.y = static_cast<std::uint8_t>(y0);
+        p.width = static_cast<std::uint8_t>(width);
+        p.height = static_cast<std::uint8_t>(height);
+        p.coarse = blur_px >= coarse_from_px;
+        const std::vector<std::uint32_t>& roots = p.coarse ? sheets_.coarse : sheets_.fine;
+        bool divided = false;
+        each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const Plane*) {
+            divided = divided || (roots[k] & SheetNode::leaf) == 0;
+        });
+        p.depth = divided ? static_cast<std::uint8_t>(sheets_.sheets[sheet_].depth) : std::uint8_t{0};
+        p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
+        for (std::size_t i = 0; i < sheets_.values; ++i) out_.planes.push_back(fit.plane(i));
+        out_.patches.push_back(p);
+    }
+
+    const SheetMesh& sheets_;
+    PatchLens lens_;
+    PatchMesh& out_;
+    std::uint32_t sheet_ = 0;
+};
+
+}  // namespace
+
+double PatchLens::least_blur_px(const Mat2& w) const {
+    // The smaller singular value of I/s - W.
+    const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
+                 c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
+    const double sum = std::hypot(a + d, b - c), difference = std::hypot(a - d, b + c);
+    return radius_px_m * std::abs(sum - difference) / 2;
+}
+
+PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens) {
+    PatchMesh out;
+    out.sheets = &sheets;
+    constexpr std::size_t per_task = 256;
+    const std::size_t tasks = (sheets.sheets.size() + per_task - 1) / per_task;
+    std::vector<PatchMesh> parts(tasks);
+    parallel_for(tasks, [&](std::size_t t) {
+        Cutter cutter(sheets, lens, parts[t]);
+        for (std::size_t i = t * per_task; i < std::min((t + 1) * per_task, sheets.sheets.size()); ++i)
+            cutter.cut(static_cast<std::uint32_t>(i));
+    });
+    for (const PatchMesh& part : parts) {
+        const auto first = static_cast<std::uint32_t>(out.planes.size());
+        for (Patch p : part.patches) {
+            p.first_plane += first;
+            out.patches.push_back(p);
+        }
+        out.planes.insert(out.planes.end(), part.planes.begin(), part.planes.end());
+    }
+    return out;
+}
+
+bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& motion, const LensShift& lens,
+                 PatchPlace& out) {
+    const Plane* p = mesh.planes.data() + patch.first_plane;
+    const glm::dvec2 corner = mesh.corner(patch);
+    if (motion.identity()) {
+        out.move = glm::dmat2(1);
+        out.from = corner;
+        out.inverse_z = {static_cast<double>(p[0].value), static_cast<double>(p[0].x),
+                         static_cast<double>(p[0].y)};
+    } else {
+        // First order around the middle, with the depth that the plane has there.
+        const glm::dvec2 half(patch.width / 2.0, patch.height / 2.0);
+        const auto at = [&](double x, double y) {
+            return motion({corner.x + x, corner.y + y,
+                           static_cast<double>(p[0].value) + static_cast<double>(p[0].x) * x +
+                               static_cast<double>(p[0].y) * y});
+        };
+        const auto left = at(0, half.y), right = at(2 * half.x, half.y), up = at(half.x, 0),
+                   down = at(half.x, 2 * half.y), middle = at(half.x, half.y);
+        if (!left || !right || !up || !down || !middle) return false;
+        out.move[0] = glm::dvec2(right->x - left->x, right->y - left->y) / (2 * half.x);
+        out.move[1] = glm::dvec2(down->x - up->x, down->y - up->y) / (2 * half.y);
+        out.from = glm::dvec2(middle->x, middle->y) - out.move * half;
+        const double by_x = (right->inverse_z - left->inverse_z) / (2 * half.x),
+                     by_y = (down->inverse_z - up->inverse_z) / (2 * half.y);
+        out.inverse_z = {middle->inverse_z - by_x * half.x - by_y * half.y, by_x, by_y};
+    }
+    const glm::dvec2 q = lens.lens_px;
+    out.from += lens.inverse_focus_per_m * q + lens.offset_px;
+    if (!mesh.sheets->has_w()) {
+        out.from -= out.inverse_z.x * q;
+        out.move[0] -= out.inverse_z.y * q;
+        out.move[1] -= out.inverse_z.z * q;
+        return true;
+    }
+    const auto moved = [&](float Plane::*part) {
+        return glm::dvec2(static_cast<double>(p[1].*part) * q.x + static_cast<double>(p[2].*part) * q.y,
+                          static_cast<double>(p[3].*part) * q.x + static_cast<double>(p[4].*part) * q.y);
+    };
+    out.from -= moved(&Plane::value);
+    out.move[0] -= moved(&Plane::x);
+    out.move[1] -= moved(&Plane::y);
+    return true;
+}
+
+void PxRect::add(const PxRect& o) {
+    x_min = std::min(x_min, o.x_min);
+    x_max = std::max(x_max, o.x_max);
+    y_min = std::min(y_min, o.y_min);
+    y_max = std::max(y_max, o.y_max);
+}
+
+PxRect covered(const Patch& patch, const PatchPlace& place) {
+    const glm::dvec2 across = static_cast<double>(patch.width) * place.move[0],
+                     down = static_cast<double>(patch.height) * place.move[1];
+    return {place.from.x + std::min(across.x, 0.0) + std::min(down.x, 0.0),
+            place.from.x + std::max(across.x, 0.0) + std::max(down.x, 0.0),
+            place.from.y + std::min(across.y, 0.0) + std::min(down.y, 0.0),
+            place.from.y + std::max(across.y, 0.0) + std::max(down.y, 0.0)};
+}
+
+}  // namespace postlens

@@ -1,0 +1,67 @@
+// Sheets cut into patches whose depth is a plane, as nearly as a lens can tell: each moves by an affine map.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <vector>
+
+#include "reproject/raster_map.h"
+#include "reproject/sheet_mesh.h"
+
+namespace postlens {
+
+/// A lens for which patches are made: what it can tell apart, and what it blurs.
+struct PatchLens {
+    double radius_px_m = 0;  ///< gain times the lens's radius: px by which 1/m out of focus moves its rim
+    double inverse_focus_per_m = 0;
+
+    /// Least half width of the blur of what has this W, px.
+    [[nodiscard]] double least_blur_px(const Mat2& w) const;
+};
+
+/// Cells [x, x + width) x [y, y + height) of a sheet.
+struct Patch {
+    std::uint32_t sheet = 0;
+    std::uint8_t x = 0, y = 0, width = 0, height = 0;
+    bool coarse = false;            ///< blurred over so many pixels that each cell may be one even square
+    std::uint8_t depth = 0;         ///< levels of the quadtrees that matter
+    std::uint32_t first_plane = 0;  ///< `values` of PatchMesh::planes
+};
+
+/// How a patch comes to lie: raster px `from + move * (x, y)` of what was recorded at (x, y) px from the
+/// patch's corner.
+struct PatchPlace {
+    glm::dmat2 move{1};
+    glm::dvec2 from{0};
+    glm::dvec3 inverse_z{0};  ///< there: value, and its slopes by x and y
+};
+
+struct PatchMesh {
+    const SheetMesh* sheets = nullptr;
+    std::vector<Patch> patches;
+    /// By patch, `sheets->values` each, around the patch's corner: 1/z', xx, xy, yx, yy.
+    std::vector<Plane> planes;
+
+    [[nodiscard]] const Sheet& sheet(const Patch& p) const { return sheets->sheets[p.sheet]; }
+    /// Raster px of its corner.
+    [[nodiscard]] glm::dvec2 corner(const Patch& p) const { return {sheet(p).x + p.x, sheet(p).y + p.y}; }
+};
+
+/// Patches as large as planes stay within a tenth of a pixel, or a fiftieth of the blur, of every cell's own
+/// depth at the lens's rim; at least a cell each. Deterministic.
+[[nodiscard]] PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens);
+
+/// Where a patch lies as `motion` (to first order around the patch's middle) and then the lens move it.
+/// False where it would lie behind the camera.
+[[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& motion,
+                               const LensShift& lens, PatchPlace& out);
+
+/// The rectangle that it then covers, raster px.
+struct PxRect {
+    double x_min = std::numeric_limits<double>::infinity(), x_max = -x_min, y_min = x_min, y_max = -x_min;
+    void add(const PxRect& o);
+};
+[[nodiscard]] PxRect covered(const Patch& patch, const PatchPlace& place);
+
+}  // namespace postlens

@@ -1,0 +1,101 @@
+// The records of one instant as sheets: surfaces cut into squares of the raster, whose colour is a quadtree
+// of even squares for each pixel and whose depth is a plane for each pixel. What many views are drawn from.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "records/sample_file.h"
+
+namespace postlens {
+
+/// What belongs together: an id, and where it is seen in mirrors or glass, in which.
+struct SheetKey {
+    NodePath path;                ///< of a primary node: none
+    std::uint32_t parent_id = 0;  ///< of the mirror or glass that it is seen in; 0 for primary nodes
+    std::uint32_t id = 0;
+    friend bool operator==(const SheetKey&, const SheetKey&) = default;
+    [[nodiscard]] bool operator<(const SheetKey& o) const {
+        if (path != o.path) return path.bits() < o.path.bits();
+        return parent_id != o.parent_id ? parent_id < o.parent_id : id < o.id;
+    }
+};
+
+/// A function of the place: `value + x * dx + y * dy`, x and y in px from where its owner says.
+struct Plane {
+    float value = 0, x = 0, y = 0;
+};
+
+/// The colour of a square, with what else is known of it.
+struct Texel {
+    float r = 0, g = 0, b = 0;  ///< scene-linear, of this node of the shading tree alone
+    std::uint32_t info = 0;     ///< sheet << 2 | children (child_bit of the bounces that have a node there)
+    [[nodiscard]] std::uint32_t sheet() const { return info >> 2U; }
+    [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & 3U); }
+};
+
+/// A node of a pixel's quadtree: `none`, a leaf with its texel, or the first of four nodes (up-left,
+/// up-right, down-left, down-right).
+struct SheetNode {
+    static constexpr std::uint32_t none = 0xFFFFFFFFU, leaf = 0x80000000U;
+};
+
+/// One surface within one square of the raster.
+struct Sheet {
+    SheetKey key;
+    int x = 0, y = 0;                            ///< raster px of its first cell; a cell is a pixel
+    int width = 0, height = 0;                   ///< cells
+    std::uint32_t first_cell = 0;                ///< row by row
+    int depth = 0;                               ///< levels of its deepest quadtree
+    float inverse_z_min = 0, inverse_z_max = 0;  ///< 1/m
+};
+
+/// Light above a limit, taken from the sheets to be spread by its exact response.
+struct Highlight {
+    float x = 0, y = 0;          ///< raster px
+    std::array<float, 3> rgb{};  ///< radiance times px^2
+    Mat2 w;                      ///< 1/m
+    float inverse_z = 0;         ///< 1/m
+    std::uint32_t sheet = 0;
+};
+
+struct SheetMesh {
+    static constexpr int square_px = 16;  ///< edge of a sheet's square
+
+    double time_s = 0;
+    std::vector<Sheet> sheets;
+    /// By cell: the root of its quadtree; and, for where it comes to a blur of several pixels, the same with
+    /// cells that the sheet fills as a single square.
+    std::vector<std::uint32_t> fine, coarse;
+    /// By cell, `values` each, around the cell's middle: 1/z', then with W its xx, xy, yx, yy; 1/m.
+    std::vector<Plane> planes;
+    std::size_t values = 1;
+    std::vector<std::uint32_t> nodes;
+    std::vector<Texel> texels;
+    /// By texel where primary surfaces have mirrors or glass, else empty: TreeSurface's.
+    std::vector<std::array<std::array<float, 3>, 2>> below;
+    std::vector<Highlight> highlights;
+
+    [[nodiscard]] bool has_w() const { return values == 5; }
+};
+
+/// The shading trees taken apart: what is seen directly, and what is seen in mirrors and through glass.
+struct TreeSheets {
+    SheetMesh primary;
+    SheetMesh deeper;  ///< with W; no sheets where there are no deeper nodes
+};
+
+/// What of a colour is a highlight: all above `above` in any channel, of what `blurs` says is blurred widely.
+struct HighlightRule {
+    float above = 1;
+    std::function<bool(const Mat2& w)> blurs;  ///< none: nothing is
+};
+
+/// Reads an instant of the file. Throws Error(out_of_memory) before it would take more than there is, and
+/// what the reader throws.
+[[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
+                                     const HighlightRule& rule);
+
+}  // namespace postlens
