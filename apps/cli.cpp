@@ -159,6 +159,18 @@ void add_records(CLI::App& root, State& s) {
     app.callback([&s] { s.common.run = [&s] { return run_records(s.records); }; });
 }
 
+void retrace_options(CLI::App& app, RetraceOptions& o) {
+    app.add_option("--scene", o.scene,
+                   "The scene that the frame was traced from: hybrid traces again what no record shows [default: "
+                   "nothing is]")
+        ->type_name("SCENE");
+    number(app, "--metres-per-unit", o.metres_per_unit, "Size of the scene's unit", "X");
+    whole(app, "--retrace-spp", o.spp, "Rays for each such pixel, 1 or more", "N");
+    app.add_option("--explain", o.explain,
+                   "Picture of what hybrid did where: blue scattered, grey light field, red traced again")
+        ->type_name("PNG");
+}
+
 void add_focus(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("focus", "The picture through a lens, from the records alone");
     FocusOptions& o = s.focus;
@@ -169,6 +181,7 @@ void add_focus(CLI::App& root, State& s) {
     choice(app, "--method", o.method, "How",
            {{"scatter", FocusMethod::scatter},
             {"lightfield", FocusMethod::lightfield},
+            {"hybrid", FocusMethod::hybrid},
             {"pinhole", FocusMethod::pinhole}});
     app.add_option_function<std::string>(
            "--depths", [&o](const std::string& text) { o.depths = parse_whole("--depths", text); },
@@ -176,8 +189,9 @@ void add_focus(CLI::App& root, State& s) {
         ->type_name("K");
     app.add_option_function<std::string>(
            "--views", [&o](const std::string& text) { o.views = parse_whole("--views", text); },
-           "Points of the lens that lightfield looks from, 1 to 4096 [default: 64]")
+           "Points of the lens that lightfield and hybrid look from, 1 to 4096 [default: 64]")
         ->type_name("M");
+    retrace_options(app, o.retrace);
     choice(app, "--spacing", o.spacing, "Spacing of the K depths: equal steps in z' or in 1/z'",
            {{"linear", DepthSpacing::linear}, {"inverse", DepthSpacing::inverse}});
     choice(app, "--depth-model", o.depth_model,

@@ -43,6 +43,13 @@ struct LensOptions {
     Framing framing = Framing::keep;
 };
 
+/// What `hybrid` may trace again.
+struct RetraceOptions {
+    std::optional<std::string> scene, explain;
+    double metres_per_unit = 1;
+    int spp = 128;
+};
+
 struct FocusOptions {
     std::string input, output;
     LensOptions lens;
@@ -52,7 +59,15 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     int views = default_lens_views;
+    RetraceOptions retrace;
     bool strict = false;
+};
+
+struct ShootOptions {
+    FocusOptions focus;  ///< methods lightfield and hybrid
+    std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, from the frame's instant on
+    std::string curve = "box";        ///< box, triangle or a file
+    std::optional<std::string> paths;
 };
 
 struct RenderOptions {
@@ -93,6 +108,7 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult run_render(const RenderOptions& options);
 [[nodiscard]] CommandResult run_image(const std::string& input, const std::string& output);
 [[nodiscard]] CommandResult run_focus(const FocusOptions& options);
+[[nodiscard]] CommandResult run_shoot(const ShootOptions& options);
 [[nodiscard]] CommandResult run_motionblur(const MotionBlurOptions& options);
 [[nodiscard]] CommandResult run_records(const RecordsOptions& options);
 [[nodiscard]] CommandResult run_compare(const CompareCommandOptions& options);
@@ -105,6 +121,12 @@ struct ResolvedLens {
     double focus_m = 1;
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
+
+/// What the shutter is for this file: asked for, else the file's exposure. Throws Error(wrong_arguments).
+[[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header);
+/// A warning where the trace was sized for less than the lens, or the shutter, asked for.
+void check_sufficient(const SampleHeader& header, const ResolvedLens& lens, std::vector<Warning>& out);
+void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
 /// "box", "triangle" or a file. Throws Error(invalid_input).
 [[nodiscard]] ShutterCurve shutter_curve(const std::string& word);

@@ -1,9 +1,13 @@
 #include "focus/field_focus.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <unordered_map>
 
 #include "focus/field_highlights.h"
 #include "focus/lens_views.h"
+#include "focus/one_surface.h"
 #include "reproject/fill_gaps.h"
 #include "reproject/patch_field.h"
 
@@ -16,45 +20,154 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     const glm::dvec2 middle(s.window.width() / 2.0, s.window.height() / 2.0);
     const double half_diagonal_px = glm::length(middle);
     return [&s, view, middle, half_diagonal_px](int x, int y) {
-        const glm::dvec2 field =
-            glm::dvec2(x, y) + view.place - middle - view.shift.inverse_focus_per_m * view.shift.lens_px;
+        const glm::dvec2 field = glm::dvec2(x, y) + view.place - middle -
+                                 view.shift.inverse_focus_per_m * view.shift.lens_px;
         return s.aperture.passes(view.lens, field / half_diagonal_px);
     };
 }
 
+/// The reversed binary digits of i, as a fraction: with i itself a set of low discrepancy.
+double reversed(std::uint32_t i) {
+    std::uint32_t out = 0;
+    for (std::uint32_t bit = 0x80000000U; i != 0; i >>= 1U, bit >>= 1U) out |= (i & 1U) != 0 ? bit : 0U;
+    return out / 4294967296.0;
+}
+
+/// Which ids move alike, and how.
+class Motions {
+  public:
+    explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
+        const FrameMotion& m = *shutter.motion;
+        for (const std::uint32_t id : m.moving_ids()) {
+            classes_.emplace(id, ids_.size() + 1);
+            ids_.push_back(id);
+        }
+        camera_ = m.camera_moves(shutter.open_s, shutter.close_s);
+    }
+    [[nodiscard]] bool any() const { return camera_ || !ids_.empty(); }
+    [[nodiscard]] std::size_t class_of(std::uint32_t id) const {
+        const auto found = classes_.find(id);
+        return found == classes_.end() ? 0 : found->second;
+    }
+    [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
+    /// By class: from one instant to another.
+    [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
+        constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // what has no motion of its own
+        std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};
+        for (const std::uint32_t id : ids_) out.push_back(shutter_.motion->map(id, from_s, to_s));
+        return out;
+    }
+
+  private:
+    const FieldShutter& shutter_;
+    std::vector<std::uint32_t> ids_;
+    std::unordered_map<std::uint32_t, std::size_t> classes_;
+    bool camera_ = false;
+};
+
+/// The instants between which `time_s` lies, or the one next to it.
+std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
+                                    const Motions& motions) {
+    std::vector<std::size_t> by_time(instants_s.size());
+    std::iota(by_time.begin(), by_time.end(), std::size_t{0});
+    std::sort(by_time.begin(), by_time.end(),
+              [&](std::size_t a, std::size_t b) { return instants_s[a] < instants_s[b]; });
+    const auto after = std::upper_bound(by_time.begin(), by_time.end(), time_s,
+                                        [&](double t, std::size_t i) { return t < instants_s[i]; });
+    const auto use = [&](std::size_t i, double share) {
+        return PatchView::Use{i, share, motions.maps(instants_s[i], time_s)};
+    };
+    if (after == by_time.begin()) return {use(by_time.front(), 1)};
+    if (after == by_time.end()) return {use(by_time.back(), 1)};
+    const std::size_t a = *(after - 1), b = *after;
+    const double share = (time_s - instants_s[a]) / (instants_s[b] - instants_s[a]);
+    return {use(a, 1 - share), use(b, share)};
+}
+
 }  // namespace
+
+double FieldFocus::unknown_share() const {
+    return std::accumulate(unknown.begin(), unknown.end(), 0.0) /
+           static_cast<double>(std::max<std::size_t>(unknown.size(), 1));
+}
 
 FieldFocus field_focus(const SampleFileReader& file, const FieldFocusSettings& settings) {
     const FocusGeometry& g = settings.geometry;
     const PatchLens lens{g.gain_px * g.aperture_radius_m, g.inverse_focus_per_m};
-    const TreeSheets sheets = tree_sheets(file, 0, highlight_rule(settings.aperture, g));
-    const PatchMesh primary = cut_patches(sheets.primary, lens), deeper = cut_patches(sheets.deeper, lens);
+    std::optional<Motions> motions;
+    if (settings.shutter) motions.emplace(*settings.shutter);
+    const bool moves = motions && motions->any();
+    // What moves through the frame blurs its highlights itself.
+    HighlightRule rule = highlight_rule(settings.aperture, g);
+    if (rule.blurs && moves) {
+        rule.blurs = [blurs = rule.blurs, &motions](const Mat2& w, std::uint32_t id) {
+            return !motions->moves(id) && blurs(w, id);
+        };
+    }
+    const std::size_t instants = moves || settings.shutter ? file.instants() : 1;
+    std::vector<TreeSheets> sheets;
+    std::vector<PatchMesh> primary, deeper;
+    std::vector<double> instants_s;
+    sheets.reserve(instants);
+    for (std::size_t i = 0; i < instants; ++i) {
+        sheets.push_back(tree_sheets(file, i, instants == 1 ? rule : HighlightRule{}));
+        instants_s.push_back(file.instant_s(i));
+        primary.push_back(cut_patches(sheets[i].primary, lens));
+        deeper.push_back(cut_patches(sheets[i].deeper, lens));
+    }
     PatchField field;
     field.x = settings.window.x_begin;
     field.y = settings.window.y_begin;
     field.width = settings.window.width();
     field.height = settings.window.height();
-    field.instants = {{&primary, deeper.patches.empty() ? nullptr : &deeper}};
+    for (std::size_t i = 0; i < instants; ++i)
+        field.instants.push_back({&primary[i], deeper[i].patches.empty() ? nullptr : &deeper[i]});
+    if (moves) field.motion_class = [&](std::uint32_t id) { return motions->class_of(id); };
     const std::vector<LensViewPoint> points = lens_view_points(settings.aperture, g, settings.views);
-    const FieldHighlights highlights(sheets, settings.aperture, g, points, settings.window);
+    const FieldHighlights highlights(sheets[0], settings.aperture, g, points, settings.window);
     if (highlights.any()) field.lights = &highlights;
-    for (const LensViewPoint& p : points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
         PatchView v;
-        v.sample = p.place;
+        v.sample = points[i].place;
+        v.lens = points[i].shift;
+        v.passes = passing(settings, points[i]);
         v.uses = {{0, 1, {}}};
-        v.lens = p.shift;
-        v.passes = passing(settings, p);
+        if (settings.shutter && (moves || instants > 1)) {
+            const FieldShutter& s = *settings.shutter;
+            const double u = std::min(1.0, reversed(static_cast<std::uint32_t>(i)) + 0.5 / settings.views);
+            v.uses = uses_at(instants_s, s.open_s + s.curve.time(u) * (s.close_s - s.open_s), *motions);
+            if (!moves) {
+                for (auto& use : v.uses) use.motions.clear();
+            }
+        }
         field.views.push_back(std::move(v));
+    }
+    std::optional<OneSurface> simple;
+    if (settings.leave_one_surface && !moves && instants == 1) {
+        simple = find_one_surface(primary[0], deeper[0],
+                                  g.gain_px * g.aperture_radius_m * settings.aperture.half_extent(),
+                                  g.inverse_focus_per_m, settings.window);
+        field.wanted = [&simple](int x, int y, int width, int height) {
+            return !simple->all(x, y, width, height);
+        };
     }
     PatchPicture seen = patch_field(field);
     FieldFocus out;
-    std::vector<float> known(seen.unknown.size());
-    for (std::size_t k = 0; k < known.size(); ++k) {
-        known[k] = 1 - seen.unknown[k];
-        out.unknown_share += static_cast<double>(seen.unknown[k]) / static_cast<double>(known.size());
+    if (simple) {
+        out.left_out.resize(seen.unknown.size());
+        for (std::size_t k = 0; k < out.left_out.size(); ++k) {
+            const auto width = static_cast<std::size_t>(field.width);
+            const bool left = simple->at(static_cast<int>(k % width), static_cast<int>(k / width));
+            out.left_out[k] = left ? 1 : 0;
+            if (left) seen.unknown[k] = 0;
+        }
     }
+    std::vector<float> known(seen.unknown.size());
+    for (std::size_t k = 0; k < known.size(); ++k) known[k] = 1 - seen.unknown[k];
     fill_gaps(seen.image, known);
     out.image = std::move(seen.image);
+    out.unknown = std::move(seen.unknown);
+    out.unknown_below = std::move(seen.unknown_below);
     return out;
 }
 

@@ -1,24 +1,43 @@
-// The light field over the lens: what is recorded, seen from many points of it.
+// The light field over the lens and the shutter's time: what is recorded, seen from many points of the lens,
+// each at its own instant.
 #pragma once
+
+#include <optional>
 
 #include "focus/run_scatter.h"
 #include "lens/aperture.h"
 #include "lens/focus_geometry.h"
+#include "lens/shutter_curve.h"
 #include "records/image.h"
 #include "records/sample_file.h"
+#include "reproject/raster_map.h"
 
 namespace postlens {
+
+/// What moves while the light comes in.
+struct FieldShutter {
+    const FrameMotion* motion = nullptr;
+    double open_s = 0, close_s = 0;
+    ShutterCurve curve = ShutterCurve::box();
+};
 
 struct FieldFocusSettings {
     FocusGeometry geometry;  ///< in traced pixels
     Aperture aperture;
     RasterWindow window;  ///< the pixels wanted
     int views = 64;
+    std::optional<FieldShutter> shutter;  ///< absent: the frame's own instant
+    /// Leave out where nothing moves and the picture shows one surface only: what is scattered is right there.
+    bool leave_one_surface = false;
 };
 
 struct FieldFocus {
     Image image;
-    double unknown_share = 0;  ///< of all pixels' light: no record shows what is seen there
+    std::vector<float> unknown;        ///< by pixel, the share of its light that no record shows
+    std::vector<float> unknown_below;  ///< the same of what is seen in mirrors and through glass
+    /// By pixel: 1 where it was left out, as asked for; empty if it was not.
+    std::vector<std::uint8_t> left_out;
+    [[nodiscard]] double unknown_share() const;
 };
 
 /// Same bits for any number of threads.

@@ -142,11 +142,11 @@ FocusResult seen_from_lens(const SampleFileReader& file, const FocusSettings& se
         if (z) out.largest_coc_px = std::max(out.largest_coc_px, std::abs(geometry.coc_diameter_px(1 / *z)));
     }
     constexpr double noticeable = 1e-3;
-    if (seen.unknown_share > noticeable) {
-        out.warnings.push_back({"uncovered", seen.unknown_share,
+    if (seen.unknown_share() > noticeable) {
+        out.warnings.push_back({"uncovered", seen.unknown_share(),
                                 fmt::format("{:.2g} % of the light comes from what was never recorded "
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
-                                            100 * seen.unknown_share)});
+                                            100 * seen.unknown_share())});
     }
     return out;
 }

@@ -15,7 +15,8 @@
 
 namespace postlens {
 
-enum class FocusMethod { pinhole, scatter, lightfield };
+/// `hybrid` is planner/hybrid.h's.
+enum class FocusMethod { pinhole, scatter, lightfield, hybrid };
 
 struct FocusSettings {
     ThinLens lens;  ///< f_number infinity: pinhole; an `impulse` of a real lens has a focal length of its own

@@ -144,6 +144,12 @@ class Field {
                   y0 = static_cast<int>(tile) / columns_ * SeenTile::edge;
         TilePlace at{field_.x + x0, field_.y + y0, std::min(SeenTile::edge, field_.width - x0),
                      std::min(SeenTile::edge, field_.height - y0)};
+        if (field_.wanted && !field_.wanted(x0, y0, at.width, at.height)) {
+            for (int y = y0; y < y0 + at.height; ++y)
+                std::fill_n(out.unknown.begin() + static_cast<std::ptrdiff_t>(y) * field_.width + x0, at.width,
+                            1.0F);
+            return;
+        }
         w.sum.fill({});
         if (trees_) begin_trees(tile, w);
         const bool lights = field_.lights != nullptr && field_.lights->reach(x0, y0, at.width, at.height);

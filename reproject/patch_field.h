@@ -39,6 +39,8 @@ struct PatchField {
     std::vector<PatchView> views;
     int x = 0, y = 0;  ///< raster px of the picture's first pixel
     int width = 0, height = 0;
+    /// Whether a rectangle of the picture is wanted; none: all is. What is not stays black and unknown.
+    std::function<bool(int x, int y, int width, int height)> wanted;
     /// May add light of its own to a tile, knowing what every view sees there; from several threads. None:
     /// nothing is added.
     const class Lights* lights = nullptr;

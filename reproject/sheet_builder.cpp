@@ -172,7 +172,8 @@ void SheetBuilder::take_highlight(const Piece& piece, std::array<float, 3>& rgb,
     excess = {};
     if (std::max({rgb[0], rgb[1], rgb[2]}) <= rule_.above) return;
     const TreeSurface& s = node(piece.node[0]);
-    if (!rule_.blurs(s.path.bits() == 0 ? Mat2::isotropic(s.inverse_z) : s.w)) return;
+    const bool primary = s.path.bits() == 0;
+    if (!rule_.blurs(primary ? Mat2::isotropic(s.inverse_z) : s.w, primary ? s.id : s.parent_id)) return;
     for (std::size_t c = 0; c < 3; ++c) {
         excess[c] = std::max(0.0F, rgb[c] - rule_.above);
         rgb[c] -= excess[c];

@@ -11,6 +11,7 @@
 #include "core/output_file.h"
 #include "core/progress.h"
 #include "core/threads.h"
+#include "tracer/eye_rays.h"
 #include "tracer/render_setup.h"
 #include "tracer/render_state.h"
 
@@ -96,7 +97,12 @@ class Renderer {
         const int x0 = static_cast<int>(tile % static_cast<std::size_t>(columns_)) * tile_px;
         const int y0 = static_cast<int>(tile / static_cast<std::size_t>(columns_)) * tile_px;
         const int x1 = std::min(x0 + tile_px, setup_.width()), y1 = std::min(y0 + tile_px, setup_.height());
-        make_rays({x0, y0, x1, y1}, half, first, count, eye);
+        thread_local std::vector<std::uint32_t> pixels;
+        pixels.clear();
+        for (int y = y0; y < y1; ++y) {
+            for (int x = x0; x < x1; ++x) pixels.push_back(static_cast<std::uint32_t>(index(x, y)));
+        }
+        make_eye_rays(setup_, *samplers_[half], tracers_[half]->needs_times(), pixels, first, count, eye);
         tracers_[half]->trace(eye, counts);
         std::size_t ray = 0;
         for (int y = y0; y < y1; ++y) {
@@ -114,44 +120,6 @@ class Renderer {
         }
     }
 
-    struct Tile {
-        int x0, y0, x1, y1;
-    };
-    void make_rays(const Tile& tile, std::size_t half, int first, int count, EyeRays& eye) const {
-        eye.rays.clear(false, tracers_[half]->needs_times());
-        eye.pixel.clear();
-        eye.index.clear();
-        eye.weight.clear();
-        Sampler::EyeSamples numbers;  // NOLINT(cppcoreguidelines-pro-type-member-init): fill_eye fills it
-        LensSamples samples;          // NOLINT(cppcoreguidelines-pro-type-member-init): filled lane by lane
-        std::size_t lane = 0;
-        for (int y = tile.y0; y < tile.y1; ++y) {
-            for (int x = tile.x0; x < tile.x1; ++x) {
-                const auto pixel = static_cast<std::uint32_t>(index(x, y));
-                samplers_[half]->fill_eye(pixel, first, count, numbers);
-                const auto left = static_cast<float>(x), top = static_cast<float>(y);
-                for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-                    samples.x[lane] = left + numbers.pixel_u[i];
-                    samples.y[lane] = top + numbers.pixel_v[i];
-                    samples.lens_u[lane] = numbers.lens_u[i];
-                    samples.lens_v[lane] = numbers.lens_v[i];
-                    samples.time[lane] = numbers.time_u[i];
-                    eye.pixel.push_back(pixel);
-                    eye.index.push_back(first + static_cast<int>(i));
-                    if (++lane < 16) continue;
-                    setup_.camera().add_rays(samples, eye.rays, eye.weight);
-                    lane = 0;
-                }
-            }
-        }
-        if (lane == 0) return;
-        // The last group is not full: its other lanes are made from old numbers and dropped.
-        for (std::size_t i = lane; i < 16; ++i) {
-            samples.x[i] = samples.y[i] = samples.lens_u[i] = samples.lens_v[i] = samples.time[i] = 0;
-        }
-        setup_.camera().add_rays(samples, eye.rays, eye.weight);
-        eye.rays.count -= static_cast<int>(16 - lane);
-    }
     [[nodiscard]] std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(setup_.width()) +
                static_cast<std::size_t>(x);

@@ -1,0 +1,146 @@
+#include "planner/hybrid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numeric>
+
+#include "core/error.h"
+#include "focus/field_focus.h"
+#include "records/aperture_file.h"
+#include "tracer/eye_rays.h"
+
+namespace postlens {
+namespace {
+
+/// The scene's camera that the file was traced through.
+std::string camera_of(const SampleHeader& h, const Scene& scene, const CameraOverrides& overrides) {
+    for (const Camera& c : scene.cameras) {
+        if ((c.projection == Camera::Projection::perspective) != (h.projection == Projection::perspective))
+            continue;
+        const CameraModel model(c, h.time_s, overrides);
+        double difference = 0, size = 1;
+        for (int i = 0; i < 4; ++i) {
+            for (int j = 0; j < 4; ++j) {
+                difference = std::max(difference, std::abs(model.world_from_camera[i][j] - h.world_from_camera[i][j]));
+                size = std::max(size, std::abs(h.world_from_camera[i][j]));
+            }
+        }
+        if (difference <= 1e-9 * size) return c.name;
+    }
+    fail(ExitCode::invalid_input,
+         "{}: has no camera that stands where the sample file's does (expected the scene that it was traced "
+         "from)",
+         scene.name);
+}
+
+RenderSettings render_settings(const SampleHeader& h, const HybridSettings& s) {
+    if (s.scene->sha256 != h.scene_sha256) {
+        fail(ExitCode::invalid_input,
+             "{}: is not the scene that the sample file was traced from (got SHA-256 {:.12}...; expected {:.12}...)",
+             s.scene->name, s.scene->sha256, h.scene_sha256);
+    }
+    RenderSettings r;
+    r.camera.width = h.width;
+    r.camera.height = h.height;
+    r.camera.focal_length_mm = h.film_distance_mm;
+    r.camera.film_width_mm = h.pixel_pitch_mm * h.width;
+    r.camera_name = camera_of(h, *s.scene, r.camera);
+    r.time_s = h.time_s;
+    r.focal_length_mm = s.focus.lens.focal_length_mm;
+    r.f_number = s.focus.lens.f_number;
+    r.focus_m = s.focus.focus_distance_m;
+    r.aperture = std::make_shared<Aperture>(read_aperture(s.focus.impulse));
+    r.shutter = s.shutter;
+    r.curve = s.curve;
+    r.spp = s.retrace_spp;
+    r.tracing = {h.max_depth, h.min_contribution};
+    return r;
+}
+
+/// Pixels that records do not suffice for, the worst first, ties by place.
+std::vector<std::uint32_t> insufficient(const FieldFocus& field, double tolerated) {
+    std::vector<std::uint32_t> out;
+    const auto error = [&](std::uint32_t k) { return std::max(field.unknown[k], field.unknown_below[k]); };
+    for (std::uint32_t k = 0; k < field.unknown.size(); ++k) {
+        if (static_cast<double>(error(k)) > tolerated) out.push_back(k);
+    }
+    std::stable_sort(out.begin(), out.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return error(a) > error(b); });
+    return out;
+}
+
+void retrace(const SampleHeader& h, const HybridSettings& s, std::vector<std::uint32_t> pixels,
+             HybridResult& out) {
+    const auto most = static_cast<std::size_t>(s.most_retraced * static_cast<double>(out.what.size()));
+    if (pixels.size() > most) {
+        out.focus.warnings.push_back(
+            {"retraced", static_cast<double>(pixels.size() - most) / static_cast<double>(out.what.size()),
+             fmt::format("the records do not suffice for {:.1f} % of the pixels, of which {:.1f} % are traced "
+                         "again (expected a trace with --hidden-layers for this lens)",
+                         100 * out.wanted_share, 100 * s.most_retraced)});
+        pixels.resize(most);
+    }
+    if (pixels.empty()) return;
+    std::sort(pixels.begin(), pixels.end());  // neighbours together
+    const RenderedPixels traced = render_pixels(*s.scene, render_settings(h, s), pixels);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        std::copy(traced.rgb[i].begin(), traced.rgb[i].end(),
+                  out.focus.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * pixels[i]));
+        out.what[pixels[i]] = 2;
+    }
+    out.rays = traced.rays;
+    out.retraced_share = static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
+}
+
+}  // namespace
+
+HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings) {
+    const SampleHeader& h = file.header();
+    FocusSettings focus = settings.focus;
+    if (focus.framing != Framing::keep) {
+        fail(ExitCode::wrong_arguments,
+             "--framing: hybrid and shoot keep the framing of the trace (expected keep)");
+    }
+    const FocusGeometry geometry = focus_geometry(focus.lens, focus.focus_distance_m, Framing::keep,
+                                                  {h.film_distance_mm, h.pixel_pitch_mm});
+    const bool moves = settings.motion != nullptr && settings.shutter;
+    HybridResult out;
+    FieldFocusSettings by_field{geometry, read_aperture(focus.impulse), {0, h.width, 0, h.height}, focus.views,
+                                {}, !moves};
+    if (moves) by_field.shutter = {settings.motion, settings.shutter->open_s, settings.shutter->close_s, settings.curve};
+    const FieldFocus field = field_focus(file, by_field);
+    out.what.assign(field.unknown.size(), 0);
+    if (std::find(field.left_out.begin(), field.left_out.end(), 1) != field.left_out.end()) {
+        focus.method = FocusMethod::scatter;
+        out.focus = focus_picture(file, focus);
+        std::size_t scattered = 0;
+        for (std::size_t k = 0; k < field.left_out.size(); ++k) {
+            if (field.left_out[k] != 0) {
+                ++scattered;
+                out.what[k] = 1;
+                continue;
+            }
+            std::copy_n(field.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * k), 3,
+                        out.focus.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * k));
+        }
+        out.scattered_share = static_cast<double>(scattered) / static_cast<double>(out.what.size());
+    } else {
+        out.focus.image = field.image;
+    }
+    out.focus.views = focus.views;
+    std::vector<std::uint32_t> pixels = insufficient(field, settings.tolerated_unknown);
+    out.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
+    if (settings.scene != nullptr) {
+        retrace(h, settings, std::move(pixels), out);
+    } else if (out.wanted_share > 1e-3) {
+        out.focus.warnings.push_back(
+            {"uncovered", out.wanted_share,
+             fmt::format("the records do not suffice for {:.2g} % of the pixels (expected --scene, to trace them "
+                         "again, or a trace with --hidden-layers for this lens)",
+                         100 * out.wanted_share)});
+    }
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,42 @@
+// The cheapest method that is right, pixel by pixel; distributed rays where none is.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "focus/focus.h"
+#include "lens/shutter_curve.h"
+#include "reproject/raster_map.h"
+#include "tracer/scene.h"
+
+namespace postlens {
+
+struct HybridSettings {
+    FocusSettings focus;  ///< lens, aperture, `views`; `method` does not count
+    /// Open for more than an instant: everything is seen by the light field.
+    const FrameMotion* motion = nullptr;
+    std::optional<TimeSpan> shutter;
+    ShutterCurve curve = ShutterCurve::box();
+    /// The scene that the file was traced from, for what the records do not show; null: stays as it is.
+    const Scene* scene = nullptr;
+    int retrace_spp = 128;
+    double most_retraced = 0.1;  ///< share of the pixels
+    /// Share of a pixel's light that may be unknown before it is traced again.
+    double tolerated_unknown = 0.02;
+};
+
+struct HybridResult {
+    FocusResult focus;             ///< image, views, warnings
+    double scattered_share = 0;    ///< of the pixels
+    double wanted_share = 0;       ///< that records do not suffice for
+    double retraced_share = 0;
+    RayCounts rays;
+    std::vector<std::uint8_t> what;  ///< by pixel: 0 light field, 1 scattered, 2 traced again
+};
+
+/// Throws Error(invalid_input) for a scene that is not the file's own, and what focus_picture and
+/// render_picture throw. Same bits for any number of threads.
+[[nodiscard]] HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings);
+
+}  // namespace postlens
