@@ -132,7 +132,10 @@ TEST_F(TraceCommand, WhatCannotBeIsRefused) {
         {{"--for-shutter", "0:inf"}, "--for-shutter: not two instants"},
         {{"--for-shutter", "0.5"}, "--for-shutter: not two instants"},
         {{"--hidden-layers", "auto"},
-         "--hidden-layers auto: needs to know the shutter (expected --for-shutter)"},
+         "--hidden-layers auto: needs to know the lens or the shutter (expected --for-f-number or "
+         "--for-shutter)"},
+        {{"--for-f-number", "0"}, "--for-f-number: out of range (got 0; expected a number above 0)"},
+        {{"--for-f-number", "inf"}, "--for-f-number: not a number (got inf"},
         {{"--hidden-layers", "17"}, "--hidden-layers: out of range (got 17; expected 0 to 16)"},
         {{"--hidden-layers", "-1"}, "--hidden-layers: out of range (got -1; expected 0 to 16)"},
         {{"--hidden-layers", "some"}, "--hidden-layers: not a whole number (got some"},
