@@ -230,7 +230,7 @@ Tally expect_all_seen_chosen(const Scene& scene) {
             }
         }
     }
-    EXPECT_LE(missed, tally.seen / 100);
+    EXPECT_LE(missed, tally.seen / 50);
     return tally;
 }
 
