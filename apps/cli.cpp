@@ -46,7 +46,8 @@ void shutter_trace_options(CLI::App& app, TraceSettings& t) {
                if (!t.hidden_auto) t.hidden_layers = parse_whole("--hidden-layers", text);
            },
            "Surfaces recorded behind each visible one, 0 to 16; auto: up to 4 that may come to light during "
-           "--for-shutter [default: auto with --for-shutter, else 0]")
+           "--for-shutter, and up to 3 that a lens of --for-f-number sees past the edges of others, in "
+           "mirrors and glass as well [default: auto with one of these, else 0]")
         ->type_name("N|auto");
     app.add_option_function<std::string>(
            "--keys",
@@ -69,8 +70,16 @@ void add_trace(CLI::App& root, State& s) {
     number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S");
     number(app, "--focal-length", t.camera.focal_length_mm,
            "Film distance of the pinhole view, more than 0 [default: the camera's]", "MM");
-    whole(app, "--subdivide", t.subdivision.levels,
-          "Greatest depth of the recursive 2x2 subdivision of a pixel, 0 to 8", "LEVELS");
+    t.subdivide_for_lens = true;
+    app.add_option_function<std::string>(
+           "--subdivide",
+           [&t](const std::string& text) {
+               t.subdivide_for_lens = false;
+               t.subdivision.levels = parse_whole("--subdivide", text);
+           },
+           "Greatest depth of the recursive 2x2 subdivision of a pixel, 0 to 8 [default: 2; with "
+           "--for-f-number 3 where objects end, as records no finer than that bound how sharp a lens is]")
+        ->type_name("LEVELS");
     number(app, "--threshold", t.subdivision.threshold,
            "Contrast (max-min)/(max+min+0.05) of its corners above which a cell is subdivided", "T");
     tree_options(app, t.whitted.max_depth, t.whitted.min_contribution);
@@ -84,7 +93,11 @@ void add_trace(CLI::App& root, State& s) {
            "need [default: 0]")
         ->type_name("PX|auto");
     shutter_trace_options(app, t);
-    number(app, "--for-f-number", t.for_f_number, "Size the file for apertures down to this f-number", "N");
+    number(app, "--for-f-number", t.for_f_number,
+           "Size the file for apertures down to this f-number, more than 0: see --hidden-layers, --subdivide "
+           "and "
+           "--overscan",
+           "N");
     number(app, "--for-focus", t.for_focus_m, "Size the file for this focus distance", "M", true);
     choice(app, "--compression", t.compression, "Compression of the records",
            {{"none", RecordCompression::none},

@@ -31,10 +31,15 @@ double asked_or_named(const std::optional<double>& asked, const std::optional<do
 // What the trace was sized for, against what is asked now.
 void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, CommandResult& out) {
     const SufficientRange& range = h.sufficient;
-    if (range.smallest_f_number && lens.lens.f_number < *range.smallest_f_number) {
+    // What counts is the aperture's diameter; the file was traced for the focal length of its own view.
+    const double f_number = lens.lens.f_number * h.film_distance_mm / lens.lens.focal_length_mm;
+    constexpr double rounding = 1e-9;
+    if (range.smallest_f_number && f_number < *range.smallest_f_number * (1 - rounding)) {
         out.warnings.push_back(
-            {"insufficient", fmt::format("the file was traced for f-numbers from {} on (got {})",
-                                         *range.smallest_f_number, lens.lens.f_number)});
+            {"insufficient",
+             fmt::format("the file was traced for f-numbers from {} on at {:.6g} mm (got {} at {:.6g} mm)",
+                         *range.smallest_f_number, h.film_distance_mm, lens.lens.f_number,
+                         lens.lens.focal_length_mm)});
     }
     if (range.nearest_focus_m && range.farthest_focus_m &&
         (lens.focus_m < *range.nearest_focus_m || lens.focus_m > *range.farthest_focus_m)) {

@@ -86,6 +86,9 @@ CommandResult sample_file_info(const std::string& input) {
     if (file.instants() > 1) {
         out.text += fmt::format("\nfurther instants: {} s", fmt::join(h.key_times_s, ", "));
     }
+    if (range.smallest_f_number) {
+        out.text += fmt::format("\nsuffices for f-numbers from {} on", *range.smallest_f_number);
+    }
     if (range.shutter_open_s) {
         out.text += fmt::format("\nsuffices for a shutter open from {} s to {} s", *range.shutter_open_s,
                                 *range.shutter_close_s);

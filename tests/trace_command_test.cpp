@@ -1,5 +1,6 @@
 // `trace` for a shutter as people type it: key instants, hidden layers, and what `info` and `records` tell of
 // them.
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -113,6 +114,83 @@ TEST_F(TraceCommand, TheVisiblePictureIsTheSame) {
     EXPECT_TRUE(text_of(in("plain_lens.exr")) == text_of(in("shuttered_lens.exr")));
 }
 
+TEST_F(TraceCommand, ALensBringsHiddenLayersAndFinerEdges) {
+    const json bare = traced({});
+    EXPECT_EQ(info()["subdivide"], 2);
+    const json lens = traced({"--for-f-number", "1.4"});
+    EXPECT_GT(lens["rays"]["hidden"], 0);
+    EXPECT_GT(lens["records"], bare["records"]);
+    const json i = info();
+    EXPECT_EQ(i["subdivide"], 3);
+    EXPECT_GT(i["layers"], 1);
+    EXPECT_EQ(i["sufficient"]["f_number"], 1.4);
+    EXPECT_NE(run({"info", in("a.exr")}).out.find("suffices for f-numbers from 1.4 on"), std::string::npos);
+    // A smaller aperture looks past edges less far.
+    EXPECT_LT(traced({"--for-f-number", "5.6"})["records"], lens["records"]);
+    // Both may be said otherwise.
+    EXPECT_EQ(traced({"--for-f-number", "1.4", "--hidden-layers", "0"})["rays"]["hidden"], 0);
+    EXPECT_EQ(info()["layers"], 1);
+    (void)traced({"--for-f-number", "1.4", "--subdivide", "1"});
+    EXPECT_EQ(info()["subdivide"], 1);
+    // With the shutter it is what either asks for.
+    const json shutter = traced({"--for-shutter", "0:1", "--subdivide", "2"});
+    const json both = traced({"--for-shutter", "0:1", "--for-f-number", "1.4", "--subdivide", "2"});
+    EXPECT_GT(both["records"], shutter["records"]);
+    EXPECT_GT(both["records"], traced({"--for-f-number", "1.4", "--subdivide", "2"})["records"]);
+}
+
+TEST_F(TraceCommand, FocusSaysWhereTheFileDoesNotSuffice) {
+    (void)traced({"--for-f-number", "2", "--for-focus", "4", "--overscan", "auto"});
+    const auto focused = [&](const std::vector<std::string>& lens, int exit_code) {
+        std::vector<std::string> words{"focus", in("a.exr"), "-o", in("f.exr"), "--strict", "--json"};
+        words.insert(words.end(), lens.begin(), lens.end());
+        const Outcome r = run(words);
+        EXPECT_EQ(r.exit_code, exit_code) << r.err << r.out;
+        std::vector<std::string> codes;
+        const json j = json::parse(r.out);
+        for (const json& w : j["warnings"]) codes.push_back(w["code"]);
+        return std::count(codes.begin(), codes.end(), "insufficient");
+    };
+    EXPECT_EQ(focused({"--f-number", "2", "--focus", "4"}, 0), 0);
+    EXPECT_EQ(focused({"--f-number", "1.9", "--focus", "4"}, 6), 1);
+    EXPECT_EQ(focused({"--f-number", "2", "--focus", "3"}, 6), 1);
+    EXPECT_EQ(focused({"--f-number", "1.9", "--focus", "3"}, 6), 2);
+    // It is the aperture that counts: F / n.
+    const double focal_length_mm = info()["focal_length_mm"];
+    EXPECT_EQ(
+        focused({"--focal-length", std::to_string(focal_length_mm / 2), "--f-number", "1", "--focus", "4"},
+                0),
+        0);
+    EXPECT_EQ(
+        focused({"--focal-length", std::to_string(focal_length_mm * 2), "--f-number", "2", "--focus", "4"},
+                6),
+        1);
+}
+
+TEST_F(TraceCommand, LayersInMirrorsDisturbNoReader) {
+    const std::string still_life = std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml";
+    const std::string frame = in("a.exr");
+    const Outcome r =
+        run({"trace", still_life, "-o", frame, "--size", "96x54", "--for-f-number", "1.4", "--json"});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_GT(info()["layers"], 1);
+    const SampleFileReader file(frame);
+    RecordBand band;
+    file.read(file.y_begin(), file.y_end(), band);
+    const Record* found = nullptr;
+    for (const Record& record : band.records) {
+        const bool hidden = record.layer == 1 && record.path.bits() != 0;
+        if (hidden && record.x < 96 && record.y < 54) found = &record;
+    }
+    ASSERT_NE(found, nullptr);
+    const Outcome shown =
+        run({"records", frame, "--at", std::to_string(found->x) + "," + std::to_string(found->y)});
+    EXPECT_EQ(shown.exit_code, 0) << shown.err;
+    EXPECT_NE(shown.out.find("hidden layer 1"), std::string::npos) << shown.out;
+    EXPECT_EQ(run({"image", frame, "-o", in("p.exr"), "--quiet"}).exit_code, 0);
+    EXPECT_EQ(run({"focus", frame, "-o", in("f.exr"), "--quiet"}).exit_code, 0);
+}
+
 TEST_F(TraceCommand, WhatCannotBeIsRefused) {
     struct Case {
         std::vector<std::string> options;
@@ -132,7 +210,10 @@ TEST_F(TraceCommand, WhatCannotBeIsRefused) {
         {{"--for-shutter", "0:inf"}, "--for-shutter: not two instants"},
         {{"--for-shutter", "0.5"}, "--for-shutter: not two instants"},
         {{"--hidden-layers", "auto"},
-         "--hidden-layers auto: needs to know the shutter (expected --for-shutter)"},
+         "--hidden-layers auto: needs to know the lens or the shutter (expected --for-f-number or "
+         "--for-shutter)"},
+        {{"--for-f-number", "0"}, "--for-f-number: out of range (got 0; expected a number above 0)"},
+        {{"--for-f-number", "inf"}, "--for-f-number: not a number (got inf"},
         {{"--hidden-layers", "17"}, "--hidden-layers: out of range (got 17; expected 0 to 16)"},
         {{"--hidden-layers", "-1"}, "--hidden-layers: out of range (got -1; expected 0 to 16)"},
         {{"--hidden-layers", "some"}, "--hidden-layers: not a whole number (got some"},

@@ -183,10 +183,11 @@ class BandSampler {
         std::array<float, 3> rgb{};
     };
 
-    [[nodiscard]] bool differ(const Seen* s, int count) const {
+    [[nodiscard]] bool differ(const Cell& c, const Seen* s, int count) const {
         for (int i = 1; i < count; ++i) {
             if (s[i].id != s[0].id) return true;
         }
+        if (c.size <= unit_ >> std::min(settings_.colour_levels, settings_.levels)) return false;
         for (std::size_t channel = 0; channel < 3; ++channel) {
             float lo = s[0].rgb[channel], hi = lo;
             for (int i = 1; i < count; ++i) {
@@ -221,23 +222,33 @@ class BandSampler {
             seen[i] = {s.id, {s.r, s.g, s.b}};
             hidden = hidden || s.count > s.visible;
         }
-        return differ(seen.data(), 4) || (hidden && hidden_layers_differ(c));
+        return differ(c, seen.data(), 4) || (hidden && hidden_layers_differ(c));
     }
 
     // What comes to light is wanted as finely as what is seen. Corners that lack a layer say nothing of it.
+    // Layers without a primary node, which mirrors and glass show, are compared with those of the same path.
     [[nodiscard]] bool hidden_layers_differ(const Cell& c) const {
         std::array<std::uint32_t, 4> at{};
         for (std::size_t i = 0; i < 4; ++i) at[i] = samples_[c.corner[i]].visible;
         for (;;) {
+            constexpr std::uint32_t none = 0xFFFFFFFFU;
+            std::uint32_t path = none;
+            for (std::size_t i = 0; i < 4; ++i) path = std::min(path, next_path(c.corner[i], at[i], none));
+            if (path == none) return false;
             std::array<Seen, 4> seen;
             int count = 0;
             for (std::size_t i = 0; i < 4; ++i) {
-                const Sample& s = samples_[c.corner[i]];
-                if (at[i] < s.count) seen[static_cast<std::size_t>(count++)] = take_layer(s, at[i]);
+                if (next_path(c.corner[i], at[i], none) != path) continue;
+                seen[static_cast<std::size_t>(count++)] = take_layer(samples_[c.corner[i]], at[i]);
             }
-            if (count == 0) return false;
-            if (differ(seen.data(), count)) return true;
+            if (differ(c, seen.data(), count)) return true;
         }
+    }
+
+    // The path of the first node of the layer that begins at `at`; `none` behind the last.
+    [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const {
+        const Sample& s = samples_[sample];
+        return at < s.count ? chunks_[s.chunk].records[s.first + at].path.bits() : none;
     }
 
     void refine(int y_begin, int y_end) {

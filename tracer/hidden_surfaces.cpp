@@ -24,7 +24,7 @@ bool is_flat(const Shape& shape) {
 
 // One eye ray on its way.
 struct Chain {
-    std::uint32_t sample = 0;
+    std::uint32_t ray = 0;
     HitKey key;           // what it met last
     double t = 0;         // where, m
     double here_t = 0;    // where the run of coincident hits begins that it is in
@@ -40,19 +40,21 @@ struct Chain {
     };
     std::vector<Met> here;       // met at here_t
     std::vector<Places> places;  // on the film, of the surfaces so far
+    LensReach::Covers covers;    // the surfaces so far, as a lens sees them
 };
 
 class Follower {
   public:
-    Follower(const RayScene& scene, const HiddenLayers& wanted, std::span<const EyeHit> eye,
+    Follower(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
              std::vector<HiddenHit>& out)
         : scene_(scene), wanted_(wanted), eye_(eye), out_(out) {}
 
-    void begin(std::uint32_t sample, std::vector<Chain>& chains) {
-        const EyeHit& e = eye_[sample];
+    void begin(std::uint32_t ray, std::vector<Chain>& chains) {
+        const FirstHit& e = eye_[ray];
         if (!e.key.valid()) return;
         Chain c;
-        c.sample = sample;
+        c.ray = ray;
+        c.covers = {e.at, e.path, e.parent, 0, 0, e.inverse_depth_limit()};
         meet(c, e.key, e.surface);
         if (goes_on(c)) chains.push_back(std::move(c));
     }
@@ -60,14 +62,14 @@ class Follower {
     // Where the next ray of the chain begins, along the eye ray. Just before the last hit, so that what
     // coincides with it is found (a box on a floor); the hit's own primitive is left out by its key.
     [[nodiscard]] double start(const Chain& c) const {
-        const double step = RayScene::offset(eye_[c.sample].origin + c.t * eye_[c.sample].direction);
+        const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
     }
 
     // False where the chain has come to its end.
     bool advance(Chain& c, const HitKey& key, double t) {
         if (++c.crossings == most_crossings) return false;
-        const EyeHit& e = eye_[c.sample];
+        const FirstHit& e = eye_[c.ray];
         if (!key.valid()) {
             take(c, key, {});
             return false;
@@ -79,7 +81,7 @@ class Follower {
   private:
     // Takes in a hit: a surface, the exit from an object, or the same again.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
-        const EyeHit& e = eye_[c.sample];
+        const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
         const bool coincides = !c.here.empty() && s.t <= c.here_t + 4 * RayScene::offset(s.position);
         if (!coincides) {
@@ -109,26 +111,56 @@ class Follower {
     void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const int layer = c.layers++;
         const bool visible = layer == 0;
+        const bool seen_past = wanted_.lens != nullptr && lens_sees(c, key, s);
         if (visible && !goes_on(c)) return;  // most rays of a picture in which little moves
-        if (wanted_.motion != nullptr && !comes_to_light(c, key, s)) return;
-        if (visible) return;
+        const bool uncovered = by_motion(c) && comes_to_light(c, key, s);
+        if (visible || !(wanted_.all() || seen_past || uncovered)) return;
         ++c.kept;
-        out_.push_back({c.sample, static_cast<std::uint32_t>(layer), key, s});
+        out_.push_back({c.ray, static_cast<std::uint32_t>(layer), key, s});
     }
 
     [[nodiscard]] bool goes_on(const Chain& c) const {
         if (c.layers > wanted_.count) return false;
-        if (wanted_.motion == nullptr) return true;
-        if (c.kept >= HiddenLayers::most_uncovered) return false;
+        if (wanted_.all()) return true;
+        if (c.kept >= (by_motion(c) ? HiddenLayers::most_uncovered : HiddenLayers::most_seen_past))
+            return false;
+        return may_come_to_light(c) || (wanted_.lens != nullptr && wanted_.lens->may_see_past(c.covers));
+    }
+
+    [[nodiscard]] bool by_motion(const Chain& c) const {
+        return wanted_.motion != nullptr && c.covers.path.bits() == 0;
+    }
+
+    [[nodiscard]] bool may_come_to_light(const Chain& c) const {
+        if (!by_motion(c)) return false;
         // What stands still never comes to light behind what stands still.
         if (!c.still || wanted_.motion->parallax()) return true;
-        const EyeHit& e = eye_[c.sample];
+        const FirstHit& e = eye_[c.ray];
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
+    }
+
+    // Whether some point of the lens sees it behind all before it. Remembers how far away it is.
+    [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
+        const FirstHit& e = eye_[c.ray];
+        double inverse_depth = 0;
+        if (e.path.bits() != 0) {
+            RayDifferentials d = e.differentials;
+            if (key.valid()) transfer(d, e.direction, s.t, s.geometric_normal);
+            inverse_depth = key.valid() ? LensReach::inverse_depth(refocus_matrix(d)) : c.covers.limit;
+        } else if (key.valid()) {
+            inverse_depth = 1 / (s.t * e.cos_axis);
+        }
+        const bool first = c.layers == 1;
+        const bool seen = !first && wanted_.lens->may_see(c.covers, inverse_depth);
+        if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
+        c.covers.nearest = std::max(c.covers.nearest, inverse_depth);
+        c.covers.farthest = std::min(c.covers.farthest, inverse_depth);
+        return seen;
     }
 
     // Whether all before it move away from it on the film at some instant. Remembers where it lies.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
-        const EyeHit& e = eye_[c.sample];
+        const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());
         for (std::size_t i = 0; i < mine.size(); ++i) {
             mine[i] = key.valid() ? wanted_.motion->place(scene_.scene().objects[s.object].id, s.position, i)
@@ -148,13 +180,17 @@ class Follower {
 
     const RayScene& scene_;
     const HiddenLayers& wanted_;
-    std::span<const EyeHit> eye_;
+    std::span<const FirstHit> eye_;
     std::vector<HiddenHit>& out_;
 };
 
 }  // namespace
 
-void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const EyeHit> eye,
+double FirstHit::inverse_depth_limit() const {
+    return path.bits() == 0 ? 0 : LensReach::inverse_depth(refocus_matrix_at_infinity(differentials));
+}
+
+void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent) {
     out.clear();
     thread_local std::vector<Chain> chains;
@@ -165,7 +201,7 @@ void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std
     while (!chains.empty()) {
         batch.clear(true);
         for (const Chain& c : chains) {
-            const EyeHit& e = eye[c.sample];
+            const FirstHit& e = eye[c.ray];
             batch.add(e.origin + follower.start(c) * e.direction, e.direction,
                       std::numeric_limits<float>::infinity(), c.key);
         }
@@ -182,7 +218,7 @@ void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std
         chains.resize(left);
     }
     std::sort(out.begin(), out.end(), [](const HiddenHit& a, const HiddenHit& b) {
-        return a.sample != b.sample ? a.sample < b.sample : a.layer < b.layer;
+        return a.ray != b.ray ? a.ray < b.ray : a.layer < b.layer;
     });
 }
 

@@ -9,6 +9,7 @@
 #include "lens/focus_geometry.h"
 #include "tracer/film_motion.h"
 #include "tracer/key_instants.h"
+#include "tracer/lens_reach.h"
 #include "tracer/overscan.h"
 #include "tracer/recorded_motion.h"
 
@@ -16,6 +17,9 @@ namespace postlens {
 namespace {
 
 constexpr int largest_levels = 8;
+
+// What is seen past edges that lie outside of the records matters only at their border, where few look.
+constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
     if (value < low || value > high) {
@@ -44,9 +48,14 @@ void check(const TraceSettings& s) {
     }
     if (s.for_shutter) check_shutter("--for-shutter", *s.for_shutter);
     if (s.hidden_layers) check_whole("--hidden-layers", *s.hidden_layers, 0, HiddenLayers::most);
-    if (s.hidden_auto && !s.for_shutter) {
+    if (s.for_f_number && (!(*s.for_f_number > 0) || !std::isfinite(*s.for_f_number))) {
+        fail(ExitCode::wrong_arguments, "--for-f-number: out of range (got {}; expected a number above 0)",
+             *s.for_f_number);
+    }
+    if (s.hidden_auto && !s.for_shutter && !s.for_f_number) {
         fail(ExitCode::wrong_arguments,
-             "--hidden-layers auto: needs to know the shutter (expected --for-shutter)");
+             "--hidden-layers auto: needs to know the lens or the shutter (expected --for-f-number or "
+             "--for-shutter)");
     }
     if (s.keys) check_whole("--keys", *s.keys, 1, static_cast<int>(SampleHeader::most_keys));
     if (s.keys != 1 && !s.for_shutter) {
@@ -67,6 +76,17 @@ class Instant {
         }
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
+    // From here on hidden surfaces are also those that a lens sees past edges in the window.
+    void look_through_lens(const TraceSettings& settings, const SampledWindow& w) {
+        if (!settings.for_f_number || settings.hidden_layers ||
+            camera_.projection == Camera::Projection::orthographic)
+            return;
+        constexpr int more = beyond_records_px;
+        const double radius_m = camera_.film_distance_mm / *settings.for_f_number / 2 * 1e-3;
+        lens_.emplace(rays_, camera_, radius_m, settings.whitted.max_depth, w.x_begin - more,
+                      w.x_end + more + 1, w.y_begin - more, w.y_end + more + 1);
+        tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
+    }
     Instant(const Instant&) = delete;
     Instant& operator=(const Instant&) = delete;
     Instant(Instant&&) = delete;
@@ -83,8 +103,10 @@ class Instant {
         HiddenLayers out;
         if (settings.hidden_layers) {
             out.count = *settings.hidden_layers;
-        } else if (motion_ && motion_->anything_moves()) {
-            out = {HiddenLayers::most, &*motion_};
+        } else {
+            if (motion_ && motion_->anything_moves()) out.motion = &*motion_;
+            if (lens_) out.lens = &*lens_;
+            if (!out.all()) out.count = HiddenLayers::most;
         }
         hidden_ = out.count > 0;
         return out;
@@ -93,6 +115,7 @@ class Instant {
     CameraModel camera_;
     RayScene rays_;
     std::optional<FilmMotion> motion_;
+    std::optional<LensReach> lens_;
     std::optional<WhittedTracer> tracer_;
     bool hidden_ = false;
 };
@@ -183,9 +206,13 @@ SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, co
     return h;
 }
 
-TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings,
-                          const std::filesystem::path& path) {
-    check(settings);
+TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const std::filesystem::path& path) {
+    check(asked);
+    TraceSettings settings = asked;
+    if (asked.for_f_number && asked.subdivide_for_lens) {
+        settings.subdivision.colour_levels = asked.subdivision.levels;
+        settings.subdivision.levels = std::max(asked.subdivision.levels, TraceSettings::lens_levels);
+    }
     const Camera& of = find_camera(scene, settings.camera_name);
     const double time_s = settings.time_s.value_or(scene.time_s);
     TraceResult result;
@@ -207,19 +234,21 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings,
     result.overscan_px = settings.overscan_auto ? overscan_for(settings, *instant) : settings.overscan_px;
     const CameraModel& camera = instant->camera();
     const int width = camera.width, height = camera.height, o = result.overscan_px;
+    const SampledWindow window{-o, width + o, -o, height + o};
+    instant->look_through_lens(settings, window);
     SampleHeader header = sample_header(scene, settings, camera, time_s, o);
     header.has_w = instant->tracer().has_deeper_nodes();
     header.has_layers = instant->has_hidden_layers();
     header.key_times_s = keys_s;
     SampleFileWriter writer(path, header, settings.compression);
 
-    const SampledWindow window{-o, width + o, -o, height + o};
     Progress progress("trace", static_cast<std::uint64_t>(height + 2 * o) * result.instants_s.size(),
                       settings.quiet);
     for (std::size_t i = 0; i < result.instants_s.size(); ++i) {
         if (i > 0) {
             instant.reset();  // its memory before the next one's
             instant = instant_at(result.instants_s[i]);
+            instant->look_through_lens(settings, window);
             writer.next_instant();
         }
         result.rays +=

@@ -19,6 +19,10 @@ struct TraceSettings {
     std::string camera_name;       ///< empty: the scene's first
     std::optional<double> time_s;  ///< absent: the scene's own
     SubdivisionSettings subdivision{.levels = 2};
+    /// With `for_f_number`: at least as many levels as `lens_levels` at the edges of objects, in place of
+    /// `subdivision.levels`, which then holds for colours.
+    bool subdivide_for_lens = false;
+    static constexpr int lens_levels = 3;
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto = false;  ///< as wide as lens and shutter below ask for, found by a coarse trace first
@@ -26,9 +30,9 @@ struct TraceSettings {
     std::optional<double> for_focus_m;
     std::optional<TimeSpan> for_shutter;
     /// Hidden surfaces, 0 to 16: so many behind every visible one. Absent: those that `for_shutter` may bring
-    /// to light; none without a shutter.
+    /// to light and those that a lens of `for_f_number` sees past the edges of others; none without both.
     std::optional<int> hidden_layers;
-    bool hidden_auto = false;  ///< `hidden_layers` left absent on purpose: needs `for_shutter`
+    bool hidden_auto = false;  ///< `hidden_layers` left absent on purpose: needs one of the two
     /// How many instants of `for_shutter`, 1 to 64, evenly spread; the frame's own comes in addition where it
     /// is none of them, and alone for 1. Absent: as many as the motion asks for, which needs `for_shutter`.
     std::optional<int> keys = 1;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 #include <vector>
 
 #include "tracer/ray_differentials.h"
@@ -23,6 +24,7 @@ struct PathRay {
     std::uint32_t sample = 0;
     std::uint32_t differentials = 0;  // index; unused where W is not asked for
     std::uint32_t layer = 0;
+    std::uint32_t parent = 0;  // id of the object that sends it on
     NodePath path;
 };
 
@@ -62,8 +64,12 @@ struct Workspace {
     std::vector<RayBatch> shadow_rays;  // per light
     RayBatch batch, next_batch;
     std::vector<std::uint32_t> order;
-    std::vector<EyeHit> eye_hits;  // where hidden layers are asked for
+    std::vector<FirstHit> eye_hits;  // where hidden layers are asked for
     std::vector<HiddenHit> hidden;
+    // What mirrors and glass show and a lens may see behind; and the rays that met it.
+    std::vector<FirstHit> chain_hits;
+    std::vector<PathRay> chain_rays;
+    std::vector<std::uint32_t> next_layer;  // of each sample
 };
 
 // Nodes come generation by generation; records go sample by sample, by layer and path.
@@ -111,10 +117,14 @@ struct WhittedTracer::Impl {
     std::vector<double> bound;  // by nodes left below: the most radiance that a subtree can have
 
     void start(std::span<const glm::dvec2> positions, Workspace& w) const;
-    void generation(Workspace& w, RayCounts& counts) const;
+    void generation(std::span<const glm::dvec2> positions, Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
+    void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key,
+                    std::span<const glm::dvec2> positions, Workspace& w) const;
     void trace_hidden(std::span<const glm::dvec2> positions, Workspace& w, RayCounts& counts) const;
+    void trace_hidden_in_chains(std::span<const glm::dvec2> positions, Workspace& w, RayCounts& counts) const;
+    void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
     [[nodiscard]] static Node& add_node(const PathRay& ray, Workspace& w);
     void miss(const PathRay& ray, Workspace& w) const;
     void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
@@ -140,12 +150,14 @@ void WhittedTracer::Impl::start(std::span<const glm::dvec2> positions, Workspace
         r.length = 0;
         r.cos_axis = eye.cos_axis;
         r.sample = static_cast<std::uint32_t>(i);
-        r.layer = 0;
+        r.layer = r.parent = 0;
         r.path = NodePath();
         w.batch.add(eye.origin, eye.direction, std::numeric_limits<float>::infinity());
     }
     w.eye_hits.clear();
     if (hidden.count > 0) w.eye_hits.resize(positions.size());
+    w.chain_hits.clear();
+    w.chain_rays.clear();
 }
 
 // The next node, all but its depth, id, W and radiance.
@@ -219,6 +231,7 @@ void WhittedTracer::Impl::child(const PathRay& parent, const SurfacePoint& s, co
     r.cos_axis = parent.cos_axis;
     r.sample = parent.sample;
     r.layer = parent.layer;
+    r.parent = rays.scene().objects[s.object].id;
     r.differentials = static_cast<std::uint32_t>(w.next_differentials.count);
     r.path = parent.path.child(bounce);
     w.next_batch.add(s.position + RayScene::offset(s.position) * off, direction,
@@ -299,7 +312,8 @@ void WhittedTracer::Impl::end_generation(Workspace& w) const {
     std::swap(w.differentials, w.next_differentials);
 }
 
-void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
+void WhittedTracer::Impl::generation(std::span<const glm::dvec2> positions, Workspace& w,
+                                     RayCounts& counts) const {
     rays.intersect(w.batch, w.rays[0].path.bits() == 0);
     begin_generation(w);
     for (std::size_t i = 0; i < w.rays.count; ++i) {
@@ -317,13 +331,55 @@ void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
                 w.eye_hits[ray.sample].key = key;
                 w.eye_hits[ray.sample].surface = surface;
             }
+        } else if (hidden.lens != nullptr && ray.layer == 0) {
+            keep_chain(ray, surface, key, positions, w);
         }
         hit(ray, surface, key, w, counts);
     }
     end_generation(w);
 }
 
-// Hidden surfaces become roots of shading trees of their own, met by the eye ray as if alone.
+// Notes what a ray behind a bounce meets, where a lens may see behind that. The way out of glass hides
+// nothing: what is behind it is seen by the ray that the glass sends on.
+void WhittedTracer::Impl::keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key,
+                                     std::span<const glm::dvec2> positions, Workspace& w) const {
+    if (!refocus || ray.path.depth() > LensReach::most_bounces) return;
+    const bool own_way_out =
+        rays.scene().objects[s.object].id == ray.parent && glm::dot(ray.direction, s.geometric_normal) >= 0;
+    if (own_way_out) return;
+    FirstHit first{ray.origin,
+                   ray.direction,
+                   ray.cos_axis,
+                   positions[ray.sample],
+                   key,
+                   s,
+                   ray.path,
+                   ray.parent,
+                   w.differentials[ray.differentials]};
+    RayDifferentials there = first.differentials;
+    transfer(there, ray.direction, s.t, s.geometric_normal);
+    const double inverse_depth = LensReach::inverse_depth(refocus_matrix(there));
+    if (!hidden.lens->may_see_past(
+            {first.at, first.path, first.parent, inverse_depth, inverse_depth, first.inverse_depth_limit()}))
+        return;
+    w.chain_hits.push_back(first);
+    w.chain_rays.push_back(ray);
+}
+
+// A node that is met as if nothing stood before it: the root of a shading tree of its own.
+void WhittedTracer::Impl::root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w,
+                               RayCounts& counts) const {
+    if (ray.path.bits() != 0) {
+        ray.differentials = static_cast<std::uint32_t>(w.differentials.count);
+        w.differentials.add() = first.differentials;
+    }
+    if (h.key.valid()) {
+        hit(ray, h.surface, h.key, w, counts);
+    } else {
+        miss(ray, w);
+    }
+}
+
 void WhittedTracer::Impl::trace_hidden(std::span<const glm::dvec2> positions, Workspace& w,
                                        RayCounts& counts) const {
     for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -335,23 +391,45 @@ void WhittedTracer::Impl::trace_hidden(std::span<const glm::dvec2> positions, Wo
     }
     find_hidden_surfaces(rays, hidden, w.eye_hits, w.hidden, counts.hidden);
     begin_generation(w);
+    w.next_layer.assign(positions.size(), 1);
     for (const HiddenHit& h : w.hidden) {
-        const EyeHit& eye = w.eye_hits[h.sample];
+        const FirstHit& eye = w.eye_hits[h.ray];
+        w.next_layer[h.ray] = h.layer + 1;
         PathRay ray;
         ray.origin = eye.origin;
         ray.direction = eye.direction;
         ray.throughput = dvec3(1);
         ray.cos_axis = eye.cos_axis;
-        ray.sample = h.sample;
+        ray.sample = h.ray;
         ray.layer = h.layer;
-        if (h.key.valid()) {
-            hit(ray, h.surface, h.key, w, counts);
-        } else {
-            miss(ray, w);
-        }
+        root(eye, h, ray, w, counts);
     }
     end_generation(w);
-    while (w.rays.count > 0) generation(w, counts);
+    while (w.rays.count > 0) generation(positions, w, counts);
+    if (!w.chain_hits.empty()) trace_hidden_in_chains(positions, w, counts);
+}
+
+// The same behind what mirrors and glass show. Each surface is a layer of its own, of which a sample has no
+// primary node.
+void WhittedTracer::Impl::trace_hidden_in_chains(std::span<const glm::dvec2> positions, Workspace& w,
+                                                 RayCounts& counts) const {
+    find_hidden_surfaces(rays, hidden, w.chain_hits, w.hidden, counts.hidden);
+    std::sort(w.hidden.begin(), w.hidden.end(), [&](const HiddenHit& a, const HiddenHit& b) {
+        const auto order = [&](const HiddenHit& h) {
+            const PathRay& r = w.chain_rays[h.ray];
+            return std::tuple(r.sample, r.path.bits(), h.layer);
+        };
+        return order(a) < order(b);
+    });
+    begin_generation(w);
+    w.differentials.count = 0;
+    for (const HiddenHit& h : w.hidden) {
+        PathRay ray = w.chain_rays[h.ray];
+        ray.layer = w.next_layer[ray.sample]++;
+        root(w.chain_hits[h.ray], h, ray, w, counts);
+    }
+    end_generation(w);
+    while (w.rays.count > 0) generation(positions, w, counts);
 }
 
 WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
@@ -360,7 +438,9 @@ WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
     impl_->settings.max_depth = std::clamp(settings.max_depth, 1, NodePath::max_bounces + 1);
     impl_->bound = radiance_bounds(scene.scene(), impl_->settings.max_depth);
     impl_->deeper_nodes = impl_->settings.max_depth > 1 && postlens::has_deeper_nodes(scene.scene());
-    for (const Light& l : scene.scene().lights) impl_->lights.push_back(place_light(l, scene.time_s()));
+    if (settings.lit) {
+        for (const Light& l : scene.scene().lights) impl_->lights.push_back(place_light(l, scene.time_s()));
+    }
     impl_->refocus = settings.refocus_matrices && impl_->deeper_nodes &&
                      camera.projection == Camera::Projection::perspective;
 }
@@ -378,7 +458,7 @@ void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& 
     w.shadow_rays.resize(impl_->lights.size());
     impl_->start(positions, w);
     counts.eye += positions.size();
-    while (w.rays.count > 0) impl_->generation(w, counts);
+    while (w.rays.count > 0) impl_->generation(positions, w, counts);
     if (!w.eye_hits.empty()) impl_->trace_hidden(positions, w, counts);
     collect(positions, w, out);
 }

@@ -19,6 +19,7 @@ struct WhittedSettings {
     int max_depth = 5;  ///< nodes along a path, the primary node counts 1; 1 to NodePath::max_bounces + 1
     double min_contribution = 1e-3;  ///< radiance; subtrees that cannot add as much are not traced
     bool refocus_matrices = true;    ///< compute W of deeper nodes (perspective cameras only)
+    bool lit = true;                 ///< false: lights are left out, for who asks where things are
 };
 
 /// Rays traced, as the SPD counts them; `hidden`: eye rays that go on behind a surface.

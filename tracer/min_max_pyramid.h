@@ -1,0 +1,48 @@
+// A raster of numbers that tells quickly whether something lower than a cone lies near a place.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+namespace postlens {
+
+/// Values on whole coordinates, and over them squares of 2, 4, 8, ... with the least and the greatest inside.
+class MinMaxPyramid {
+  public:
+    /// Value (x, y) of the raster is values[(y - y_begin) * width + x - x_begin]; NaN: nothing is there.
+    MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
+
+    /// Values at a distance d <= `radius` of `at` that lie under `top` by at least `least` and by `slope` d.
+    struct Cone {
+        glm::dvec2 at{0};
+        double radius = 0, top = 0, least = 0, slope = 0;  ///< 0 or more but for `top`
+    };
+    /// Whether there is any.
+    [[nodiscard]] bool any_in(const Cone& cone) const;
+    /// The same several times faster for wide cones; true also for some values that miss by an eighth of
+    /// the radius.
+    [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
+    /// Of all values; infinity where there is none.
+    [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
+    /// The greatest value within `radius` of `at`, or a greater one within nine eighths of it; `floor` where
+    /// none is greater.
+    [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
+
+  private:
+    struct Range {
+        float low, high;
+    };
+    struct Level {
+        int width = 0, height = 0;
+        std::vector<Range> ranges;
+    };
+    [[nodiscard]] int coarse_level(double radius) const;
+    [[nodiscard]] bool any_in(const Cone& cone, int level) const;
+    template <typename Visit>
+    void descend(const glm::dvec2& at, const Visit& visit) const;
+
+    int x_begin_, y_begin_;
+    std::vector<Level> levels_;  ///< from the values up to a single square
+};
+
+}  // namespace postlens
