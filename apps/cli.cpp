@@ -22,6 +22,7 @@ struct State {
     RenderOptions render;
     FocusOptions focus;
     MotionBlurOptions motionblur;
+    ShootOptions shoot;
     RecordsOptions records;
     CompareCommandOptions compare;
     std::string input, output;
@@ -270,6 +271,32 @@ void add_motionblur(CLI::App& root, State& s) {
     app.callback([&s] { s.common.run = [&s] { return run_motionblur(s.motionblur); }; });
 }
 
+void add_shoot(CLI::App& root, State& s) {
+    CLI::App& app = *root.add_subcommand(
+        "shoot", "The picture through a lens and an open shutter at once, from the records alone");
+    FocusOptions& o = s.shoot.focus;
+    o.method = FocusMethod::lightfield;
+    o.views = 128;
+    app.add_option("frame", o.input, "Sample file")->required()->type_name("FRAME");
+    output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    lens_options(app, o.lens);
+    impulse_options(app, o.impulse);
+    shutter_options(app, s.shoot.shutter, s.shoot.curve, "the file's exposure, from the frame's instant on");
+    app.add_option("--paths", s.shoot.paths,
+                   "Paths of objects, in place of what the file says (docs/motion_paths.md)")
+        ->type_name("PATHS.toml");
+    choice(app, "--method", o.method, "lightfield; hybrid: traces again what no record shows",
+           {{"lightfield", FocusMethod::lightfield}, {"hybrid", FocusMethod::hybrid}});
+    app.add_option_function<std::string>(
+           "--views", [&o](const std::string& text) { o.views = parse_whole("--views", text); },
+           "Points of the lens, each at its own instant, 1 to 4096 [default: 128]")
+        ->type_name("M");
+    retrace_options(app, o.retrace);
+    app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    common_options(app, s.common);
+    app.callback([&s] { s.common.run = [&s] { return run_shoot(s.shoot); }; });
+}
+
 void add_compare(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("compare", "How far a picture is from its reference, in figures");
     CompareCommandOptions& o = s.compare;
@@ -335,6 +362,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
     add_render(app, *state);
     add_focus(app, *state);
     add_motionblur(app, *state);
+    add_shoot(app, *state);
     add_lens_commands(app, state->common);
     add_compare(app, *state);
     add_info(app, *state);

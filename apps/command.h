@@ -9,6 +9,7 @@
 #include "compare/comparison.h"
 #include "core/error.h"
 #include "focus/focus.h"
+#include "planner/hybrid.h"
 #include "motionblur/motion_blur.h"
 #include "motionblur/vector_channels.h"
 #include "tracer/render.h"
@@ -127,6 +128,13 @@ struct ResolvedLens {
 /// A warning where the trace was sized for less than the lens, or the shutter, asked for.
 void check_sufficient(const SampleHeader& header, const ResolvedLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
+
+/// Hybrid, with the scene that `retrace` names; writes its picture of what was done, and adds the scene's
+/// warnings.
+[[nodiscard]] HybridResult run_hybrid(const SampleFileReader& file, HybridSettings settings,
+                                      const RetraceOptions& retrace, CommandResult& out);
+/// What `focus` and `shoot` say of a picture by hybrid.
+[[nodiscard]] nlohmann::ordered_json shares_json(const HybridResult& result);
 
 /// "box", "triangle" or a file. Throws Error(invalid_input).
 [[nodiscard]] ShutterCurve shutter_curve(const std::string& word);

@@ -15,9 +15,11 @@ const char* name(FocusMethod method) {
         case FocusMethod::scatter:
             return "scatter";
         case FocusMethod::lightfield:
+            return "lightfield";
+        case FocusMethod::hybrid:
             break;
     }
-    return "lightfield";
+    return "hybrid";
 }
 
 double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
@@ -26,27 +28,6 @@ double asked_or_named(const std::optional<double>& asked, const std::optional<do
     if (named) return *named;
     fail(ExitCode::wrong_arguments,
          "{}: missing (got nothing; expected a value, as the sample file names none)", option);
-}
-
-// What the trace was sized for, against what is asked now.
-void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, CommandResult& out) {
-    const SufficientRange& range = h.sufficient;
-    // What counts is the aperture's diameter; the file was traced for the focal length of its own view.
-    const double f_number = lens.lens.f_number * h.film_distance_mm / lens.lens.focal_length_mm;
-    constexpr double rounding = 1e-9;
-    if (range.smallest_f_number && f_number < *range.smallest_f_number * (1 - rounding)) {
-        out.warnings.push_back(
-            {"insufficient",
-             fmt::format("the file was traced for f-numbers from {} on at {:.6g} mm (got {} at {:.6g} mm)",
-                         *range.smallest_f_number, h.film_distance_mm, lens.lens.f_number,
-                         lens.lens.focal_length_mm)});
-    }
-    if (range.nearest_focus_m && range.farthest_focus_m &&
-        (lens.focus_m < *range.nearest_focus_m || lens.focus_m > *range.farthest_focus_m)) {
-        out.warnings.push_back(
-            {"insufficient", fmt::format("the file was traced for focus at {} to {} m (got {})",
-                                         *range.nearest_focus_m, *range.farthest_focus_m, lens.focus_m)});
-    }
 }
 
 // A real lens has a focal length and a widest f-number of its own.
@@ -67,6 +48,26 @@ void take_from_prescription(const Impulse& impulse, LensOptions& lens) {
 
 nlohmann::ordered_json json_number(double value) {
     return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, std::vector<Warning>& out) {
+    const SufficientRange& range = h.sufficient;
+    // What counts is the aperture's diameter; the file was traced for the focal length of its own view.
+    const double f_number = lens.lens.f_number * h.film_distance_mm / lens.lens.focal_length_mm;
+    constexpr double rounding = 1e-9;
+    if (range.smallest_f_number && f_number < *range.smallest_f_number * (1 - rounding)) {
+        out.push_back(
+            {"insufficient",
+             fmt::format("the file was traced for f-numbers from {} on at {:.6g} mm (got {} at {:.6g} mm)",
+                         *range.smallest_f_number, h.film_distance_mm, lens.lens.f_number,
+                         lens.lens.focal_length_mm)});
+    }
+    if (range.nearest_focus_m && range.farthest_focus_m &&
+        (lens.focus_m < *range.nearest_focus_m || lens.focus_m > *range.farthest_focus_m)) {
+        out.push_back(
+            {"insufficient", fmt::format("the file was traced for focus at {} to {} m (got {})",
+                                         *range.nearest_focus_m, *range.farthest_focus_m, lens.focus_m)});
+    }
 }
 
 ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file) {
@@ -91,31 +92,41 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     if (options.impulse.kind == ImpulseKind::lens) take_from_prescription(options.impulse, lens_options);
     const ResolvedLens lens = resolve_lens(lens_options, file);
-    const FocusResult result = focus_picture(file, {.lens = lens.lens,
-                                                    .focus_distance_m = lens.focus_m,
-                                                    .framing = options.lens.framing,
-                                                    .method = options.method,
-                                                    .spacing = options.spacing,
-                                                    .depth_model = options.depth_model,
-                                                    .impulse = options.impulse,
-                                                    .depths = options.depths,
-                                                    .views = options.views});
+    const FocusSettings settings{.lens = lens.lens,
+                                 .focus_distance_m = lens.focus_m,
+                                 .framing = options.lens.framing,
+                                 .method = options.method,
+                                 .spacing = options.spacing,
+                                 .depth_model = options.depth_model,
+                                 .impulse = options.impulse,
+                                 .depths = options.depths,
+                                 .views = options.views};
+    CommandResult out;
+    FocusResult result;
+    HybridResult hybrid;
+    if (options.method == FocusMethod::hybrid && std::isfinite(lens.lens.f_number)) {
+        hybrid = run_hybrid(file, {.focus = settings}, options.retrace, out);
+        result = std::move(hybrid.focus);
+        result.method = FocusMethod::hybrid;
+    } else {
+        result = focus_picture(file, settings);
+    }
     write_image(options.output, result.image);
 
-    CommandResult out;
-    check_sufficient(file.header(), lens, out);
+    check_sufficient(file.header(), lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
     out.json = {{"method", name(result.method)},
                 {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
                 {"depths", result.depths},
                 {"predicted_db", nullptr},
-                {"retraced_share", 0.0},
+                {"retraced_share", hybrid.retraced_share},
                 {"focus_m", json_number(lens.focus_m)},
                 {"focal_length_mm", lens.lens.focal_length_mm},
                 {"f_number", json_number(lens.lens.f_number)},
                 {"impulse", impulse_text(options.impulse)},
                 {"largest_coc_px", json_number(result.largest_coc_px)}};
+    if (result.method == FocusMethod::hybrid) out.json.update(shares_json(hybrid));
     out.text =
         fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} {}, widest CoC {:.1f} px",
                     options.output, result.image.width, result.image.height, name(result.method),

@@ -38,25 +38,6 @@ const char* name(MotionKind kind) {
     return "";
 }
 
-Exposure exposure_of(const MotionBlurOptions& options, const SampleHeader& header) {
-    if (options.shutter) return {options.shutter->open_s, options.shutter->close_s};
-    if (!header.exposure_s) {
-        fail(ExitCode::wrong_arguments,
-             "--shutter: missing (got nothing; expected OPEN:CLOSE, as the sample file names no exposure)");
-    }
-    return {header.time_s, header.time_s + *header.exposure_s};
-}
-
-// What the trace was sized for, against what is asked now.
-void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warning>& out) {
-    const auto &open = h.sufficient.shutter_open_s, &close = h.sufficient.shutter_close_s;
-    if (open && close && (e.open_s < *open || e.close_s > *close)) {
-        out.push_back({"insufficient", fmt::format("the file was traced for a shutter within {}:{} s (got "
-                                                   "{}:{})",
-                                                   *open, *close, e.open_s, e.close_s)});
-    }
-}
-
 nlohmann::ordered_json object_json(const ObjectReport& o) {
     nlohmann::ordered_json out = {{"id", o.id},
                                   {"name", o.name},
@@ -143,6 +124,24 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
 
 }  // namespace
 
+Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header) {
+    if (asked) return {asked->open_s, asked->close_s};
+    if (!header.exposure_s) {
+        fail(ExitCode::wrong_arguments,
+             "--shutter: missing (got nothing; expected OPEN:CLOSE, as the sample file names no exposure)");
+    }
+    return {header.time_s, header.time_s + *header.exposure_s};
+}
+
+void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warning>& out) {
+    const auto &open = h.sufficient.shutter_open_s, &close = h.sufficient.shutter_close_s;
+    if (open && close && (e.open_s < *open || e.close_s > *close)) {
+        out.push_back({"insufficient", fmt::format("the file was traced for a shutter within {}:{} s (got "
+                                                   "{}:{})",
+                                                   *open, *close, e.open_s, e.close_s)});
+    }
+}
+
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_image_path(options.output);
     if (is_openexr(options.input) && !SampleFileReader::is_sample_file(options.input))
@@ -155,7 +154,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     settings.curve = shutter_curve(options.curve);
     if (options.paths) settings.paths = read_paths(*options.paths);
     const SampleFileReader file(options.input);
-    settings.exposure = exposure_of(options, file.header());
+    settings.exposure = resolve_exposure(options.shutter, file.header());
     const MotionBlurResult result = motion_blur(file, settings);
     write_image(options.output, result.image);
 

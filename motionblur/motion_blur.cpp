@@ -19,16 +19,7 @@ namespace postlens {
 namespace {
 
 void check(const MotionBlurSettings& s) {
-    if (!(s.exposure.open_s <= s.exposure.close_s)) {
-        fail(ExitCode::wrong_arguments,
-             "--shutter: closes before it opens (got {}:{}; expected finite seconds, OPEN not after CLOSE)",
-             s.exposure.open_s, s.exposure.close_s);
-    }
-    // The difference overflows where one of the two is not finite, and for doubles no clock needs.
-    if (!std::isfinite(s.exposure.close_s - s.exposure.open_s)) {
-        fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)",
-             s.exposure.open_s, s.exposure.close_s);
-    }
+    check_exposure(s.exposure);
     if (s.fit_px && !(*s.fit_px > 0 && std::isfinite(*s.fit_px))) {
         fail(ExitCode::wrong_arguments, "--fit-paths: out of range (got {}; expected px, more than 0)",
              *s.fit_px);
@@ -300,6 +291,19 @@ class MotionBlur {
 };
 
 }  // namespace
+
+void check_exposure(const Exposure& e) {
+    if (!(e.open_s <= e.close_s)) {
+        fail(ExitCode::wrong_arguments,
+             "--shutter: closes before it opens (got {}:{}; expected finite seconds, OPEN not after CLOSE)",
+             e.open_s, e.close_s);
+    }
+    // The difference overflows where one of the two is not finite, and for doubles no clock needs.
+    if (!std::isfinite(e.close_s - e.open_s)) {
+        fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)",
+             e.open_s, e.close_s);
+    }
+}
 
 MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings) {
     check(settings);

@@ -56,6 +56,9 @@ struct MotionBlurResult {
     std::vector<MotionWarning> warnings;
 };
 
+/// Throws Error(wrong_arguments) unless both are finite and open is not after close.
+void check_exposure(const Exposure& exposure);
+
 /// Deterministic: the same bits for any number of threads. With nothing that moves between the records and
 /// the exposure it is the pinhole picture, bit for bit. Throws Error(wrong_arguments) for settings out of
 /// range, Error(invalid_input) for paths of unknown ids and for a damaged file, Error(out_of_memory).

@@ -8,7 +8,9 @@
 #include "focus/focus.h"
 #include "lens/shutter_curve.h"
 #include "reproject/raster_map.h"
+#include "tracer/ray_scene.h"
 #include "tracer/scene.h"
+#include "tracer/whitted.h"
 
 namespace postlens {
 

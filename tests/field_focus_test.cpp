@@ -1,0 +1,331 @@
+// The light field over the lens: closed forms, and rays through the same lens where surfaces hide each other.
+#include "focus/field_focus.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/threads.h"
+#include "focus/focus.h"
+#include "records/aperture_file.h"
+#include "tests/motion_frame.h"
+#include "tracer/render.h"
+
+namespace postlens::test {
+namespace {
+
+using glm::dvec3;
+
+/// px by which the rim of the lens moves what is 1/m out of focus.
+double rim_px(const ThinLens& lens) {
+    return px_per_m * lens.focal_length_mm * 1e-3 / (2 * lens.f_number);
+}
+
+TraceSettings for_lens(double f_number, int levels = 3) {
+    TraceSettings s;
+    s.subdivision.levels = levels;
+    s.for_f_number = f_number;
+    s.hidden_layers = 3;
+    s.overscan_px = 24;
+    return s;
+}
+
+Image rays(const Scene& scene, const FocusSettings& f, int spp = 1024) {
+    RenderSettings s;
+    s.focal_length_mm = f.lens.focal_length_mm;
+    s.f_number = f.lens.f_number;
+    s.focus_m = f.focus_distance_m;
+    s.aperture = std::make_shared<Aperture>(read_aperture(f.impulse));
+    s.spp = spp;
+    return render_picture(scene, s).image;
+}
+
+double sum(const Image& image) {
+    double out = 0;
+    for (const float v : image.rgb) out += static_cast<double>(v);
+    return out;
+}
+
+double largest_difference(const Image& a, const Image& b) {
+    double worst = 0;
+    for (std::size_t i = 0; i < a.rgb.size(); ++i)
+        worst = std::max(worst, std::abs(static_cast<double>(a.rgb[i]) - static_cast<double>(b.rgb[i])));
+    return worst;
+}
+
+Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
+    return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
+}
+
+/// A near bar, a sphere in between, a leaning bright board and a far wall.
+SceneBuilder layered() {
+    SceneBuilder b;
+    b.add(board(-0.10, 0.02, -2, 2, 0.9), glowing({0.9, 0.2, 0.1}));
+    b.add(Sphere{{0.25, 0.05, -2}, 0.3}, glowing({0.1, 0.7, 0.2}));
+    b.add(Rectangle{dvec3(-1.2, -0.8, -3), dvec3(0.9, 0, 0.5), dvec3(0, 0.9, -0.6)}, glowing({0.8, 0.8, 0.2}));
+    for (int i = -8; i < 8; ++i)
+        b.add(board(i * 0.7, i * 0.7 + 0.35, -9, 9, 9.9), glowing({0.9, 0.9, 0.9}));
+    b.add(board(-20, 20, -20, 20, 10), glowing({0.15, 0.2, 0.4}));
+    return b;
+}
+
+constexpr ThinLens wide{.focal_length_mm = 50, .f_number = 0.7};
+
+FocusSettings by_field(double focus_m, int views = 512) {
+    return {.lens = wide, .focus_distance_m = focus_m, .method = FocusMethod::lightfield, .views = views};
+}
+
+// The share of a pixel, `at` its middle, that a disc of radius r around the edge at 0 covers of what is left
+// of it: the integral of the closed form.
+double edge(double at, double r) {
+    const auto integral = [r](double x) {  // of 1/2 + (t sqrt(1 - t^2) + asin t)/pi, t = x / r
+        if (x <= -r) return 0.0;
+        if (x >= r) return x;
+        const double t = x / r, root = std::sqrt(1 - t * t);
+        return r * (t / 2 + (-root * root * root / 3 + t * std::asin(t) + root) / std::numbers::pi);
+    };
+    return integral(at + 0.5) - integral(at - 0.5);
+}
+
+// Whatever the background's own blur is. The border lies where a corner sees it, to half of the finest leaf's
+// half: 1/32 px, which moves the light by at most 2/(pi r) of the step per px; views err by less than one of
+// 1024 in 32 along the edge's chord.
+TEST(FieldFocus, AHalfPlaneBeforeAnEvenBackgroundIsTheEdgeOfADisc) {
+    for (const double focus_m : {10.0, 3.0}) {
+        SceneBuilder b;
+        b.add(board(-9, 0, -9, 9, 0.8), glowing({1, 1, 1}));
+        b.add(board(-90, 90, -90, 90, 10), glowing({0.25, 0.25, 0.25}));
+        const TracedFrame frame(b.scene, for_lens(wide.f_number));
+        const FocusResult got = focus_picture(frame.file(), by_field(focus_m, 1024));
+        const double r = rim_px(wide) * std::abs(1 / focus_m - 1 / 0.8);
+        EXPECT_GT(r, 2.5);
+        for (int x = 0; x < 64; ++x) {
+            const double near = edge(32 - (x + 0.5), r), expected = 0.25 + 0.75 * near;
+            EXPECT_NEAR(static_cast<double>(got.image.pixel(x, 24)[1]), expected,
+                        0.75 * (2 / (std::numbers::pi * r) / 32 + 1.0 / 32))
+                << x << ", focus " << focus_m;
+        }
+        EXPECT_TRUE(got.warnings.empty());
+    }
+}
+
+// 1024 samples a pixel err by 0.5/sqrt(1024)/3 at an edge of this contrast, 46 dB where there are edges; 512
+// views by the same, on a third of the picture.
+TEST(FieldFocus, ShowsWhatIsHiddenAsRaysDo) {
+    const SceneBuilder b = layered();
+    const TracedFrame frame(b.scene, for_lens(wide.f_number));
+    for (const double focus_m : {0.9, 2.0, 9.9}) {
+        const FocusSettings f = by_field(focus_m);
+        const Image truth = rays(b.scene, f);
+        const FocusResult got = focus_picture(frame.file(), f);
+        FocusSettings flat = f;
+        flat.method = FocusMethod::scatter;
+        EXPECT_GT(psnr(got.image, truth), 42) << focus_m;
+        EXPECT_GT(psnr(got.image, truth), psnr(focus_picture(frame.file(), flat).image, truth) + 6) << focus_m;
+        EXPECT_NEAR(sum(got.image) / sum(truth), 1, 3e-3) << focus_m;
+        EXPECT_TRUE(got.warnings.empty()) << focus_m;
+        EXPECT_EQ(got.views, 512);
+        EXPECT_EQ(got.method, FocusMethod::lightfield);
+    }
+}
+
+TEST(FieldFocus, SaysWhatWasNotRecorded) {
+    TraceSettings visible = for_lens(wide.f_number);
+    visible.hidden_layers = 0;
+    const SceneBuilder b = layered();
+    const TracedFrame frame(b.scene, visible);
+    const FocusResult got = focus_picture(frame.file(), by_field(9.9));
+    ASSERT_EQ(got.warnings.size(), 1);
+    EXPECT_EQ(got.warnings[0].code, "uncovered");
+    EXPECT_GT(got.warnings[0].share, 0.003);
+    EXPECT_LT(got.warnings[0].share, 0.3);
+}
+
+// A plane through the focus: nothing is hidden, and scattering is right.
+TEST(FieldFocus, ASlantedPlaneIsWhatScatteringMakesOfIt) {
+    SceneBuilder b;
+    for (int i = 0; i < 40; ++i) {
+        // 45 degrees: from 1 m below the axis at 1 m to above it.
+        const double z = 1 + 0.1 * i;
+        b.add(Rectangle{dvec3(-9, z - 2, -z), dvec3(18, 0, 0), dvec3(0, 0.1, -0.1)},
+              glowing(i % 2 == 0 ? dvec3(0.8, 0.4, 0.2) : dvec3(0.2, 0.3, 0.5)));
+    }
+    const TracedFrame frame(b.scene, for_lens(wide.f_number));
+    FocusSettings f = by_field(2, 1024);
+    const Image field = focus_picture(frame.file(), f).image, truth = rays(b.scene, f);
+    f.method = FocusMethod::scatter;
+    EXPECT_GT(psnr(field, truth), 44);
+    EXPECT_GT(psnr(field, focus_picture(frame.file(), f).image), 40);
+}
+
+TEST(FieldFocus, TakesAnyApertureThatRaysHavePointsOf) {
+    const SceneBuilder b = layered();
+    const TracedFrame frame(b.scene, for_lens(wide.f_number));
+    for (const Impulse& impulse : {Impulse{.kind = ImpulseKind::polygon, .blades = 3, .rotation_deg = 20},
+                                   Impulse{.squeeze = 2}, Impulse{.cats_eye = 0.9}, Impulse{.spherical = 0.3}}) {
+        FocusSettings f = by_field(2);
+        f.impulse = impulse;
+        const Image got = focus_picture(frame.file(), f).image;
+        EXPECT_GT(psnr(got, rays(b.scene, f)), 40) << impulse_text(impulse);
+        f.impulse = {};
+        EXPECT_LT(psnr(got, rays(b.scene, f)), 37) << impulse_text(impulse);  // so that it can fail
+    }
+}
+
+TEST(FieldFocus, RefusesWhatHasNoPointsOfALens) {
+    const SceneBuilder b = layered();
+    const TracedFrame frame(b.scene, for_lens(wide.f_number, 0));
+    FocusSettings f = by_field(2);
+    f.impulse.kind = ImpulseKind::diffraction;
+    EXPECT_THROW((void)focus_picture(frame.file(), f), Error);
+    f = by_field(2, 0);
+    EXPECT_THROW((void)focus_picture(frame.file(), f), Error);
+    f = by_field(2);
+    f.depth_model = DepthModel::path;
+    EXPECT_THROW((void)focus_picture(frame.file(), f), Error);
+}
+
+// What a light loses to the sheets it gets back as its response: in sum, in its middle, and evenly, with as
+// few views as 16.
+TEST(FieldFocus, AHighlightIsOneDiscForAnyNumberOfViews) {
+    SceneBuilder b;
+    b.add(board(-0.02, 0.02, -0.02, 0.02, 4), glowing({60, 40, 20}));
+    b.add(board(-90, 90, -90, 90, 10), glowing({0.2, 0.2, 0.2}));
+    const TracedFrame frame(b.scene, for_lens(wide.f_number));
+    const Image pinhole = pinhole_picture(frame.file());
+    FocusSettings f = by_field(0.9, 1024);
+    const Image many = focus_picture(frame.file(), f).image;
+    f.views = 16;
+    const Image few = focus_picture(frame.file(), f).image;
+    EXPECT_NEAR(sum(few) / sum(pinhole), 1, 1e-3);
+    EXPECT_NEAR(sum(many) / sum(pinhole), 1, 1e-3);
+    EXPECT_LT(largest_difference(few, many), 0.05);
+    const double r = rim_px(wide) * (1 / 0.9 - 1 / 4.0);
+    // Of the brightest colour above the background: the light's area over the disc's.
+    const double side_px = 0.04 / 4 * px_per_m,
+                 expected = 60 * side_px * side_px / (std::numbers::pi * r * r);
+    EXPECT_NEAR(static_cast<double>(few.pixel(32, 24)[0]), expected + 0.2, 0.05 * expected);
+    double weight = 0, x_mean = 0;
+    for (int y = 0; y < 48; ++y) {
+        for (int x = 0; x < 64; ++x) {
+            const double v = static_cast<double>(few.pixel(x, y)[0]) - 0.2;
+            weight += v;
+            x_mean += v * (x + 0.5);
+        }
+    }
+    EXPECT_NEAR(x_mean / weight, 32, 0.05);
+}
+
+TEST(FieldFocus, AHighlightIsCutByWhatStandsBeforeIt) {
+    SceneBuilder b;
+    b.add(board(-0.02, 0.02, -0.02, 0.02, 4), glowing({60, 40, 20}));
+    b.add(board(-3, 0.012, -3, 3, 1), glowing({0.1, 0.1, 0.1}));
+    b.add(board(-90, 90, -90, 90, 10), glowing({0.2, 0.2, 0.2}));
+    const TracedFrame frame(b.scene, for_lens(wide.f_number));
+    const FocusSettings f = by_field(2, 64);
+    const Image truth = rays(b.scene, f, 4096), got = focus_picture(frame.file(), f).image;
+    EXPECT_NEAR(sum(got) / sum(truth), 1, 0.02);
+    EXPECT_GT(psnr(got, truth), 36);
+}
+
+TEST(FieldFocus, SameBitsOnAnyThreads) {
+    const SceneBuilder b = layered();
+    const TracedFrame frame(b.scene, for_lens(wide.f_number, 2));
+    const auto with = [&](int threads) {
+        const ThreadLimit limit(threads);
+        return focus_picture(frame.file(), by_field(2, 32)).image.rgb;
+    };
+    EXPECT_EQ(with(1), with(3));
+}
+
+// From f/0.5 to f/64, 0.1 m to infinity: finite, not negative, and nothing brighter than the brightest.
+TEST(FieldFocus, StaysWithinItsColoursForAnyLens) {
+    const SceneBuilder b = layered();
+    const TracedFrame frame(b.scene, for_lens(0.5, 1));
+    for (const double n : {0.5, 2.8, 64.0}) {
+        for (const double focus_m : {0.1, 1.0, std::numeric_limits<double>::infinity()}) {
+            for (const double focal_length_mm : {50.0, 400.0}) {  // CoC up to four frames
+                FocusSettings f = by_field(focus_m, 16);
+                f.lens = {.focal_length_mm = focal_length_mm, .f_number = n};
+                for (const float v : focus_picture(frame.file(), f).image.rgb) {
+                    ASSERT_TRUE(std::isfinite(v)) << n << ' ' << focus_m;
+                    ASSERT_GE(v, 0) << n << ' ' << focus_m;
+                    ASSERT_LE(v, 0.9001F) << n << ' ' << focus_m;
+                }
+            }
+        }
+    }
+}
+
+// A vanishing aperture is the pinhole: of a pixel that is not subdivided exactly, of one that is by as many
+// places as there are views.
+TEST(FieldFocus, AVanishingLensIsThePinhole) {
+    const SceneBuilder b = layered();
+    const TracedFrame frame(b.scene, for_lens(wide.f_number, 0));
+    FocusSettings f = by_field(2, 16);
+    f.lens.f_number = 1e7;
+    const Image pinhole = pinhole_picture(frame.file()), got = focus_picture(frame.file(), f).image;
+    // Corners of several objects: a quarter of the pixel each, of 16 places.
+    EXPECT_LT(largest_difference(got, pinhole), 0.9 * 2 / 16 + 1e-6);
+    EXPECT_GT(psnr(got, pinhole), 38);
+}
+
+// Mirrors and glass ------------------------------------------------------------------------------------
+
+/// Boards at several depths behind the camera, seen in `shape`, with walls around.
+SceneBuilder seen_in(const Shape& shape, const Material& material) {
+    SceneBuilder b;
+    b.add(shape, material);
+    for (int i = -6; i < 6; ++i) {
+        b.add(Rectangle{dvec3(i * 0.5, -4, 3), dvec3(0.25, 0, 0), dvec3(0, 8, 0)}, glowing({0.8, 0.6, 0.3}));
+        b.add(board(i * 0.5, i * 0.5 + 0.25, -9, 9, 5.9), glowing({0.2, 0.5, 0.8}));
+    }
+    b.add(Rectangle{dvec3(-20, -20, 3.2), dvec3(40, 0, 0), dvec3(0, 40, 0)}, glowing({0.2, 0.1, 0.3}));
+    b.add(board(-20, 20, -20, 20, 6), glowing({0.3, 0.3, 0.1}));
+    return b;
+}
+
+/// Middle of the picture, that is of the mirror.
+double psnr_inside(const Image& a, const Image& b, int half_px) {
+    double total = 0;
+    int n = 0;
+    for (int y = 24 - half_px; y < 24 + half_px; ++y) {
+        for (int x = 32 - half_px; x < 32 + half_px; ++x) {
+            for (int c = 0; c < 3; ++c, ++n) {
+                const double d =
+                    static_cast<double>(a.pixel(x, y)[c]) - static_cast<double>(b.pixel(x, y)[c]);
+                total += d * d;
+            }
+        }
+    }
+    return -10 * std::log10(total / n);
+}
+
+TEST(FieldFocus, WhatAFlatMirrorShowsHasItsOwnDepth) {
+    const SceneBuilder b = seen_in(board(-0.45, 0.45, -0.35, 0.35, 2), mirror(0.9));
+    const TracedFrame frame(b.scene, for_lens(wide.f_number));
+    for (const double focus_m : {2.0, 5.0, 7.0}) {
+        const FocusSettings f = by_field(focus_m);
+        const Image truth = rays(b.scene, f), got = focus_picture(frame.file(), f).image;
+        EXPECT_GT(psnr_inside(got, truth, 10), 45) << focus_m;
+        EXPECT_GT(psnr(got, truth), 40) << focus_m;
+    }
+}
+
+TEST(FieldFocus, WhatASphereShowsHasItsOwnDepth) {
+    for (const Material& m : {mirror(0.9), glass(1.3, 0.9)}) {
+        const SceneBuilder b = seen_in(Sphere{{0, 0, -2.5}, 0.6}, m);
+        const TracedFrame frame(b.scene, for_lens(1.4));
+        for (const double focus_m : {2.0, 6.0}) {
+            FocusSettings f = by_field(focus_m);
+            f.lens.f_number = 1.4;
+            const Image truth = rays(b.scene, f), got = focus_picture(frame.file(), f).image;
+            EXPECT_GT(psnr_inside(got, truth, 8), 40) << focus_m;
+            EXPECT_GT(psnr(got, truth), 36) << focus_m;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace postlens::test

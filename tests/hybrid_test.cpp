@@ -1,0 +1,218 @@
+// Hybrid and shoot: which pixels are scattered, seen by views or traced again; lens and shutter at once.
+#include "planner/hybrid.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/threads.h"
+#include "motionblur/paths_file.h"
+#include "tests/motion_frame.h"
+#include "tracer/eye_rays.h"
+#include "tracer/render.h"
+
+namespace postlens::test {
+namespace {
+
+using glm::dvec3;
+
+constexpr ThinLens wide{.focal_length_mm = 50, .f_number = 0.7};
+
+Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
+    return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
+}
+
+/// A striped wall, a near bar at the left.
+SceneBuilder bar_and_wall() {
+    SceneBuilder b;
+    b.add(board(-0.45, -0.38, -2, 2, 1), glowing({0.9, 0.2, 0.1}));
+    for (int i = -10; i < 10; ++i)
+        b.add(board(i * 0.7, i * 0.7 + 0.35, -9, 9, 9.99), glowing({0.9, 0.9, 0.9}));
+    b.add(board(-20, 20, -20, 20, 10), glowing({0.15, 0.2, 0.4}));
+    // One surface to the eye: the stripes are one id.
+    for (std::size_t i = 1; i < b.scene.objects.size(); ++i) b.scene.objects[i].id = 2;
+    b.scene.sha256 = std::string(64, 'a');
+    return b;
+}
+
+TraceSettings traced(int hidden) {
+    TraceSettings s;
+    s.subdivision.levels = 3;
+    s.hidden_layers = hidden;
+    s.overscan_px = 24;
+    return s;
+}
+
+HybridSettings settings(double focus_m, int views = 256) {
+    HybridSettings s;
+    s.focus = {.lens = wide, .focus_distance_m = focus_m, .method = FocusMethod::hybrid, .views = views};
+    return s;
+}
+
+Image rays(const Scene& scene, const HybridSettings& h, int spp = 1024) {
+    RenderSettings s;
+    s.focal_length_mm = h.focus.lens.focal_length_mm;
+    s.f_number = h.focus.lens.f_number;
+    s.focus_m = h.focus.focus_distance_m;
+    s.shutter = h.shutter;
+    s.spp = spp;
+    return render_picture(scene, s).image;
+}
+
+TEST(Hybrid, ScattersWhereOneSurfaceIsSeenAndLooksElsewhere) {
+    const SceneBuilder b = bar_and_wall();
+    const TracedFrame frame(b.scene, traced(3));
+    const HybridSettings s = settings(3);
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    FocusSettings f = s.focus;
+    f.method = FocusMethod::scatter;
+    const Image scattered = focus_picture(frame.file(), f).image;
+    f.method = FocusMethod::lightfield;
+    const Image seen = focus_picture(frame.file(), f).image;
+    std::size_t of_one = 0;
+    for (std::size_t k = 0; k < got.what.size(); ++k) {
+        const Image& from = got.what[k] == 1 ? scattered : seen;
+        of_one += got.what[k] == 1 ? 1 : 0;
+        for (std::size_t c = 0; c < 3; ++c) ASSERT_EQ(got.focus.image.rgb[3 * k + c], from.rgb[3 * k + c]) << k;
+    }
+    EXPECT_GT(of_one, got.what.size() / 3);
+    EXPECT_LT(of_one, got.what.size() * 9 / 10);
+    const auto what = [&](int x, int y) { return got.what[static_cast<std::size_t>(y) * 64 + static_cast<std::size_t>(x)]; };
+    EXPECT_EQ(what(60, 24), 1);
+    const int bar_px = static_cast<int>(32 - 0.40 * px_per_m);  // behind the frame's left part
+    ASSERT_GE(bar_px, -8);
+    EXPECT_EQ(what(0, 24), 0);
+    const Image truth = rays(b.scene, s);
+    EXPECT_GE(psnr(got.focus.image, truth), psnr(seen, truth) - 0.1);
+    EXPECT_GT(psnr(got.focus.image, truth), 42);
+    EXPECT_EQ(got.retraced_share, 0);
+}
+
+TEST(Hybrid, TracesAgainWhatWasNotRecorded) {
+    const SceneBuilder b = bar_and_wall();
+    const TracedFrame frame(b.scene, traced(0));
+    HybridSettings s = settings(10);
+    const HybridResult before = hybrid_picture(frame.file(), s);
+    EXPECT_GT(before.wanted_share, 0.01);
+    ASSERT_EQ(before.focus.warnings.size(), 1);
+    EXPECT_EQ(before.focus.warnings[0].code, "uncovered");
+    s.scene = &b.scene;
+    s.most_retraced = 0.5;
+    const HybridResult after = hybrid_picture(frame.file(), s);
+    EXPECT_EQ(after.retraced_share, before.wanted_share);
+    EXPECT_TRUE(after.focus.warnings.empty());
+    EXPECT_GT(after.rays.eye, 0);
+    const Image truth = rays(b.scene, s);
+    EXPECT_GT(psnr(after.focus.image, truth), psnr(before.focus.image, truth) + 3);
+    // Of what it may not trace it takes the worst, and says how much is left.
+    s.most_retraced = before.wanted_share / 2;
+    const HybridResult half = hybrid_picture(frame.file(), s);
+    EXPECT_NEAR(half.retraced_share, before.wanted_share / 2, 1e-3);
+    ASSERT_EQ(half.focus.warnings.size(), 1);
+    EXPECT_EQ(half.focus.warnings[0].code, "retraced");
+}
+
+TEST(Hybrid, RefusesAnotherScene) {
+    SceneBuilder b = bar_and_wall();
+    const TracedFrame frame(b.scene, traced(0));
+    HybridSettings s = settings(10, 16);
+    Scene other = b.scene;
+    other.sha256 = std::string(64, 'b');
+    s.scene = &other;
+    EXPECT_THROW((void)hybrid_picture(frame.file(), s), Error);
+    other = b.scene;
+    other.cameras[0].look_at = dvec3(0.1, 0, -1);
+    EXPECT_THROW((void)hybrid_picture(frame.file(), s), Error);
+    s = settings(10, 16);
+    s.focus.framing = Framing::lens;
+    EXPECT_THROW((void)hybrid_picture(frame.file(), s), Error);
+}
+
+TEST(Hybrid, SameBitsOnAnyThreads) {
+    const SceneBuilder b = bar_and_wall();
+    const TracedFrame frame(b.scene, traced(0));
+    HybridSettings s = settings(10, 16);
+    s.scene = &b.scene;
+    s.retrace_spp = 20;
+    const auto with = [&](int threads) {
+        const ThreadLimit limit(threads);
+        return hybrid_picture(frame.file(), s).focus.image.rgb;
+    };
+    EXPECT_EQ(with(1), with(3));
+}
+
+TEST(RenderPixels, AreThoseOfTheWholePicture) {
+    const SceneBuilder b = bar_and_wall();
+    RenderSettings s;
+    s.f_number = 1.4;
+    s.focus_m = 2;
+    s.spp = 40;
+    const Image whole = render_picture(b.scene, s).image;
+    const std::vector<std::uint32_t> pixels{0, 63, 64, 700, 1500, 48 * 64 - 1};
+    const RenderedPixels some = render_pixels(b.scene, s, pixels);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        for (std::size_t c = 0; c < 3; ++c)
+            EXPECT_NEAR(some.rgb[i][c], whole.rgb[3 * pixels[i] + c], 1e-6F) << pixels[i];
+    }
+    EXPECT_EQ(some.rays.eye, 40 * pixels.size());
+}
+
+// Lens and shutter -------------------------------------------------------------------------------------
+
+struct Shot {
+    explicit Shot(const SceneBuilder& b, const TraceSettings& trace) : frame(b.scene, trace) {}
+    TracedFrame frame;
+    FrameMotion motion = motion_of(frame.file().header(), {});
+    [[nodiscard]] HybridSettings settings(double focus_m, int views) const {
+        HybridSettings s = test::settings(focus_m, views);
+        s.motion = &motion;
+        s.shutter = TimeSpan{0, 1};
+        return s;
+    }
+};
+
+TEST(Shoot, WithNothingThatMovesItIsTheLightField) {
+    const SceneBuilder b = bar_and_wall();
+    const Shot shot(b, traced(3));
+    FocusSettings f = settings(3, 64).focus;
+    f.method = FocusMethod::lightfield;
+    EXPECT_EQ(hybrid_picture(shot.frame.file(), shot.settings(3, 64)).focus.image.rgb,
+              focus_picture(shot.frame.file(), f).image.rgb);
+}
+
+// A bar that crosses the defocused wall, and one that comes through the focus: blurring twice, in either
+// order, is wrong by far more.
+TEST(Shoot, LensAndShutterAtOnceAreWhatRaysSee) {
+    SceneBuilder b = bar_and_wall();
+    b.scene.objects[0].keys = from_to({0.35, 0, 0});
+    Object& through = b.add(board(0.1, 0.25, -0.2, 0.2, 4), glowing({0.1, 0.8, 0.3}));
+    through.keys = from_to({0, 0, 2.5});
+    TraceSettings trace = traced(3);
+    trace.for_shutter = TimeSpan{0, 1};
+    const Shot shot(b, trace);
+    const HybridSettings s = shot.settings(2.5, 512);
+    const Image truth = rays(b.scene, s), got = hybrid_picture(shot.frame.file(), s).focus.image;
+    EXPECT_GT(psnr(got, truth), 38);
+    HybridSettings still = s;
+    still.shutter.reset();
+    still.motion = nullptr;
+    EXPECT_LT(psnr(hybrid_picture(shot.frame.file(), still).focus.image, truth), 30);
+}
+
+TEST(Shoot, KeysCarryWhatTurns) {
+    SceneBuilder b = bar_and_wall();
+    Object& turning = b.add(Box{{-0.3, -0.3, -0.3}, {0.3, 0.3, 0.3}}, glowing({0.1, 0.8, 0.3}));
+    turning.keys = {{.time_s = 0, .translation = dvec3(0.2, 0, -3)},
+                    {.time_s = 1,
+                     .translation = dvec3(0.2, 0, -3),
+                     .rotation = glm::angleAxis(0.8, dvec3(0, 1, 0))}};
+    TraceSettings trace = traced(3);
+    trace.for_shutter = TimeSpan{0, 1};
+    trace.keys = 3;
+    const Shot shot(b, trace);
+    const HybridSettings s = shot.settings(3, 256);
+    EXPECT_GT(psnr(hybrid_picture(shot.frame.file(), s).focus.image, rays(b.scene, s)), 33);
+}
+
+}  // namespace
+}  // namespace postlens::test
