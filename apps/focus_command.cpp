@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "focus/bend_warning.h"
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/read_prescription.h"
 #include "records/pixel_samples.h"
@@ -115,6 +116,12 @@ CommandResult run_focus(const FocusOptions& options) {
 
     check_sufficient(file.header(), lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
+    if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials) {
+        const SampleHeader& h = file.header();
+        const auto bends = bend_warning(file, focus_geometry(lens.lens, lens.focus_m, options.lens.framing,
+                                                             {h.film_distance_mm, h.pixel_pitch_mm}));
+        if (bends) out.warnings.push_back({bends->code, bends->text, bends->share});
+    }
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
     out.json = {{"method", name(result.method)},
                 {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},

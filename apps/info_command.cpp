@@ -71,6 +71,7 @@ CommandResult sample_file_info(const std::string& input) {
         {"subdivide", h.subdivide_levels},
         {"max_depth", h.max_depth},
         {"refocus_matrices", h.has_w},
+        {"refocus_bends", h.has_bend},
         {"scene", h.scene_name},
         {"scene_sha256", h.scene_sha256},
         {"moving_ids", h.moving_ids},

@@ -70,6 +70,7 @@ CommandResult run_trace(const TraceOptions& options) {
                 {"instants_s", r.instants_s},
                 {"keys_sweep_degrees", r.keys_sweep_degrees ? json_number(*r.keys_sweep_degrees) : nullptr}};
     out.json["rays"]["hidden"] = r.rays.hidden;
+    out.json["rays"]["lens"] = r.rays.lens;
     out.text = fmt::format("{}: {} records, {:.1f} MB; {} eye, {} reflected, {} refracted, {} shadow rays",
                            options.output, r.records, static_cast<double>(r.bytes) / 1e6, r.rays.eye,
                            r.rays.reflect, r.rays.refract, r.rays.shadow);

@@ -72,6 +72,10 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0: visible from the pinhole
     Mat2 w;
+    /// How far -W q errs, 1/m^2: over a lens of diameter D by about (d / pitch) w_bend (D / 2)^2 px. 0 where
+    /// W is exact or nothing was measured; infinity where other points of the lens do not see the node by
+    /// this path. What a half float holds.
+    float w_bend = 0;
     friend bool operator==(const Record&, const Record&) = default;
 };
 

@@ -31,6 +31,8 @@ const char* problem_of_record(const Record& r, int x, int y, RecordChannels chan
     } else if (r.path.bits() != 0) {
         return "a node behind a bounce needs the W channels";
     }
+    if (!(r.w_bend >= 0)) return "W.bend is less than 0";
+    if (!channels.has_bend && r.w_bend != 0) return "W.bend needs its channel";
     if (!channels.has_layers && r.layer != 0) return "a hidden surface needs the layer channel";
     return nullptr;
 }

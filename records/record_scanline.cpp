@@ -58,6 +58,7 @@ struct Planes {
         b = take(4);
         g = take(4);
         r = take(4);
+        if (channels.has_bend) bend = take(2);
         if (channels.has_w) {
             for (Byte*& plane : w) plane = take(4);
         }
@@ -69,9 +70,15 @@ struct Planes {
         y = take(2);
     }
     Byte *b, *g, *r, *z, *id, *path, *x, *y;
-    Byte* layer = nullptr;
+    Byte *layer = nullptr, *bend = nullptr;
     std::array<Byte*, 4> w{};
 };
+
+float float_of_half(std::uint16_t bits) {
+    Imath::half h;
+    h.setBits(bits);
+    return h;
+}
 
 std::uint16_t half_of_offset(const HalfOffsets& table, float position, float pixel) {
     return table.half_of_step[static_cast<std::size_t>((position - pixel) * position_steps)];
@@ -80,7 +87,7 @@ std::uint16_t half_of_offset(const HalfOffsets& table, float position, float pix
 }  // namespace
 
 std::size_t bytes_per_record(RecordChannels channels) {
-    return 28 + (channels.has_w ? 16U : 0U) + (channels.has_layers ? 4U : 0U);
+    return 28 + (channels.has_w ? 16U : 0U) + (channels.has_bend ? 2U : 0U) + (channels.has_layers ? 4U : 0U);
 }
 
 void ScanlineBytes::prepare(int y, std::uint32_t records) {
@@ -115,6 +122,7 @@ void ScanlineBytes::pack(int y, int x_begin, std::span<const std::uint32_t> offs
             store(planes.x, k, half_of_offset(table, record->x, pixel_x));
             store(planes.y, k, half_of_offset(table, record->y, pixel_y));
             if (channels_.has_layers) store(planes.layer, k, record->layer);
+            if (channels_.has_bend) store(planes.bend, k, Imath::half(record->w_bend).bits());
             if (channels_.has_w) {
                 store(planes.w[0], k, record->w.xx);
                 store(planes.w[1], k, record->w.xy);
@@ -163,6 +171,7 @@ bool ScanlineBytes::unpack_records(int x_begin, std::span<const std::uint32_t> o
             r.w = channels_.has_w ? Mat2{load<float>(planes.w[0], k), load<float>(planes.w[1], k),
                                          load<float>(planes.w[2], k), load<float>(planes.w[3], k)}
                                   : Mat2::isotropic(1.0F / r.z);
+            r.w_bend = channels_.has_bend ? float_of_half(load<std::uint16_t>(planes.bend, k)) : 0;
         }
     }
     return !std::isnan(sum);

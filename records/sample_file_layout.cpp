@@ -50,6 +50,7 @@ std::vector<ExrChannel> channels_of(Part part, RecordChannels channels) {
                 {"records", Type::uint32},     {"row.check", Type::uint32}};
     }
     std::vector<ExrChannel> list{{"B", Type::float32}, {"G", Type::float32}, {"R", Type::float32}};
+    if (channels.has_bend) list.push_back({"W.bend", Type::half});
     if (channels.has_w) {
         for (const char* name : {"W.xx", "W.xy", "W.yx", "W.yy"}) list.push_back({name, Type::float32});
     }

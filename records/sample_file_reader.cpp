@@ -68,7 +68,7 @@ struct SampleFileReader::Impl {
     explicit Impl(const std::filesystem::path& path) : file(path) {
         const ExrHeaders headers = read_exr_headers(file, parts_of(SampleHeader::most_keys) + 1);
         header = sample_header_of(headers, file.name());
-        channels = {header.has_w, header.has_layers};
+        channels = {header.has_w, header.has_layers, header.has_bend};
         window = data_window(records_part, header);
         workplaces.emplace(columns_of(window), channels);
         codec = *headers.parts[records_part].compression();

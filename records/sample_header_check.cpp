@@ -66,6 +66,8 @@ std::string header_checksum(const SampleHeader& h) {
     for (const double v : h.key_times_s) bytes.number(v);
     bytes.optional(h.sufficient.shutter_open_s);
     bytes.optional(h.sufficient.shutter_close_s);
+    // Later than the rest: files without it keep the checksum that they were written with.
+    if (h.has_bend) bytes.number<std::uint8_t>(1);
     return bytes.checksum();
 }
 
@@ -145,6 +147,7 @@ void check_sample_header(const SampleHeader& h, const std::string& file) {
            h.max_depth, "0 to 17");
     demand(std::isfinite(h.min_contribution) && h.min_contribution >= 0, "smallest contribution",
            h.min_contribution, "0 or more");
+    demand(!h.has_bend || h.has_w, "W.bend", "it alone", "the channels of W as well");
     demand(!h.object_names.contains(0), "object name", "one for id 0", "none, as 0 is nothing");
     static_cast<void>(motion_of_text(motion_text(h.motion), file));
 }

@@ -41,6 +41,7 @@ struct RandomOptions {
     double probability = 0.5;  ///< of a cell to be subdivided
     bool has_w = false;
     bool has_layers = false;
+    bool has_bend = false;
     int keys = 0;  ///< further instants
 };
 
@@ -79,6 +80,10 @@ inline RecordBand random_band(std::mt19937& random, int x_begin, int x_end, int 
             r.id = static_cast<std::uint32_t>(random());
             r.path = path;
             r.layer = layer;
+            // What a half float holds.
+            if (options.has_bend)
+                r.w_bend = uniform(random) < 0.2F ? std::numeric_limits<float>::infinity()
+                                                  : static_cast<float>(random() % 2048) / 64;
             r.w = options.has_w
                       ? Mat2{uniform(random), uniform(random) - 1, uniform(random), -uniform(random)}
                       : Mat2::isotropic(1.0F / r.z);
@@ -137,6 +142,7 @@ inline SampleHeader full_header(int width, int height, int overscan_px, const Ra
                        {.place = {1, 2, 3}, .casts_shadows = false, .keys = {{.time_s = -1}}}};
     h.has_w = options.has_w;
     h.has_layers = options.has_layers;
+    h.has_bend = options.has_bend;
     h.sufficient = {1.4, 0.8, std::numeric_limits<double>::infinity(), 0.1, 0.15};
     for (int k = 0; k < options.keys; ++k) h.key_times_s.push_back(0.1 + 0.05 * k + 1e-3);
     return h;

@@ -188,7 +188,12 @@ TEST_F(TraceCommand, LayersInMirrorsDisturbNoReader) {
     EXPECT_EQ(shown.exit_code, 0) << shown.err;
     EXPECT_NE(shown.out.find("hidden layer 1"), std::string::npos) << shown.out;
     EXPECT_EQ(run({"image", frame, "-o", in("p.exr"), "--quiet"}).exit_code, 0);
-    EXPECT_EQ(run({"focus", frame, "-o", in("f.exr"), "--quiet"}).exit_code, 0);
+    const Outcome focused = run({"focus", frame, "-o", in("f.exr"), "--json"});
+    EXPECT_EQ(focused.exit_code, 0);
+    // The mirror ball and the glass ball bend what they show.
+    EXPECT_GT(json::parse(r.out)["rays"]["lens"], 0);
+    EXPECT_EQ(info()["refocus_bends"], true);
+    EXPECT_NE(focused.out.find("nonlinear"), std::string::npos) << focused.out;
 }
 
 TEST_F(TraceCommand, WhatCannotBeIsRefused) {

@@ -58,8 +58,8 @@ void MinMaxPyramid::descend(const glm::dvec2& at, const Visit& visit) const {
         int level, x, y;
     };
     // A square leaves at most three of its brothers behind on each of at most 31 levels.
-    std::array<Square, 128>
-        open;  // NOLINT(cppcoreguidelines-pro-type-member-init): cleared, it costs a search
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
+    std::array<Square, 128> open;
     std::size_t count = 0;
     open[count++] = {static_cast<int>(levels_.size()) - 1, 0, 0};
     const double x = at.x - x_begin_, y = at.y - y_begin_;

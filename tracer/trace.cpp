@@ -82,9 +82,8 @@ class Instant {
             camera_.projection == Camera::Projection::orthographic)
             return;
         constexpr int more = beyond_records_px;
-        const double radius_m = camera_.film_distance_mm / *settings.for_f_number / 2 * 1e-3;
-        lens_.emplace(rays_, camera_, radius_m, settings.whitted.max_depth, w.x_begin - more,
-                      w.x_end + more + 1, w.y_begin - more, w.y_end + more + 1);
+        lens_.emplace(rays_, camera_, settings.whitted.bend_radius_m, settings.whitted.max_depth,
+                      w.x_begin - more, w.x_end + more + 1, w.y_begin - more, w.y_end + more + 1);
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
     Instant(const Instant&) = delete;
@@ -119,6 +118,12 @@ class Instant {
     std::optional<WhittedTracer> tracer_;
     bool hidden_ = false;
 };
+
+// Of the lens that the file is for.
+double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
+    const CameraModel camera(find_camera(scene, settings.camera_name), scene.time_s, settings.camera);
+    return camera.film_distance_mm / *settings.for_f_number / 2 * 1e-3;
+}
 
 // The widest that lens and shutter ask for.
 int overscan_for(const TraceSettings& s, const Instant& instant) {
@@ -209,6 +214,7 @@ SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, co
 TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const std::filesystem::path& path) {
     check(asked);
     TraceSettings settings = asked;
+    if (asked.for_f_number) settings.whitted.bend_radius_m = lens_radius_m(scene, asked);
     if (asked.for_f_number && asked.subdivide_for_lens) {
         settings.subdivision.colour_levels = asked.subdivision.levels;
         settings.subdivision.levels = std::max(asked.subdivision.levels, TraceSettings::lens_levels);
@@ -239,6 +245,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     SampleHeader header = sample_header(scene, settings, camera, time_s, o);
     header.has_w = instant->tracer().has_deeper_nodes();
     header.has_layers = instant->has_hidden_layers();
+    header.has_bend = instant->tracer().measures_bends();
     header.key_times_s = keys_s;
     SampleFileWriter writer(path, header, settings.compression);
 

@@ -51,8 +51,7 @@ struct TraceResult {
 };
 
 /// Traces `scene` into a sample file at `path`; nothing appears there before all is done. Throws Error.
-TraceResult trace_to_file(const Scene& scene, const TraceSettings& settings,
-                          const std::filesystem::path& path);
+TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const std::filesystem::path& path);
 
 /// The header that a trace with these settings writes, without keys; shared with tests and benchmarks.
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,

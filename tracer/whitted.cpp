@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tracer/ray_differentials.h"
+#include "tracer/refocus_bend.h"
 #include "tracer/shading.h"
 
 namespace postlens {
@@ -26,6 +27,7 @@ struct PathRay {
     std::uint32_t layer = 0;
     std::uint32_t parent = 0;  // id of the object that sends it on
     NodePath path;
+    int root_depth = 0;  // of the node that its layer begins with
 };
 
 // A light's contribution to a node, before what stands in between is known.
@@ -56,6 +58,7 @@ struct Pool {
 
 // Buffers of one thread, kept from batch to batch.
 struct Workspace {
+    std::span<const glm::dvec2> positions;
     Pool<PathRay> rays, next_rays;
     Pool<RayDifferentials> differentials, next_differentials;
     RayDifferentials at_eye;
@@ -69,12 +72,17 @@ struct Workspace {
     // What mirrors and glass show and a lens may see behind; and the rays that met it.
     std::vector<FirstHit> chain_hits;
     std::vector<PathRay> chain_rays;
+    std::vector<Bounces> chain_bounces;     // where W.bend is asked for
     std::vector<std::uint32_t> next_layer;  // of each sample
+    // Where W.bend is asked for: by the index of the differentials; and the nodes that it is measured of.
+    Pool<Bounces> bounces, next_bounces;
+    std::vector<BentNode> bent;
+    std::vector<float> bends;
 };
 
 // Nodes come generation by generation; records go sample by sample, by layer and path.
-void collect(std::span<const glm::dvec2> positions, Workspace& w, TracedSamples& out) {
-    out.offsets.assign(positions.size() + 1, 0);
+void collect(Workspace& w, TracedSamples& out) {
+    out.offsets.assign(w.positions.size() + 1, 0);
     for (std::size_t i = 0; i < w.nodes.count; ++i) ++out.offsets[w.nodes[i].sample + 1];
     for (std::size_t i = 1; i < out.offsets.size(); ++i) out.offsets[i] += out.offsets[i - 1];
     out.records.resize(w.nodes.count);
@@ -83,14 +91,14 @@ void collect(std::span<const glm::dvec2> positions, Workspace& w, TracedSamples&
     for (std::size_t i = 0; i < w.nodes.count; ++i) {
         Node& n = w.nodes[i];
         const dvec3 c = n.radiance * n.throughput;
-        n.record.x = static_cast<float>(positions[n.sample].x);
-        n.record.y = static_cast<float>(positions[n.sample].y);
+        n.record.x = static_cast<float>(w.positions[n.sample].x);
+        n.record.y = static_cast<float>(w.positions[n.sample].y);
         n.record.r = static_cast<float>(c.x);
         n.record.g = static_cast<float>(c.y);
         n.record.b = static_cast<float>(c.z);
         out.records[next[n.sample]++] = n.record;
     }
-    for (std::size_t i = 0; i < positions.size(); ++i) {
+    for (std::size_t i = 0; i < w.positions.size(); ++i) {
         const auto first = out.records.begin() + out.offsets[i],
                    last = out.records.begin() + out.offsets[i + 1];
         if (last - first > 2) {
@@ -116,14 +124,13 @@ struct WhittedTracer::Impl {
     bool refocus = false;
     std::vector<double> bound;  // by nodes left below: the most radiance that a subtree can have
 
-    void start(std::span<const glm::dvec2> positions, Workspace& w) const;
-    void generation(std::span<const glm::dvec2> positions, Workspace& w, RayCounts& counts) const;
+    void start(Workspace& w) const;
+    void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
-    void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key,
-                    std::span<const glm::dvec2> positions, Workspace& w) const;
-    void trace_hidden(std::span<const glm::dvec2> positions, Workspace& w, RayCounts& counts) const;
-    void trace_hidden_in_chains(std::span<const glm::dvec2> positions, Workspace& w, RayCounts& counts) const;
+    void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
+    void trace_hidden(Workspace& w, RayCounts& counts) const;
+    void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
     [[nodiscard]] static Node& add_node(const PathRay& ray, Workspace& w);
     void miss(const PathRay& ray, Workspace& w) const;
@@ -136,13 +143,17 @@ struct WhittedTracer::Impl {
     void child(const PathRay& parent, const SurfacePoint& s, const HitKey& key, const dvec3& direction,
                const dvec3& off, const dvec3& throughput, NodePath::Bounce bounce, Workspace& w) const;
     void resolve_shadows(Workspace& w) const;
+    [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
+    void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
+    void trace_bends(Workspace& w, RayCounts& counts) const;
 };
 
-void WhittedTracer::Impl::start(std::span<const glm::dvec2> positions, Workspace& w) const {
-    w.rays.count = w.nodes.count = w.differentials.count = 0;
+void WhittedTracer::Impl::start(Workspace& w) const {
+    w.rays.count = w.nodes.count = w.differentials.count = w.bounces.count = 0;
+    w.bent.clear();
     w.batch.clear(false);
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-        const CameraRay eye = camera.ray(positions[i].x, positions[i].y);
+    for (std::size_t i = 0; i < w.positions.size(); ++i) {
+        const CameraRay eye = camera.ray(w.positions[i].x, w.positions[i].y);
         PathRay& r = w.rays.add();
         r.origin = eye.origin;
         r.direction = eye.direction;
@@ -151,13 +162,15 @@ void WhittedTracer::Impl::start(std::span<const glm::dvec2> positions, Workspace
         r.cos_axis = eye.cos_axis;
         r.sample = static_cast<std::uint32_t>(i);
         r.layer = r.parent = 0;
+        r.root_depth = 0;
         r.path = NodePath();
         w.batch.add(eye.origin, eye.direction, std::numeric_limits<float>::infinity());
     }
     w.eye_hits.clear();
-    if (hidden.count > 0) w.eye_hits.resize(positions.size());
+    if (hidden.count > 0) w.eye_hits.resize(w.positions.size());
     w.chain_hits.clear();
     w.chain_rays.clear();
+    w.chain_bounces.clear();
 }
 
 // The next node, all but its depth, id, W and radiance.
@@ -165,6 +178,7 @@ Node& WhittedTracer::Impl::add_node(const PathRay& ray, Workspace& w) {
     Node& n = w.nodes.add();
     n.record.path = ray.path;
     n.record.layer = ray.layer;
+    n.record.w_bend = 0;
     n.throughput = ray.throughput;
     n.sample = ray.sample;
     return n;
@@ -177,6 +191,7 @@ void WhittedTracer::Impl::miss(const PathRay& ray, Workspace& w) const {
     const bool deeper = refocus && ray.path.bits() != 0;
     n.record.w = deeper ? refocus_matrix_at_infinity(w.differentials[ray.differentials]) : Mat2();
     n.radiance = rays.scene().background;
+    if (deeper && measures_bends()) keep_bent(ray, nullptr, w);
 }
 
 void WhittedTracer::Impl::hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
@@ -192,6 +207,7 @@ void WhittedTracer::Impl::hit(const PathRay& ray, const SurfacePoint& s, const H
         RayDifferentials& d = w.differentials[ray.differentials];
         transfer(d, ray.direction, s.t, f.geometric_normal);
         n.record.w = refocus_matrix(d);
+        if (measures_bends()) keep_bent(ray, &s, w);
     } else {
         n.record.w = Mat2::isotropic(1 / n.record.z);
     }
@@ -234,6 +250,7 @@ void WhittedTracer::Impl::child(const PathRay& parent, const SurfacePoint& s, co
     r.parent = rays.scene().objects[s.object].id;
     r.differentials = static_cast<std::uint32_t>(w.next_differentials.count);
     r.path = parent.path.child(bounce);
+    r.root_depth = parent.root_depth;
     w.next_batch.add(s.position + RayScene::offset(s.position) * off, direction,
                      std::numeric_limits<float>::infinity(), key);
 }
@@ -264,7 +281,14 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
         }
         if (f.smooth) shape_operator = f.sign * rays.shape_operator(key, s);
     }
+    Bounces bounces;
+    if (measures_bends()) {
+        if (ray.path.bits() != 0) bounces = w.bounces[ray.differentials];
+        bounces.object[static_cast<std::size_t>(ray.path.depth())] = s.object;
+        bounces.flat = bounces.flat && shape_operator == glm::dmat3(0);
+    }
     if (reflects) {
+        if (measures_bends()) w.next_bounces.add() = bounces;
         bool inwards = false;
         const dvec3 direction = mirrored_direction(c, f, ray.direction, inwards);
         ++counts.reflect;
@@ -276,6 +300,8 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
         }
     }
     if (refracts) {
+        bounces.flat = false;  // even behind a pane W changes with the angle
+        if (measures_bends()) w.next_bounces.add() = bounces;
         const dvec3 direction = refracted_direction(c, f, ray.direction);
         ++counts.refract;
         child(ray, s, key, direction, -f.geometric_normal, transmitted, NodePath::Bounce::transmitted, w);
@@ -298,7 +324,7 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
 
 void WhittedTracer::Impl::begin_generation(Workspace& w) const {
     w.next_batch.clear(true);
-    w.next_rays.count = w.next_differentials.count = 0;
+    w.next_rays.count = w.next_differentials.count = w.next_bounces.count = 0;
     for (std::size_t i = 0; i < lights.size(); ++i) {
         w.shadows[i].count = 0;
         w.shadow_rays[i].clear(true);
@@ -310,10 +336,10 @@ void WhittedTracer::Impl::end_generation(Workspace& w) const {
     std::swap(w.batch, w.next_batch);
     std::swap(w.rays, w.next_rays);
     std::swap(w.differentials, w.next_differentials);
+    std::swap(w.bounces, w.next_bounces);
 }
 
-void WhittedTracer::Impl::generation(std::span<const glm::dvec2> positions, Workspace& w,
-                                     RayCounts& counts) const {
+void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
     rays.intersect(w.batch, w.rays[0].path.bits() == 0);
     begin_generation(w);
     for (std::size_t i = 0; i < w.rays.count; ++i) {
@@ -332,7 +358,7 @@ void WhittedTracer::Impl::generation(std::span<const glm::dvec2> positions, Work
                 w.eye_hits[ray.sample].surface = surface;
             }
         } else if (hidden.lens != nullptr && ray.layer == 0) {
-            keep_chain(ray, surface, key, positions, w);
+            keep_chain(ray, surface, key, w);
         }
         hit(ray, surface, key, w, counts);
     }
@@ -342,20 +368,13 @@ void WhittedTracer::Impl::generation(std::span<const glm::dvec2> positions, Work
 // Notes what a ray behind a bounce meets, where a lens may see behind that. The way out of glass hides
 // nothing: what is behind it is seen by the ray that the glass sends on.
 void WhittedTracer::Impl::keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key,
-                                     std::span<const glm::dvec2> positions, Workspace& w) const {
+                                     Workspace& w) const {
     if (!refocus || ray.path.depth() > LensReach::most_bounces) return;
     const bool own_way_out =
         rays.scene().objects[s.object].id == ray.parent && glm::dot(ray.direction, s.geometric_normal) >= 0;
     if (own_way_out) return;
-    FirstHit first{ray.origin,
-                   ray.direction,
-                   ray.cos_axis,
-                   positions[ray.sample],
-                   key,
-                   s,
-                   ray.path,
-                   ray.parent,
-                   w.differentials[ray.differentials]};
+    FirstHit first{ray.origin, ray.direction, ray.cos_axis, w.positions[ray.sample],           key,
+                   s,          ray.path,      ray.parent,   w.differentials[ray.differentials]};
     RayDifferentials there = first.differentials;
     transfer(there, ray.direction, s.t, s.geometric_normal);
     const double inverse_depth = LensReach::inverse_depth(refocus_matrix(there));
@@ -364,6 +383,7 @@ void WhittedTracer::Impl::keep_chain(const PathRay& ray, const SurfacePoint& s, 
         return;
     w.chain_hits.push_back(first);
     w.chain_rays.push_back(ray);
+    if (measures_bends()) w.chain_bounces.push_back(w.bounces[ray.differentials]);
 }
 
 // A node that is met as if nothing stood before it: the root of a shading tree of its own.
@@ -372,7 +392,9 @@ void WhittedTracer::Impl::root(const FirstHit& first, const HiddenHit& h, PathRa
     if (ray.path.bits() != 0) {
         ray.differentials = static_cast<std::uint32_t>(w.differentials.count);
         w.differentials.add() = first.differentials;
+        if (measures_bends()) w.bounces.add() = w.chain_bounces[h.ray];
     }
+    ray.root_depth = ray.path.depth();
     if (h.key.valid()) {
         hit(ray, h.surface, h.key, w, counts);
     } else {
@@ -380,18 +402,17 @@ void WhittedTracer::Impl::root(const FirstHit& first, const HiddenHit& h, PathRa
     }
 }
 
-void WhittedTracer::Impl::trace_hidden(std::span<const glm::dvec2> positions, Workspace& w,
-                                       RayCounts& counts) const {
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-        const CameraRay eye = camera.ray(positions[i].x, positions[i].y);
+void WhittedTracer::Impl::trace_hidden(Workspace& w, RayCounts& counts) const {
+    for (std::size_t i = 0; i < w.positions.size(); ++i) {
+        const CameraRay eye = camera.ray(w.positions[i].x, w.positions[i].y);
         w.eye_hits[i].origin = eye.origin;
         w.eye_hits[i].direction = eye.direction;
         w.eye_hits[i].cos_axis = eye.cos_axis;
-        w.eye_hits[i].at = positions[i];
+        w.eye_hits[i].at = w.positions[i];
     }
     find_hidden_surfaces(rays, hidden, w.eye_hits, w.hidden, counts.hidden);
     begin_generation(w);
-    w.next_layer.assign(positions.size(), 1);
+    w.next_layer.assign(w.positions.size(), 1);
     for (const HiddenHit& h : w.hidden) {
         const FirstHit& eye = w.eye_hits[h.ray];
         w.next_layer[h.ray] = h.layer + 1;
@@ -405,14 +426,13 @@ void WhittedTracer::Impl::trace_hidden(std::span<const glm::dvec2> positions, Wo
         root(eye, h, ray, w, counts);
     }
     end_generation(w);
-    while (w.rays.count > 0) generation(positions, w, counts);
-    if (!w.chain_hits.empty()) trace_hidden_in_chains(positions, w, counts);
+    while (w.rays.count > 0) generation(w, counts);
+    if (!w.chain_hits.empty()) trace_hidden_in_chains(w, counts);
 }
 
 // The same behind what mirrors and glass show. Each surface is a layer of its own, of which a sample has no
 // primary node.
-void WhittedTracer::Impl::trace_hidden_in_chains(std::span<const glm::dvec2> positions, Workspace& w,
-                                                 RayCounts& counts) const {
+void WhittedTracer::Impl::trace_hidden_in_chains(Workspace& w, RayCounts& counts) const {
     find_hidden_surfaces(rays, hidden, w.chain_hits, w.hidden, counts.hidden);
     std::sort(w.hidden.begin(), w.hidden.end(), [&](const HiddenHit& a, const HiddenHit& b) {
         const auto order = [&](const HiddenHit& h) {
@@ -422,14 +442,41 @@ void WhittedTracer::Impl::trace_hidden_in_chains(std::span<const glm::dvec2> pos
         return order(a) < order(b);
     });
     begin_generation(w);
-    w.differentials.count = 0;
+    w.differentials.count = w.bounces.count = 0;
     for (const HiddenHit& h : w.hidden) {
         PathRay ray = w.chain_rays[h.ray];
         ray.layer = w.next_layer[ray.sample]++;
         root(w.chain_hits[h.ray], h, ray, w, counts);
     }
     end_generation(w);
-    while (w.rays.count > 0) generation(positions, w, counts);
+    while (w.rays.count > 0) generation(w, counts);
+}
+
+// Notes a node that W may not be exact for. `s`: null where nothing was hit.
+void WhittedTracer::Impl::keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const {
+    const Bounces& bounces = w.bounces[ray.differentials];
+    if (bounces.flat) return;
+    const RayDifferentials& d = w.differentials[ray.differentials];
+    const dvec3 eye = camera.ray(w.positions[ray.sample].x, w.positions[ray.sample].y).direction;
+    BentNode n;
+    n.node = static_cast<std::uint32_t>(w.nodes.count - 1);
+    n.path = ray.path;
+    n.bounces = bounces;
+    n.hidden_bounce = ray.layer > 0 ? ray.root_depth : -1;
+    n.at_infinity = s == nullptr;
+    n.target = s == nullptr ? ray.direction : s->position;
+    n.direction = ray.direction;
+    n.tangent =
+        glm::dvec2(glm::dot(eye, camera.right), glm::dot(eye, camera.down)) / glm::dot(eye, camera.forward);
+    n.by_tangent =
+        s == nullptr ? std::array{d.direction[0], d.direction[1]} : std::array{d.point[0], d.point[1]};
+    n.w = w.nodes[n.node].record.w;
+    w.bent.push_back(n);
+}
+
+void WhittedTracer::Impl::trace_bends(Workspace& w, RayCounts& counts) const {
+    measure_bends(rays, camera, settings.bend_radius_m, w.bent, w.bends, counts.lens);
+    for (std::size_t i = 0; i < w.bent.size(); ++i) w.nodes[w.bent[i].node].record.w_bend = w.bends[i];
 }
 
 WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
@@ -451,16 +498,22 @@ bool WhittedTracer::has_deeper_nodes() const {
     return impl_->deeper_nodes;
 }
 
+bool WhittedTracer::measures_bends() const {
+    return impl_->measures_bends();
+}
+
 void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& out,
                           RayCounts& counts) const {
     thread_local Workspace w;
     w.shadows.resize(impl_->lights.size());
     w.shadow_rays.resize(impl_->lights.size());
-    impl_->start(positions, w);
-    counts.eye += positions.size();
-    while (w.rays.count > 0) impl_->generation(positions, w, counts);
-    if (!w.eye_hits.empty()) impl_->trace_hidden(positions, w, counts);
-    collect(positions, w, out);
+    w.positions = positions;
+    impl_->start(w);
+    counts.eye += w.positions.size();
+    while (w.rays.count > 0) impl_->generation(w, counts);
+    if (!w.eye_hits.empty()) impl_->trace_hidden(w, counts);
+    if (!w.bent.empty()) impl_->trace_bends(w, counts);
+    collect(w, out);
 }
 
 }  // namespace postlens

@@ -19,12 +19,14 @@ struct WhittedSettings {
     int max_depth = 5;  ///< nodes along a path, the primary node counts 1; 1 to NodePath::max_bounces + 1
     double min_contribution = 1e-3;  ///< radiance; subtrees that cannot add as much are not traced
     bool refocus_matrices = true;    ///< compute W of deeper nodes (perspective cameras only)
+    double bend_radius_m = 0;        ///< of a lens for which W.bend is measured; 0: for none
     bool lit = true;                 ///< false: lights are left out, for who asks where things are
 };
 
-/// Rays traced, as the SPD counts them; `hidden`: eye rays that go on behind a surface.
+/// Rays traced, as the SPD counts them; `hidden`: rays that go on behind a surface; `lens`: from points of a
+/// lens, which W.bend is measured by.
 struct RayCounts {
-    std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0;
+    std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0, lens = 0;
     RayCounts& operator+=(const RayCounts& o) {
         eye += o.eye;
         eye_hits += o.eye_hits;
@@ -32,6 +34,7 @@ struct RayCounts {
         refract += o.refract;
         shadow += o.shadow;
         hidden += o.hidden;
+        lens += o.lens;
         return *this;
     }
 };
@@ -61,6 +64,8 @@ class WhittedTracer {
 
     /// True where some material reflects or transmits, so that nodes deeper than primary can exist.
     [[nodiscard]] bool has_deeper_nodes() const;
+    /// Whether W.bend is measured.
+    [[nodiscard]] bool measures_bends() const;
 
   private:
     struct Impl;

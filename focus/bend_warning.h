@@ -1,0 +1,20 @@
+// Does what mirrors and glass show move with the lens as W says?
+#pragma once
+
+#include <optional>
+
+#include "focus/focus.h"
+#include "lens/focus_geometry.h"
+#include "records/sample_file.h"
+
+namespace postlens {
+
+/// A warning of code "nonlinear" with the share of the picture's pixels that have a visible node brighter
+/// than 1/255 which W misplaces by more than half a pixel for some point of the lens: where
+/// (d / pitch) W.bend (D / 2)^2 > 0.5 px. Nothing where there is none, for a pinhole, and for files that do
+/// not say (`SampleHeader::has_bend`). Reads the records of the picture once; the same for any number of
+/// threads.
+[[nodiscard]] std::optional<FocusWarning> bend_warning(const SampleFileReader& file,
+                                                       const FocusGeometry& lens);
+
+}  // namespace postlens

@@ -1,0 +1,216 @@
+// W.bend, how far W errs: against exact rays from the lens, in closed form where mirrors are flat, and what
+// `focus` says of it.
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <vector>
+
+#include "core/threads.h"
+#include "focus/bend_warning.h"
+#include "tests/scene_builder.h"
+#include "tests/temporary_folder.h"
+#include "tracer/corner_sampler.h"
+#include "tracer/trace.h"
+#include "tracer/whitted.h"
+
+namespace postlens::test {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr double tangent_per_px = 36.0 / 50 / 64;  // of SceneBuilder's camera
+
+std::vector<Record> trace_at(const Scene& scene, dvec2 at, double radius_m, const HiddenLayers& hidden = {}) {
+    const RayScene rays(scene, 0);
+    const CameraModel camera(scene.cameras.at(0), 0);
+    TracedSamples traced;
+    RayCounts counts;
+    WhittedTracer(rays, camera, {.min_contribution = 0, .bend_radius_m = radius_m}, hidden)
+        .trace(std::vector<dvec2>{at}, traced, counts);
+    return traced.records;
+}
+const Record& node(const std::vector<Record>& records, const std::string& path) {
+    return *std::find_if(records.begin(), records.end(),
+                         [&](const Record& r) { return r.path.text() == path; });
+}
+
+TEST(Bend, IsNothingForWhatIsSeenDirectlyAndInFlatMirrors) {
+    SceneBuilder b;
+    b.add(square({0, 0, -3}, glm::normalize(dvec3(1, 0, 1)), 3), mirror(0.8));
+    b.add(square({4, 0, -3}, glm::normalize(dvec3(-1, 0, 0.2)), 6), mirror(0.8));
+    b.add(square({0, 0, 6}, {0, 0, -1}, 200), glowing({0, 1, 0}));
+    int deeper = 0;
+    for (const dvec2 at : {dvec2(32, 24), dvec2(20.5, 30.25), dvec2(40, 10)}) {
+        for (const Record& r : trace_at(b.scene, at, 0.02)) {
+            EXPECT_EQ(r.w_bend, 0) << r.path.text();
+            deeper += r.path.depth() > 0 ? 1 : 0;
+        }
+    }
+    EXPECT_GT(deeper, 3);
+}
+
+// The ball mirror of the next tests, and a wall behind the camera that it shows.
+SceneBuilder ball_mirror() {
+    SceneBuilder b;
+    b.add(Sphere{{0, 0, -2}, 0.5}, mirror(0.9));
+    b.add(square({0, 0, 3}, {0, 0, -1}, 200), glowing({0, 1, 0}));
+    return b;
+}
+
+// Written out: the ray from lens point q with tangent p, mirrored at that ball, meets the wall at z = 3.
+dvec2 on_wall(dvec2 q, dvec2 p) {
+    const dvec3 o{q.x, -q.y, 0}, d = glm::normalize(dvec3(p.x, -p.y, -1)), c{0, 0, -2};
+    const double half = glm::dot(d, c - o);
+    const double t = half - std::sqrt(half * half - glm::dot(c - o, c - o) + 0.25);
+    const dvec3 x = o + t * d, n = (x - c) / 0.5, r = d - 2 * glm::dot(d, n) * n;
+    const double s = (3 - x.z) / r.z;
+    return {x.x + s * r.x, x.y + s * r.y};
+}
+
+// The largest departure from p - W q, both found by differences and by Newton's method with differences.
+double departure(dvec2 p0, double radius_m) {
+    constexpr double h = 1e-6;
+    const dvec2 target = on_wall({0, 0}, p0);
+    const auto jacobian = [&](dvec2 q, dvec2 p) {
+        return glm::dmat2((on_wall(q, p + dvec2(h, 0)) - on_wall(q, p - dvec2(h, 0))) / (2 * h),
+                          (on_wall(q, p + dvec2(0, h)) - on_wall(q, p - dvec2(0, h))) / (2 * h));
+    };
+    const glm::dmat2 by_p = jacobian({0, 0}, p0);
+    const glm::dmat2 by_q((on_wall({h, 0}, p0) - on_wall({-h, 0}, p0)) / (2 * h),
+                          (on_wall({0, h}, p0) - on_wall({0, -h}, p0)) / (2 * h));
+    const glm::dmat2 w = glm::inverse(by_p) * by_q;
+    double worst = 0;
+    for (const dvec2 q : {dvec2(radius_m, 0), dvec2(-radius_m, 0), dvec2(0, radius_m), dvec2(0, -radius_m)}) {
+        dvec2 p = p0 - w * q;
+        for (int i = 0; i < 20; ++i) p -= glm::inverse(jacobian(q, p)) * (on_wall(q, p) - target);
+        worst = std::max(worst, glm::length(p - (p0 - w * q)));
+    }
+    return worst;
+}
+
+TEST(Bend, OfABallMirrorAgreesWithExactRays) {
+    const SceneBuilder b = ball_mirror();
+    for (const dvec2 at : {dvec2(40, 24), dvec2(44.5, 30), dvec2(25, 14), dvec2(32, 40)}) {
+        const dvec2 p = (at - dvec2(32, 24)) * tangent_per_px;
+        for (const double radius_m : {0.018, 0.009}) {
+            const double got = static_cast<double>(node(trace_at(b.scene, at, radius_m), "R").w_bend);
+            const double expected = departure(p, radius_m) / (radius_m * radius_m);
+            // Half floats, W rounded to float; and what the last step leaves: 5 %, or of steps of 0.1 px less
+            // than a fifth.
+            const double tolerance = 0.05 * expected + 0.02 * tangent_per_px / (radius_m * radius_m);
+            EXPECT_NEAR(got, expected, tolerance) << at.x << ' ' << at.y << ", R " << radius_m;
+            EXPECT_GT(got, 0);
+        }
+    }
+}
+
+TEST(Bend, IsOfSecondOrder) {
+    // The same number for half the aperture, and so a quarter of the error.
+    for (const dvec2 at : {dvec2(44.5, 30), dvec2(25, 14)}) {
+        const dvec2 p = (at - dvec2(32, 24)) * tangent_per_px;
+        const double whole = departure(p, 0.018), half = departure(p, 0.009);
+        EXPECT_NEAR(whole / half, 4, 0.5);  // the third order is a tenth here
+        const SceneBuilder b = ball_mirror();
+        const auto bend = [&](double r) {
+            return static_cast<double>(node(trace_at(b.scene, at, r), "R").w_bend);
+        };
+        EXPECT_NEAR(bend(0.009) / bend(0.018), 1, 0.25);
+    }
+}
+
+TEST(Bend, IsInfiniteWhereOtherPointsOfTheLensSeeNothingOfIt) {
+    // A mirror that is a small ball: the wall's point that its rim shows moves out of it.
+    SceneBuilder rim;
+    rim.add(Sphere{{0, 0, -2}, 0.1}, mirror());
+    rim.add(square({0, 0, -6}, {0, 0, 1}, 200), glowing({0, 1, 0}));
+    const double edge_px = 0.1 / std::sqrt(4 - 0.01) / tangent_per_px;
+    EXPECT_TRUE(std::isinf(node(trace_at(rim.scene, {32 + edge_px - 0.002, 24}, 0.05), "R").w_bend));
+    // A post before a curved mirror: beside it half of the lens is in its shade.
+    SceneBuilder shade = ball_mirror();
+    shade.add(Box{{-1, -1, -1.02}, {0, 1, -1}}, glowing({1, 0, 0}));
+    EXPECT_TRUE(std::isinf(node(trace_at(shade.scene, {32.5, 24}, 0.02), "R").w_bend));
+    EXPECT_TRUE(std::isfinite(node(trace_at(shade.scene, {40, 24}, 0.02), "R").w_bend));
+    // Behind the post, what is recorded there is measured as if nothing stood before it.
+    const std::vector<Record> behind = trace_at(shade.scene, {24, 24}, 0.02, {2});
+    const auto hidden = std::find_if(behind.begin(), behind.end(),
+                                     [](const Record& r) { return r.layer == 1 && r.path.text() == "R"; });
+    ASSERT_NE(hidden, behind.end());
+    EXPECT_GT(hidden->w_bend, 0);
+    EXPECT_LT(hidden->w_bend, 1);
+}
+
+TEST(Bend, OfGlassIsMeasuredThroughAllItsSurfaces) {
+    // A pane 5 cm thick: what it shows moves nearly as without. A ball: it does not.
+    SceneBuilder pane;
+    pane.add(Box{{-5, -5, -1.05}, {5, 5, -1}}, glass(1.5));
+    pane.add(square({0, 0, -4}, {0, 0, 1}, 200), glowing({0, 1, 0}));
+    SceneBuilder ball;
+    ball.add(Sphere{{0, 0, -1.2}, 0.2}, glass(1.5));
+    ball.add(square({0, 0, -4}, {0, 0, 1}, 200), glowing({0, 1, 0}));
+    const dvec2 at{36, 27};
+    const float flat = node(trace_at(pane.scene, at, 0.02), "TT").w_bend,
+                round = node(trace_at(ball.scene, at, 0.02), "TT").w_bend;
+    EXPECT_TRUE(std::isfinite(flat));
+    EXPECT_TRUE(std::isfinite(round));
+    EXPECT_LT(flat, 1e-2 * round);
+}
+
+TEST(Bend, SameBitsForAnyNumberOfThreads) {
+    SceneBuilder b = ball_mirror();
+    b.add(Sphere{{0.5, 0.1, -1.3}, 0.2}, glass(1.5, 0.9));
+    const RayScene rays(b.scene, 0);
+    const CameraModel camera(b.scene.cameras[0], 0);
+    const WhittedTracer tracer(rays, camera, {.bend_radius_m = 0.02}, {2});
+    std::vector<Record> first;
+    for (const int threads : {1, 2}) {
+        const ThreadLimit limit(threads);
+        std::vector<Record> got;
+        (void)sample_corners(tracer, {0, 64, 0, 48}, {.levels = 1}, [&](const RecordBand& band) {
+            got.insert(got.end(), band.records.begin(), band.records.end());
+        });
+        if (first.empty()) first = got;
+        EXPECT_EQ(got, first) << threads;
+    }
+    EXPECT_TRUE(std::any_of(first.begin(), first.end(), [](const Record& r) { return r.w_bend > 0; }));
+}
+
+TEST(BendWarning, SaysWhichShareWIsWrongFor) {
+    const TemporaryFolder folder;
+    const auto warning = [&](const SceneBuilder& b, double f_number, double zoom = 1) {
+        TraceSettings t;
+        t.for_f_number = 0.7;
+        (void)trace_to_file(b.scene, t, folder.path() / "a.exr");
+        const SampleFileReader file(folder.path() / "a.exr");
+        EXPECT_TRUE(file.header().has_bend);
+        FocusGeometry lens = focus_geometry({50, f_number}, 2, Framing::keep, {50, 36.0 / 64});
+        lens.gain_px *= zoom;
+        return bend_warning(file, lens);
+    };
+    SceneBuilder ball;
+    ball.add(Sphere{{0, 0, -1}, 0.15}, mirror(0.9));
+    ball.add(square({0, 0, 3}, {0, 0, -1}, 200), glowing({0, 1, 0}));
+    ball.add(square({0, 0, -6}, {0, 0, 1}, 200), glowing({1, 0, 0}));
+    const auto wide = warning(ball, 0.7);
+    ASSERT_TRUE(wide.has_value());
+    EXPECT_EQ(wide->code, "nonlinear");
+    // The ball covers pi (0.15 / sqrt(1 - 0.15^2))^2 / tangent_per_px^2 = 571 of 3072 pixels; those at its
+    // outline also count where it fills them in part: twice 2 pi 13.5 px at most.
+    EXPECT_GT(wide->share, 0);
+    EXPECT_LE(wide->share, (571.0 + 170) / 3072);
+    // More, the finer the raster, until at the smallest of apertures only that is left which no other point
+    // of a lens was found to see.
+    const auto fine = warning(ball, 0.7, 100), least = warning(ball, 1000);
+    ASSERT_TRUE(fine.has_value() && least.has_value());
+    EXPECT_GT(fine->share, wide->share);
+    EXPECT_LE(least->share, wide->share);
+    EXPECT_FALSE(warning(ball, std::numeric_limits<double>::infinity()).has_value());
+    SceneBuilder flat;
+    flat.add(square({0, 0, -3}, {0, 0, 1}, 3), mirror(0.8));
+    flat.add(square({0, 0, 6}, {0, 0, -1}, 200), glowing({0, 1, 0}));
+    EXPECT_FALSE(warning(flat, 0.7).has_value());
+}
+
+}  // namespace
+}  // namespace postlens::test

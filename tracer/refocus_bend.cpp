@@ -1,0 +1,189 @@
+#include "tracer/refocus_bend.h"
+
+#include <Imath/half.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tracer/shading.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Newton's method with derivatives that stay those of the pinhole gains a digit or so each time; a ray that
+// is not found in so many steps is bent beyond use.
+constexpr int most_steps = 5;
+// The last step may leave so much of the departure unsettled; and where it is of so few px, it was right to a
+// share of itself, whichever step it was.
+constexpr double settled_share = 0.05, settled_px = 0.1;
+
+// Of a ray behind surfaces that are not part of the chain.
+constexpr int most_passed = 16;
+
+// A ray from a point of the lens on its way to see a node.
+struct Probe {
+    std::uint32_t node = 0;
+    dvec2 q{0}, predicted{0}, tangent{0};
+    double last_step = infinity;
+    // The ray as it is now.
+    dvec3 origin{0}, direction{0}, off{0};
+    double start = 0;  // from the origin, where surfaces are passed by
+    HitKey from;
+    int bounces = 0, passed = 0;
+    bool lost = false;
+};
+
+class Prober {
+  public:
+    Prober(const RayScene& scene, const CameraModel& camera, std::span<const BentNode> nodes)
+        : scene_(scene), camera_(camera), nodes_(nodes) {}
+
+    void begin(Probe& p) const {
+        p.origin = camera_.position + p.q.x * camera_.right + p.q.y * camera_.down;
+        p.direction =
+            glm::normalize(camera_.forward + p.tangent.x * camera_.right + p.tangent.y * camera_.down);
+        p.off = dvec3(0);
+        p.start = 0;
+        p.from = {};
+        p.bounces = p.passed = 0;
+    }
+    [[nodiscard]] bool on_its_way(const Probe& p) const {
+        return !p.lost && p.bounces < nodes_[p.node].path.depth();
+    }
+    // Takes the hit of the current ray: bounces where the chain bounced.
+    void meet(Probe& p, const HitKey& key, double t) const {
+        const BentNode& n = nodes_[p.node];
+        p.lost = true;
+        if (!key.valid()) return;
+        const SurfacePoint s = scene_.surface(key, p.origin, p.direction, t);
+        if (s.object != n.bounces.object[static_cast<std::size_t>(p.bounces)]) {
+            p.lost = p.bounces != n.hidden_bounce || ++p.passed > most_passed;
+            p.start = s.t + RayScene::offset(s.position);
+            p.from = key;
+            return;
+        }
+        const Facing f = face(s, p.direction);
+        const Continuation c =
+            continuation(scene_.scene().materials[scene_.scene().objects[s.object].material], f, p.direction);
+        double side = 1;
+        if (n.path.bounce(p.bounces) == NodePath::Bounce::reflected) {
+            bool inwards = false;
+            p.direction = mirrored_direction(c, f, p.direction, inwards);
+        } else {
+            if (!c.refracts) return;
+            p.direction = refracted_direction(c, f, p.direction);
+            side = -1;
+        }
+        p.origin = s.position;
+        p.off = side * RayScene::offset(s.position) * f.geometric_normal;
+        p.start = 0;
+        p.from = key;
+        ++p.bounces;
+        p.lost = false;
+    }
+    // How the tangent has to change for the ray to see the target, as the pinhole's derivatives say.
+    [[nodiscard]] dvec2 correction(const Probe& p) const {
+        const BentNode& n = nodes_[p.node];
+        const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
+        // Across the ray: along it, nothing is missed.
+        const auto across = [](const dvec3& v, const dvec3& d) { return v - d * glm::dot(v, d); };
+        const dvec3 r = across(miss, p.direction);
+        const dvec3 a = across(n.by_tangent[0], n.direction), b = across(n.by_tangent[1], n.direction);
+        const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b);
+        const double ar = glm::dot(a, r), br = glm::dot(b, r), det = aa * bb - ab * ab;
+        return dvec2(bb * ar - ab * br, aa * br - ab * ar) / -det;
+    }
+
+  private:
+    const RayScene& scene_;
+    const CameraModel& camera_;
+    std::span<const BentNode> nodes_;
+};
+
+// Follows all probes that are not lost up to their last bounce.
+void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& probes,
+            const std::vector<std::uint32_t>& open, std::uint64_t& rays_spent) {
+    thread_local RayBatch batch;
+    thread_local std::vector<std::uint32_t> going;
+    for (const std::uint32_t i : open) prober.begin(probes[i]);
+    for (;;) {
+        going.clear();
+        batch.clear(true);
+        for (const std::uint32_t i : open) {
+            const Probe& p = probes[i];
+            if (!prober.on_its_way(p)) continue;
+            going.push_back(i);
+            batch.add(p.origin + p.off + p.start * p.direction, p.direction,
+                      std::numeric_limits<float>::infinity(), p.from);
+        }
+        if (going.empty()) return;
+        rays_spent += going.size();
+        scene.intersect(batch, false);
+        for (std::size_t k = 0; k < going.size(); ++k) {
+            Probe& p = probes[going[k]];
+            prober.meet(p, batch.hit(k), p.start + static_cast<double>(batch.t[k]));
+        }
+    }
+}
+
+}  // namespace
+
+void measure_bends(const RayScene& scene, const CameraModel& camera, double radius_m,
+                   std::span<const BentNode> nodes, std::vector<float>& out, std::uint64_t& rays_spent) {
+    thread_local std::vector<Probe> probes;
+    thread_local std::vector<std::uint32_t> open;
+    probes.clear();
+    open.clear();
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+        const BentNode& n = nodes[i];
+        for (const dvec2 q : {dvec2(1, 0), dvec2(-1, 0), dvec2(0, 1), dvec2(0, -1)}) {
+            Probe p;
+            p.node = i;
+            p.q = radius_m * q;
+            p.predicted =
+                n.tangent - dvec2(static_cast<double>(n.w.xx) * p.q.x + static_cast<double>(n.w.xy) * p.q.y,
+                                  static_cast<double>(n.w.yx) * p.q.x + static_cast<double>(n.w.yy) * p.q.y);
+            p.tangent = p.predicted;
+            open.push_back(static_cast<std::uint32_t>(probes.size()));
+            probes.push_back(p);
+        }
+    }
+    const Prober prober(scene, camera, nodes);
+    // Beyond this a tangent is no picture's: W is that of a fold, or the steps run away.
+    constexpr double widest_tangent = 1e3;
+    const auto runs_away = [](const dvec2& tangent) { return !(glm::length(tangent) < widest_tangent); };
+    std::vector<bool> ended(nodes.size(), false);
+    for (int step = 0; step < most_steps && !open.empty(); ++step) {
+        for (const std::uint32_t i : open) probes[i].lost = runs_away(probes[i].tangent);
+        follow(scene, prober, probes, open, rays_spent);
+        std::erase_if(open, [&](std::uint32_t i) {
+            Probe& p = probes[i];
+            // One ray that is not found decides for its node.
+            if (p.lost) ended[p.node] = true;
+            if (ended[p.node]) return true;
+            const dvec2 change = prober.correction(p);
+            p.tangent += change;
+            p.last_step = glm::length(change);
+            const double departure = glm::length(p.tangent - p.predicted);
+            const bool settled = p.last_step <= settled_px * camera.tangent_per_px ||
+                                 (step > 0 && p.last_step <= settled_share * departure);
+            if (settled) p.last_step = 0;
+            return settled;
+        });
+    }
+    out.assign(nodes.size(), 0);
+    for (const Probe& p : probes) {
+        const bool found = !p.lost && p.last_step == 0 && !runs_away(p.tangent);
+        const double bend = found ? glm::length(p.tangent - p.predicted) / (radius_m * radius_m) : infinity;
+        // Converted from float: what is too large for a half is infinite.
+        const float rounded = Imath::half(static_cast<float>(bend));
+        out[p.node] = std::max(out[p.node], rounded);
+    }
+}
+
+}  // namespace postlens
