@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "focus/focus.h"
 #include "lens/focus_geometry.h"
@@ -16,5 +17,9 @@ namespace postlens {
 /// threads.
 [[nodiscard]] std::optional<FocusWarning> bend_warning(const SampleFileReader& file,
                                                        const FocusGeometry& lens);
+
+/// Where that light goes: by pixel of the picture, the radiance of such nodes, each spread over a square as
+/// wide as its blur. Empty where bend_warning has nothing to say.
+[[nodiscard]] std::vector<float> misplaced_light(const SampleFileReader& file, const FocusGeometry& lens);
 
 }  // namespace postlens

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "focus/bend_warning.h"
 #include "focus/field_focus.h"
 #include "records/aperture_file.h"
 #include "tracer/eye_rays.h"
@@ -58,10 +59,14 @@ RenderSettings render_settings(const SampleHeader& h, const HybridSettings& s) {
     return r;
 }
 
-/// Pixels that records do not suffice for, the worst first, ties by place.
-std::vector<std::uint32_t> insufficient(const FieldFocus& field, double tolerated) {
+/// Pixels that records do not suffice for, the worst first, ties by place: of whose light too much is unknown,
+/// or misplaced.
+std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vector<float>& misplaced,
+                                        double tolerated) {
     std::vector<std::uint32_t> out;
-    const auto error = [&](std::uint32_t k) { return std::max(field.unknown[k], field.unknown_below[k]); };
+    const auto error = [&](std::uint32_t k) {
+        return std::max({field.unknown[k], field.unknown_below[k], misplaced.empty() ? 0.0F : misplaced[k]});
+    };
     for (std::uint32_t k = 0; k < field.unknown.size(); ++k) {
         if (static_cast<double>(error(k)) > tolerated) out.push_back(k);
     }
@@ -129,7 +134,7 @@ HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& 
         out.focus.image = field.image;
     }
     out.focus.views = focus.views;
-    std::vector<std::uint32_t> pixels = insufficient(field, settings.tolerated_unknown);
+    std::vector<std::uint32_t> pixels = insufficient(field, misplaced_light(file, geometry), settings.tolerated);
     out.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
     if (settings.scene != nullptr) {
         retrace(h, settings, std::move(pixels), out);

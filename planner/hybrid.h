@@ -24,8 +24,9 @@ struct HybridSettings {
     const Scene* scene = nullptr;
     int retrace_spp = 128;
     double most_retraced = 0.1;  ///< share of the pixels
-    /// Share of a pixel's light that may be unknown before it is traced again.
-    double tolerated_unknown = 0.02;
+    /// Share of a pixel's light that may be unknown, and radiance that may be misplaced (W.bend), before it is
+    /// traced again.
+    double tolerated = 0.02;
 };
 
 struct HybridResult {
