@@ -108,7 +108,8 @@ FocusResult scattered(const SampleFileReader& file, const FocusSettings& setting
     scatter(tables, out.image);
     out.depths = levels.depths().value_or(tables.levels_used());
     out.largest_coc_px = tables.largest_coc_px() * geometry.zoom;
-    if (auto warning = overscan_warning(tables)) out.warnings.push_back(*std::move(warning));
+    if (auto warning = overscan_warning(tables.border(), corners, window))
+        out.warnings.push_back(*std::move(warning));
     return out;
 }
 
