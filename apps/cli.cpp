@@ -193,6 +193,7 @@ void add_focus(CLI::App& root, State& s) {
     impulse_options(app, o.impulse);
     choice(app, "--method", o.method, "How",
            {{"scatter", FocusMethod::scatter},
+            {"layers", FocusMethod::layers},
             {"lightfield", FocusMethod::lightfield},
             {"hybrid", FocusMethod::hybrid},
             {"pinhole", FocusMethod::pinhole}});
