@@ -11,7 +11,7 @@ namespace {
 /// about a pixel the pixel's own width decides.
 double independence(double radius_px, double other_px) {
     const double larger = std::max(std::abs(radius_px), std::abs(other_px));
-    return std::min(1.0, 2 * std::abs(radius_px - other_px) / (larger + 1));
+    return std::min(1.0, std::abs(radius_px - other_px) / (larger + 1));
 }
 
 /// A surface that has been laid down.

@@ -23,7 +23,7 @@ struct Fragment {
 /// covers the other happens as often as their alphas say, and what is behind keeps 1 - alpha ("over"
 /// [porter1984]). Two surfaces with the same circle of confusion move together: there the pinhole's picture
 /// stays true wherever on the lens one looks from, and what is behind keeps exactly what the pinhole sees of
-/// it. In between, where their radii differ by less than half the larger one and a pixel, both are mixed.
+/// it. In between, where their radii differ by less than the larger one and a pixel, both are mixed.
 [[nodiscard]] std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry);
 
 }  // namespace postlens
