@@ -14,11 +14,21 @@ constexpr double enough_weight = 0.05;
 struct Chain {
     std::uint32_t path;
     std::array<double, 3> rgb;
-    double mask, hidden_mask;
+    SurfaceLight mask, hidden_mask;  ///< their colours are the stand-in's
 };
 
-std::array<float, 3> to_floats(const std::array<double, 3>& v) {
-    return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+/// Adds what a chain shows where the surface has it.
+void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        surface.rgb[c] += mask.alpha * rgb[c];
+        surface.lens[c].x += mask.lens[3].x * rgb[c];
+        surface.lens[c].y += mask.lens[3].y * rgb[c];
+    }
+}
+
+SurfaceLight light_of(const LayerTerm* term) {
+    if (term == nullptr) return {};
+    return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
 /// Of the terms of one thing that is seen, hidden or both.
@@ -26,17 +36,7 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
     const double depth = (seen != nullptr ? seen->depth : 0.0) + (hidden != nullptr ? hidden->depth : 0.0);
-    Fragment out;
-    out.inverse_depth_per_m = static_cast<float>(depth / weight);
-    if (seen != nullptr) {
-        out.seen = static_cast<float>(std::max(seen->weight, 0.0));
-        out.seen_rgb = to_floats(seen->rgb);
-    }
-    if (hidden != nullptr) {
-        out.hidden = static_cast<float>(std::max(hidden->weight, 0.0));
-        out.hidden_rgb = to_floats(hidden->rgb);
-    }
-    return out;
+    return Fragment{depth / weight, light_of(seen), light_of(hidden)};
 }
 
 /// The things of a chain, or the surface itself, as fragments; `weight` becomes the sum of theirs.
@@ -62,14 +62,12 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
                     const FocusGeometry& geometry) {
     thread_local std::vector<Fragment> fragments;
     const std::uint32_t path = terms[0].part->path;
-    Chain out{path, {}, 0, 0};
-    std::array<double, 3> stand_in{};
+    Chain out{path, {}, {}, {}};
     for (const LayerTerm& term : terms) {
-        if (term.part->kind != Kind::mask && term.part->kind != Kind::hidden_mask) continue;
-        (term.part->kind == Kind::mask ? out.mask : out.hidden_mask) = std::max(term.weight, 0.0);
-        for (std::size_t c = 0; c < 3; ++c) stand_in[c] += term.rgb[c];
+        if (term.part->kind == Kind::mask) out.mask = light_of(&term);
+        if (term.part->kind == Kind::hidden_mask) out.hidden_mask = light_of(&term);
     }
-    const double masks = out.mask + out.hidden_mask;
+    const double masks = out.mask.alpha + out.hidden_mask.alpha;
     if (!(masks > smallest_layer_weight)) return out;
     double weight = 0;
     gather(terms, fragments, weight);
@@ -79,12 +77,14 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         // Masks of longer chains are by the responses of what this one shows.
         for (const Chain& next : longer) {
             if (NodePath(next.path).parent() != NodePath(path)) continue;
-            const double share = std::min(next.mask / weight, 1.0);
+            const double share = std::min(next.mask.alpha / weight, 1.0);
             for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
         }
     }
-    for (std::size_t c = 0; c < 3; ++c)
-        out.rgb[c] = own * out.rgb[c] + (own < 1 ? (1 - own) * stand_in[c] / masks : 0);
+    for (std::size_t c = 0; own < 1 && c < 3; ++c) {
+        const double stand_in = (out.mask.rgb[c] + out.hidden_mask.rgb[c]) / masks;
+        out.rgb[c] = own * out.rgb[c] + (1 - own) * stand_in;
+    }
     return out;
 }
 
@@ -109,10 +109,8 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     }
     for (const Chain& chain : chains) {
         if (NodePath(chain.path).depth() != 1) continue;
-        for (std::size_t c = 0; c < 3; ++c) {
-            out->seen_rgb[c] += static_cast<float>(chain.mask * chain.rgb[c]);
-            out->hidden_rgb[c] += static_cast<float>(chain.hidden_mask * chain.rgb[c]);
-        }
+        show(out->seen, chain.mask, chain.rgb);
+        show(out->hidden, chain.hidden_mask, chain.rgb);
     }
     return out;
 }

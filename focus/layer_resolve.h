@@ -15,7 +15,8 @@ struct LayerTerm {
     const LayerPart* part = nullptr;
     std::array<double, 3> rgb{};
     double weight = 0;
-    double depth = 0;  ///< weight times 1/z'
+    double depth = 0;                  ///< weight times 1/z'
+    std::array<LensMoment, 4> lens{};  ///< of colour and weight
 };
 
 /// Below this sum of weights nothing is taken to have arrived.

@@ -15,6 +15,21 @@ constexpr int rows_per_task = 8;
 /// Edge of a tile, px: what is looked at together when a block asks what reaches it.
 constexpr int tile_px = 64;
 
+/// Where a pixel has several samples their places are shared out to fewer: to quarters of a pixel from this
+/// radius on, and from the next to whole ones. An edge changes by (step / radius)^2 / 8 < 1e-3 of its height
+/// (see phases_of), and the samples of a pixel become few splats.
+constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
+/// Radii for which phases_of has these steps.
+constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
+
+/// The best linear guess of the lens point that light came through, from where it arrived: a disc of radius R
+/// has the variance R^2 / 4 along each axis, a pixel 1 / 12.
+double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m) {
+    constexpr double most = DepthLevels::largest_radius_px;
+    const double radius_px = std::clamp(geometry.coc_diameter_px(inverse_depth_per_m) / 2, -most, most);
+    return radius_px / (radius_px * radius_px + 1.0 / 3);
+}
+
 }  // namespace
 
 /// Takes in one row of corners; everything it writes belongs to that row alone.
@@ -48,7 +63,13 @@ class LayerSplats::RowBuilder {
                   const std::array<float, 3>& rgb, double w_per_m, const LayerPart& part);
     void place(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                float weight, double inverse_depth, const LayerPart& part);
+    void add(const LayerSplat& splat, std::uint32_t number);
     [[nodiscard]] std::uint32_t number_of(const LayerPart& part);
+
+    struct Slot {
+        std::uint64_t key = 0;
+        std::size_t index = 0;  ///< of the row's splats
+    };
 
     LayerSplats& t_;
     KernelNumberCache cache_;
@@ -58,6 +79,9 @@ class LayerSplats::RowBuilder {
     std::uint32_t last_number_ = ~std::uint32_t{0};
     glm::dvec2 place_px_{0};  ///< of the sample, from the picture's middle
     int y_ = 0;
+    bool alone_ = true;            ///< the pixel has no other sample
+    std::size_t pixel_begin_ = 0;  ///< the pixel's first splat
+    std::vector<Slot> slots_{1024};
     std::vector<Nodes> hidden_;                                   ///< of the pixel, by place and layer
     std::vector<Met> met_;                                        ///< of the tree at hand
     std::vector<std::uint32_t> ids_;                              ///< of the surfaces met so far
@@ -76,18 +100,45 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
                                     const std::array<float, 3>& rgb, float weight, double inverse_depth,
                                     const LayerPart& part) {
     const std::uint32_t number = number_of(part);
-    const Phases phases = t_.responses_.phases(s, response);
+    NodeResponse coarser = response;
+    if (!alone_ && response.radius_px >= quarter_steps_from_px)
+        coarser.radius_px =
+            std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
+                                                                                   : quarter_steps_radius_px);
+    const Phases phases = t_.responses_.phases(s, coarser);
+    const auto lens_per_px = static_cast<float>(lens_radii_per_px(t_.geometry(), inverse_depth));
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
         KernelKey key = response.key;
         key.phase_x = p.x;
         key.phase_y = p.y;
         const float w = weight * p.weight;
-        row_->part.push_back(number);
-        row_->splats.push_back({static_cast<std::int32_t>(std::floor(s.x)), y_, cache_.number_of(key),
-                                rgb[0] * p.weight, rgb[1] * p.weight, rgb[2] * p.weight, w,
-                                static_cast<float>(static_cast<double>(w) * inverse_depth)});
+        add({static_cast<std::int32_t>(std::floor(s.x)), y_, cache_.number_of(key), rgb[0] * p.weight,
+             rgb[1] * p.weight, rgb[2] * p.weight, w,
+             static_cast<float>(static_cast<double>(w) * inverse_depth), lens_per_px},
+            number);
     }
+}
+
+// Samples of a pixel that share a response become one splat.
+void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number) {
+    if (!alone_) {
+        const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
+        // Fibonacci hashing; what meets a slot that is taken stays on its own.
+        Slot& slot = slots_[(key * 0x9E3779B97F4A7C15U) >> 54];
+        if (slot.index >= pixel_begin_ && slot.index < row_->splats.size() && slot.key == key) {
+            LayerSplat& to = row_->splats[slot.index];
+            to.r += splat.r;
+            to.g += splat.g;
+            to.b += splat.b;
+            to.weight += splat.weight;
+            to.depth += splat.depth;
+            return;
+        }
+        slot = {key, row_->splats.size()};
+    }
+    row_->part.push_back(number);
+    row_->splats.push_back(splat);
 }
 
 // Light and weight by one response, or by two where the lens holds something back: what is missing from the
@@ -246,12 +297,16 @@ void LayerSplats::RowBuilder::build(const RecordBand& band, const PointSamples& 
     row_ = &t_.rows_[static_cast<std::size_t>(y - t_.source_.y_begin)];
     number_.clear();
     last_number_ = ~std::uint32_t{0};
+    std::fill(slots_.begin(), slots_.end(), Slot{0, ~std::size_t{0}});
     const std::size_t band_pixel = band.pixel(band.x_begin, y);
     for (std::size_t k = 0; k < static_cast<std::size_t>(band.width()); ++k) {
         find_hidden(band, band_pixel + k);
         std::size_t h = 0;
-        const std::uint32_t end = samples.offsets[first_pixel + k + 1];
-        for (std::uint32_t i = samples.offsets[first_pixel + k]; i < end; ++i) {
+        const std::uint32_t begin = samples.offsets[first_pixel + k],
+                            end = samples.offsets[first_pixel + k + 1];
+        alone_ = end - begin == 1;
+        pixel_begin_ = row_->splats.size();
+        for (std::uint32_t i = begin; i < end; ++i) {
             const PointSample& s = samples.samples[i];
             while (h < hidden_.size() && std::tie(hidden_[h].y, hidden_[h].x) < std::tie(s.y, s.x)) ++h;
             std::size_t last = h;

@@ -47,6 +47,9 @@ struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
+    /// How much of the lens's radius a pixel of distance from the anchor stands for: the light that arrives d
+    /// px away has come through the lens point d * lens_per_px, in radii, on average.
+    float lens_per_px = 0;
 };
 
 /// Splats of one part that stand in one tile of the raster.

@@ -12,11 +12,12 @@
 namespace postlens {
 namespace {
 
-/// LayerSums keep 80 B a pixel: two of them fit the second-level cache.
-constexpr int block_width = 128;
+/// LayerSums keep up to 280 B a pixel: one fits the second-level cache.
+constexpr int block_width = 64;
 constexpr int block_height = 64;
-/// Numbers held at a time, of 100 B about: where very many surfaces meet in a block it is done row by row.
-constexpr std::size_t most_sums = std::size_t{1} << 18;
+/// Fragments and sums held at a time, of 270 B about: where very many surfaces meet in a block it is done row
+/// by row.
+constexpr std::size_t most_sums = std::size_t{1} << 17;
 
 bool meet(const RasterWindow& a, const RasterWindow& b) {
     return a.x_begin < b.x_end && b.x_begin < a.x_end && a.y_begin < b.y_end && b.y_begin < a.y_end;
@@ -42,6 +43,11 @@ void store(const LayerSplats& splats, const std::array<double, 3>& rgb, std::siz
     }
 }
 
+/// What a chain of bounces shows is composed by itself, by alphas alone.
+bool wants_lens(const LayerPart& part) {
+    return part.path == 0 || part.kind == LayerPart::Kind::mask || part.kind == LayerPart::Kind::hidden_mask;
+}
+
 /// Works on one block after another; keeps its buffers.
 class BlockLayers {
   public:
@@ -64,13 +70,15 @@ class BlockLayers {
 
     void find_parts(const RasterWindow& block, std::span<const std::uint32_t> cells);
     void add_surface(std::span<const PartCells> parts, std::span<const std::uint32_t> cells,
-                     std::size_t channel);
+                     std::size_t channel, bool with_lens);
     void push(int x, int y, const Fragment& fragment);
     void store_pixels(std::size_t channel, Image& image);
+    [[nodiscard]] bool meets_another(std::size_t surface) const;
 
     const LayerSplats& splats_;
     RasterWindow rows_;  ///< of the block, being worked on
     std::vector<PartCells> parts_;
+    std::vector<RasterWindow> surfaces_;  ///< where each arrives in the block
     std::vector<LayerSums> sums_;
     std::vector<LayerTerm> terms_;
     std::vector<std::int32_t> first_;  ///< entry of each pixel, or -1; the rest follow, the last added first
@@ -102,7 +110,7 @@ void BlockLayers::push(int x, int y, const Fragment& fragment) {
 }
 
 void BlockLayers::add_surface(std::span<const PartCells> parts, std::span<const std::uint32_t> cells,
-                              std::size_t channel) {
+                              std::size_t channel, bool with_lens) {
     if (sums_.size() < parts.size()) sums_.resize(parts.size());
     RasterWindow all{};
     bool any = false;
@@ -110,14 +118,14 @@ void BlockLayers::add_surface(std::span<const PartCells> parts, std::span<const 
         const PartCells& part = parts[i];
         const RasterWindow reach = common(part.reach, rows_);
         if (reach.width() <= 0 || reach.height() <= 0) {
-            sums_[i].begin({});
+            sums_[i].begin({}, false);
             continue;
         }
         if (part.part->path == 0) {
             all = any ? around(all, reach) : reach;
             any = true;
         }
-        sums_[i].begin(reach);
+        sums_[i].begin(reach, with_lens && wants_lens(*part.part));
         for (std::size_t k = part.begin; k < part.end; ++k) {
             const LayerCell& cell = splats_.cells()[cells[k]];
             if (meet(cell.reach, rows_)) sums_[i].add(splats_.splats(cell), splats_.kernels(), channel);
@@ -133,8 +141,11 @@ void BlockLayers::add_surface(std::span<const PartCells> parts, std::span<const 
                 if (y < r.y_begin || y >= r.y_end || x < r.x_begin || x >= r.x_end) continue;
                 const double* sums = sums_[i].at(x, y);
                 if (!(sums[3] > smallest_layer_weight)) continue;
-                terms_.push_back(
-                    {parts[i].part, {sums[0], sums[1], sums[2]}, sums[3], sums_[i].depth_at(x, y)});
+                terms_.push_back({parts[i].part,
+                                  {sums[0], sums[1], sums[2]},
+                                  sums[3],
+                                  sums_[i].depth_at(x, y),
+                                  sums_[i].lens_at(x, y)});
             }
             if (terms_.empty()) continue;
             if (const auto fragment = resolve_surface(terms_, splats_.geometry())) push(x, y, *fragment);
@@ -159,15 +170,31 @@ void BlockLayers::store_pixels(std::size_t channel, Image& image) {
     }
 }
 
+// Where a surface is alone nothing asks which lens points it comes through.
+bool BlockLayers::meets_another(std::size_t surface) const {
+    constexpr std::size_t few = 64;
+    if (surfaces_.size() > few) return true;
+    for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+        if (i != surface && meet(surfaces_[i], surfaces_[surface])) return true;
+    }
+    return false;
+}
+
 void BlockLayers::run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image) {
     find_parts(block, cells);
-    std::size_t surfaces = 0, most_parts = 1;
-    std::vector<std::size_t> begins;
+    std::vector<std::size_t> begins;  // of the parts of each surface
+    surfaces_.clear();
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-        if (i == 0 || parts_[i].part->surface != parts_[i - 1].part->surface) begins.push_back(i);
+        if (i == 0 || parts_[i].part->surface != parts_[i - 1].part->surface) {
+            begins.push_back(i);
+            surfaces_.push_back(parts_[i].reach);
+        } else if (parts_[i].part->path == 0) {
+            surfaces_.back() = around(surfaces_.back(), parts_[i].reach);
+        }
     }
-    surfaces = begins.size();
+    const std::size_t surfaces = begins.size();
     begins.push_back(parts_.size());
+    std::size_t most_parts = 1;
     for (std::size_t i = 0; i < surfaces; ++i) most_parts = std::max(most_parts, begins[i + 1] - begins[i]);
     const std::size_t per_row = std::max(surfaces, most_parts) * static_cast<std::size_t>(block.width());
     const int rows = static_cast<int>(
@@ -178,8 +205,10 @@ void BlockLayers::run(const RasterWindow& block, std::span<const std::uint32_t> 
             entries_.clear();
             first_.assign(static_cast<std::size_t>(rows_.width()) * static_cast<std::size_t>(rows_.height()),
                           -1);
-            for (std::size_t i = 0; i < surfaces; ++i)
-                add_surface(std::span(parts_).subspan(begins[i], begins[i + 1] - begins[i]), cells, channel);
+            for (std::size_t i = 0; i < surfaces; ++i) {
+                add_surface(std::span(parts_).subspan(begins[i], begins[i + 1] - begins[i]), cells, channel,
+                            meets_another(i));
+            }
             store_pixels(channel, image);
         }
     }
@@ -219,10 +248,11 @@ void layers(const LayerSplats& splats, Image& image) {
 
 namespace {
 
-/// Red, green, blue, weight and depth of every pixel of a picture.
-using ReferenceSums = std::vector<std::array<double, 5>>;
+/// Terms without their part, of every pixel of a picture.
+using ReferenceSums = std::vector<LayerTerm>;
 
-void add_reference(const LayerSplats& splats, const LayerSplat& s, std::size_t channel, ReferenceSums& sums) {
+void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,
+                   ReferenceSums& sums) {
     const RasterWindow& p = splats.picture();
     const Kernel& kernel = splats.kernels().kernel(s.kernel, channel);
     for (int y = std::max(s.y + kernel.y_begin, p.y_begin); y < std::min(s.y + kernel.y_end(), p.y_end);
@@ -235,10 +265,20 @@ void add_reference(const LayerSplats& splats, const LayerSplat& s, std::size_t c
                 dx < row.inner_begin ? row.x_begin : row.x_begin + row.inner_end - row.inner_begin;
             const double share = static_cast<double>(
                 inner ? kernel.inner : kernel.taps[row.tap + static_cast<std::uint32_t>(dx - skipped)]);
-            const std::array<float, 5> value{s.r, s.g, s.b, s.weight, s.depth};
-            auto& sum = sums[static_cast<std::size_t>(y - p.y_begin) * static_cast<std::size_t>(p.width()) +
-                             static_cast<std::size_t>(x - p.x_begin)];
-            for (std::size_t c = 0; c < 5; ++c) sum[c] += share * static_cast<double>(value[c]);
+            LayerTerm& sum =
+                sums[static_cast<std::size_t>(y - p.y_begin) * static_cast<std::size_t>(p.width()) +
+                     static_cast<std::size_t>(x - p.x_begin)];
+            const std::array<float, 4> value{s.r, s.g, s.b, s.weight};
+            const LensMoment lens{(dx + 0.5) * static_cast<double>(s.lens_per_px),
+                                  (y + 0.5 - s.y) * static_cast<double>(s.lens_per_px)};
+            for (std::size_t c = 0; c < 4; ++c) {
+                const double light = share * static_cast<double>(value[c]);
+                (c < 3 ? sum.rgb[c] : sum.weight) += light;
+                if (!wants_lens(part)) continue;
+                sum.lens[c].x += light * lens.x;
+                sum.lens[c].y += light * lens.y;
+            }
+            sum.depth += share * static_cast<double>(s.depth);
         }
     }
 }
@@ -252,16 +292,17 @@ Image layers_reference(const LayerSplats& splats) {
         std::vector<ReferenceSums> sums(splats.parts().size(), ReferenceSums(image.rgb.size() / 3));
         for (const LayerCell& cell : splats.cells()) {
             for (const LayerSplat& s : splats.splats(cell))
-                add_reference(splats, s, channel, sums[cell.part]);
+                add_reference(splats, s, splats.parts()[cell.part], channel, sums[cell.part]);
         }
         for (std::size_t i = 0; i < image.rgb.size() / 3; ++i) {
             std::vector<Fragment> fragments;
             std::vector<LayerTerm> terms;
             for (std::size_t k = 0; k < sums.size(); ++k) {
                 const LayerPart& part = splats.parts()[k];
-                const auto& sum = sums[k][i];
-                if (sum[3] > smallest_layer_weight)
-                    terms.push_back({&part, {sum[0], sum[1], sum[2]}, sum[3], sum[4]});
+                if (sums[k][i].weight > smallest_layer_weight) {
+                    terms.push_back(sums[k][i]);
+                    terms.back().part = &part;
+                }
                 if (k + 1 < sums.size() && splats.parts()[k + 1].surface == part.surface) continue;
                 if (const auto f = resolve_surface(terms, splats.geometry())) fragments.push_back(*f);
                 terms.clear();

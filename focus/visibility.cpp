@@ -20,8 +20,14 @@ struct Laid {
     double alpha;  ///< as if nothing independent of it stood before it
 };
 
-// Few and nearly in order.
 void sort_by_depth(std::span<Fragment> fragments) {
+    constexpr std::size_t few = 16;
+    if (fragments.size() > few) {
+        std::stable_sort(fragments.begin(), fragments.end(), [](const Fragment& a, const Fragment& b) {
+            return a.inverse_depth_per_m > b.inverse_depth_per_m;
+        });
+        return;
+    }
     for (std::size_t i = 1; i < fragments.size(); ++i) {
         const Fragment f = fragments[i];
         std::size_t k = i;
@@ -33,46 +39,82 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 }  // namespace
 
+namespace {
+
+/// What of the lens is still free at a pixel: T(q) = mean + 4 tilt . q.
+struct FreeLens {
+    double mean = 1;
+    LensMoment tilt;
+
+    /// Share of something that passes, by its sum and its moment, 0 to 1.
+    [[nodiscard]] double passing(double sum, const LensMoment& moment, double along) const {
+        if (sum == 0) return 0;
+        const double t = mean + 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
+        // What moves along with it has been taken from the surface itself, not from the lens.
+        return along < 1 ? std::clamp(t / (1 - along), 0.0, 1.0) : 1;
+    }
+    void cover(double laid, double alpha, const LensMoment& moment, double along) {
+        // Of what is independent the product of two linear functions, without its quadratic part.
+        const auto left = [&](double t, double m) {
+            return t - (along * m + (1 - along) * (mean * m + alpha * t));
+        };
+        tilt = {left(tilt.x, moment.x), left(tilt.y, moment.y)};
+        mean -= laid;
+        // No part of the disc has a greater moment: a half of it 0.21, a small part at the rim its own size.
+        const double most = std::max(mean * (1 - mean), 0.0), is = std::hypot(tilt.x, tilt.y);
+        if (is > most) tilt = {tilt.x * (most / is), tilt.y * (most / is)};
+    }
+};
+
+/// What of a surface is not known to be hidden by what moves along with it.
+SurfaceLight kept_light(const Fragment& f, double along) {
+    SurfaceLight out = f.seen;
+    if (!(f.hidden.alpha > along)) return out;
+    const double kept = 1 - along / f.hidden.alpha;
+    out.alpha += kept * f.hidden.alpha;
+    for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += kept * f.hidden.rgb[c];
+    for (std::size_t c = 0; c < 4; ++c) {
+        out.lens[c].x += kept * f.hidden.lens[c].x;
+        out.lens[c].y += kept * f.hidden.lens[c].y;
+    }
+    return out;
+}
+
+/// How much of what has been laid down moves along with a surface. Going forward the radii part, and from
+/// some surface on all are independent.
+double moving_along(std::span<const Laid> laid, double radius_px) {
+    double along = 0;
+    for (std::size_t i = laid.size(); i-- > 0 && along < 1;) {
+        const double apart = independence(radius_px, laid[i].radius_px);
+        if (apart >= 1) break;
+        along += (1 - apart) * laid[i].alpha;
+    }
+    return std::min(along, 1.0);
+}
+
+}  // namespace
+
 std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry) {
     constexpr double opaque = 1e-9;
-    constexpr std::size_t few = 16;
-    if (fragments.size() > few) {
-        std::stable_sort(fragments.begin(), fragments.end(), [](const Fragment& a, const Fragment& b) {
-            return a.inverse_depth_per_m > b.inverse_depth_per_m;
-        });
-    } else {
-        sort_by_depth(fragments);
-    }
+    sort_by_depth(fragments);
     thread_local std::vector<Laid> laid;
     laid.clear();
     std::array<double, 3> rgb{};
-    double left = 1, total = 0;  // of the pixel
+    FreeLens free;
+    double total = 0;
     for (const Fragment& f : fragments) {
-        const double radius_px = geometry.coc_diameter_px(static_cast<double>(f.inverse_depth_per_m)) / 2;
-        const double seen = f.seen, hidden = f.hidden;
-        // What moves along with this surface and stands before it hides what the pinhole has hidden. Going
-        // forward the radii part, and from some surface on all are independent.
-        double along = 0;
-        for (std::size_t i = laid.size(); i-- > 0 && along < 1;) {
-            const double apart = independence(radius_px, laid[i].radius_px);
-            if (apart >= 1) break;
-            along += (1 - apart) * laid[i].alpha;
-        }
-        along = std::min(along, 1.0);
-        const double kept_hidden = std::max(hidden - along, 0.0);
-        const double alpha = seen + kept_hidden;
-        const double free = along < 1 ? std::min(left / (1 - along), 1.0) : 1.0;
-        double share = free;
-        if (alpha * share > left) share = left / alpha;
-        const double hidden_share = hidden > 0 ? share * (kept_hidden / hidden) : 0;
-        for (std::size_t c = 0; c < 3; ++c) {
-            rgb[c] += share * static_cast<double>(f.seen_rgb[c]) +
-                      hidden_share * static_cast<double>(f.hidden_rgb[c]);
-        }
-        laid.push_back({radius_px, std::min(alpha, 1.0)});
-        total += alpha * share;
-        left -= alpha * share;
-        if (left < opaque) break;
+        const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
+        const double along = moving_along(laid, radius_px);
+        const SurfaceLight light = kept_light(f, along);
+        const double wanted = light.alpha * free.passing(light.alpha, light.lens[3], along);
+        const double limit = wanted > free.mean ? free.mean / wanted : 1;
+        for (std::size_t c = 0; c < 3; ++c)
+            rgb[c] += limit * light.rgb[c] * free.passing(light.rgb[c], light.lens[c], along);
+        total += wanted * limit;
+        const double alpha = std::min(light.alpha, 1.0);
+        laid.push_back({radius_px, alpha});
+        free.cover(wanted * limit, alpha, light.lens[3], along);
+        if (free.mean < opaque) break;
     }
     if (!(total > 0)) return {};
     for (double& channel : rgb) channel /= total;

@@ -8,22 +8,40 @@
 
 namespace postlens {
 
-/// A surface at a pixel: the share of the pixel's light that it would give (alpha) and its colour times
-/// that, apart for what the pinhole sees of it and for what the pinhole has hidden behind something.
+/// A sum over light, each part of it times the lens point (x and y of the raster, in radii of the lens) that
+/// it came through.
+struct LensMoment {
+    double x = 0, y = 0;
+};
+
+/// Light of a surface at a pixel: its alpha, the share of the pixel's light that it would give, and its
+/// colour times that; the moments of red, green, blue and alpha.
+struct SurfaceLight {
+    double alpha = 0;  ///< 0 or more
+    std::array<double, 3> rgb{};
+    std::array<LensMoment, 4> lens{};
+};
+
+/// A surface at a pixel: what the pinhole sees of it, and what the pinhole has hidden behind something.
 struct Fragment {
-    float inverse_depth_per_m = 0;  ///< mean 1/z'
-    float seen = 0, hidden = 0;     ///< alpha, 0 or more
-    std::array<float, 3> seen_rgb{}, hidden_rgb{};
+    double inverse_depth_per_m = 0;  ///< mean 1/z'
+    SurfaceLight seen, hidden;
 };
 
 /// The pixel's colour: its fragments laid over each other, divided by what of the pixel they fill together.
 /// Of fragments of positive alpha; black without any. Sorts them, nearest first; the order of equals counts.
 ///
-/// Two surfaces at different depths are moved past each other by every other point of the lens: that one
-/// covers the other happens as often as their alphas say, and what is behind keeps 1 - alpha ("over"
-/// [porter1984]). Two surfaces with the same circle of confusion move together: there the pinhole's picture
-/// stays true wherever on the lens one looks from, and what is behind keeps exactly what the pinhole sees of
-/// it. In between, where their radii differ by less than the larger one and a pixel, both are mixed.
+/// What is laid down holds back the light behind it: "over" [porter1984], but of the light of single lens
+/// points, not of all the lens at once. What is still free is kept as a linear function over the lens, and so
+/// is each surface, by its moments; q is spread evenly over the unit disc, with a variance of 1/4 along each
+/// axis, so
+///     T(q) = t + 4 t_q . q,  mean of T(q) E(q) = t e + 4 t_q . e_q,
+/// where e and e_q are a colour and its moment. Where a blurred edge covers one side of the lens, what shines
+/// through the other side is seen whole. Without moments this is plain "over".
+///
+/// Besides, two surfaces with the same circle of confusion move together: there the pinhole's picture stays
+/// true wherever on the lens one looks from, and what is behind keeps exactly what the pinhole sees of it.
+/// Where their radii differ by less than the larger one and a pixel, both are mixed.
 [[nodiscard]] std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry);
 
 }  // namespace postlens
