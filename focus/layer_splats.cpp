@@ -1,6 +1,8 @@
 #include "focus/layer_splats.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <tuple>
 
@@ -22,6 +24,8 @@ constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
 /// Radii for which phases_of has these steps.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
+constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
+
 /// The best linear guess of the lens point that light came through, from where it arrived: a disc of radius R
 /// has the variance R^2 / 4 along each axis, a pixel 1 / 12.
 double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m) {
@@ -31,6 +35,23 @@ double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per
 }
 
 }  // namespace
+
+ColourRange::ColourRange() {
+    least.fill(std::numeric_limits<float>::infinity());
+    most.fill(-std::numeric_limits<float>::infinity());
+}
+
+void ColourRange::include(const std::array<float, 3>& rgb) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        least[c] = std::min(least[c], rgb[c]);
+        most[c] = std::max(most[c], rgb[c]);
+    }
+}
+
+void ColourRange::include(const ColourRange& other) {
+    include(other.least);
+    include(other.most);
+}
 
 /// Takes in one row of corners; everything it writes belongs to that row alone.
 class LayerSplats::RowBuilder {
@@ -110,8 +131,11 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
         KernelKey key = response.key;
-        key.phase_x = p.x;
-        key.phase_y = p.y;
+        // A disc that fits into any part of a pixel is the same wherever it stands in there.
+        constexpr std::int32_t middle = KernelKey::phase_steps / 2;
+        const bool tiny = response.radius_px < tiny_px;
+        key.phase_x = tiny ? middle * ((p.x > 0) - (p.x < 0)) : p.x;
+        key.phase_y = tiny ? middle * ((p.y > 0) - (p.y < 0)) : p.y;
         const float w = weight * p.weight;
         add({static_cast<std::int32_t>(std::floor(s.x)), y_, cache_.number_of(key), rgb[0] * p.weight,
              rgb[1] * p.weight, rgb[2] * p.weight, w,
@@ -162,7 +186,6 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
     met_.clear();
     for (const Record& node : nodes) {
         const bool is_primary = node.path == NodePath();
-        row_->negative |= node.r < 0 || node.g < 0 || node.b < 0;
         met_.push_back({&node,
                         is_primary ? primary : t_.responses_.of(node, primary, place_px_),
                         {node.r, node.g, node.b}});
@@ -211,10 +234,11 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     LayerPart part{.surface = surface, .kind = kind};
     add_node(s, primary, first, {first.r, first.g, first.b}, inverse_depth, part);
     if (nodes.size() == 1) {
-        row_->negative |= first.r < 0 || first.g < 0 || first.b < 0;
+        row_->colours.include({first.r, first.g, first.b});
         return;
     }
     meet(nodes, primary);
+    row_->colours.include(met_.front().subtree);
     for (const Met& met : met_) {
         const Record& node = *met.node;
         if (node.path == NodePath()) continue;
@@ -253,6 +277,7 @@ void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<
             shown_.push_back(chain);
         }
         add_node(s, met.response, node, {node.r, node.g, node.b}, mean_w_per_m(node), part);
+        row_->colours.include({node.r, node.g, node.b});
     }
 }
 
@@ -434,7 +459,7 @@ void LayerSplats::finish() {
         parts_.insert(parts_.end(), row.parts.begin(), row.parts.end());
         count += row.splats.size();
         largest_radius_px_ = std::max(largest_radius_px_, row.largest_radius_px);
-        any_negative_ = any_negative_ || row.negative;
+        colours_.include(row.colours);
     }
     require_memory(count * sizeof(LayerSplat), "the records of all layers");
     std::sort(parts_.begin(), parts_.end());

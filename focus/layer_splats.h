@@ -59,6 +59,14 @@ struct LayerCell {
     RasterWindow reach;                ///< pixels that they reach
 };
 
+/// Least and greatest of the colours of shading trees, channel by channel.
+struct ColourRange {
+    std::array<float, 3> least, most;
+    ColourRange();
+    void include(const std::array<float, 3>& rgb);
+    void include(const ColourRange& other);
+};
+
 /// Filled by bands of records in any order, each row once; then finished.
 class LayerSplats {
   public:
@@ -86,7 +94,8 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    [[nodiscard]] bool any_negative() const { return any_negative_; }
+    /// No picture is darker or brighter than what was recorded.
+    [[nodiscard]] const ColourRange& colours() const { return colours_; }
 
   private:
     class RowBuilder;
@@ -96,7 +105,7 @@ class LayerSplats {
         std::vector<std::uint32_t> part;  ///< of each splat
         std::vector<LayerSplat> splats;
         double largest_radius_px = 0;
-        bool negative = false;
+        ColourRange colours;
     };
     /// Splats of one row, part and tile.
     struct Segment;
@@ -112,7 +121,7 @@ class LayerSplats {
     std::vector<LayerCell> cells_;
     std::vector<LayerSplat> splats_;
     double largest_radius_px_ = 0;
-    bool any_negative_ = false;
+    ColourRange colours_;
 };
 
 }  // namespace postlens

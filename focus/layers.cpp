@@ -36,10 +36,12 @@ RasterWindow around(const RasterWindow& a, const RasterWindow& b) {
 /// Values of the three channels that one pass is right about: all, or one where each has kernels of its own.
 void store(const LayerSplats& splats, const std::array<double, 3>& rgb, std::size_t channel, float* out) {
     const bool all = splats.kernels().channels() == 1;
+    if (splats.parts().empty()) return;
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;
-        // Differences of sums leave the last bits of what was subtracted, which may lie below zero.
-        out[c] = static_cast<float>(splats.any_negative() ? rgb[c] : std::max(rgb[c], 0.0));
+        // Differences of sums leave the last bits of what was subtracted, and a colour's share of the lens is
+        // known to first order only.
+        out[c] = std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
     }
 }
 

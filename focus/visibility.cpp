@@ -80,8 +80,8 @@ SurfaceLight kept_light(const Fragment& f, double along) {
     return out;
 }
 
-/// How much of what has been laid down moves along with a surface. Going forward the radii part, and from
-/// some surface on all are independent.
+/// How much of what has been laid down moves along with a surface. Going forward the radii part, and from some
+/// surface on all are independent.
 double moving_along(std::span<const Laid> laid, double radius_px) {
     double along = 0;
     for (std::size_t i = laid.size(); i-- > 0 && along < 1;) {
@@ -90,6 +90,18 @@ double moving_along(std::span<const Laid> laid, double radius_px) {
         along += (1 - apart) * laid[i].alpha;
     }
     return std::min(along, 1.0);
+}
+
+/// Which of two surfaces that pass through each other is the nearer one, their mean depths in a pixel do not say:
+/// what is seen of those that come next, within half a pixel of radius, may be before this one as well.
+double as_near(std::span<const Fragment> behind, double radius_px, const FocusGeometry& geometry) {
+    double near = 0;
+    for (const Fragment& f : behind) {
+        const double apart_px = std::abs(radius_px - geometry.coc_diameter_px(f.inverse_depth_per_m) / 2);
+        if (apart_px >= 0.5) break;
+        near += (1 - 2 * apart_px) * f.seen.alpha;
+    }
+    return near;
 }
 
 }  // namespace
@@ -102,18 +114,24 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     std::array<double, 3> rgb{};
     FreeLens free;
     double total = 0;
-    for (const Fragment& f : fragments) {
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+        const Fragment& f = fragments[i];
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        const double along = moving_along(laid, radius_px);
+        const double beside = f.hidden.alpha > 0 ? as_near(fragments.subspan(i + 1), radius_px, geometry) : 0;
+        const double along = std::min(moving_along(laid, radius_px) + beside, 1.0);
         const SurfaceLight light = kept_light(f, along);
         const double wanted = light.alpha * free.passing(light.alpha, light.lens[3], along);
-        const double limit = wanted > free.mean ? free.mean / wanted : 1;
+        // No more than is free, and no less than cannot be covered by what is laid down.
+        const double least = std::min(f.seen.alpha + f.hidden.alpha, 1.0) + free.mean - 1 - beside;
+        const double got = std::clamp(wanted, std::max(least, 0.0), free.mean);
+        const double limit = wanted > 0 ? got / wanted : 0;
         for (std::size_t c = 0; c < 3; ++c)
             rgb[c] += limit * light.rgb[c] * free.passing(light.rgb[c], light.lens[c], along);
-        total += wanted * limit;
+        const double laid_down = wanted * limit;
+        total += laid_down;
         const double alpha = std::min(light.alpha, 1.0);
         laid.push_back({radius_px, alpha});
-        free.cover(wanted * limit, alpha, light.lens[3], along);
+        free.cover(laid_down, alpha, light.lens[3], along);
         if (free.mean < opaque) break;
     }
     if (!(total > 0)) return {};

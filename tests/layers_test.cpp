@@ -1,0 +1,222 @@
+// Layers on records in memory: closed forms, what is hidden, mirrors' masks, the fast form against the slow
+// one.
+#include "focus/layers.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "core/threads.h"
+#include "focus/visibility.h"
+#include "focus_records.h"
+#include "random_records.h"
+#include "records/quadtree.h"
+
+namespace postlens {
+namespace {
+
+using namespace test;
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+std::unique_ptr<LayerSplats> splats_of(const RecordBand& band, int overscan_px, const TableOptions& o = {},
+                                       std::shared_ptr<const ResponseModel> response = nullptr) {
+    const RasterWindow source{band.x_begin, band.x_end, band.y_begin, band.y_end};
+    const RasterWindow picture{band.x_begin + overscan_px, band.x_end - overscan_px - 1,
+                               band.y_begin + overscan_px, band.y_end - overscan_px - 1};
+    auto splats = std::make_unique<LayerSplats>(source, picture, o.geometry,
+                                                DepthLevels(o.geometry, range_of(band), o.spacing, o.depths),
+                                                o.model, std::move(response));
+    splats->add_rows(band, band.y_begin, band.y_end);
+    splats->finish();
+    return splats;
+}
+
+Image layered(const RecordBand& band, int overscan_px, const TableOptions& options = {}) {
+    Image image;
+    layers(*splats_of(band, overscan_px, options), image);
+    return image;
+}
+
+/// A record of an object, at a depth and in a layer.
+Record of(std::uint32_t id, double z_m, const std::array<float, 3>& rgb, std::uint32_t layer = 0) {
+    Record r = corner(z_m, rgb[0], rgb[1], rgb[2]);
+    r.id = id;
+    r.layer = layer;
+    return r;
+}
+
+/// A step edge at t under a disc of radius 1.
+double edge_response(double t) {
+    if (t <= -1) return 0;
+    if (t >= 1) return 1;
+    return 0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / std::numbers::pi;
+}
+
+constexpr std::array<float, 3> red{1, 0.5F, 0}, blue{0, 0.25F, 1};
+
+// --- closed forms
+// ------------------------------------------------------------------------------------------------
+
+TEST(Layers, HalfPlaneBeforeABackgroundIsItsOwnEdgeWhateverTheBackground) {
+    // Focused at 1/4 m^-1: behind the focus the radius counts the other way.
+    FocusGeometry geometry = unit_geometry;
+    geometry.inverse_focus_per_m = 30;
+    constexpr int x0 = 40;
+    for (const double near_px : {0.5, 3.3, 12.0}) {
+        for (const double far_px : {-25.0, -12.0, -3.0, 0.0, 0.4, 3.0, 11.0}) {
+            if (far_px >= near_px) continue;
+            const RecordBand band = corner_band(80, 6, 30, [&](int x, int) {
+                const double near_m = 1 / (30 + near_px), far_m = 1 / (30 + far_px);
+                if (x < x0) return std::vector{of(2, far_m, blue)};
+                return std::vector{of(1, near_m, red), of(2, far_m, blue, 1)};
+            });
+            const Image image = layered(band, 30, {.geometry = geometry});
+            // The disc's radius is that of its level, right to a quarter of a pixel.
+            const double radius_px = std::max(std::round(2 * near_px / 0.99) * 0.99 / 2, 1e-4);
+            for (int i = 0; i < 80; ++i) {
+                const double front = edge_response((i + 1 - x0) / radius_px);
+                for (int c = 0; c < 3; ++c) {
+                    const auto k = static_cast<std::size_t>(c);
+                    const double wanted =
+                        front * static_cast<double>(red[k]) + (1 - front) * static_cast<double>(blue[k]);
+                    ASSERT_NEAR(value(image, i, 3, c), wanted, 2e-6) << near_px << " " << far_px << " " << i;
+                }
+            }
+        }
+    }
+}
+
+TEST(Layers, WhatIsHiddenShinesThroughASoftEdge) {
+    // A sharp texture behind a near half-plane: what no pinhole saw, weighed by what the half-plane leaves.
+    FocusGeometry geometry = unit_geometry;
+    geometry.inverse_focus_per_m = 1;
+    const auto texture = [](int x, int y) {
+        return std::array{0.5F + 0.4F * std::sin(0.7F * static_cast<float>(x)),
+                          (x + y) % 2 == 0 ? 0.9F : 0.1F, 0.3F};
+    };
+    constexpr int x0 = 30;
+    constexpr double near_px = 9.9;  // ten levels of 0.99 px of radius
+    const RecordBand band = corner_band(60, 24, 16, [&](int x, int y) {
+        if (x < x0) return std::vector{of(2, 1, texture(x, y))};
+        return std::vector{of(1, 1 / (1 + near_px), red), of(2, 1, texture(x, y), 1)};
+    });
+    const Image image = layered(band, 16, {.geometry = geometry});
+    for (int y = 0; y < 24; ++y) {
+        for (int x = 0; x < 60; ++x) {
+            const double front = edge_response((x + 1 - x0) / near_px);
+            for (int c = 0; c < 3; ++c) {
+                const auto k = static_cast<std::size_t>(c);
+                double sharp = 0;  // a pixel is the mean of its corners
+                for (const int dy : {0, 1}) {
+                    for (const int dx : {0, 1}) sharp += static_cast<double>(texture(x + dx, y + dy)[k]) / 4;
+                }
+                const double wanted = front * static_cast<double>(red[k]) + (1 - front) * sharp;
+                // Where the radii differ by less than the larger one and a pixel a share of 1 / 10.9 moves
+                // along: that mixes what was seen and hidden within one pixel, at the border itself.
+                ASSERT_NEAR(value(image, x, y, c), wanted, x == x0 - 1 ? 0.02 : 2e-6) << x << " " << y;
+            }
+        }
+    }
+}
+
+TEST(Layers, ThreeLayersLieOverEachOther) {
+    // Two near half-planes at right angles, far apart in depth, before a wall: their edges are independent.
+    FocusGeometry geometry = unit_geometry;
+    geometry.inverse_focus_per_m = 10;
+    constexpr std::array<float, 3> grey{0.2F, 0.2F, 0.2F};
+    const RecordBand band = corner_band(60, 60, 24, [&](int x, int y) {
+        std::vector<Record> nodes;
+        const auto add = [&](const Record& r) {
+            nodes.push_back(r);
+            nodes.back().layer = static_cast<std::uint32_t>(nodes.size()) - 1;
+        };
+        if (x >= 30) add(of(1, 1 / (10 + 14.85), red));
+        if (y >= 30) add(of(2, 1 / (10 + 0.0), blue));
+        add(of(3, 1 / (10 - 4.95), grey));
+        return nodes;
+    });
+    const Image image = layered(band, 24, {.geometry = geometry});
+    for (int y = 20; y < 40; ++y) {
+        for (int x = 10; x < 50; ++x) {
+            const double front = edge_response((x + 1 - 30) / 14.85);
+            const double middle = y >= 30 ? 1 : 0;
+            for (int c = 0; c < 3; ++c) {
+                const auto k = static_cast<std::size_t>(c);
+                const double wanted = front * static_cast<double>(red[k]) +
+                                      (1 - front) * (middle * static_cast<double>(blue[k]) +
+                                                     (1 - middle) * static_cast<double>(grey[k]));
+                // At the sharp edge itself half of the pixel's corners belong to either side.
+                if (y == 29) continue;
+                ASSERT_NEAR(value(image, x, y, c), wanted, 2e-6) << x << " " << y;
+            }
+        }
+    }
+}
+
+TEST(Layers, AHalfCoveredLensSeesThroughItsOtherHalf) {
+    // A point of light behind the soft edge of something near: each pixel of its disc is the light of one
+    // point of the lens, which is covered or not; alphas alone would dim the whole disc.
+    FocusGeometry geometry = unit_geometry;
+    geometry.inverse_focus_per_m = 30;
+    constexpr double light_px = -7.92, near_px = 15.84;
+    const RecordBand band = corner_band(60, 40, 30, [&](int x, int y) {
+        const float v = x == 30 && y == 20 ? 1000.0F : 0.0F;
+        const Record light = of(2, 1 / (30 + light_px), {v, v, v});
+        if (x < 30) return std::vector{light};
+        Record hidden = light;
+        hidden.layer = 1;
+        return std::vector{of(1, 1 / (30 + near_px), {0, 0, 0}), hidden};
+    });
+    const Image image = layered(band, 30, {.geometry = geometry});
+    // Light arrives d px from its place through the lens point q = d / 7.92; from there the near thing is
+    // seen where the pinhole sees it at 30 + d + 15.84 q = 30 + 3 d: the right half is covered.
+    const double whole = 1000 / (std::numbers::pi * light_px * light_px);
+    double left = 0, right = 0;
+    for (int x = 23; x < 37; ++x) (x < 30 ? left : right) += value(image, x, 20, 0) / whole / 7;
+    // To first order only: the covered side is dark to a sixth, the free one bright to a sixth.
+    EXPECT_GT(left, 0.8);
+    EXPECT_LT(right, 0.2);
+}
+
+// --- one surface
+// -------------------------------------------------------------------------------------------------
+
+TEST(Layers, ASurfaceThroughTheFocusIsScatter) {
+    // At 45 degrees from 20 px before the focus to 20 px behind it: one accumulator, no seam.
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> colour(0, 1);
+    FocusGeometry geometry = unit_geometry;
+    geometry.inverse_focus_per_m = 100;
+    const RecordBand band = corner_band(160, 50, 24, [&](int x, int) {
+        const double inverse_m = 100 + (x - 80) * 0.25;
+        return std::vector{of(7, 1 / inverse_m, {colour(random), colour(random), colour(random)})};
+    });
+    const TableOptions options{.geometry = geometry};
+    EXPECT_LT(difference(layered(band, 24, options), scattered(band, 24, options)), 1e-5);
+}
+
+TEST(Layers, VanishingCocIsTheTracedPicture) {
+    std::mt19937 random(29);
+    RecordBand band =
+        random_band(random, -3, 30, -3, 25, {.levels = 3, .probability = 0.4, .has_layers = true});
+    for (Record& r : band.records) r.id %= 4;
+    FocusGeometry geometry = unit_geometry;
+    geometry.gain_px *= 1e-9;
+    const Image image = layered(band, 3, {.geometry = geometry});
+    std::vector<float> row(static_cast<std::size_t>(image.width) * 3);
+    for (int y = 0; y < image.height; ++y) {
+        picture_row(band, y, 0, image.width, row);
+        for (int x = 0; x < image.width; ++x) {
+            for (int c = 0; c < 3; ++c)
+                ASSERT_NEAR(value(image, x, y, c),
+                            static_cast<double>(row[static_cast<std::size_t>(3 * x + c)]), 1e-5)
+                    << x << " " << y;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace postlens
