@@ -84,7 +84,7 @@ class LayerSplats::RowBuilder {
                   const std::array<float, 3>& rgb, double w_per_m, const LayerPart& part);
     void place(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                float weight, double inverse_depth, const LayerPart& part);
-    void add(const LayerSplat& splat, std::uint32_t number);
+    void add(const LayerSplat& splat, std::uint32_t number, std::size_t hash);
     [[nodiscard]] std::uint32_t number_of(const LayerPart& part);
 
     struct Slot {
@@ -140,16 +140,17 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
         add({static_cast<std::int32_t>(std::floor(s.x)), y_, cache_.number_of(key), rgb[0] * p.weight,
              rgb[1] * p.weight, rgb[2] * p.weight, w,
              static_cast<float>(static_cast<double>(w) * inverse_depth), lens_per_px},
-            number);
+            number, alone_ ? 0 : KernelKey::PackedHash()(key.packed()));
     }
 }
 
-// Samples of a pixel that share a response become one splat.
-void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number) {
+// Samples of a pixel that share a response become one splat. The numbers of kernels depend on timing; the
+// slots must not.
+void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
         // Fibonacci hashing; what meets a slot that is taken stays on its own.
-        Slot& slot = slots_[(key * 0x9E3779B97F4A7C15U) >> 54];
+        Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_->splats.size() && slot.key == key) {
             LayerSplat& to = row_->splats[slot.index];
             to.r += splat.r;
