@@ -17,12 +17,13 @@ struct Chain {
     SurfaceLight mask, hidden_mask;  ///< their colours are the stand-in's
 };
 
-/// Adds what a chain shows where the surface has it.
+/// Adds what a chain shows where the surface has it; it comes through the lens as the surface's own light.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
+    const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) {
         surface.rgb[c] += mask.alpha * rgb[c];
-        surface.lens[c].x += mask.lens[3].x * rgb[c];
-        surface.lens[c].y += mask.lens[3].y * rgb[c];
+        surface.lens[c].x += share * surface.lens[3].x * rgb[c];
+        surface.lens[c].y += share * surface.lens[3].y * rgb[c];
     }
 }
 
@@ -36,7 +37,8 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
     const double depth = (seen != nullptr ? seen->depth : 0.0) + (hidden != nullptr ? hidden->depth : 0.0);
-    return Fragment{depth / weight, light_of(seen), light_of(hidden)};
+    return Fragment{depth / weight, light_of(seen), light_of(hidden),
+                    hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
 /// The things of a chain, or the surface itself, as fragments; `weight` becomes the sum of theirs.

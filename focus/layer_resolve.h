@@ -17,6 +17,7 @@ struct LayerTerm {
     double weight = 0;
     double depth = 0;                  ///< weight times 1/z'
     std::array<LensMoment, 4> lens{};  ///< of colour and weight
+    double covered = 0;                ///< of the weight: see LayerSplat
 };
 
 /// Below this sum of weights nothing is taken to have arrived.

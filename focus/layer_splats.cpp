@@ -8,6 +8,7 @@
 
 #include "core/memory.h"
 #include "core/threads.h"
+#include "focus/visibility.h"
 
 namespace postlens {
 namespace {
@@ -26,11 +27,19 @@ constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
 
+double mean_w_per_m(const Record& node) {
+    return (static_cast<double>(node.w.xx) + static_cast<double>(node.w.yy)) / 2;
+}
+
+double signed_radius_px(const FocusGeometry& geometry, double inverse_depth_per_m) {
+    constexpr double most = DepthLevels::largest_radius_px;
+    return std::clamp(geometry.coc_diameter_px(inverse_depth_per_m) / 2, -most, most);
+}
+
 /// The best linear guess of the lens point that light came through, from where it arrived: a disc of radius R
 /// has the variance R^2 / 4 along each axis, a pixel 1 / 12.
 double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m) {
-    constexpr double most = DepthLevels::largest_radius_px;
-    const double radius_px = std::clamp(geometry.coc_diameter_px(inverse_depth_per_m) / 2, -most, most);
+    const double radius_px = signed_radius_px(geometry, inverse_depth_per_m);
     return radius_px / (radius_px * radius_px + 1.0 / 3);
 }
 
@@ -87,6 +96,10 @@ class LayerSplats::RowBuilder {
     void add(const LayerSplat& splat, std::uint32_t number, std::size_t hash);
     [[nodiscard]] std::uint32_t number_of(const LayerPart& part);
 
+    struct Shown {
+        std::uint32_t path, id;
+        double radius_px;
+    };
     struct Slot {
         std::uint64_t key = 0;
         std::size_t index = 0;  ///< of the row's splats
@@ -103,10 +116,12 @@ class LayerSplats::RowBuilder {
     bool alone_ = true;            ///< the pixel has no other sample
     std::size_t pixel_begin_ = 0;  ///< the pixel's first splat
     std::vector<Slot> slots_{1024};
-    std::vector<Nodes> hidden_;                                   ///< of the pixel, by place and layer
-    std::vector<Met> met_;                                        ///< of the tree at hand
-    std::vector<std::uint32_t> ids_;                              ///< of the surfaces met so far
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> shown_;  ///< path and id, by chains so far
+    std::vector<Nodes> hidden_;       ///< of the pixel, by place and layer
+    std::vector<Met> met_;            ///< of the tree at hand
+    float covered_ = 0;               ///< share of what is being placed
+    std::vector<double> radii_px_;    ///< signed, of the surfaces met so far
+    std::vector<std::uint32_t> ids_;  ///< of the surfaces met so far
+    std::vector<Shown> shown_;        ///< by chains, so far
 };
 
 std::uint32_t LayerSplats::RowBuilder::number_of(const LayerPart& part) {
@@ -139,7 +154,7 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
         const float w = weight * p.weight;
         add({static_cast<std::int32_t>(std::floor(s.x)), y_, cache_.number_of(key), rgb[0] * p.weight,
              rgb[1] * p.weight, rgb[2] * p.weight, w,
-             static_cast<float>(static_cast<double>(w) * inverse_depth), lens_per_px},
+             static_cast<float>(static_cast<double>(w) * inverse_depth), lens_per_px, w * covered_},
             number, alone_ ? 0 : KernelKey::PackedHash()(key.packed()));
     }
 }
@@ -158,6 +173,7 @@ void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number,
             to.b += splat.b;
             to.weight += splat.weight;
             to.depth += splat.depth;
+            to.covered += splat.covered;
             return;
         }
         slot = {key, row_->splats.size()};
@@ -201,14 +217,6 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
     }
 }
 
-namespace {
-
-double mean_w_per_m(const Record& node) {
-    return (static_cast<double>(node.w.xx) + static_cast<double>(node.w.yy)) / 2;
-}
-
-}  // namespace
-
 void LayerSplats::RowBuilder::add_mask(const PointSample& s, const Met& from, const Met& met,
                                        LayerPart part) {
     part.path = met.node->path.bits();
@@ -225,6 +233,11 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
                              static_cast<std::uint32_t>(std::count(ids_.begin(), ids_.end(), first.id))};
     ids_.push_back(first.id);
     const double inverse_depth = inverse_depth_per_m(first);
+    const double radius_px = signed_radius_px(t_.geometry(), inverse_depth);
+    double apart = 1;
+    for (const double before : radii_px_) apart = std::min(apart, std::abs(radius_px - before));
+    radii_px_.push_back(radius_px);
+    covered_ = 0;
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
         // Of primary nodes that the pinhole sees, as in scatter.
@@ -233,7 +246,9 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
     if (!(s.total_weight() > 0)) return;
     LayerPart part{.surface = surface, .kind = kind};
+    if (kind == LayerPart::Kind::hidden) covered_ = static_cast<float>(1 - apart);
     add_node(s, primary, first, {first.r, first.g, first.b}, inverse_depth, part);
+    covered_ = 0;
     if (nodes.size() == 1) {
         row_->colours.include({first.r, first.g, first.b});
         return;
@@ -256,7 +271,9 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
         add_mask(s, *from, met, part);
         add_node(s, met.response, node, {node.r, node.g, node.b}, mean_w_per_m(node),
                  {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen});
-        if (kind == LayerPart::Kind::seen) shown_.emplace_back(node.path.bits(), node.id);
+        if (kind == LayerPart::Kind::seen)
+            shown_.push_back(
+                {node.path.bits(), node.id, signed_radius_px(t_.geometry(), mean_w_per_m(node))});
     }
 }
 
@@ -266,8 +283,14 @@ void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<
     meet(nodes, primary);
     for (const Met& met : met_) {
         const Record& node = *met.node;
-        const std::pair chain(node.path.bits(), node.id);
-        const auto before = static_cast<std::uint32_t>(std::count(shown_.begin(), shown_.end(), chain));
+        Shown now{node.path.bits(), node.id, signed_radius_px(t_.geometry(), mean_w_per_m(node))};
+        std::uint32_t before = 0;
+        double apart = 1;
+        for (const Shown& other : shown_) {
+            if (other.path != now.path) continue;
+            before += other.id == now.id ? 1 : 0;
+            apart = std::min(apart, std::abs(now.radius_px - other.radius_px));
+        }
         const auto from = std::find_if(met_.begin(), met_.end(),
                                        [&](const Met& m) { return m.node->path == node.path.parent(); });
         LayerPart part{surface, node.path.bits(), {node.id, before}, LayerPart::Kind::hidden};
@@ -275,9 +298,11 @@ void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<
             add_mask(s, *from, met, {.surface = surface, .kind = LayerPart::Kind::mask});
             part = {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen};
         } else {
-            shown_.push_back(chain);
+            shown_.push_back(now);
+            covered_ = static_cast<float>(1 - apart);
         }
         add_node(s, met.response, node, {node.r, node.g, node.b}, mean_w_per_m(node), part);
+        covered_ = 0;
         row_->colours.include({node.r, node.g, node.b});
     }
 }
@@ -288,6 +313,7 @@ void LayerSplats::RowBuilder::add_sample(const PointSample& s, std::span<const R
     place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
                  static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
     ids_.clear();
+    radii_px_.clear();
     shown_.clear();
     add_tree(s, nodes, LayerPart::Kind::seen);
     if (!(s.total_weight() > 0)) return;

@@ -50,6 +50,8 @@ struct LayerSplat {
     /// How much of the lens's radius a pixel of distance from the anchor stands for: the light that arrives d
     /// px away has come through the lens point d * lens_per_px, in radii, on average.
     float lens_per_px = 0;
+    /// Of the weight: what stays hidden, as what hides it moves along with it over the lens.
+    float covered = 0;
 };
 
 /// Splats of one part that stand in one tile of the raster.

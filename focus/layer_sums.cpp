@@ -26,6 +26,8 @@ struct LayerPass {
     double* change;
     double* depth;
     double* depth_change;
+    double* covered;
+    double* covered_change;
 };
 
 /// `vectors`: of four numbers for each pixel.
@@ -46,7 +48,7 @@ __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
             value[2] = value[1] * static_cast<double>(x);
             value[3] = value[1] * static_cast<double>(s.y - pass.rows.y_begin);
         }
-        const double inner = kernel.inner, depth = s.depth;
+        const double inner = kernel.inner, depth = s.depth, covered = s.covered;
         const int first = std::max(pass.rows.y_begin, s.y + kernel.y_begin);
         const int last = std::min(pass.rows.y_end, s.y + kernel.y_end());
         for (int y = first; y < last; ++y) {
@@ -54,6 +56,7 @@ __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
             const std::size_t offset = static_cast<std::size_t>(y - pass.rows.y_begin) * pass.width;
             double* sum = pass.sum + 4 * vectors * offset;
             double* depth_sum = pass.depth + offset;
+            double* covered_sum = pass.covered + offset;
             const auto add_taps = [&](const float* taps, int begin, int end) {
                 const int to = std::min(end, width);
                 for (int at = std::max(begin, 0); at < to; ++at) {
@@ -61,6 +64,7 @@ __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
                     double* pixel = sum + 4 * vectors * static_cast<std::size_t>(at);
                     for (std::size_t v = 0; v < vectors; ++v) four_at(pixel + 4 * v) += value[v] * tap;
                     depth_sum[at] += depth * tap;
+                    covered_sum[at] += covered * tap;
                 }
             };
             const float* taps = kernel.taps.data() + row.tap;
@@ -77,6 +81,8 @@ __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
             }
             pass.depth_change[from] += depth * inner;
             pass.depth_change[to] -= depth * inner;
+            pass.covered_change[from] += covered * inner;
+            pass.covered_change[to] -= covered * inner;
         }
     }
 }
@@ -115,6 +121,8 @@ void LayerSums::begin(const RasterWindow& rows, bool with_lens) {
     change_.assign(stride_ * count, 0.0);
     depth_.assign(count, 0.0);
     depth_change_.assign(count, 0.0);
+    covered_.assign(count, 0.0);
+    covered_change_.assign(count, 0.0);
 }
 
 void LayerSums::add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel) {
@@ -127,7 +135,9 @@ void LayerSums::add(std::span<const LayerSplat> splats, const KernelTable& kerne
                                               .sum = sum_.data(),
                                               .change = change_.data(),
                                               .depth = depth_.data(),
-                                              .depth_change = depth_change_.data()});
+                                              .depth_change = depth_change_.data(),
+                                              .covered = covered_.data(),
+                                              .covered_change = covered_change_.data()});
 }
 
 void LayerSums::finish() {
@@ -137,6 +147,7 @@ void LayerSums::finish() {
         (with_lens_ ? sum_row<16> : sum_row<4>)(sum_.data() + stride_ * row, change_.data() + stride_ * row,
                                                 width);
         sum_row<1>(depth_.data() + row, depth_change_.data() + row, width);
+        sum_row<1>(covered_.data() + row, covered_change_.data() + row, width);
     }
 }
 

@@ -27,6 +27,7 @@ class LayerSums {
     /// Red, green, blue and weight at a pixel of the rows.
     [[nodiscard]] const double* at(int x, int y) const { return sum_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return depth_[index(x, y)]; }
+    [[nodiscard]] double covered_at(int x, int y) const { return covered_[index(x, y)]; }
     /// The same as `at`, each times the lens point (x and y, in radii of the lens) that it came through.
     [[nodiscard]] std::array<LensMoment, 4> lens_at(int x, int y) const;
 
@@ -43,7 +44,7 @@ class LayerSums {
     /// By pixel: red, green, blue, weight; with lens points these also times lens_per_px, and that times x
     /// and y of the anchor, from the corner of the rows.
     std::vector<double> sum_, change_;
-    std::vector<double> depth_, depth_change_;
+    std::vector<double> depth_, depth_change_, covered_, covered_change_;
 };
 
 }  // namespace postlens

@@ -47,7 +47,7 @@ void store(const LayerSplats& splats, const std::array<double, 3>& rgb, std::siz
 
 /// What a chain of bounces shows is composed by itself, by alphas alone.
 bool wants_lens(const LayerPart& part) {
-    return part.path == 0 || part.kind == LayerPart::Kind::mask || part.kind == LayerPart::Kind::hidden_mask;
+    return part.path == 0;
 }
 
 /// Works on one block after another; keeps its buffers.
@@ -147,7 +147,8 @@ void BlockLayers::add_surface(std::span<const PartCells> parts, std::span<const 
                                   {sums[0], sums[1], sums[2]},
                                   sums[3],
                                   sums_[i].depth_at(x, y),
-                                  sums_[i].lens_at(x, y)});
+                                  sums_[i].lens_at(x, y),
+                                  sums_[i].covered_at(x, y)});
             }
             if (terms_.empty()) continue;
             if (const auto fragment = resolve_surface(terms_, splats_.geometry())) push(x, y, *fragment);
@@ -281,6 +282,7 @@ void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPa
                 sum.lens[c].y += light * lens.y;
             }
             sum.depth += share * static_cast<double>(s.depth);
+            sum.covered += share * static_cast<double>(s.covered);
         }
     }
 }

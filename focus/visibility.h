@@ -26,7 +26,12 @@ struct SurfaceLight {
 struct Fragment {
     double inverse_depth_per_m = 0;  ///< mean 1/z'
     SurfaceLight seen, hidden;
+    double covered = 0;  ///< of the hidden alpha: what stays hidden, as what hides it moves along
 };
+
+/// How independently two surfaces move over the lens, 0..1, by the signed radii of their circles, px. Below
+/// about a pixel the pixel's own width decides.
+[[nodiscard]] double independence(double radius_px, double other_px);
 
 /// The pixel's colour: its fragments laid over each other, divided by what of the pixel they fill together.
 /// Of fragments of positive alpha; black without any. Sorts them, nearest first; the order of equals counts.

@@ -440,16 +440,41 @@ TEST(Layers, LightsKeepTheirEnergy) {
     }
 }
 
+TEST(Layers, ASmallLightBehindSomethingComesToLight) {
+    // Its circle is faint and lies beside a blurred ball that hides it from the pinhole; their radii differ
+    // by half the larger one.
+    FocusGeometry geometry = unit_geometry;
+    geometry.inverse_focus_per_m = 30;
+    const RecordBand band = corner_band(80, 60, 30, [&](int x, int y) {
+        const Record wall = of(3, 1 / (30 - 19.8), {0, 0, 0});
+        if (x < 40) return std::vector{wall};
+        const float v = x == 44 && y == 30 ? 1e4F : 0.0F;
+        Record behind = v > 0 ? of(2, 1 / (30 - 19.8), {v, v, v}) : wall;
+        behind.layer = 1;
+        return std::vector{of(1, 1 / (30 - 9.9), {0, 0, 0}), behind};
+    });
+    const Image image = layered(band, 30, {.geometry = geometry});
+    // Beyond x = 30 the half-plane's edge reaches no pixel: what the light gives there is what it gives
+    // alone.
+    const double whole = 1e4 / (std::numbers::pi * 19.8 * 19.8);
+    // What is covered elsewhere on the lens is known to first order; there the wall and the light together
+    // fill a pixel to 1e-3.
+    for (int x = 26; x < 30; ++x) EXPECT_NEAR(value(image, x, 30, 0), whole, 1e-3 * whole) << x;
+    // Halfway up the edge much of it is still there.
+    EXPECT_GT(value(image, 36, 30, 0), 0.3 * whole);
+}
+
 TEST(Composite, LiesOver) {
     // Without moments and far apart in depth: alphas multiply.
     const FocusGeometry geometry{
         .aperture_radius_m = 1e-3, .inverse_focus_per_m = 10, .gain_px = 1000, .zoom = 1};
-    const auto fragment = [](double inverse_m, double seen, double hidden, double grey) {
+    const auto fragment = [](double inverse_m, double seen, double hidden, double grey, double covered = 0) {
         Fragment f{.inverse_depth_per_m = inverse_m, .seen = {}, .hidden = {}};
         f.seen.alpha = seen;
         f.hidden.alpha = hidden;
         f.seen.rgb.fill(seen * grey);
         f.hidden.rgb.fill(hidden * grey);
+        f.covered = covered;
         return f;
     };
     std::vector<Fragment> two{fragment(0, 0.5, 0.5, 1), fragment(40, 0.3, 0, 4)};
@@ -457,7 +482,7 @@ TEST(Composite, LiesOver) {
     std::vector<Fragment> three{fragment(-100, 1, 0, 8), fragment(0, 0.5, 0, 1), fragment(40, 0.3, 0, 4)};
     EXPECT_NEAR(composite(three, geometry)[0], 0.3 * 4 + 0.7 * (0.5 + 0.5 * 8), 1e-12);
     // The same circle: what the pinhole sees, and nothing of what it has hidden.
-    std::vector<Fragment> together{fragment(20, 0.5, 0.5, 1), fragment(20.001, 0.25, 0, 4),
+    std::vector<Fragment> together{fragment(20, 0.5, 0.5, 1, 0.5), fragment(20.001, 0.25, 0, 4),
                                    fragment(20, 0.25, 0, 2)};
     EXPECT_NEAR(composite(together, geometry)[0], 0.25 * 4 + 0.25 * 2 + 0.5, 1e-3);
     // What nothing was recorded behind is divided by what there is.
