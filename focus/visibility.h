@@ -45,8 +45,9 @@ struct Fragment {
 /// through the other side is seen whole. Without moments this is plain "over".
 ///
 /// Besides, two surfaces with the same circle of confusion move together: there the pinhole's picture stays
-/// true wherever on the lens one looks from, and what is behind keeps exactly what the pinhole sees of it.
-/// Where their radii differ by less than the larger one and a pixel, both are mixed.
+/// true wherever on the lens one looks from. So what the pinhole sees of a surface is not held back by
+/// surfaces that move along with it (see independence), and what is hidden by such a one is left out
+/// (Fragment::covered).
 [[nodiscard]] std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry);
 
 }  // namespace postlens
