@@ -22,6 +22,7 @@ namespace postlens {
 struct SurfaceKey {
     std::uint32_t id = 0;
     std::uint32_t before = 0;
+    // NOLINTNEXTLINE(modernize-use-nullptr): what is found is the compiler's own comparison with 0
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
@@ -39,6 +40,7 @@ struct LayerPart {
     std::uint32_t path = 0;  ///< NodePath's bits; 0: the surface itself
     SurfaceKey shown;        ///< what the chain meets; nothing for masks
     Kind kind = Kind::seen;
+    // NOLINTNEXTLINE(modernize-use-nullptr): as above
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
@@ -63,7 +65,7 @@ struct LayerCell {
 
 /// Least and greatest of the colours of shading trees, channel by channel.
 struct ColourRange {
-    std::array<float, 3> least, most;
+    std::array<float, 3> least{}, most{};
     ColourRange();
     void include(const std::array<float, 3>& rgb);
     void include(const ColourRange& other);
@@ -111,7 +113,7 @@ class LayerSplats {
     };
     /// Splats of one row, part and tile.
     struct Segment;
-    void sort_row(std::size_t row, std::vector<Segment>& segments);
+    void sort_row(std::size_t index, std::vector<Segment>& segments);
     void join(std::vector<Segment>& segments);
 
     RasterWindow source_, picture_;

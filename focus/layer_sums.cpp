@@ -11,23 +11,24 @@ namespace {
 // NOLINTNEXTLINE(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32), aligned(8), may_alias));
 
+// NOLINTNEXTLINE(readability-non-const-parameter): what it points to is written through the result
 FourDoubles& four_at(double* p) {
     return *reinterpret_cast<FourDoubles*>(p);
 }
 
 struct LayerPass {
-    const LayerSplat* splats;
-    std::size_t count;
-    const KernelTable* kernels;
-    std::size_t channel;
+    const LayerSplat* splats = nullptr;
+    std::size_t count = 0;
+    const KernelTable* kernels = nullptr;
+    std::size_t channel = 0;
     RasterWindow rows;
-    std::size_t width;
-    double* sum;
-    double* change;
-    double* depth;
-    double* depth_change;
-    double* covered;
-    double* covered_change;
+    std::size_t width = 0;
+    double* sum = nullptr;
+    double* change = nullptr;
+    double* depth = nullptr;
+    double* depth_change = nullptr;
+    double* covered = nullptr;
+    double* covered_change = nullptr;
 };
 
 /// `vectors`: of four numbers for each pixel.

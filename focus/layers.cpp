@@ -234,8 +234,9 @@ void layers(const LayerSplats& splats, Image& image) {
              row <= (reach.y_end - 1 - picture.y_begin) / block_height; ++row) {
             for (int column = (reach.x_begin - picture.x_begin) / block_width;
                  column <= (reach.x_end - 1 - picture.x_begin) / block_width; ++column) {
-                cells[static_cast<std::size_t>(row * columns + column)].push_back(
-                    static_cast<std::uint32_t>(i));
+                cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                      static_cast<std::size_t>(column)]
+                    .push_back(static_cast<std::uint32_t>(i));
             }
         }
     }
@@ -266,7 +267,7 @@ void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPa
             const bool inner = dx >= row.inner_begin && dx < row.inner_end;
             const int skipped =
                 dx < row.inner_begin ? row.x_begin : row.x_begin + row.inner_end - row.inner_begin;
-            const double share = static_cast<double>(
+            const auto share = static_cast<double>(
                 inner ? kernel.inner : kernel.taps[row.tap + static_cast<std::uint32_t>(dx - skipped)]);
             LayerTerm& sum =
                 sums[static_cast<std::size_t>(y - p.y_begin) * static_cast<std::size_t>(p.width()) +
