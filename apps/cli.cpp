@@ -174,9 +174,10 @@ void add_records(CLI::App& root, State& s) {
 }
 
 void retrace_options(CLI::App& app, RetraceOptions& o) {
-    app.add_option("--scene", o.scene,
-                   "The scene that the frame was traced from: hybrid traces again what no record shows [default: "
-                   "nothing is]")
+    app.add_option(
+           "--scene", o.scene,
+           "The scene that the frame was traced from: hybrid traces again what no record shows [default: "
+           "nothing is]")
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.metres_per_unit, "Size of the scene's unit", "X");
     whole(app, "--retrace-spp", o.spp, "Rays for each such pixel, 1 or more", "N");
@@ -194,6 +195,7 @@ void add_focus(CLI::App& root, State& s) {
     impulse_options(app, o.impulse);
     choice(app, "--method", o.method, "How",
            {{"scatter", FocusMethod::scatter},
+            {"layers", FocusMethod::layers},
             {"lightfield", FocusMethod::lightfield},
             {"hybrid", FocusMethod::hybrid},
             {"pinhole", FocusMethod::pinhole}});

@@ -9,9 +9,9 @@
 #include "compare/comparison.h"
 #include "core/error.h"
 #include "focus/focus.h"
-#include "planner/hybrid.h"
 #include "motionblur/motion_blur.h"
 #include "motionblur/vector_channels.h"
+#include "planner/hybrid.h"
 #include "tracer/render.h"
 #include "tracer/trace.h"
 
@@ -65,7 +65,7 @@ struct FocusOptions {
 };
 
 struct ShootOptions {
-    FocusOptions focus;  ///< methods lightfield and hybrid
+    FocusOptions focus;               ///< methods lightfield and hybrid
     std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, from the frame's instant on
     std::string curve = "box";        ///< box, triangle or a file
     std::optional<std::string> paths;

@@ -15,6 +15,8 @@ const char* name(FocusMethod method) {
             return "pinhole";
         case FocusMethod::scatter:
             return "scatter";
+        case FocusMethod::layers:
+            return "layers";
         case FocusMethod::lightfield:
             return "lightfield";
         case FocusMethod::hybrid:

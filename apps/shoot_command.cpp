@@ -13,7 +13,8 @@ void write_explanation(const std::string& path, const HybridResult& r) {
     constexpr float tint[3][3] = {{1, 1, 1}, {0.35F, 0.6F, 1.6F}, {2, 0.3F, 0.2F}};
     for (std::size_t k = 0; k < r.what.size(); ++k) {
         const float* rgb = r.focus.image.rgb.data() + 3 * k;
-        const float grey = 0.1F + 0.6F * std::min(1.0F, 0.2126F * rgb[0] + 0.7152F * rgb[1] + 0.0722F * rgb[2]);
+        const float grey =
+            0.1F + 0.6F * std::min(1.0F, 0.2126F * rgb[0] + 0.7152F * rgb[1] + 0.0722F * rgb[2]);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[3 * k + c] = grey * tint[r.what[k]][c];
     }
     write_image(path, out);
@@ -25,7 +26,8 @@ HybridResult run_hybrid(const SampleFileReader& file, HybridSettings settings, c
                         CommandResult& out) {
     if (retrace.explain) check_image_path(*retrace.explain);
     if (retrace.spp < 1) {
-        fail(ExitCode::wrong_arguments, "--retrace-spp: out of range (got {}; expected 1 or more)", retrace.spp);
+        fail(ExitCode::wrong_arguments, "--retrace-spp: out of range (got {}; expected 1 or more)",
+             retrace.spp);
     }
     std::optional<Scene> scene;
     if (retrace.scene) {
@@ -56,18 +58,17 @@ CommandResult run_shoot(const ShootOptions& options) {
     const FrameMotion motion =
         motion_of(h, options.paths ? read_paths(*options.paths) : std::vector<ObjectPath>());
     CommandResult out;
-    const HybridResult result =
-        run_hybrid(file,
-                   {.focus = {.lens = lens.lens,
-                              .focus_distance_m = lens.focus_m,
-                              .framing = o.lens.framing,
-                              .method = o.method,
-                              .impulse = o.impulse,
-                              .views = o.views},
-                    .motion = &motion,
-                    .shutter = TimeSpan{exposure.open_s, exposure.close_s},
-                    .curve = shutter_curve(options.curve)},
-                   o.retrace, out);
+    const HybridResult result = run_hybrid(file,
+                                           {.focus = {.lens = lens.lens,
+                                                      .focus_distance_m = lens.focus_m,
+                                                      .framing = o.lens.framing,
+                                                      .method = o.method,
+                                                      .impulse = o.impulse,
+                                                      .views = o.views},
+                                            .motion = &motion,
+                                            .shutter = TimeSpan{exposure.open_s, exposure.close_s},
+                                            .curve = shutter_curve(options.curve)},
+                                           o.retrace, out);
     write_image(o.output, result.focus.image);
 
     check_sufficient(h, lens, out.warnings);
@@ -88,7 +89,8 @@ CommandResult run_shoot(const ShootOptions& options) {
                 {"instants", file.instants()}};
     out.json.update(shares_json(result));
     out.text = fmt::format(
-        "{}: {}x{} px, {}, {} views, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, shutter {:.6g} to {:.6g} s, {:.1f} % "
+        "{}: {}x{} px, {}, {} views, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, shutter {:.6g} to {:.6g} s, "
+        "{:.1f} % "
         "traced again",
         o.output, result.focus.image.width, result.focus.image.height, method, o.views,
         lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m, exposure.open_s, exposure.close_s,

@@ -32,6 +32,17 @@ int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
 
 }  // namespace
 
+DepthRange depth_range(const SampleFileReader& file) {
+    DepthRange out;
+    for (const ScanlineFacts& facts : file.scanlines()) {
+        if (std::isinf(facts.nearest_z)) continue;
+        const double nearest_m = facts.nearest_z, farthest_m = facts.farthest_z;
+        out.nearest_m = std::min(out.nearest_m.value_or(nearest_m), nearest_m);
+        out.farthest_m = std::max(out.farthest_m.value_or(farthest_m), farthest_m);
+    }
+    return out;
+}
+
 DepthLevels::DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
                          std::optional<int> depths)
     : geometry_(geometry), spacing_(spacing), around_focus_(!depths && spacing == DepthSpacing::inverse) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lens/focus_geometry.h"
+#include "records/sample_file.h"
 
 namespace postlens {
 
@@ -24,6 +25,8 @@ enum class DepthModel {
 struct DepthRange {
     std::optional<double> nearest_m, farthest_m;
 };
+
+[[nodiscard]] DepthRange depth_range(const SampleFileReader& file);
 
 /// A set of levels. A sample uses the one whose depth is nearest to its own in the chosen spacing.
 ///

@@ -20,8 +20,8 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     const glm::dvec2 middle(s.window.width() / 2.0, s.window.height() / 2.0);
     const double half_diagonal_px = glm::length(middle);
     return [&s, view, middle, half_diagonal_px](int x, int y) {
-        const glm::dvec2 field = glm::dvec2(x, y) + view.place - middle -
-                                 view.shift.inverse_focus_per_m * view.shift.lens_px;
+        const glm::dvec2 field =
+            glm::dvec2(x, y) + view.place - middle - view.shift.inverse_focus_per_m * view.shift.lens_px;
         return s.aperture.passes(view.lens, field / half_diagonal_px);
     };
 }
@@ -143,10 +143,13 @@ FieldFocus field_focus(const SampleFileReader& file, const FieldFocusSettings& s
         field.views.push_back(std::move(v));
     }
     std::optional<OneSurface> simple;
-    if (settings.leave_one_surface && !moves && instants == 1) {
+    if (settings.leave_out_from_share && !moves && instants == 1) {
         simple = find_one_surface(primary[0], deeper[0],
                                   g.gain_px * g.aperture_radius_m * settings.aperture.half_extent(),
                                   g.inverse_focus_per_m, settings.window);
+        if (simple->share() < *settings.leave_out_from_share) simple.reset();
+    }
+    if (simple) {
         field.wanted = [&simple](int x, int y, int width, int height) {
             return !simple->all(x, y, width, height);
         };

@@ -27,8 +27,9 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the pixels wanted
     int views = 64;
     std::optional<FieldShutter> shutter;  ///< absent: the frame's own instant
-    /// Leave out where nothing moves and the picture shows one surface only: what is scattered is right there.
-    bool leave_one_surface = false;
+    /// Leave out where nothing moves and the picture shows one surface only (what is scattered is right
+    /// there), if that is at least this share of the pixels; absent: nothing is left out.
+    std::optional<double> leave_out_from_share;
 };
 
 struct FieldFocus {

@@ -27,7 +27,9 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
     rule.above = brightest;
     if (aperture.varies_over_field() || aperture.spherical_per_m() != 0) return rule;
     const PatchLens lens{geometry.gain_px * geometry.aperture_radius_m, geometry.inverse_focus_per_m};
-    rule.blurs = [lens](const Mat2& w, std::uint32_t /*id*/) { return lens.least_blur_px(w) >= spread_from_px; };
+    rule.blurs = [lens](const Mat2& w, std::uint32_t /*id*/) {
+        return lens.least_blur_px(w) >= spread_from_px;
+    };
     return rule;
 }
 

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/threads.h"
 #include "focus/field_focus.h"
+#include "focus/layers.h"
 #include "focus/lens_model.h"
 #include "focus/overscan.h"
 #include "focus/reframe.h"
@@ -65,29 +66,20 @@ Image traced_picture(const SampleFileReader& file, const RasterWindow& window) {
     return image;
 }
 
-DepthRange depth_range(const SampleFileReader& file) {
-    DepthRange out;
-    for (const ScanlineFacts& facts : file.scanlines()) {
-        if (std::isinf(facts.nearest_z)) continue;
-        const double nearest_m = facts.nearest_z, farthest_m = facts.farthest_z;
-        out.nearest_m = std::min(out.nearest_m.value_or(nearest_m), nearest_m);
-        out.farthest_m = std::max(out.farthest_m.value_or(farthest_m), farthest_m);
-    }
-    return out;
-}
-
-void take_in(const SampleFileReader& file, SplatTables& tables) {
+/// Of SplatTables or LayerSplats.
+template <typename Splats>
+void take_in(const SampleFileReader& file, Splats& splats) {
     RecordBand band;
     for (int begin = file.y_begin(); begin < file.y_end(); begin += rows_per_band) {
         const int end = std::min(begin + rows_per_band, file.y_end());
         file.read(std::max(begin - 1, file.y_begin()), std::min(end + 1, file.y_end()), band);
-        tables.add_rows(band, begin, end);
+        splats.add_rows(band, begin, end);
     }
-    tables.finish();
+    splats.finish();
 }
 
-FocusResult scattered(const SampleFileReader& file, const FocusSettings& settings,
-                      const FocusGeometry& geometry, const LensView* view, const RasterWindow& window) {
+FocusResult spread(const SampleFileReader& file, const FocusSettings& settings, const FocusGeometry& geometry,
+                   const LensView* view, const RasterWindow& window) {
     // Blur and magnification commute: scatter in traced pixels, where the CoC is the framed one over the
     // zoom.
     FocusGeometry traced = geometry;
@@ -101,14 +93,21 @@ FocusResult scattered(const SampleFileReader& file, const FocusSettings& setting
             ? lens_model(*view, traced, std::hypot(corners.width(), corners.height()) / 2.0,
                          1 / range.nearest_m.value_or(std::numeric_limits<double>::infinity()))
             : response_model(settings.impulse, traced, std::hypot(window.width(), window.height()) / 2.0);
-    SplatTables tables(corners, window, traced, levels, settings.depth_model, response);
-    take_in(file, tables);
     FocusResult out;
-    out.method = FocusMethod::scatter;
-    scatter(tables, out.image);
-    out.depths = levels.depths().value_or(tables.levels_used());
-    out.largest_coc_px = tables.largest_coc_px() * geometry.zoom;
-    if (auto warning = overscan_warning(tables)) out.warnings.push_back(*std::move(warning));
+    out.method = settings.method;
+    const auto finish = [&](auto&& splats, const auto& method) {
+        take_in(file, splats);
+        method(splats, out.image);
+        out.depths = levels.depths().value_or(splats.levels_used());
+        out.largest_coc_px = splats.largest_coc_px() * geometry.zoom;
+        if (auto warning = overscan_warning(splats.border(), corners, window))
+            out.warnings.push_back(*std::move(warning));
+    };
+    if (settings.method == FocusMethod::layers) {
+        finish(LayerSplats(corners, window, traced, levels, settings.depth_model, response), layers);
+    } else {
+        finish(SplatTables(corners, window, traced, levels, settings.depth_model, response), scatter);
+    }
     return out;
 }
 
@@ -198,7 +197,7 @@ FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& set
     } else if (settings.method == FocusMethod::lightfield) {
         out = seen_from_lens(file, settings, geometry, frame.window);
     } else {
-        out = scattered(file, settings, geometry, view ? &*view : nullptr, frame.window);
+        out = spread(file, settings, geometry, view ? &*view : nullptr, frame.window);
     }
     if (frame.zoom != 1) out.image = reframe(out.image, frame.window, h.width, h.height, frame.zoom);
     return out;

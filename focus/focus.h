@@ -16,7 +16,7 @@
 namespace postlens {
 
 /// `hybrid` is planner/hybrid.h's.
-enum class FocusMethod { pinhole, scatter, lightfield, hybrid };
+enum class FocusMethod { pinhole, scatter, layers, lightfield, hybrid };
 
 struct FocusSettings {
     ThinLens lens;  ///< f_number infinity: pinhole; an `impulse` of a real lens has a focal length of its own

@@ -24,11 +24,17 @@ void each_cell(const PxRect& r, const RasterWindow& window, int columns, int row
               y1 = std::min(rows - 1, cell(r.y_max + 1, window.y_begin, rows));
     for (int y = y0; y <= y1; ++y) {
         for (int x = x0; x <= x1; ++x)
-            visit(static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x));
+            visit(static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) +
+                  static_cast<std::size_t>(x));
     }
 }
 
 }  // namespace
+
+double OneSurface::share() const {
+    return static_cast<double>(std::count(cells.begin(), cells.end(), 1)) /
+           static_cast<double>(std::max<std::size_t>(cells.size(), 1));
+}
 
 bool OneSurface::all(int x, int y, int width, int height) const {
     for (int j = y / edge; j <= (y + height - 1) / edge; ++j) {
@@ -53,12 +59,13 @@ OneSurface find_one_surface(const PatchMesh& primary, const PatchMesh& deeper, c
             PatchPlace place;
             double stretch = 0;
             for (int k = 0; k < 4; ++k) {
-                const glm::dvec2 q((k & 1) != 0 ? lens_px.x : -lens_px.x, (k & 2) != 0 ? lens_px.y : -lens_px.y);
+                const glm::dvec2 q((k & 1) != 0 ? lens_px.x : -lens_px.x,
+                                   (k & 2) != 0 ? lens_px.y : -lens_px.y);
                 if (!place_patch(*mesh, p, {}, {q, inverse_focus_per_m, {}}, place)) continue;
                 swept.add(covered(p, place));
                 const glm::dmat2 d = place.move - glm::dmat2(1);
-                stretch = std::max({stretch, std::abs(d[0].x), std::abs(d[0].y), std::abs(d[1].x),
-                                    std::abs(d[1].y)});
+                stretch = std::max(
+                    {stretch, std::abs(d[0].x), std::abs(d[0].y), std::abs(d[1].x), std::abs(d[1].y)});
             }
             const SheetKey& key = mesh->sheet(p).key;
             const std::uint32_t id = mesh == &deeper || stretch > most_stretch ? several : key.id;
@@ -75,9 +82,9 @@ OneSurface find_one_surface(const PatchMesh& primary, const PatchMesh& deeper, c
                               j = static_cast<int>(corner.y) + y - window.y_begin;
                     if (i < 0 || j < 0 || i >= window.width() || j >= window.height()) continue;
                     const Sheet& s = mesh->sheet(p);
-                    const std::size_t cell = s.first_cell +
-                                             static_cast<std::size_t>(p.y + y) * static_cast<std::size_t>(s.width) +
-                                             static_cast<std::size_t>(p.x + x);
+                    const std::size_t cell =
+                        s.first_cell + static_cast<std::size_t>(p.y + y) * static_cast<std::size_t>(s.width) +
+                        static_cast<std::size_t>(p.x + x);
                     if (mesh->sheets->fine[cell] == SheetNode::none) continue;
                     recorded[static_cast<std::size_t>(j / OneSurface::edge) *
                                  static_cast<std::size_t>(out.columns) +
@@ -88,10 +95,10 @@ OneSurface find_one_surface(const PatchMesh& primary, const PatchMesh& deeper, c
     }
     out.cells.resize(count);
     for (std::size_t c = 0; c < count; ++c) {
-        out.cells[c] = owner[c] != nobody && owner[c] != several &&
-                               recorded[c] <= OneSurface::edge * OneSurface::edge
-                           ? 1
-                           : 0;
+        out.cells[c] =
+            owner[c] != nobody && owner[c] != several && recorded[c] <= OneSurface::edge * OneSurface::edge
+                ? 1
+                : 0;
     }
     return out;
 }

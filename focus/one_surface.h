@@ -21,6 +21,8 @@ struct OneSurface {
         return cells[static_cast<std::size_t>(y / edge) * static_cast<std::size_t>(columns) +
                      static_cast<std::size_t>(x / edge)] != 0;
     }
+    /// Of the cells.
+    [[nodiscard]] double share() const;
     /// Whether all of a rectangle of the window is such.
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };

@@ -28,10 +28,8 @@ std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, 
 
 }  // namespace
 
-std::optional<FocusWarning> overscan_warning(const SplatTables& tables) {
-    const RasterWindow& source = tables.source();
-    const RasterWindow& picture = tables.picture();
-    const BorderRadii& border = tables.border();
+std::optional<FocusWarning> overscan_warning(const BorderRadii& border, const RasterWindow& source,
+                                             const RasterWindow& picture) {
     const std::array<int, 4> margin{picture.x_begin - source.x_begin, source.x_end - 1 - picture.x_end,
                                     picture.y_begin - source.y_begin, source.y_end - 1 - picture.y_end};
     const auto left =

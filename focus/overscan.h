@@ -3,14 +3,16 @@
 
 #include <optional>
 
+#include "focus/border_radii.h"
 #include "focus/focus.h"
-#include "focus/splat_tables.h"
 
 namespace postlens {
 
 /// A warning of code "overscan" where circles of confusion along the outermost records are wider than the
 /// recorded margin: the pixels within reach of what was not recorded are then normalised over what was.
 /// Measured by the CoC found at the edge of the records, not by the largest in the picture.
-[[nodiscard]] std::optional<FocusWarning> overscan_warning(const SplatTables& tables);
+[[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
+                                                           const RasterWindow& source,
+                                                           const RasterWindow& picture);
 
 }  // namespace postlens

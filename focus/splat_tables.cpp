@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/threads.h"
-#include "focus/phases.h"
 
 namespace postlens {
 namespace {
@@ -13,10 +12,6 @@ namespace {
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 /// Corner rows that one task takes in: find_point_samples looks at one row more on either side.
 constexpr int rows_per_task = 8;
-/// A phase in between is shared out to its neighbours from this radius on at quarters of a pixel.
-constexpr double few_phases_from_px = 17;
-/// Outlines closer than this to a circle's are taken for one, px.
-constexpr double round_within_px = 0.05;
 
 /// Shorter runs cost less as splats of their own: a run pays for its whole reach, a splat for its outline.
 /// Measured with bench/scatter_bench.cpp.
@@ -24,33 +19,21 @@ int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
 
-/// A node's response: its key without phase, and its size.
-struct Response {
-    KernelKey key;
-    double radius_px = 0;        ///< of the kernel: half the longer side of its bounding box
-    double exact_radius_px = 0;  ///< of the CoC itself
-};
-
 }  // namespace
 
 /// Takes in one row of corners; everything it writes belongs to that row alone.
 class SplatTables::RowBuilder {
   public:
     explicit RowBuilder(SplatTables& tables)
-        : t_(tables), round_(tables.response_->is_round()), cache_(tables.kernels_) {}
+        : t_(tables), round_(tables.responses_.model().is_round()), cache_(tables.kernels_) {}
 
     void build(const RecordBand& band, const PointSamples& samples, std::uint32_t begin, std::uint32_t end,
                int y);
 
   private:
-    [[nodiscard]] Response response_to_depth(double inverse_depth_per_m) const;
-    [[nodiscard]] Response response_to_w(const Mat2& w) const;
-    void finish_other(Response& out, const glm::dmat2& map_px) const;
-    [[nodiscard]] Response response_of(const Record& node, const Response& primary) const;
     void add_sample(const PointSample& s, std::span<const Record> nodes);
-    void add_splats(const PointSample& s, const Response& response, const std::array<float, 3>& rgb,
+    void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                     bool primary);
-    void note_radius(const PointSample& s, double radius_px);
     void split_runs();
 
     SplatTables& t_;
@@ -66,94 +49,9 @@ class SplatTables::RowBuilder {
     bool negative_ = false;
 };
 
-Response SplatTables::RowBuilder::response_to_depth(double inverse_depth_per_m) const {
-    Response out;
-    out.exact_radius_px = std::abs(t_.geometry_.coc_diameter_px(inverse_depth_per_m)) / 2;
-    const double signed_radius_px = t_.geometry_.coc_diameter_px(inverse_depth_per_m) / 2;
-    if (const auto level = t_.levels_.level_of(inverse_depth_per_m)) {
-        out.key = KernelKey::disc(*level);
-        out.radius_px = t_.levels_.radius_px()[*level];
-        if (!round_) {
-            out.key.upside_down = signed_radius_px < 0 && !t_.response_->is_point_symmetric();
-            finish_other(out, glm::dmat2(out.radius_px));
-        }
-        return out;
-    }
-    out.radius_px = std::max(out.exact_radius_px, DepthLevels::smallest_radius_px);
-    out.key = round_ ? KernelKey::ellipse(Ellipse::disc(out.radius_px))
-                     : KernelKey::map(glm::dmat2(signed_radius_px));
-    if (!round_) finish_other(out, glm::dmat2(signed_radius_px));
-    return out;
-}
-
-// What responses that are not round have besides: their own extent, and a place in the field.
-void SplatTables::RowBuilder::finish_other(Response& out, const glm::dmat2& map_px) const {
-    out.radius_px = t_.response_->reach_px(map_px);
-    const double cell_px = t_.response_->cell_px(map_px);
-    if (cell_px == 0) return;
-    out.key.cell_log2 = std::ilogb(cell_px);
-    const glm::dvec2 cell = glm::floor(place_px_ * std::ldexp(1.0, -out.key.cell_log2));
-    out.key.cell_x = static_cast<std::int32_t>(cell.x);
-    out.key.cell_y = static_cast<std::int32_t>(cell.y);
-}
-
-Response SplatTables::RowBuilder::response_to_w(const Mat2& w) const {
-    const double xx = w.xx, xy = w.xy, yx = w.yx, yy = w.yy;
-    const double scale = t_.geometry_.gain_px * t_.geometry_.aperture_radius_m;
-    if (std::max({std::abs(xx - yy), std::abs(xy), std::abs(yx)}) * scale < round_within_px ||
-        !t_.response_->takes_maps()) {
-        return response_to_depth((xx + yy) / 2);
-    }
-    // The node moves by gain (I/s - W) q for q on the aperture; glm's matrices go by columns.
-    const double s = t_.geometry_.inverse_focus_per_m;
-    const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
-    Response out;
-    if (!round_) {
-        out.key = KernelKey::map(map);
-        finish_other(out, map);
-        out.exact_radius_px = out.radius_px;
-        return out;
-    }
-    const Ellipse e = Ellipse::from_map(map, DepthLevels::smallest_radius_px);
-    out.radius_px = std::max(e.half_height, e.half_width());
-    out.exact_radius_px = out.radius_px;
-    out.key = KernelKey::ellipse(e);
-    return out;
-}
-
-Response SplatTables::RowBuilder::response_of(const Record& node, const Response& primary) const {
-    switch (t_.model_) {
-        case DepthModel::first_hit:
-            return primary;
-        case DepthModel::path:
-            return response_to_depth(1 / static_cast<double>(node.z));
-        case DepthModel::ray_differentials:
-            break;
-    }
-    return response_to_w(node.w);
-}
-
-void SplatTables::RowBuilder::note_radius(const PointSample& s, double radius_px) {
-    const auto r = static_cast<float>(std::min(radius_px, DepthLevels::largest_radius_px));
-    largest_radius_px_ = std::max(largest_radius_px_, radius_px);
-    const int x = static_cast<int>(s.x);
-    if (static_cast<float>(x) != s.x) return;
-    const auto column = static_cast<std::size_t>(x - t_.source_.x_begin);
-    const auto row = static_cast<std::size_t>(y_ - t_.source_.y_begin);
-    const auto raise = [r](float& to) { to = std::max(to, r); };
-    if (x == t_.source_.x_begin) raise(t_.border_.left[row]);
-    if (x == t_.source_.x_end - 1) raise(t_.border_.right[row]);
-    if (static_cast<float>(y_) != s.y) return;
-    if (y_ == t_.source_.y_begin) raise(t_.border_.top[column]);
-    if (y_ == t_.source_.y_end - 1) raise(t_.border_.bottom[column]);
-}
-
-void SplatTables::RowBuilder::add_splats(const PointSample& s, const Response& response,
+void SplatTables::RowBuilder::add_splats(const PointSample& s, const NodeResponse& response,
                                          const std::array<float, 3>& rgb, bool primary) {
-    const double radius_px =
-        std::max(response.radius_px,
-                 t_.response_->few_phases_from_px() <= response.radius_px ? few_phases_from_px : 0.0);
-    const Phases phases = phases_of(s, radius_px);
+    const Phases phases = t_.responses_.phases(s, response);
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
         KernelKey key = response.key;
@@ -169,31 +67,26 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const RasterWindow& p = t_.picture_;
     place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
                  static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
-    // Infinity has the inverse depth 0; a depth that is smaller than a float's least normal number is none.
-    const double z = std::max(static_cast<double>(nodes[0].z), 1e-37);
-    const Response primary = response_to_depth(1 / z);
-    // One kernel for the whole picture: then no light is lost.
-    const auto passing = [&](const Response& response, double inverse_depth_per_m) {
-        return response.key.cell_log2 == 0
-                   ? 1.0F
-                   : static_cast<float>(t_.response_->transmission(place_px_, inverse_depth_per_m));
-    };
+    const double depth = inverse_depth_per_m(nodes[0]);
+    const NodeResponses& responses = t_.responses_;
+    const NodeResponse primary = responses.to_depth(depth, place_px_);
     // Of primary nodes alone: near a fold W has no bound, and a number without one tells nobody anything.
-    note_radius(s, primary.exact_radius_px);
+    largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
+    t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
     for (const Record& node : nodes.subspan(1)) {
         if (node.r == 0 && node.g == 0 && node.b == 0) continue;
         negative_ |= node.r < 0 || node.g < 0 || node.b < 0;
-        const Response response = response_of(node, primary);
+        const NodeResponse response = responses.of(node, primary, place_px_);
         if (response.key == primary.key) {
             rgb = {rgb[0] + node.r, rgb[1] + node.g, rgb[2] + node.b};
             continue;
         }
         const double w = (static_cast<double>(node.w.xx) + static_cast<double>(node.w.yy)) / 2;
-        const float share = passing(response, w);
+        const float share = responses.passing(response, w, place_px_);
         add_splats(s, response, {share * node.r, share * node.g, share * node.b}, false);
     }
-    for (float& channel : rgb) channel *= passing(primary, 1 / z);
+    for (float& channel : rgb) channel *= responses.passing(primary, depth, place_px_);
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
 
     const bool whole_corner = s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
@@ -204,15 +97,13 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
         return;
     }
     if (!(s.total_weight() > 0)) return;
-    if (primary.key.cell_log2 == 0 || t_.response_->weighs_as_it_shines()) {
+    if (responses.weighs_as_it_shines(primary)) {
         add_splats(s, primary, rgb, true);
         return;
     }
     // What the lens holds back is missing from the light, not from what it is divided by.
     add_splats(s, primary, rgb, false);
-    Response whole = primary;
-    whole.key.cell_x = whole.key.cell_y = whole.key.cell_log2 = 0;
-    add_splats(s, whole, {0, 0, 0}, true);
+    add_splats(s, NodeResponses::whole(primary), {0, 0, 0}, true);
 }
 
 void SplatTables::RowBuilder::split_runs() {
@@ -262,32 +153,24 @@ void SplatTables::RowBuilder::build(const RecordBand& band, const PointSamples& 
     t_.row_negative_[row] = negative_ ? 1 : 0;
 }
 
-namespace {
-
-KernelReach reach_of(const RasterWindow& source, const RasterWindow& picture) {
+KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
     // One px more on either side for phases that lie beyond the anchor.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }
-
-}  // namespace
 
 SplatTables::SplatTables(const RasterWindow& source, const RasterWindow& picture,
                          const FocusGeometry& geometry, const DepthLevels& levels, DepthModel model,
                          std::shared_ptr<const ResponseModel> response)
     : source_(source),
       picture_(picture),
-      geometry_(geometry),
-      levels_(levels),
-      model_(model),
-      response_(response ? std::move(response) : std::make_shared<ResponseModel>()),
-      kernels_(levels.radius_px(), reach_of(source, picture), *response_) {
+      responses_(geometry, levels, model, response ? std::move(response) : std::make_shared<ResponseModel>()),
+      kernels_(levels.radius_px(), kernel_reach(source, picture), responses_.model()),
+      border_(source) {
     const auto width = static_cast<std::size_t>(source.width());
     const auto height = static_cast<std::size_t>(source.height());
     for (auto& plane : raster_) plane.resize(width * height);
     rows_.resize(height);
-    border_ = {std::vector<float>(width), std::vector<float>(width), std::vector<float>(height),
-               std::vector<float>(height)};
     row_largest_radius_px_.resize(height);
     row_negative_.resize(height);
 }

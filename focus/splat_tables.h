@@ -7,20 +7,18 @@
 #include <span>
 #include <vector>
 
+#include "focus/border_radii.h"
 #include "focus/depth_levels.h"
 #include "focus/kernel.h"
+#include "focus/node_response.h"
 #include "focus/response_model.h"
 #include "records/quadtree.h"
 #include "records/record.h"
 
 namespace postlens {
 
-/// Half-open rectangle of whole coordinates, raster px.
-struct RasterWindow {
-    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
-    [[nodiscard]] int width() const { return x_end - x_begin; }
-    [[nodiscard]] int height() const { return y_end - y_begin; }
-};
+/// How far splats of the source can lie from pixels of the picture.
+[[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
 /// A node of one point sample. Its colour is already times the sample's weight; `weight` itself is 0 for
 /// deeper nodes, as the normalisation counts point samples.
@@ -62,12 +60,6 @@ struct SplatRow {
         return std::span(splats).subspan(class_begin[reach_class],
                                          class_begin[reach_class + 1] - class_begin[reach_class]);
     }
-};
-
-/// Largest radius of the CoC, px, per corner along the outermost recorded rows and columns.
-struct BorderRadii {
-    std::vector<float> top, bottom;  ///< by column, first at x_begin
-    std::vector<float> left, right;  ///< by row, first at y_begin
 };
 
 /// Filled by bands of records in any order, each row once; then finished; then scattered.
@@ -113,10 +105,7 @@ class SplatTables {
     class RowBuilder;
 
     RasterWindow source_, picture_;
-    FocusGeometry geometry_;
-    DepthLevels levels_;
-    DepthModel model_;
-    std::shared_ptr<const ResponseModel> response_;
+    NodeResponses responses_;
     KernelTable kernels_;
     std::vector<float> raster_[3];
     std::vector<SplatRow> rows_;

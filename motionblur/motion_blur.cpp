@@ -300,8 +300,8 @@ void check_exposure(const Exposure& e) {
     }
     // The difference overflows where one of the two is not finite, and for doubles no clock needs.
     if (!std::isfinite(e.close_s - e.open_s)) {
-        fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)",
-             e.open_s, e.close_s);
+        fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)", e.open_s,
+             e.close_s);
     }
 }
 

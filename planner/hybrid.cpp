@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "focus/bend_warning.h"
+#include "focus/depth_levels.h"
 #include "focus/field_focus.h"
 #include "records/aperture_file.h"
 #include "tracer/eye_rays.h"
@@ -14,16 +15,21 @@
 namespace postlens {
 namespace {
 
+CameraOverrides overrides_of(const SampleHeader& h) {
+    return {h.width, h.height, h.film_distance_mm, h.pixel_pitch_mm * h.width};
+}
+
 /// The scene's camera that the file was traced through.
-std::string camera_of(const SampleHeader& h, const Scene& scene, const CameraOverrides& overrides) {
+std::string camera_of(const SampleHeader& h, const Scene& scene) {
     for (const Camera& c : scene.cameras) {
         if ((c.projection == Camera::Projection::perspective) != (h.projection == Projection::perspective))
             continue;
-        const CameraModel model(c, h.time_s, overrides);
+        const CameraModel model(c, h.time_s, overrides_of(h));
         double difference = 0, size = 1;
         for (int i = 0; i < 4; ++i) {
             for (int j = 0; j < 4; ++j) {
-                difference = std::max(difference, std::abs(model.world_from_camera[i][j] - h.world_from_camera[i][j]));
+                difference =
+                    std::max(difference, std::abs(model.world_from_camera[i][j] - h.world_from_camera[i][j]));
                 size = std::max(size, std::abs(h.world_from_camera[i][j]));
             }
         }
@@ -35,18 +41,20 @@ std::string camera_of(const SampleHeader& h, const Scene& scene, const CameraOve
          scene.name);
 }
 
-RenderSettings render_settings(const SampleHeader& h, const HybridSettings& s) {
-    if (s.scene->sha256 != h.scene_sha256) {
+void check_scene(const SampleHeader& h, const Scene& scene) {
+    if (scene.sha256 != h.scene_sha256) {
         fail(ExitCode::invalid_input,
-             "{}: is not the scene that the sample file was traced from (got SHA-256 {:.12}...; expected {:.12}...)",
-             s.scene->name, s.scene->sha256, h.scene_sha256);
+             "{}: is not the scene that the sample file was traced from (got SHA-256 {:.12}...; expected "
+             "{:.12}...)",
+             scene.name, scene.sha256, h.scene_sha256);
     }
+    (void)camera_of(h, scene);
+}
+
+RenderSettings render_settings(const SampleHeader& h, const HybridSettings& s) {
     RenderSettings r;
-    r.camera.width = h.width;
-    r.camera.height = h.height;
-    r.camera.focal_length_mm = h.film_distance_mm;
-    r.camera.film_width_mm = h.pixel_pitch_mm * h.width;
-    r.camera_name = camera_of(h, *s.scene, r.camera);
+    r.camera = overrides_of(h);
+    r.camera_name = camera_of(h, *s.scene);
     r.time_s = h.time_s;
     r.focal_length_mm = s.focus.lens.focal_length_mm;
     r.f_number = s.focus.lens.f_number;
@@ -59,8 +67,8 @@ RenderSettings render_settings(const SampleHeader& h, const HybridSettings& s) {
     return r;
 }
 
-/// Pixels that records do not suffice for, the worst first, ties by place: of whose light too much is unknown,
-/// or misplaced.
+/// Pixels that records do not suffice for, the worst first, ties by place: of whose light too much is
+/// unknown, or misplaced.
 std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vector<float>& misplaced,
                                         double tolerated) {
     std::vector<std::uint32_t> out;
@@ -75,15 +83,30 @@ std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vect
     return out;
 }
 
+/// Scattering costs about as much as so many views of the whole picture, so that it pays for few views only
+/// where it saves most of the picture.
+constexpr double scatter_costs_views = 200;
+
+/// Steps of the CoC's diameter, px: in scatter's own of one pixel a small blur is off by a third.
+int fine_depths(const DepthRange& range, const FocusGeometry& g) {
+    constexpr double step_px = 0.2;
+    if (!range.nearest_m || !range.farthest_m) return 2;
+    const double across_px =
+        2 * g.gain_px * g.aperture_radius_m * (1 / *range.nearest_m - 1 / *range.farthest_m);
+    return static_cast<int>(
+        std::clamp(std::ceil(across_px / step_px) + 1, 2.0, static_cast<double>(DepthLevels::most_depths)));
+}
+
 void retrace(const SampleHeader& h, const HybridSettings& s, std::vector<std::uint32_t> pixels,
              HybridResult& out) {
     const auto most = static_cast<std::size_t>(s.most_retraced * static_cast<double>(out.what.size()));
     if (pixels.size() > most) {
         out.focus.warnings.push_back(
             {"retraced", static_cast<double>(pixels.size() - most) / static_cast<double>(out.what.size()),
-             fmt::format("the records do not suffice for {:.1f} % of the pixels, of which {:.1f} % are traced "
-                         "again (expected a trace with --hidden-layers for this lens)",
-                         100 * out.wanted_share, 100 * s.most_retraced)});
+             fmt::format(
+                 "the records do not suffice for {:.1f} % of the pixels, of which {:.1f} % are traced "
+                 "again (expected a trace with --hidden-layers for this lens)",
+                 100 * out.wanted_share, 100 * s.most_retraced)});
         pixels.resize(most);
     }
     if (pixels.empty()) return;
@@ -107,17 +130,23 @@ HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& 
         fail(ExitCode::wrong_arguments,
              "--framing: hybrid and shoot keep the framing of the trace (expected keep)");
     }
+    if (settings.scene != nullptr) check_scene(h, *settings.scene);
     const FocusGeometry geometry = focus_geometry(focus.lens, focus.focus_distance_m, Framing::keep,
                                                   {h.film_distance_mm, h.pixel_pitch_mm});
     const bool moves = settings.motion != nullptr && settings.shutter;
     HybridResult out;
-    FieldFocusSettings by_field{geometry, read_aperture(focus.impulse), {0, h.width, 0, h.height}, focus.views,
-                                {}, !moves};
-    if (moves) by_field.shutter = {settings.motion, settings.shutter->open_s, settings.shutter->close_s, settings.curve};
+    FieldFocusSettings by_field{
+        geometry, read_aperture(focus.impulse), {0, h.width, 0, h.height}, focus.views, {}, {}};
+    if (!moves) by_field.leave_out_from_share = scatter_costs_views / std::max(focus.views, 1);
+    if (moves)
+        by_field.shutter = {settings.motion, settings.shutter->open_s, settings.shutter->close_s,
+                            settings.curve};
     const FieldFocus field = field_focus(file, by_field);
     out.what.assign(field.unknown.size(), 0);
     if (std::find(field.left_out.begin(), field.left_out.end(), 1) != field.left_out.end()) {
         focus.method = FocusMethod::scatter;
+        focus.spacing = DepthSpacing::inverse;
+        focus.depths = fine_depths(depth_range(file), geometry);
         out.focus = focus_picture(file, focus);
         std::size_t scattered = 0;
         for (std::size_t k = 0; k < field.left_out.size(); ++k) {
@@ -134,16 +163,18 @@ HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& 
         out.focus.image = field.image;
     }
     out.focus.views = focus.views;
-    std::vector<std::uint32_t> pixels = insufficient(field, misplaced_light(file, geometry), settings.tolerated);
+    std::vector<std::uint32_t> pixels =
+        insufficient(field, misplaced_light(file, geometry), settings.tolerated);
     out.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
     if (settings.scene != nullptr) {
         retrace(h, settings, std::move(pixels), out);
     } else if (out.wanted_share > 1e-3) {
         out.focus.warnings.push_back(
             {"uncovered", out.wanted_share,
-             fmt::format("the records do not suffice for {:.2g} % of the pixels (expected --scene, to trace them "
-                         "again, or a trace with --hidden-layers for this lens)",
-                         100 * out.wanted_share)});
+             fmt::format(
+                 "the records do not suffice for {:.2g} % of the pixels (expected --scene, to trace them "
+                 "again, or a trace with --hidden-layers for this lens)",
+                 100 * out.wanted_share)});
     }
     return out;
 }

@@ -24,15 +24,15 @@ struct HybridSettings {
     const Scene* scene = nullptr;
     int retrace_spp = 128;
     double most_retraced = 0.1;  ///< share of the pixels
-    /// Share of a pixel's light that may be unknown, and radiance that may be misplaced (W.bend), before it is
-    /// traced again.
+    /// Share of a pixel's light that may be unknown, and radiance that may be misplaced (W.bend), before it
+    /// is traced again.
     double tolerated = 0.02;
 };
 
 struct HybridResult {
-    FocusResult focus;             ///< image, views, warnings
-    double scattered_share = 0;    ///< of the pixels
-    double wanted_share = 0;       ///< that records do not suffice for
+    FocusResult focus;           ///< image, views, warnings
+    double scattered_share = 0;  ///< of the pixels
+    double wanted_share = 0;     ///< that records do not suffice for
     double retraced_share = 0;
     RayCounts rays;
     std::vector<std::uint8_t> what;  ///< by pixel: 0 light field, 1 scattered, 2 traced again

@@ -146,8 +146,8 @@ class Field {
                      std::min(SeenTile::edge, field_.height - y0)};
         if (field_.wanted && !field_.wanted(x0, y0, at.width, at.height)) {
             for (int y = y0; y < y0 + at.height; ++y)
-                std::fill_n(out.unknown.begin() + static_cast<std::ptrdiff_t>(y) * field_.width + x0, at.width,
-                            1.0F);
+                std::fill_n(out.unknown.begin() + static_cast<std::ptrdiff_t>(y) * field_.width + x0,
+                            at.width, 1.0F);
             return;
         }
         w.sum.fill({});

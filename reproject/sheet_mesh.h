@@ -90,8 +90,8 @@ struct TreeSheets {
 /// What of a colour is a highlight: all above `above` in any channel, of what `blurs` says is blurred widely.
 struct HighlightRule {
     float above = 1;
-    std::function<bool(const Mat2& w, std::uint32_t id)> blurs;  ///< none: nothing is. `id`: of a primary node
-                                                                 ///< its own, else of what it is seen in
+    std::function<bool(const Mat2& w, std::uint32_t id)> blurs;  ///< none: nothing is. `id`: of a primary
+                                                                 ///< node its own, else of what it is seen in
 };
 
 /// Reads an instant of the file. Throws Error(out_of_memory) before it would take more than there is, and

@@ -64,9 +64,9 @@ SceneBuilder layered() {
     SceneBuilder b;
     b.add(board(-0.10, 0.02, -2, 2, 0.9), glowing({0.9, 0.2, 0.1}));
     b.add(Sphere{{0.25, 0.05, -2}, 0.3}, glowing({0.1, 0.7, 0.2}));
-    b.add(Rectangle{dvec3(-1.2, -0.8, -3), dvec3(0.9, 0, 0.5), dvec3(0, 0.9, -0.6)}, glowing({0.8, 0.8, 0.2}));
-    for (int i = -8; i < 8; ++i)
-        b.add(board(i * 0.7, i * 0.7 + 0.35, -9, 9, 9.9), glowing({0.9, 0.9, 0.9}));
+    b.add(Rectangle{dvec3(-1.2, -0.8, -3), dvec3(0.9, 0, 0.5), dvec3(0, 0.9, -0.6)},
+          glowing({0.8, 0.8, 0.2}));
+    for (int i = -8; i < 8; ++i) b.add(board(i * 0.7, i * 0.7 + 0.35, -9, 9, 9.9), glowing({0.9, 0.9, 0.9}));
     b.add(board(-20, 20, -20, 20, 10), glowing({0.15, 0.2, 0.4}));
     return b;
 }
@@ -123,7 +123,8 @@ TEST(FieldFocus, ShowsWhatIsHiddenAsRaysDo) {
         FocusSettings flat = f;
         flat.method = FocusMethod::scatter;
         EXPECT_GT(psnr(got.image, truth), 42) << focus_m;
-        EXPECT_GT(psnr(got.image, truth), psnr(focus_picture(frame.file(), flat).image, truth) + 6) << focus_m;
+        EXPECT_GT(psnr(got.image, truth), psnr(focus_picture(frame.file(), flat).image, truth) + 6)
+            << focus_m;
         EXPECT_NEAR(sum(got.image) / sum(truth), 1, 3e-3) << focus_m;
         EXPECT_TRUE(got.warnings.empty()) << focus_m;
         EXPECT_EQ(got.views, 512);
@@ -163,8 +164,9 @@ TEST(FieldFocus, ASlantedPlaneIsWhatScatteringMakesOfIt) {
 TEST(FieldFocus, TakesAnyApertureThatRaysHavePointsOf) {
     const SceneBuilder b = layered();
     const TracedFrame frame(b.scene, for_lens(wide.f_number));
-    for (const Impulse& impulse : {Impulse{.kind = ImpulseKind::polygon, .blades = 3, .rotation_deg = 20},
-                                   Impulse{.squeeze = 2}, Impulse{.cats_eye = 0.9}, Impulse{.spherical = 0.3}}) {
+    for (const Impulse& impulse :
+         {Impulse{.kind = ImpulseKind::polygon, .blades = 3, .rotation_deg = 20}, Impulse{.squeeze = 2},
+          Impulse{.cats_eye = 0.9}, Impulse{.spherical = 0.3}}) {
         FocusSettings f = by_field(2);
         f.impulse = impulse;
         const Image got = focus_picture(frame.file(), f).image;
@@ -201,12 +203,14 @@ TEST(FieldFocus, AHighlightIsOneDiscForAnyNumberOfViews) {
     const Image few = focus_picture(frame.file(), f).image;
     EXPECT_NEAR(sum(few) / sum(pinhole), 1, 1e-3);
     EXPECT_NEAR(sum(many) / sum(pinhole), 1, 1e-3);
-    EXPECT_LT(largest_difference(few, many), 0.05);
+    // What is left of the light in the sheets, 1, is seen or not by each of 16 views.
+    EXPECT_LT(largest_difference(few, many), (1 - 0.2) * 2 / 16);
     const double r = rim_px(wide) * (1 / 0.9 - 1 / 4.0);
     // Of the brightest colour above the background: the light's area over the disc's.
     const double side_px = 0.04 / 4 * px_per_m,
                  expected = 60 * side_px * side_px / (std::numbers::pi * r * r);
-    EXPECT_NEAR(static_cast<double>(few.pixel(32, 24)[0]), expected + 0.2, 0.05 * expected);
+    EXPECT_NEAR(static_cast<double>(few.pixel(32, 24)[0]), expected + 0.2,
+                0.05 * expected + (1 - 0.2) * 2 / 16);
     double weight = 0, x_mean = 0;
     for (int y = 0; y < 48; ++y) {
         for (int x = 0; x < 64; ++x) {
@@ -221,10 +225,10 @@ TEST(FieldFocus, AHighlightIsOneDiscForAnyNumberOfViews) {
 TEST(FieldFocus, AHighlightIsCutByWhatStandsBeforeIt) {
     SceneBuilder b;
     b.add(board(-0.02, 0.02, -0.02, 0.02, 4), glowing({60, 40, 20}));
-    b.add(board(-3, 0.012, -3, 3, 1), glowing({0.1, 0.1, 0.1}));
+    b.add(board(-3, 0.004, -3, 3, 0.6), glowing({0.1, 0.1, 0.1}));
     b.add(board(-90, 90, -90, 90, 10), glowing({0.2, 0.2, 0.2}));
     const TracedFrame frame(b.scene, for_lens(wide.f_number));
-    const FocusSettings f = by_field(2, 64);
+    const FocusSettings f = by_field(1, 64);
     const Image truth = rays(b.scene, f, 4096), got = focus_picture(frame.file(), f).image;
     EXPECT_NEAR(sum(got) / sum(truth), 1, 0.02);
     EXPECT_GT(psnr(got, truth), 36);
@@ -280,7 +284,8 @@ SceneBuilder seen_in(const Shape& shape, const Material& material) {
     b.add(shape, material);
     // Wide enough for corners of pixels to see them, in a ball as well.
     for (int i = -3; i < 3; ++i) {
-        b.add(Rectangle{dvec3(i * 2.0 + 0.3, -4, 3), dvec3(1, 0, 0), dvec3(0, 8, 0)}, glowing({0.8, 0.6, 0.3}));
+        b.add(Rectangle{dvec3(i * 2.0 + 0.3, -4, 3), dvec3(1, 0, 0), dvec3(0, 8, 0)},
+              glowing({0.8, 0.6, 0.3}));
         b.add(board(i * 1.0 + 0.2, i * 1.0 + 0.7, -9, 9, 5.9), glowing({0.2, 0.5, 0.8}));
     }
     b.add(Rectangle{dvec3(-20, -20, 3.2), dvec3(40, 0, 0), dvec3(0, 40, 0)}, glowing({0.2, 0.1, 0.3}));

@@ -22,23 +22,24 @@ Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
     return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
 }
 
-/// A striped wall, a near bar at the left.
+/// A striped wall that is one object, and a near bar at the left.
 SceneBuilder bar_and_wall() {
     SceneBuilder b;
-    b.add(board(-0.45, -0.38, -2, 2, 1), glowing({0.9, 0.2, 0.1}));
-    for (int i = -10; i < 10; ++i)
-        b.add(board(i * 0.7, i * 0.7 + 0.35, -9, 9, 9.99), glowing({0.9, 0.9, 0.9}));
-    b.add(board(-20, 20, -20, 20, 10), glowing({0.15, 0.2, 0.4}));
-    // One surface to the eye: the stripes are one id.
-    for (std::size_t i = 1; i < b.scene.objects.size(); ++i) b.scene.objects[i].id = 2;
+    b.add(board(-0.34, -0.27, -2, 2, 1), glowing({0.9, 0.2, 0.1}));
+    for (int i = -40; i < 40; ++i) {
+        b.add(board(i * 0.35, i * 0.35 + 0.35, -9, 9, 10),
+              glowing(i % 2 == 0 ? dvec3(0.9, 0.9, 0.9) : dvec3(0.15, 0.2, 0.4)))
+            .id = 2;
+    }
     b.scene.sha256 = std::string(64, 'a');
     return b;
 }
 
-TraceSettings traced(int hidden) {
+/// With what the lens sees past edges, or without.
+TraceSettings traced(bool hidden) {
     TraceSettings s;
-    s.subdivision.levels = 3;
-    s.hidden_layers = hidden;
+    s.subdivision.levels = 4;
+    if (hidden) s.for_f_number = wide.f_number;
     s.overscan_px = 24;
     return s;
 }
@@ -61,36 +62,38 @@ Image rays(const Scene& scene, const HybridSettings& h, int spp = 1024) {
 
 TEST(Hybrid, ScattersWhereOneSurfaceIsSeenAndLooksElsewhere) {
     const SceneBuilder b = bar_and_wall();
-    const TracedFrame frame(b.scene, traced(3));
-    const HybridSettings s = settings(3);
+    const TracedFrame frame(b.scene, traced(true));
+    const HybridSettings s = settings(3, 1024);
     const HybridResult got = hybrid_picture(frame.file(), s);
     FocusSettings f = s.focus;
-    f.method = FocusMethod::scatter;
-    const Image scattered = focus_picture(frame.file(), f).image;
     f.method = FocusMethod::lightfield;
     const Image seen = focus_picture(frame.file(), f).image;
     std::size_t of_one = 0;
     for (std::size_t k = 0; k < got.what.size(); ++k) {
-        const Image& from = got.what[k] == 1 ? scattered : seen;
         of_one += got.what[k] == 1 ? 1 : 0;
-        for (std::size_t c = 0; c < 3; ++c) ASSERT_EQ(got.focus.image.rgb[3 * k + c], from.rgb[3 * k + c]) << k;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float is = got.focus.image.rgb[3 * k + c], view = seen.rgb[3 * k + c];
+            // Where one surface is seen both methods are right.
+            ASSERT_NEAR(is, view, got.what[k] == 1 ? 0.03F : 0.0F) << k;
+        }
     }
     EXPECT_GT(of_one, got.what.size() / 3);
     EXPECT_LT(of_one, got.what.size() * 9 / 10);
-    const auto what = [&](int x, int y) { return got.what[static_cast<std::size_t>(y) * 64 + static_cast<std::size_t>(x)]; };
+    const auto what = [&](int x, int y) {
+        return got.what[static_cast<std::size_t>(y) * 64 + static_cast<std::size_t>(x)];
+    };
     EXPECT_EQ(what(60, 24), 1);
-    const int bar_px = static_cast<int>(32 - 0.40 * px_per_m);  // behind the frame's left part
-    ASSERT_GE(bar_px, -8);
-    EXPECT_EQ(what(0, 24), 0);
+    EXPECT_EQ(what(static_cast<int>(32 - 0.27 * px_per_m), 24), 0);  // the bar's edge
     const Image truth = rays(b.scene, s);
-    EXPECT_GE(psnr(got.focus.image, truth), psnr(seen, truth) - 0.1);
     EXPECT_GT(psnr(got.focus.image, truth), 42);
     EXPECT_EQ(got.retraced_share, 0);
+    // With few views there is nothing to save.
+    EXPECT_EQ(hybrid_picture(frame.file(), settings(3, 16)).scattered_share, 0);
 }
 
 TEST(Hybrid, TracesAgainWhatWasNotRecorded) {
     const SceneBuilder b = bar_and_wall();
-    const TracedFrame frame(b.scene, traced(0));
+    const TracedFrame frame(b.scene, traced(false));
     HybridSettings s = settings(10);
     const HybridResult before = hybrid_picture(frame.file(), s);
     EXPECT_GT(before.wanted_share, 0.01);
@@ -114,7 +117,7 @@ TEST(Hybrid, TracesAgainWhatWasNotRecorded) {
 
 TEST(Hybrid, RefusesAnotherScene) {
     SceneBuilder b = bar_and_wall();
-    const TracedFrame frame(b.scene, traced(0));
+    const TracedFrame frame(b.scene, traced(false));
     HybridSettings s = settings(10, 16);
     Scene other = b.scene;
     other.sha256 = std::string(64, 'b');
@@ -130,7 +133,7 @@ TEST(Hybrid, RefusesAnotherScene) {
 
 TEST(Hybrid, SameBitsOnAnyThreads) {
     const SceneBuilder b = bar_and_wall();
-    const TracedFrame frame(b.scene, traced(0));
+    const TracedFrame frame(b.scene, traced(false));
     HybridSettings s = settings(10, 16);
     s.scene = &b.scene;
     s.retrace_spp = 20;
@@ -173,7 +176,7 @@ struct Shot {
 
 TEST(Shoot, WithNothingThatMovesItIsTheLightField) {
     const SceneBuilder b = bar_and_wall();
-    const Shot shot(b, traced(3));
+    const Shot shot(b, traced(true));
     FocusSettings f = settings(3, 64).focus;
     f.method = FocusMethod::lightfield;
     EXPECT_EQ(hybrid_picture(shot.frame.file(), shot.settings(3, 64)).focus.image.rgb,
@@ -186,8 +189,9 @@ TEST(Shoot, LensAndShutterAtOnceAreWhatRaysSee) {
     SceneBuilder b = bar_and_wall();
     b.scene.objects[0].keys = from_to({0.35, 0, 0});
     Object& through = b.add(board(0.1, 0.25, -0.2, 0.2, 4), glowing({0.1, 0.8, 0.3}));
+    through.id = 3;
     through.keys = from_to({0, 0, 2.5});
-    TraceSettings trace = traced(3);
+    TraceSettings trace = traced(true);
     trace.for_shutter = TimeSpan{0, 1};
     const Shot shot(b, trace);
     const HybridSettings s = shot.settings(2.5, 512);
@@ -202,11 +206,11 @@ TEST(Shoot, LensAndShutterAtOnceAreWhatRaysSee) {
 TEST(Shoot, KeysCarryWhatTurns) {
     SceneBuilder b = bar_and_wall();
     Object& turning = b.add(Box{{-0.3, -0.3, -0.3}, {0.3, 0.3, 0.3}}, glowing({0.1, 0.8, 0.3}));
-    turning.keys = {{.time_s = 0, .translation = dvec3(0.2, 0, -3)},
-                    {.time_s = 1,
-                     .translation = dvec3(0.2, 0, -3),
-                     .rotation = glm::angleAxis(0.8, dvec3(0, 1, 0))}};
-    TraceSettings trace = traced(3);
+    turning.id = 3;
+    turning.keys = {
+        {.time_s = 0, .translation = dvec3(0.2, 0, -3)},
+        {.time_s = 1, .translation = dvec3(0.2, 0, -3), .rotation = glm::angleAxis(0.8, dvec3(0, 1, 0))}};
+    TraceSettings trace = traced(true);
     trace.for_shutter = TimeSpan{0, 1};
     trace.keys = 3;
     const Shot shot(b, trace);

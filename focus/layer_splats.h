@@ -1,0 +1,131 @@
+// Records turned into splats surface by surface: what `layers` accumulates, and what belongs together.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "focus/border_radii.h"
+#include "focus/kernel.h"
+#include "focus/node_response.h"
+#include "focus/splat_tables.h"
+#include "records/quadtree.h"
+#include "records/record.h"
+
+namespace postlens {
+
+/// A surface is an object, split where it hides itself: `before` counts the surfaces of the same object that
+/// the same ray meets before.
+struct SurfaceKey {
+    std::uint32_t id = 0;
+    std::uint32_t before = 0;
+    // NOLINTNEXTLINE(modernize-use-nullptr): what is found is the compiler's own comparison with 0
+    friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
+};
+
+/// What is accumulated on its own. Ordered so that the parts of a surface stand together, those of one chain
+/// of bounces likewise, longer chains after the chains that they go on from.
+struct LayerPart {
+    enum class Kind : std::uint32_t {
+        seen,         ///< what the pinhole sees: of the surface, or of what a chain of bounces shows
+        hidden,       ///< what stands behind something else
+        mask,         ///< where the surface that a chain goes on from has that chain, by that surface's own
+                      ///< responses; its colour is that of the chain's nodes
+        hidden_mask,  ///< the same, of records of the surface that stand behind something else
+    };
+    SurfaceKey surface;      ///< of the primary node
+    std::uint32_t path = 0;  ///< NodePath's bits; 0: the surface itself
+    SurfaceKey shown;        ///< what the chain meets; nothing for masks
+    Kind kind = Kind::seen;
+    // NOLINTNEXTLINE(modernize-use-nullptr): as above
+    friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
+};
+
+/// A node of one point sample, weighted. `depth` is the weight times 1/z'.
+struct LayerSplat {
+    std::int32_t x = 0, y = 0;  ///< anchor
+    std::uint32_t kernel = 0;
+    float r = 0, g = 0, b = 0, weight = 0, depth = 0;
+    /// How much of the lens's radius a pixel of distance from the anchor stands for: the light that arrives d
+    /// px away has come through the lens point d * lens_per_px, in radii, on average.
+    float lens_per_px = 0;
+    /// Of the weight: what stays hidden, as what hides it moves along with it over the lens.
+    float covered = 0;
+};
+
+/// Splats of one part that stand in one tile of the raster.
+struct LayerCell {
+    std::uint32_t part = 0;
+    std::uint32_t begin = 0, end = 0;  ///< of splats()
+    RasterWindow reach;                ///< pixels that they reach
+};
+
+/// Least and greatest of the colours of shading trees, channel by channel.
+struct ColourRange {
+    std::array<float, 3> least{}, most{};
+    ColourRange();
+    void include(const std::array<float, 3>& rgb);
+    void include(const ColourRange& other);
+};
+
+/// Filled by bands of records in any order, each row once; then finished.
+class LayerSplats {
+  public:
+    /// As SplatTables.
+    LayerSplats(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
+                const DepthLevels& levels, DepthModel model,
+                std::shared_ptr<const ResponseModel> response = nullptr);
+
+    /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
+    /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
+    void add_rows(const RecordBand& band, int y_begin, int y_end);
+    /// Makes the kernels and sorts; after the last row.
+    void finish();
+
+    [[nodiscard]] const RasterWindow& source() const { return source_; }
+    [[nodiscard]] const RasterWindow& picture() const { return picture_; }
+    [[nodiscard]] const FocusGeometry& geometry() const { return responses_.geometry(); }
+    [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
+    [[nodiscard]] std::span<const LayerPart> parts() const { return parts_; }
+    /// By part, then by tile, row and column.
+    [[nodiscard]] std::span<const LayerCell> cells() const { return cells_; }
+    [[nodiscard]] std::span<const LayerSplat> splats(const LayerCell& cell) const {
+        return std::span(splats_).subspan(cell.begin, cell.end - cell.begin);
+    }
+    [[nodiscard]] const BorderRadii& border() const { return border_; }
+    [[nodiscard]] double largest_coc_px() const;
+    [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
+    /// No picture is darker or brighter than what was recorded.
+    [[nodiscard]] const ColourRange& colours() const { return colours_; }
+
+  private:
+    class RowBuilder;
+    /// What a row came to: parts by a number of its own.
+    struct Row {
+        std::vector<LayerPart> parts;
+        std::vector<std::uint32_t> part;  ///< of each splat
+        std::vector<LayerSplat> splats;
+        double largest_radius_px = 0;
+        ColourRange colours;
+    };
+    /// Splats of one row, part and tile.
+    struct Segment;
+    void sort_row(std::size_t index, std::vector<Segment>& segments);
+    void join(std::vector<Segment>& segments);
+
+    RasterWindow source_, picture_;
+    NodeResponses responses_;
+    KernelTable kernels_;
+    BorderRadii border_;
+    std::vector<Row> rows_;
+    std::vector<LayerPart> parts_;
+    std::vector<LayerCell> cells_;
+    std::vector<LayerSplat> splats_;
+    double largest_radius_px_ = 0;
+    ColourRange colours_;
+};
+
+}  // namespace postlens

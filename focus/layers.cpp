@@ -1,0 +1,321 @@
+#include "focus/layers.h"
+
+#include <algorithm>
+#include <tbb/enumerable_thread_specific.h>
+#include <vector>
+
+#include "core/threads.h"
+#include "focus/layer_resolve.h"
+#include "focus/layer_sums.h"
+#include "focus/visibility.h"
+
+namespace postlens {
+namespace {
+
+/// LayerSums keep up to 280 B a pixel: one fits the second-level cache.
+constexpr int block_width = 64;
+constexpr int block_height = 64;
+/// Fragments and sums held at a time, of 270 B about: where very many surfaces meet in a block it is done row
+/// by row.
+constexpr std::size_t most_sums = std::size_t{1} << 17;
+
+bool meet(const RasterWindow& a, const RasterWindow& b) {
+    return a.x_begin < b.x_end && b.x_begin < a.x_end && a.y_begin < b.y_end && b.y_begin < a.y_end;
+}
+
+RasterWindow common(const RasterWindow& a, const RasterWindow& b) {
+    return {std::max(a.x_begin, b.x_begin), std::min(a.x_end, b.x_end), std::max(a.y_begin, b.y_begin),
+            std::min(a.y_end, b.y_end)};
+}
+
+RasterWindow around(const RasterWindow& a, const RasterWindow& b) {
+    return {std::min(a.x_begin, b.x_begin), std::max(a.x_end, b.x_end), std::min(a.y_begin, b.y_begin),
+            std::max(a.y_end, b.y_end)};
+}
+
+/// Values of the three channels that one pass is right about: all, or one where each has kernels of its own.
+void store(const LayerSplats& splats, const std::array<double, 3>& rgb, std::size_t channel, float* out) {
+    const bool all = splats.kernels().channels() == 1;
+    if (splats.parts().empty()) return;
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (!all && c != channel) continue;
+        // Differences of sums leave the last bits of what was subtracted, and a colour's share of the lens is
+        // known to first order only.
+        out[c] = std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
+    }
+}
+
+/// What a chain of bounces shows is composed by itself, by alphas alone.
+bool wants_lens(const LayerPart& part) {
+    return part.path == 0;
+}
+
+/// Works on one block after another; keeps its buffers.
+class BlockLayers {
+  public:
+    explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
+
+    /// `cells`: numbers of those that reach the block, growing.
+    void run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image);
+
+  private:
+    /// Cells [begin, end) of the block's, all of one part.
+    struct PartCells {
+        const LayerPart* part;
+        std::size_t begin, end;
+        RasterWindow reach;  ///< within the block
+    };
+    struct Entry {
+        Fragment fragment;
+        std::int32_t next;
+    };
+
+    void find_parts(const RasterWindow& block, std::span<const std::uint32_t> cells);
+    void add_surface(std::span<const PartCells> parts, std::span<const std::uint32_t> cells,
+                     std::size_t channel, bool with_lens);
+    void push(int x, int y, const Fragment& fragment);
+    void store_pixels(std::size_t channel, Image& image);
+    [[nodiscard]] bool meets_another(std::size_t surface) const;
+
+    const LayerSplats& splats_;
+    RasterWindow rows_;  ///< of the block, being worked on
+    std::vector<PartCells> parts_;
+    std::vector<RasterWindow> surfaces_;  ///< where each arrives in the block
+    std::vector<LayerSums> sums_;
+    std::vector<LayerTerm> terms_;
+    std::vector<std::int32_t> first_;  ///< entry of each pixel, or -1; the rest follow, the last added first
+    std::vector<Entry> entries_;
+    std::vector<Fragment> fragments_;
+};
+
+void BlockLayers::find_parts(const RasterWindow& block, std::span<const std::uint32_t> cells) {
+    parts_.clear();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const LayerCell& cell = splats_.cells()[cells[i]];
+        const LayerPart* part = &splats_.parts()[cell.part];
+        const RasterWindow reach = common(cell.reach, block);
+        if (parts_.empty() || parts_.back().part != part) {
+            parts_.push_back({part, i, i + 1, reach});
+        } else {
+            parts_.back().end = i + 1;
+            parts_.back().reach = around(parts_.back().reach, reach);
+        }
+    }
+}
+
+void BlockLayers::push(int x, int y, const Fragment& fragment) {
+    std::int32_t& first =
+        first_[static_cast<std::size_t>(y - rows_.y_begin) * static_cast<std::size_t>(rows_.width()) +
+               static_cast<std::size_t>(x - rows_.x_begin)];
+    entries_.push_back({fragment, first});
+    first = static_cast<std::int32_t>(entries_.size()) - 1;
+}
+
+void BlockLayers::add_surface(std::span<const PartCells> parts, std::span<const std::uint32_t> cells,
+                              std::size_t channel, bool with_lens) {
+    if (sums_.size() < parts.size()) sums_.resize(parts.size());
+    RasterWindow all{};
+    bool any = false;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const PartCells& part = parts[i];
+        const RasterWindow reach = common(part.reach, rows_);
+        if (reach.width() <= 0 || reach.height() <= 0) {
+            sums_[i].begin({}, false);
+            continue;
+        }
+        if (part.part->path == 0) {
+            all = any ? around(all, reach) : reach;
+            any = true;
+        }
+        sums_[i].begin(reach, with_lens && wants_lens(*part.part));
+        for (std::size_t k = part.begin; k < part.end; ++k) {
+            const LayerCell& cell = splats_.cells()[cells[k]];
+            if (meet(cell.reach, rows_)) sums_[i].add(splats_.splats(cell), splats_.kernels(), channel);
+        }
+        sums_[i].finish();
+    }
+    if (!any) return;
+    for (int y = all.y_begin; y < all.y_end; ++y) {
+        for (int x = all.x_begin; x < all.x_end; ++x) {
+            terms_.clear();
+            for (std::size_t i = 0; i < parts.size(); ++i) {
+                const RasterWindow& r = sums_[i].rows();
+                if (y < r.y_begin || y >= r.y_end || x < r.x_begin || x >= r.x_end) continue;
+                const double* sums = sums_[i].at(x, y);
+                if (!(sums[3] > smallest_layer_weight)) continue;
+                terms_.push_back({parts[i].part,
+                                  {sums[0], sums[1], sums[2]},
+                                  sums[3],
+                                  sums_[i].depth_at(x, y),
+                                  sums_[i].lens_at(x, y),
+                                  sums_[i].covered_at(x, y)});
+            }
+            if (terms_.empty()) continue;
+            if (const auto fragment = resolve_surface(terms_, splats_.geometry())) push(x, y, *fragment);
+        }
+    }
+}
+
+void BlockLayers::store_pixels(std::size_t channel, Image& image) {
+    const RasterWindow& picture = splats_.picture();
+    for (int y = rows_.y_begin; y < rows_.y_end; ++y) {
+        for (int x = rows_.x_begin; x < rows_.x_end; ++x) {
+            fragments_.clear();
+            const auto pixel =
+                static_cast<std::size_t>(y - rows_.y_begin) * static_cast<std::size_t>(rows_.width()) +
+                static_cast<std::size_t>(x - rows_.x_begin);
+            for (std::int32_t i = first_[pixel]; i >= 0; i = entries_[static_cast<std::size_t>(i)].next)
+                fragments_.push_back(entries_[static_cast<std::size_t>(i)].fragment);
+            std::reverse(fragments_.begin(), fragments_.end());
+            store(splats_, composite(fragments_, splats_.geometry()), channel,
+                  image.pixel(x - picture.x_begin, y - picture.y_begin));
+        }
+    }
+}
+
+// Where a surface is alone nothing asks which lens points it comes through.
+bool BlockLayers::meets_another(std::size_t surface) const {
+    constexpr std::size_t few = 64;
+    if (surfaces_.size() > few) return true;
+    for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+        if (i != surface && meet(surfaces_[i], surfaces_[surface])) return true;
+    }
+    return false;
+}
+
+void BlockLayers::run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image) {
+    find_parts(block, cells);
+    std::vector<std::size_t> begins;  // of the parts of each surface
+    surfaces_.clear();
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+        if (i == 0 || parts_[i].part->surface != parts_[i - 1].part->surface) {
+            begins.push_back(i);
+            surfaces_.push_back(parts_[i].reach);
+        } else if (parts_[i].part->path == 0) {
+            surfaces_.back() = around(surfaces_.back(), parts_[i].reach);
+        }
+    }
+    const std::size_t surfaces = begins.size();
+    begins.push_back(parts_.size());
+    std::size_t most_parts = 1;
+    for (std::size_t i = 0; i < surfaces; ++i) most_parts = std::max(most_parts, begins[i + 1] - begins[i]);
+    const std::size_t per_row = std::max(surfaces, most_parts) * static_cast<std::size_t>(block.width());
+    const int rows = static_cast<int>(
+        std::clamp<std::size_t>(most_sums / std::max<std::size_t>(per_row, 1), 1, block_height));
+    for (int y = block.y_begin; y < block.y_end; y += rows) {
+        rows_ = {block.x_begin, block.x_end, y, std::min(y + rows, block.y_end)};
+        for (std::size_t channel = 0; channel < splats_.kernels().channels(); ++channel) {
+            entries_.clear();
+            first_.assign(static_cast<std::size_t>(rows_.width()) * static_cast<std::size_t>(rows_.height()),
+                          -1);
+            for (std::size_t i = 0; i < surfaces; ++i) {
+                add_surface(std::span(parts_).subspan(begins[i], begins[i + 1] - begins[i]), cells, channel,
+                            meets_another(i));
+            }
+            store_pixels(channel, image);
+        }
+    }
+}
+
+}  // namespace
+
+void layers(const LayerSplats& splats, Image& image) {
+    const RasterWindow& picture = splats.picture();
+    if (image.width != picture.width() || image.height != picture.height())
+        image = Image(picture.width(), picture.height());
+    const int columns = (picture.width() + block_width - 1) / block_width;
+    const int rows = (picture.height() + block_height - 1) / block_height;
+    std::vector<std::vector<std::uint32_t>> cells(static_cast<std::size_t>(columns) *
+                                                  static_cast<std::size_t>(rows));
+    for (std::size_t i = 0; i < splats.cells().size(); ++i) {
+        const RasterWindow reach = common(splats.cells()[i].reach, picture);
+        if (reach.width() <= 0 || reach.height() <= 0) continue;
+        for (int row = (reach.y_begin - picture.y_begin) / block_height;
+             row <= (reach.y_end - 1 - picture.y_begin) / block_height; ++row) {
+            for (int column = (reach.x_begin - picture.x_begin) / block_width;
+                 column <= (reach.x_end - 1 - picture.x_begin) / block_width; ++column) {
+                cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                      static_cast<std::size_t>(column)]
+                    .push_back(static_cast<std::uint32_t>(i));
+            }
+        }
+    }
+    tbb::enumerable_thread_specific<BlockLayers> workers([&] { return BlockLayers(splats); });
+    parallel_for(cells.size(), [&](std::size_t i) {
+        const int x = picture.x_begin + static_cast<int>(i) % columns * block_width;
+        const int y = picture.y_begin + static_cast<int>(i) / columns * block_height;
+        workers.local().run(
+            {x, std::min(x + block_width, picture.x_end), y, std::min(y + block_height, picture.y_end)},
+            cells[i], image);
+    });
+}
+
+namespace {
+
+/// Terms without their part, of every pixel of a picture.
+using ReferenceSums = std::vector<LayerTerm>;
+
+void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,
+                   ReferenceSums& sums) {
+    const RasterWindow& p = splats.picture();
+    const Kernel& kernel = splats.kernels().kernel(s.kernel, channel);
+    for (int y = std::max(s.y + kernel.y_begin, p.y_begin); y < std::min(s.y + kernel.y_end(), p.y_end);
+         ++y) {
+        const KernelRow& row = kernel.rows[static_cast<std::size_t>(y - s.y - kernel.y_begin)];
+        for (int x = std::max(s.x + row.x_begin, p.x_begin); x < std::min(s.x + row.x_end, p.x_end); ++x) {
+            const int dx = x - s.x;
+            const bool inner = dx >= row.inner_begin && dx < row.inner_end;
+            const int skipped =
+                dx < row.inner_begin ? row.x_begin : row.x_begin + row.inner_end - row.inner_begin;
+            const auto share = static_cast<double>(
+                inner ? kernel.inner : kernel.taps[row.tap + static_cast<std::uint32_t>(dx - skipped)]);
+            LayerTerm& sum =
+                sums[static_cast<std::size_t>(y - p.y_begin) * static_cast<std::size_t>(p.width()) +
+                     static_cast<std::size_t>(x - p.x_begin)];
+            const std::array<float, 4> value{s.r, s.g, s.b, s.weight};
+            const LensMoment lens{(dx + 0.5) * static_cast<double>(s.lens_per_px),
+                                  (y + 0.5 - s.y) * static_cast<double>(s.lens_per_px)};
+            for (std::size_t c = 0; c < 4; ++c) {
+                const double light = share * static_cast<double>(value[c]);
+                (c < 3 ? sum.rgb[c] : sum.weight) += light;
+                if (!wants_lens(part)) continue;
+                sum.lens[c].x += light * lens.x;
+                sum.lens[c].y += light * lens.y;
+            }
+            sum.depth += share * static_cast<double>(s.depth);
+            sum.covered += share * static_cast<double>(s.covered);
+        }
+    }
+}
+
+}  // namespace
+
+Image layers_reference(const LayerSplats& splats) {
+    const RasterWindow& p = splats.picture();
+    Image image(p.width(), p.height());
+    for (std::size_t channel = 0; channel < splats.kernels().channels(); ++channel) {
+        std::vector<ReferenceSums> sums(splats.parts().size(), ReferenceSums(image.rgb.size() / 3));
+        for (const LayerCell& cell : splats.cells()) {
+            for (const LayerSplat& s : splats.splats(cell))
+                add_reference(splats, s, splats.parts()[cell.part], channel, sums[cell.part]);
+        }
+        for (std::size_t i = 0; i < image.rgb.size() / 3; ++i) {
+            std::vector<Fragment> fragments;
+            std::vector<LayerTerm> terms;
+            for (std::size_t k = 0; k < sums.size(); ++k) {
+                const LayerPart& part = splats.parts()[k];
+                if (sums[k][i].weight > smallest_layer_weight) {
+                    terms.push_back(sums[k][i]);
+                    terms.back().part = &part;
+                }
+                if (k + 1 < sums.size() && splats.parts()[k + 1].surface == part.surface) continue;
+                if (const auto f = resolve_surface(terms, splats.geometry())) fragments.push_back(*f);
+                terms.clear();
+            }
+            store(splats, composite(fragments, splats.geometry()), channel, image.rgb.data() + 3 * i);
+        }
+    }
+    return image;
+}
+
+}  // namespace postlens

@@ -1,0 +1,17 @@
+// Layers: every surface in an accumulator of its own, laid over each other pixel by pixel in depth order.
+#pragma once
+
+#include "focus/layer_splats.h"
+#include "records/image.h"
+
+namespace postlens {
+
+/// The picture of the splats' picture window, into an image that is made to fit. In parallel; the same bits
+/// for any number of threads.
+void layers(const LayerSplats& splats, Image& image);
+
+/// The same from the definition, for the whole picture at once, each response laid out in full: slow and
+/// obvious, for tests.
+[[nodiscard]] Image layers_reference(const LayerSplats& splats);
+
+}  // namespace postlens

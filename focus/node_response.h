@@ -1,0 +1,70 @@
+// Which impulse response a node of a shading tree has.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <memory>
+
+#include "focus/depth_levels.h"
+#include "focus/kernel.h"
+#include "focus/phases.h"
+#include "focus/response_model.h"
+#include "records/record.h"
+
+namespace postlens {
+
+/// Half-open rectangle of whole coordinates, raster px.
+struct RasterWindow {
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+    [[nodiscard]] int width() const { return x_end - x_begin; }
+    [[nodiscard]] int height() const { return y_end - y_begin; }
+};
+
+/// A node's response: its key without phase, and its size.
+struct NodeResponse {
+    KernelKey key;
+    double radius_px = 0;        ///< of the kernel: half the longer side of its bounding box
+    double exact_radius_px = 0;  ///< of the CoC itself
+};
+
+/// Responses of one lens setting. Places are counted from the middle of the picture.
+class NodeResponses {
+  public:
+    NodeResponses(const FocusGeometry& geometry, DepthLevels levels, DepthModel model,
+                  std::shared_ptr<const ResponseModel> response)
+        : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
+
+    [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
+    /// Of a deeper node, as the depth model has it.
+    [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
+                                  const glm::dvec2& place_px) const;
+    /// Share of the light that the lens lets through. 1 where one kernel serves the whole picture.
+    [[nodiscard]] float passing(const NodeResponse& response, double inverse_depth_per_m,
+                                const glm::dvec2& place_px) const;
+    /// Whether the weights spread as the light does; else by `whole`.
+    [[nodiscard]] bool weighs_as_it_shines(const NodeResponse& response) const {
+        return response.key.cell_log2 == 0 || model().weighs_as_it_shines();
+    }
+    /// As if nothing were lost.
+    [[nodiscard]] static NodeResponse whole(NodeResponse response);
+    /// Where a sample's response is placed.
+    [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
+
+    [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
+    [[nodiscard]] const DepthLevels& levels() const { return levels_; }
+    [[nodiscard]] const ResponseModel& model() const { return *response_; }
+
+  private:
+    [[nodiscard]] NodeResponse to_w(const Mat2& w, const glm::dvec2& place_px) const;
+    void finish_other(NodeResponse& out, const glm::dmat2& map_px, const glm::dvec2& place_px) const;
+
+    FocusGeometry geometry_;
+    DepthLevels levels_;
+    DepthModel model_;
+    std::shared_ptr<const ResponseModel> response_;
+};
+
+/// 1/z' of a record: infinity has the inverse depth 0; a depth that is smaller than a float's least normal
+/// number is none.
+[[nodiscard]] double inverse_depth_per_m(const Record& node);
+
+}  // namespace postlens

@@ -1,0 +1,129 @@
+#include "focus/visibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace postlens {
+
+double independence(double radius_px, double other_px) {
+    const double larger = std::max(std::abs(radius_px), std::abs(other_px));
+    return std::min(1.0, std::abs(radius_px - other_px) / (larger + 1));
+}
+
+namespace {
+
+/// A share of the pixel's light over the lens: S(q) = mean + 4 tilt . q.
+struct OverLens {
+    double mean = 0;
+    LensMoment tilt;
+
+    void add(const OverLens& other, double times) {
+        mean += times * other.mean;
+        tilt.x += times * other.tilt.x;
+        tilt.y += times * other.tilt.y;
+    }
+    /// How much passes, 0 to 1, of something with this sum and moment.
+    [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
+        if (sum == 0) return 0;
+        return std::clamp(mean + 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum, 0.0, 1.0);
+    }
+};
+
+/// A surface that has been laid down.
+struct Laid {
+    double radius_px;
+    OverLens cover;  ///< what it holds back
+};
+
+void sort_by_depth(std::span<Fragment> fragments) {
+    constexpr std::size_t few = 16;
+    if (fragments.size() > few) {
+        std::stable_sort(fragments.begin(), fragments.end(), [](const Fragment& a, const Fragment& b) {
+            return a.inverse_depth_per_m > b.inverse_depth_per_m;
+        });
+        return;
+    }
+    for (std::size_t i = 1; i < fragments.size(); ++i) {
+        const Fragment f = fragments[i];
+        std::size_t k = i;
+        for (; k > 0 && fragments[k - 1].inverse_depth_per_m < f.inverse_depth_per_m; --k)
+            fragments[k] = fragments[k - 1];
+        fragments[k] = f;
+    }
+}
+
+}  // namespace
+
+namespace {
+
+/// Adds `times` a light, as much of it as the lens lets through, to a pixel; what it fills is counted on its
+/// own.
+struct Arrived {
+    std::array<double, 3> rgb{};
+    double alpha = 0;
+    LensMoment lens;  ///< of alpha
+
+    void add(const SurfaceLight& light, double times, const OverLens& open) {
+        if (!(times > 0)) return;
+        for (std::size_t c = 0; c < 3; ++c)
+            rgb[c] += times * light.rgb[c] * open.passing(light.rgb[c], light.lens[c]);
+        const double whole = times * light.alpha;
+        alpha += whole * open.passing(light.alpha, light.lens[3]);
+        // The product of two linear functions, without its quadratic part.
+        lens.x += times * open.mean * light.lens[3].x + std::min(whole, 1.0) * open.tilt.x;
+        lens.y += times * open.mean * light.lens[3].y + std::min(whole, 1.0) * open.tilt.y;
+    }
+};
+
+/// What of the lens is held back by surfaces that move along with one. Going forward the radii part, and from
+/// some surface on all are independent.
+OverLens moving_along(std::span<const Laid> laid, double radius_px) {
+    OverLens out;
+    for (std::size_t i = laid.size(); i-- > 0;) {
+        const double apart = independence(radius_px, laid[i].radius_px);
+        if (apart >= 1) break;
+        out.add(laid[i].cover, 1 - apart);
+    }
+    return out;
+}
+
+}  // namespace
+
+std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry) {
+    constexpr double opaque = 1e-9;
+    sort_by_depth(fragments);
+    thread_local std::vector<Laid> laid;
+    laid.clear();
+    std::array<double, 3> rgb{};
+    OverLens free{.mean = 1, .tilt = {}};
+    double total = 0;
+    for (const Fragment& f : fragments) {
+        const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
+        // What moves along hides nothing of what the pinhole sees.
+        OverLens open = free;
+        open.add(moving_along(laid, radius_px), 1);
+        Arrived light;
+        light.add(f.seen, 1, open);
+        if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
+        // No more than is free, and no less than cannot be covered.
+        const double least =
+            std::min(f.seen.alpha + f.hidden.alpha, 1.0) - std::max(1 - free.mean, f.covered);
+        const double got = light.alpha > 0 ? std::clamp(light.alpha, std::max(least, 0.0), free.mean) : 0;
+        const double limit = light.alpha > 0 ? got / light.alpha : 0;
+        for (std::size_t c = 0; c < 3; ++c) rgb[c] += limit * light.rgb[c];
+        total += got;
+        const OverLens cover{got, light.lens};
+        laid.push_back({radius_px, cover});
+        free.add(cover, -1);
+        if (free.mean < opaque) break;
+        // No part of the disc has a greater moment: a half of it 0.21, a small part at the rim its own size.
+        const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
+        if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
+    }
+    if (!(total > 0)) return {};
+    for (double& channel : rgb) channel /= total;
+    return rgb;
+}
+
+}  // namespace postlens
