@@ -7,7 +7,9 @@
 #include "core/error.h"
 #include "core/threads.h"
 #include "motionblur/paths_file.h"
+#include "records/sample_file.h"
 #include "tests/motion_frame.h"
+#include "tests/temporary_folder.h"
 #include "tracer/eye_rays.h"
 #include "tracer/render.h"
 
@@ -201,6 +203,80 @@ TEST(Shoot, LensAndShutterAtOnceAreWhatRaysSee) {
     still.shutter.reset();
     still.motion = nullptr;
     EXPECT_LT(psnr(hybrid_picture(shot.frame.file(), still).focus.image, truth), 30);
+}
+
+/// The frame's corners as they lie, with the colours of a picture: what blurring a blurred picture starts
+/// from.
+class Recoloured {
+  public:
+    Recoloured(const SampleFileReader& file, const Image& image) {
+        SampleHeader h = file.header();
+        h.subdivide_levels = 0;
+        h.has_layers = h.has_w = h.has_bend = false;
+        h.overscan_px = 0;
+        h.key_times_s.clear();
+        RecordBand from, to;
+        file.read(0, h.height + 1, from);
+        to.x_end = h.width + 1;
+        to.y_end = h.height + 1;
+        for (int y = 0; y <= h.height; ++y) {
+            for (int x = 0; x <= h.width; ++x) {
+                Record r = from.records[from.offsets[from.pixel(x, y)]];
+                r.r = mean(image, x, y, 0);
+                r.g = mean(image, x, y, 1);
+                r.b = mean(image, x, y, 2);
+                to.records.push_back(r);
+                to.offsets.push_back(static_cast<std::uint32_t>(to.records.size()));
+            }
+        }
+        SampleFileWriter writer(folder_.path() / "recoloured.exr", h, RecordCompression::none);
+        writer.write(to);
+        writer.finish();
+        file_ = std::make_unique<SampleFileReader>(folder_.path() / "recoloured.exr");
+    }
+    [[nodiscard]] const SampleFileReader& file() const { return *file_; }
+
+  private:
+    /// Of the pixels around a corner.
+    static float mean(const Image& image, int x, int y, std::size_t channel) {
+        float sum = 0;
+        for (int k = 0; k < 4; ++k) {
+            sum += image.pixel(std::clamp(x - (k & 1), 0, image.width - 1),
+                               std::clamp(y - (k >> 1), 0, image.height - 1))[channel];
+        }
+        return sum / 4;
+    }
+    TemporaryFolder folder_;
+    std::unique_ptr<SampleFileReader> file_;
+};
+
+// A post passes before a far, defocused wall: each instant uncovers another part of it to other points of the
+// lens. A picture that is blurred already has lost that.
+TEST(Shoot, BlurringTwiceIsWrongInEitherOrder) {
+    SceneBuilder b = bar_and_wall();
+    b.scene.objects[0].keys = from_to({0.5, 0, 0});
+    TraceSettings trace = traced(true);
+    trace.for_shutter = TimeSpan{0, 1};
+    const Shot shot(b, trace);
+    const SampleFileReader& file = shot.frame.file();
+    const HybridSettings s = shot.settings(1, 512);
+    const Image truth = rays(b.scene, s);
+    const double at_once = psnr(hybrid_picture(file, s).focus.image, truth);
+
+    const MotionBlurSettings moved{.exposure = {0, 1}, .method = MotionMethod::lightfield};
+    FocusSettings f = s.focus;
+    f.method = FocusMethod::layers;
+    const Recoloured shutter_first(file, motion_blur(file, moved).image);
+    const double then_lens = psnr(focus_picture(shutter_first.file(), f).image, truth);
+    f.method = FocusMethod::lightfield;
+    const Recoloured lens_first(file, focus_picture(file, f).image);
+    const double then_shutter = psnr(motion_blur(lens_first.file(), moved).image, truth);
+    RecordProperty("at_once_db", std::to_string(at_once));
+    RecordProperty("shutter_then_lens_db", std::to_string(then_lens));
+    RecordProperty("lens_then_shutter_db", std::to_string(then_shutter));
+    EXPECT_GT(at_once, 40);
+    EXPECT_LT(then_lens, at_once - 10);
+    EXPECT_LT(then_shutter, at_once - 10);
 }
 
 TEST(Shoot, KeysCarryWhatTurns) {
