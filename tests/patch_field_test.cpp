@@ -1,0 +1,218 @@
+// Sheets, patches and the mean of views of them: what sheets cover, and the fast drawing against a slow one.
+#include "reproject/patch_field.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+
+#include "core/threads.h"
+#include "records/quadtree.h"
+#include "reproject/patch_raster.h"
+#include "tests/random_records.h"
+#include "tests/temporary_folder.h"
+
+namespace postlens::test {
+namespace {
+
+constexpr int width = 40, height = 30, overscan = 3;
+
+/// A file of random quadtrees, each of whose records `change` may alter, as sheets.
+struct MadeSheets {
+    template <typename Change>
+    MadeSheets(const RandomOptions& options, const Change& change, std::uint32_t seed = 3) {
+        std::mt19937 random(seed);
+        SampleHeader h = full_header(width, height, overscan, options);
+        h.film_distance_mm = 50;
+        h.pixel_pitch_mm = 36.0 / width;
+        band = random_frame(random, h, options);
+        for (Record& r : band.records) {
+            if (!options.has_w) r.path = NodePath();
+            change(r);
+            if (r.path.bits() == 0) r.w = Mat2::isotropic(1 / r.z);
+        }
+        const std::filesystem::path path = folder.path() / "made.exr";
+        SampleFileWriter writer(path, h, RecordCompression::none);
+        writer.write(band);
+        writer.finish();
+        file = std::make_unique<SampleFileReader>(path);
+        sheets = tree_sheets(*file, 0, {});
+    }
+    TemporaryFolder folder;
+    RecordBand band;
+    std::unique_ptr<SampleFileReader> file;
+    TreeSheets sheets;
+};
+
+/// The texel at a place of a cell, (x, y) in [0, 1) px; none where the sheet has nothing there.
+std::uint32_t texel_at(const SheetMesh& mesh, std::uint32_t node, double x, double y) {
+    while (node != SheetNode::none && (node & SheetNode::leaf) == 0) {
+        x *= 2;
+        y *= 2;
+        const bool right = x >= 1, down = y >= 1;
+        node = mesh.nodes[node + (right ? 1U : 0U) + (down ? 2U : 0U)];
+        if (right) x -= 1;
+        if (down) y -= 1;
+    }
+    return node == SheetNode::none ? SeenTile::no_texel : node & ~SheetNode::leaf;
+}
+
+// Of layer 0 every place of every pixel belongs to one sheet, and its means are the traced picture.
+TEST(Sheets, CoverEveryPixelOnceWithThePinholesColours) {
+    const MadeSheets f({.levels = 3}, [](Record& r) { r.id %= 4; });
+    const SheetMesh& mesh = f.sheets.primary;
+    const Image picture = f.file->picture();
+    constexpr int steps = 32;  // finer than the quarters of the finest leaves, 1/16 px
+    std::vector<std::array<double, 4>> sum(static_cast<std::size_t>(width) * height);
+    for (const Sheet& s : mesh.sheets) {
+        for (int j = 0; j < s.height; ++j) {
+            for (int i = 0; i < s.width; ++i) {
+                const int x = s.x + i, y = s.y + j;
+                if (x < 0 || y < 0 || x >= width || y >= height) continue;
+                const std::uint32_t root =
+                    mesh.fine[s.first_cell + static_cast<std::size_t>(j * s.width + i)];
+                for (int k = 0; k < steps * steps; ++k) {
+                    const std::uint32_t t =
+                        texel_at(mesh, root, (k % steps + 0.5) / steps, (k / steps + 0.5) / steps);
+                    if (t == SeenTile::no_texel) continue;
+                    auto& to = sum[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
+                    to[0] += static_cast<double>(mesh.texels[t].r) / (steps * steps);
+                    to[1] += static_cast<double>(mesh.texels[t].g) / (steps * steps);
+                    to[2] += static_cast<double>(mesh.texels[t].b) / (steps * steps);
+                    to[3] += 1.0 / (steps * steps);
+                }
+            }
+        }
+    }
+    for (std::size_t k = 0; k < sum.size(); ++k) {
+        EXPECT_NEAR(sum[k][3], 1, 1e-9) << k;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto expected = static_cast<double>(picture.rgb[3 * k + c]);
+            EXPECT_NEAR(sum[k][c], expected, 1e-5 * std::max(1.0, std::abs(expected))) << k;
+        }
+    }
+}
+
+/// Patches drawn one after the other and pixel by pixel, in double.
+void draw_slowly(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const glm::dvec2& sample,
+                 std::vector<double>& z, std::vector<std::uint32_t>& texel) {
+    if (glm::determinant(place.move) <= 0) return;
+    const SheetMesh& sheets = *mesh.sheets;
+    const Sheet& s = mesh.sheet(patch);
+    const glm::dmat2 back = glm::inverse(place.move);
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const glm::dvec2 p = back * (glm::dvec2(x, y) + sample - place.from);
+            if (p.x < 0 || p.y < 0 || p.x >= patch.width || p.y >= patch.height) continue;
+            const int i = static_cast<int>(p.x), j = static_cast<int>(p.y);
+            const std::size_t cell =
+                s.first_cell + static_cast<std::size_t>((patch.y + j) * s.width + patch.x + i);
+            const std::uint32_t t =
+                texel_at(sheets, (patch.coarse ? sheets.coarse : sheets.fine)[cell], p.x - i, p.y - j);
+            const double depth =
+                std::max(0.0, place.inverse_z.x + place.inverse_z.y * p.x + place.inverse_z.z * p.y);
+            const std::size_t k = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+            if (t == SeenTile::no_texel || depth <= z[k]) continue;
+            z[k] = depth;
+            texel[k] = t;
+        }
+    }
+}
+
+// But for what lies within the overlap of patches, 0.02 px, of a border: where each cell is a patch of its
+// own that is 8 % of its area.
+TEST(Patches, FastDrawingIsWhatSlowDrawingGives) {
+    for (const double radius_px : {1.0, 9.0}) {
+        const MadeSheets f({.levels = 3, .has_layers = true}, [](Record& r) {
+            r.id %= 3;
+            r.z = 1.5F + 0.4F * static_cast<float>(r.id) + 0.3F * static_cast<float>(r.layer) + 0.004F * r.x;
+        });
+        const PatchLens lens{radius_px, 0.3};
+        const PatchMesh mesh = cut_patches(f.sheets.primary, lens);
+        ASSERT_FALSE(mesh.patches.empty());
+        std::size_t different = 0, seen = 0;
+        for (const glm::dvec2 q : {glm::dvec2(0.7, 0.2), glm::dvec2(-0.3, -0.9), glm::dvec2(0)}) {
+            const LensShift shift{radius_px * q, lens.inverse_focus_per_m, {}};
+            const glm::dvec2 sample(0.371, 0.611);
+            SeenTile fast;
+            fast.clear();
+            std::vector<double> z(static_cast<std::size_t>(width) * height, -1);
+            std::vector<std::uint32_t> texel(z.size(), SeenTile::no_texel);
+            for (const Patch& p : mesh.patches) {
+                PatchPlace place;
+                ASSERT_TRUE(place_patch(mesh, p, {}, shift, place));
+                draw_patch(mesh, p, place, {0, 0, width, height, sample}, fast);
+                draw_slowly(mesh, p, place, sample, z, texel);
+            }
+            for (int y = 0; y < height; ++y) {
+                for (int x = 0; x < width; ++x) {
+                    const std::size_t k = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x),
+                                      t = static_cast<std::size_t>(y) * SeenTile::edge +
+                                          static_cast<std::size_t>(x);
+                    seen += texel[k] != SeenTile::no_texel ? 1 : 0;
+                    different += fast.texel[t] != texel[k] ? 1 : 0;
+                }
+            }
+        }
+        EXPECT_GT(seen, 3 * width * height / 2);
+        EXPECT_LT(static_cast<double>(different) / static_cast<double>(seen), 0.08) << radius_px;
+    }
+}
+
+// A plane of 1/z' moves as the lens says, exactly: no patch needs to be smaller than its square.
+TEST(Patches, APlaneIsCutNoFurtherThanSquares) {
+    const MadeSheets f({.levels = 1}, [](Record& r) {
+        r.id = 5;
+        r.z = 1 / (0.5F + 0.002F * r.x - 0.001F * r.y);
+    });
+    const PatchMesh mesh = cut_patches(f.sheets.primary, {20, 0.1});
+    EXPECT_EQ(mesh.patches.size(), f.sheets.primary.sheets.size());
+    const LensShift shift{{14, -9}, 0.1, {0.5, 0.25}};
+    for (const Patch& p : mesh.patches) {
+        PatchPlace place;
+        ASSERT_TRUE(place_patch(mesh, p, {}, shift, place));
+        for (const glm::dvec2 at : {glm::dvec2(0, 0), glm::dvec2(p.width, p.height)}) {
+            const glm::dvec2 from = mesh.corner(p) + at;
+            const double inverse_z = 0.5 + 0.002 * from.x - 0.001 * from.y;
+            const glm::dvec2 expected = from + (0.1 - inverse_z) * shift.lens_px + shift.offset_px,
+                             got = place.from + place.move * at;
+            EXPECT_NEAR(got.x, expected.x, 0.01);
+            EXPECT_NEAR(got.y, expected.y, 0.01);
+        }
+    }
+}
+
+TEST(PatchField, AMotionAndItsLensAreOneMap) {
+    const MadeSheets f({.levels = 1}, [](Record& r) {
+        r.id = 5;
+        r.z = 2;
+    });
+    const PatchMesh mesh = cut_patches(f.sheets.primary, {10, 0.1});
+    glm::dmat4 m(0.5);  // 3 px to the right, at half the depth
+    m[2][0] = 1.5;
+    m[3][3] = 1;
+    const LensShift shift{{8, 0}, 0.1, {}};
+    for (const Patch& p : mesh.patches) {
+        PatchPlace place;
+        ASSERT_TRUE(place_patch(mesh, p, RasterMap(m, Projection::perspective), shift, place));
+        EXPECT_NEAR(place.from.x, mesh.corner(p).x + 3 + (0.1 - 1.0) * 8, 1e-4);
+        EXPECT_NEAR(place.inverse_z.x, 1, 1e-6);
+    }
+}
+
+TEST(PatchField, WhatIsNotWantedStaysUnknown) {
+    const MadeSheets f({.levels = 1}, [](Record& r) { r.id = 5; });
+    const PatchMesh mesh = cut_patches(f.sheets.primary, {1, 0.1});
+    PatchField field;
+    field.instants = {{&mesh, nullptr}};
+    field.width = width;
+    field.height = height;
+    PatchView v;
+    v.uses = {{0, 1, {}}};
+    field.views = {v};
+    field.wanted = [](int, int, int, int) { return false; };
+    const PatchPicture p = patch_field(field);
+    for (const float u : p.unknown) EXPECT_EQ(u, 1);
+}
+
+}  // namespace
+}  // namespace postlens::test
