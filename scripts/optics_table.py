@@ -3,10 +3,11 @@
 
     optics_table.py PROGRAM OUT [--size WxH] [--spp N] [--views M] [--threads N] [SCENE ...]
 
-PROGRAM is the postlens program (build/release/apps/postlens); OUT gets optics.md, the pictures and the cuts. Scenes are those of
-samples/scenes/optics at f/1.4, each focused on the mirror or the glass and on what it shows. The reference has two independent
-halves of N / 2 samples a pixel each; errors are those above its noise, "inside" in a window well inside the mirror or the glass.
-A reference or a sample file that OUT already has is used again.
+PROGRAM is the postlens program (build/release/apps/postlens); OUT gets optics.md, refocus.png, the pictures and the cuts.
+Scenes are those of samples/scenes/optics at f/1.4, each focused on the mirror or the glass and on what it shows. The reference
+has two independent halves of N / 2 samples a pixel each; errors are those above its noise, "inside" in a window well inside the
+mirror or the glass. A reference or a sample file that OUT already has is used again. Needs oiiotool (Debian:
+openimageio-tools).
 """
 
 import argparse
@@ -21,7 +22,7 @@ SCENES = os.path.join(HERE, "..", "samples", "scenes", "optics")
 # the outline, 4 % of the frame's width, so that nothing in them is seen past it by any point of the lens.
 CASES = {
     "flat_mirror": ([1.2, 5.4], (0.22, 0.22, 0.78, 0.78)),
-    "convex_mirror": ([1.1, 1.33], (0.25, 0.15, 0.75, 0.85)),
+    "convex_mirror": ([1.1, 1.33], (0.32, 0.18, 0.68, 0.82)),
     "concave_mirror": ([1.5, 13.5], (0.36, 0.25, 0.64, 0.75)),
     "glass_ball": ([1.2, 0.95], (0.36, 0.25, 0.64, 0.75)),
     "thick_slab": ([0.7, 3.7], (0.45, 0.15, 0.90, 0.85)),
@@ -96,6 +97,20 @@ class Case:
         return f"| {self.scene} | {self.focus_m} | {' | '.join(cells)} | {noise} | {100 * nonlinear:.1f} |"
 
 
+def picture(options):
+    """OUT/refocus.png: a flat mirror and a glass ball, focused on what they show, by four methods from left to right."""
+    height = int(options.size.split("x")[1])
+    side, parts = height * 3 // 4, []
+    for scene, focus_m, left in [("flat_mirror", 5.4, height * 17 // 20), ("glass_ball", 0.95, height // 2)]:
+        for name, label in [("first-hit", "first hit"), ("path", "path's length"), ("lightfield", "W"), ("rays", "rays")]:
+            parts.append(os.path.join(options.out, f"{scene}.{focus_m}m.{name}.exr"))
+            if not os.path.exists(parts[-1]):
+                return
+            parts += ["--cut", f"{side}x{side}+{left}+{height // 8}", "--colorconvert", "linear", "sRGB",
+                      f"--text:x={side // 2}:y=4:xalign=center:yalign=top:size={side // 11}:shadow=2", label]
+    run("oiiotool", *parts, "--mosaic:pad=4", "4x2", "-d", "uint8", "-o", os.path.join(options.out, "refocus.png"))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
@@ -119,6 +134,7 @@ def main():
             print(lines[-1], flush=True)
     with open(os.path.join(options.out, "optics.md"), "w", encoding="utf-8") as f:
         f.write("\n".join(lines) + "\n")
+    picture(options)
 
 
 if __name__ == "__main__":
