@@ -26,7 +26,7 @@ CASES = {
     "concave_mirror": ([1.5, 13.5], (0.36, 0.25, 0.64, 0.75)),
     "glass_ball": ([1.2, 0.95], (0.36, 0.25, 0.64, 0.75)),
     "thick_slab": ([0.7, 3.7], (0.45, 0.15, 0.90, 0.85)),
-    "mirror_in_mirror": ([1.2, 6.6], (0.38, 0.38, 0.62, 0.62)),
+    "mirror_in_mirror": ([1.2, 6.8], (0.38, 0.38, 0.62, 0.62)),
 }
 METHODS = {
     "first-hit": ["--method", "scatter", "--depth-model", "first-hit"],
