@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """What mirrors and glass show, by every method and depth model against distributed rays: the table of docs/refocus.md.
 
-    optics_table.py PROGRAM OUT [--size WxH] [--spp N] [--views M] [--threads N] [SCENE ...]
+    optics_table.py PROGRAM OUT [--size WxH] [--spp N] [--views M] [--methods NAME,...] [--threads N] [SCENE ...]
 
 PROGRAM is the postlens program (build/release/apps/postlens); OUT gets optics.md, refocus.png, the pictures and the cuts.
 Scenes are those of samples/scenes/optics at f/1.4, each focused on the mirror or the glass and on what it shows. The reference
 has two independent halves of N / 2 samples a pixel each; errors are those above its noise, "inside" in a window well inside the
-mirror or the glass. A reference or a sample file that OUT already has is used again. Needs oiiotool (Debian:
+mirror or the glass. What OUT already has is used again, also by a run that asks for fewer methods. Needs oiiotool (Debian:
 openimageio-tools).
 """
 
@@ -75,6 +75,20 @@ class Case:
             self.postlens("trace", self.file, "-o", self.out(".frame.exr"), "--size", self.options.size, "--overscan", "auto",
                           "--for-f-number", "1.4", "--for-focus", str(self.focus_m), "--subdivide", "4")
 
+    def focus(self, name):
+        """The picture by a method; the warnings, or nothing where the method is not asked for and was not before."""
+        told = self.out(f".{name}.json")
+        if not os.path.exists(told):
+            if name not in self.options.methods:
+                return None
+            views = ["--views", str(self.options.views)] if name == "lightfield" else []
+            result = self.postlens("focus", self.out(".frame.exr"), "-o", self.out(f".{name}.exr"), "--f-number", "1.4", "--focus",
+                                   str(self.focus_m), *METHODS[name], *views)
+            with open(told, "w", encoding="utf-8") as f:
+                json.dump(result, f)
+        with open(told, encoding="utf-8") as f:
+            return json.load(f)["warnings"]
+
     def decibels(self, name, ending):
         """PSNR above the reference's noise, dB."""
         c = self.postlens("compare", self.out(f".{name}{ending}"), self.out(f".rays.a{ending}"), "--noise",
@@ -85,12 +99,12 @@ class Case:
     def row(self):
         self.prepare()
         cells, nonlinear, self.noise = [], 0, {}
-        for name, arguments in METHODS.items():
-            views = ["--views", str(self.options.views)] if name == "lightfield" else []
-            r = self.postlens("focus", self.out(".frame.exr"), "-o", self.out(f".{name}.exr"), "--f-number", "1.4", "--focus",
-                              str(self.focus_m), *arguments, *views)
-            if name == "lightfield":
-                nonlinear = sum(w.get("share", 0) for w in r["warnings"] if w["code"] == "nonlinear")
+        for name in METHODS:
+            warnings = self.focus(name)
+            if warnings is None:
+                cells.append("–")
+                continue
+            nonlinear = max([nonlinear] + [w["share"] for w in warnings if w["code"] == "nonlinear"])
             self.cut("." + name)
             cells.append(f"{self.decibels(name, '.inside.exr')} / {self.decibels(name, '.exr')}")
         noise = f"{self.noise['.inside.exr']:.1f} / {self.noise['.exr']:.1f}"
@@ -119,8 +133,12 @@ def main():
     parser.add_argument("--size", default="480x270", help="px")
     parser.add_argument("--spp", type=int, default=256, help="of both halves of the reference together")
     parser.add_argument("--views", type=int, default=256)
+    parser.add_argument("--methods", type=lambda text: text.split(","), default=list(METHODS), help=",".join(METHODS))
     parser.add_argument("--threads", type=int, default=0, help="0: all the machine has")
     options = parser.parse_intermixed_args()
+    for name in options.methods:
+        if name not in METHODS:
+            sys.exit(f"optics_table.py: no such method (got {name}; expected one of {', '.join(METHODS)})")
     options.program = os.path.abspath(options.program)
     os.makedirs(options.out, exist_ok=True)
     lines = [f"| scene | focus, m | {' | '.join(HEADS)} | halves of the rays | W.bend > 0.5 px, % |",
