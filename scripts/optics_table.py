@@ -116,12 +116,11 @@ def picture(options):
     height = int(options.size.split("x")[1])
     side, parts = height * 3 // 4, []
     for scene, focus_m, left in [("flat_mirror", 5.4, height * 17 // 20), ("glass_ball", 0.95, height // 2)]:
-        for name, label in [("first-hit", "first hit"), ("path", "path's length"), ("lightfield", "W"), ("rays", "rays")]:
+        for name in ["first-hit", "path", "lightfield", "rays"]:
             parts.append(os.path.join(options.out, f"{scene}.{focus_m}m.{name}.exr"))
             if not os.path.exists(parts[-1]):
                 return
-            parts += ["--cut", f"{side}x{side}+{left}+{height // 8}", "--colorconvert", "linear", "sRGB",
-                      f"--text:x={side // 2}:y=4:xalign=center:yalign=top:size={side // 11}:shadow=2", label]
+            parts += ["--cut", f"{side}x{side}+{left}+{height // 8}", "--colorconvert", "linear", "sRGB"]
     run("oiiotool", *parts, "--mosaic:pad=4", "4x2", "-d", "uint8", "-o", os.path.join(options.out, "refocus.png"))
 
 
