@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""What mirrors and glass show, by every method and depth model against distributed rays: the table of docs/refocus.md.
+
+    optics_table.py PROGRAM OUT [--size WxH] [--spp N] [--views M] [--methods NAME,...] [--threads N] [SCENE ...]
+
+PROGRAM is the postlens program (build/release/apps/postlens); OUT gets optics.md, refocus.png, the pictures and the cuts.
+Scenes are those of samples/scenes/optics at f/1.4, each focused on the mirror or the glass and on what it shows. The reference
+has two independent halves of N / 2 samples a pixel each; errors are those above its noise, "inside" in a window well inside the
+mirror or the glass. What OUT already has is used again, also by a run that asks for fewer methods. Needs oiiotool (Debian:
+openimageio-tools).
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SCENES = os.path.join(HERE, "..", "samples", "scenes", "optics")
+# Focus distances, m, and the window as left, top, right, bottom in shares of the frame. Windows keep half the largest CoC off
+# the outline, 4 % of the frame's width, so that nothing in them is seen past it by any point of the lens.
+CASES = {
+    "flat_mirror": ([1.2, 5.4], (0.22, 0.22, 0.78, 0.78)),
+    "convex_mirror": ([1.1, 1.33], (0.32, 0.18, 0.68, 0.82)),
+    "concave_mirror": ([1.5, 13.5], (0.36, 0.25, 0.64, 0.75)),
+    "glass_ball": ([1.2, 0.95], (0.36, 0.25, 0.64, 0.75)),
+    "thick_slab": ([0.7, 3.7], (0.45, 0.15, 0.90, 0.85)),
+    "mirror_in_mirror": ([1.2, 6.8], (0.38, 0.38, 0.62, 0.62)),
+}
+METHODS = {
+    "first-hit": ["--method", "scatter", "--depth-model", "first-hit"],
+    "path": ["--method", "scatter", "--depth-model", "path"],
+    "scatter": ["--method", "scatter", "--depth-model", "W"],
+    "layers": ["--method", "layers"],
+    "lightfield": ["--method", "lightfield"],
+}
+HEADS = ["scatter, first hit", "scatter, path", "scatter, W", "layers, W", "light field, W"]
+
+
+def run(*arguments):
+    result = subprocess.run(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+    if result.returncode != 0:
+        sys.exit(f"optics_table.py: failed with {result.returncode}: {' '.join(arguments)}\n{result.stderr.decode()}")
+    return json.loads(result.stdout) if "--json" in arguments else None
+
+
+class Case:
+    """One scene at one focus distance."""
+
+    def __init__(self, options, scene, focus_m):
+        self.options, self.scene, self.focus_m = options, scene, focus_m
+        self.file = os.path.join(SCENES, scene + ".toml")
+        width, height = (int(n) for n in options.size.split("x"))
+        left, top, right, bottom = CASES[scene][1]
+        x, y = round(left * width), round(top * height)
+        self.window = f"{round(right * width) - x}x{round(bottom * height) - y}+{x}+{y}"
+
+    def out(self, suffix):
+        return os.path.join(self.options.out, f"{self.scene}.{self.focus_m}m{suffix}")
+
+    def postlens(self, *arguments):
+        return run(self.options.program, *arguments, "--threads", str(self.options.threads), "--json")
+
+    def cut(self, suffix):
+        run("oiiotool", self.out(suffix + ".exr"), "--cut", self.window, "-o", self.out(suffix + ".inside.exr"))
+
+    def prepare(self):
+        if not os.path.exists(self.out(".rays.b.exr")):
+            self.postlens("render", self.file, "-o", self.out(".rays.exr"), "--size", self.options.size, "--spp",
+                          str(self.options.spp), "--halves", "--f-number", "1.4", "--focus", str(self.focus_m), "--seed", "1")
+        for half in [".rays.a", ".rays.b"]:
+            self.cut(half)
+        if not os.path.exists(self.out(".frame.exr")):
+            self.postlens("trace", self.file, "-o", self.out(".frame.exr"), "--size", self.options.size, "--overscan", "auto",
+                          "--for-f-number", "1.4", "--for-focus", str(self.focus_m), "--subdivide", "4")
+
+    def focus(self, name):
+        """The picture by a method; the warnings, or nothing where the method is not asked for and was not before."""
+        told = self.out(f".{name}.json")
+        if not os.path.exists(told):
+            if name not in self.options.methods:
+                return None
+            views = ["--views", str(self.options.views)] if name == "lightfield" else []
+            result = self.postlens("focus", self.out(".frame.exr"), "-o", self.out(f".{name}.exr"), "--f-number", "1.4", "--focus",
+                                   str(self.focus_m), *METHODS[name], *views)
+            with open(told, "w", encoding="utf-8") as f:
+                json.dump(result, f)
+        with open(told, encoding="utf-8") as f:
+            return json.load(f)["warnings"]
+
+    def decibels(self, name, ending):
+        """PSNR above the reference's noise, dB."""
+        c = self.postlens("compare", self.out(f".{name}{ending}"), self.out(f".rays.a{ending}"), "--noise",
+                          self.out(f".rays.b{ending}"))
+        self.noise[ending] = c["noise_psnr_db"]
+        return ("≥ " if c["psnr_above_noise_is_bound"] else "") + f"{c['psnr_above_noise_db']:.1f}"
+
+    def row(self):
+        self.prepare()
+        cells, nonlinear, self.noise = [], 0, {}
+        for name in METHODS:
+            warnings = self.focus(name)
+            if warnings is None:
+                cells.append("–")
+                continue
+            nonlinear = max([nonlinear] + [w["share"] for w in warnings if w["code"] == "nonlinear"])
+            self.cut("." + name)
+            cells.append(f"{self.decibels(name, '.inside.exr')} / {self.decibels(name, '.exr')}")
+        noise = f"{self.noise['.inside.exr']:.1f} / {self.noise['.exr']:.1f}"
+        return f"| {self.scene} | {self.focus_m} | {' | '.join(cells)} | {noise} | {100 * nonlinear:.1f} |"
+
+
+def picture(options):
+    """OUT/refocus.png: a flat mirror and a glass ball, focused on what they show, by four methods from left to right."""
+    height = int(options.size.split("x")[1])
+    side, parts = height * 3 // 4, []
+    for scene, focus_m, left in [("flat_mirror", 5.4, height * 17 // 20), ("glass_ball", 0.95, height // 2)]:
+        for name in ["first-hit", "path", "lightfield", "rays"]:
+            parts.append(os.path.join(options.out, f"{scene}.{focus_m}m.{name}.exr"))
+            if not os.path.exists(parts[-1]):
+                return
+            parts += ["--cut", f"{side}x{side}+{left}+{height // 8}", "--colorconvert", "linear", "sRGB"]
+    run("oiiotool", *parts, "--mosaic:pad=4", "4x2", "-d", "uint8", "-o", os.path.join(options.out, "refocus.png"))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("program")
+    parser.add_argument("out")
+    parser.add_argument("scenes", nargs="*")
+    parser.add_argument("--size", default="480x270", help="px")
+    parser.add_argument("--spp", type=int, default=256, help="of both halves of the reference together")
+    parser.add_argument("--views", type=int, default=256)
+    parser.add_argument("--methods", type=lambda text: text.split(","), default=list(METHODS), help=",".join(METHODS))
+    parser.add_argument("--threads", type=int, default=0, help="0: all the machine has")
+    options = parser.parse_intermixed_args()
+    for name in options.methods:
+        if name not in METHODS:
+            sys.exit(f"optics_table.py: no such method (got {name}; expected one of {', '.join(METHODS)})")
+    options.program = os.path.abspath(options.program)
+    os.makedirs(options.out, exist_ok=True)
+    lines = [f"| scene | focus, m | {' | '.join(HEADS)} | halves of the rays | W.bend > 0.5 px, % |",
+             "|---|---|" + "---|" * (len(HEADS) + 2)]
+    print("\n".join(lines), flush=True)
+    for scene in options.scenes or CASES:
+        if scene not in CASES:
+            sys.exit(f"optics_table.py: no such scene (got {scene}; expected one of {', '.join(CASES)})")
+        for focus_m in CASES[scene][0]:
+            lines.append(Case(options, scene, focus_m).row())
+            print(lines[-1], flush=True)
+    with open(os.path.join(options.out, "optics.md"), "w", encoding="utf-8") as f:
+        f.write("\n".join(lines) + "\n")
+    picture(options)
+
+
+if __name__ == "__main__":
+    main()
