@@ -113,17 +113,7 @@ FocusResult spread(const SampleFileReader& file, const FocusSettings& settings, 
 
 FocusResult seen_from_lens(const SampleFileReader& file, const FocusSettings& settings,
                            const FocusGeometry& geometry, const RasterWindow& window) {
-    if (settings.impulse.kind == ImpulseKind::diffraction || settings.impulse.kind == ImpulseKind::lens) {
-        check_impulse(settings.impulse);
-        fail(ExitCode::wrong_arguments,
-             "--impulse: lightfield looks from points of a thin lens, and {} (got {}; expected disc, polygon "
-             "or "
-             "image, or another method)",
-             settings.impulse.kind == ImpulseKind::lens
-                 ? "a real lens has others for every place of the field"
-                 : "waves have none",
-             impulse_text(settings.impulse));
-    }
+    check_has_points(settings.impulse);
     if (settings.depth_model != DepthModel::ray_differentials) {
         fail(ExitCode::wrong_arguments,
              "--depth-model: lightfield knows what is seen in mirrors by W (expected W, or another method)");

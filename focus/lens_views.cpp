@@ -14,6 +14,18 @@ double fraction(double v) {
 
 }  // namespace
 
+void check_has_points(const Impulse& impulse) {
+    check_impulse(impulse);
+    if (impulse.kind != ImpulseKind::diffraction && impulse.kind != ImpulseKind::lens) return;
+    fail(ExitCode::wrong_arguments,
+         "--impulse: lightfield, hybrid and shoot look from points of a thin lens, and {} (got {}; expected "
+         "disc, polygon "
+         "or image, or another method)",
+         impulse.kind == ImpulseKind::lens ? "a real lens has others for every place of the field"
+                                           : "waves have none",
+         impulse_text(impulse));
+}
+
 std::vector<LensViewPoint> lens_view_points(const Aperture& aperture, const FocusGeometry& geometry,
                                             int views) {
     if (views < 1 || views > most_lens_views) {

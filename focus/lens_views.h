@@ -20,6 +20,9 @@ struct LensViewPoint {
     LensShift shift;
 };
 
+/// Throws Error(wrong_arguments) for impulse responses that no aperture of a thin lens has.
+void check_has_points(const Impulse& impulse);
+
 /// `views` points of the aperture, as even as its light, each with its place in the pixel: together a
 /// low-discrepancy set of four dimensions, the lens's part of which is a Vogel spiral [vogel1979] for a disc
 /// and a lattice along the golden ratio for other apertures. Throws Error(wrong_arguments) for a number

@@ -130,6 +130,7 @@ HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& 
         fail(ExitCode::wrong_arguments,
              "--framing: hybrid and shoot keep the framing of the trace (expected keep)");
     }
+    check_has_points(focus.impulse);
     if (settings.scene != nullptr) check_scene(h, *settings.scene);
     const FocusGeometry geometry = focus_geometry(focus.lens, focus.focus_distance_m, Framing::keep,
                                                   {h.film_distance_mm, h.pixel_pitch_mm});

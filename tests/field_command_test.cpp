@@ -1,0 +1,115 @@
+// `focus --method lightfield|hybrid` and `shoot` as people type them: what they print, write and refuse.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "records/image.h"
+#include "tests/command_test.h"
+
+namespace postlens::test {
+namespace {
+
+using nlohmann::json;
+using Words = std::vector<std::string>;
+
+constexpr const char* scene_text =
+    "[scene]\nambient_light = 0\n[[camera]]\nfocal_length_mm = 50\nf_number = 0.7\nfocus_m = 8\nexposure_s = "
+    "1\n"
+    "[[material]]\nname = \"m\"\nambient = 0\ndiffuse = 0\nemission = 0.8\n"
+    "[[material]]\nname = \"w\"\nambient = 0\ndiffuse = 0\nemission = 0.2\n"
+    "[[object]]\nname = \"wall\"\nshape = \"rectangle\"\nmaterial = \"w\"\ncorner_m = [-9, -9, -8]\n"
+    "edge_u_m = [18, 0, 0]\nedge_v_m = [0, 18, 0]\n"
+    "[[object]]\nname = \"plate\"\nshape = \"rectangle\"\nmaterial = \"m\"\ncorner_m = [-0.1, -0.1, -1]\n"
+    "edge_u_m = [0.1, 0, 0]\nedge_v_m = [0, 0.2, 0]\n"
+    "keys = [{ time_s = 0, translate_m = [0, 0, 0] }, { time_s = 1, translate_m = [0.2, 0, 0] }]\n";
+
+class FieldCommand : public CommandTest {
+  protected:
+    void SetUp() override {
+        std::ofstream(in("scene.toml")) << scene_text;
+        ASSERT_EQ(
+            run({"trace", in("scene.toml"), "-o", in("frame.exr"), "--size", "64x36", "--overscan", "16"})
+                .exit_code,
+            0);
+    }
+    Outcome focus(const Words& options) {
+        Words words{"focus", in("frame.exr"), "-o", in("out.exr"), "--json"};
+        words.insert(words.end(), options.begin(), options.end());
+        return run(words);
+    }
+    Outcome shoot(const Words& options) {
+        Words words{"shoot", in("frame.exr"), "-o", in("out.exr"), "--json"};
+        words.insert(words.end(), options.begin(), options.end());
+        return run(words);
+    }
+};
+
+TEST_F(FieldCommand, LightFieldSaysItsViewsAndWhatWasNotRecorded) {
+    const Outcome r = focus({"--method", "lightfield", "--views", "32"});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const json j = json::parse(r.out);
+    EXPECT_EQ(j["method"], "lightfield");
+    EXPECT_EQ(j["views"], 32);
+    ASSERT_EQ(j["warnings"].size(), 1);
+    EXPECT_EQ(j["warnings"][0]["code"], "uncovered");
+    EXPECT_EQ(focus({"--method", "lightfield", "--strict"}).exit_code, 6);
+    EXPECT_EQ(read_image(in("out.exr")).width, 64);
+}
+
+TEST_F(FieldCommand, HybridTracesAgainWithTheFilesOwnSceneOnly) {
+    const Outcome r = focus({"--method", "hybrid", "--views", "16", "--scene", in("scene.toml"),
+                             "--retrace-spp", "16", "--explain", in("what.png")});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const json j = json::parse(r.out);
+    EXPECT_EQ(j["method"], "hybrid");
+    EXPECT_GT(j["retraced_share"], 0);
+    EXPECT_LE(j["retraced_share"], 0.1);
+    EXPECT_GE(j["insufficient_share"], j["retraced_share"]);
+    EXPECT_GT(j["rays"]["eye"], 0);
+    EXPECT_EQ(read_image(in("what.png")).height, 36);
+
+    std::ofstream(in("other.toml")) << scene_text << "\n# changed\n";
+    const Outcome other = focus({"--method", "hybrid", "--scene", in("other.toml")});
+    EXPECT_EQ(other.exit_code, 3);
+    EXPECT_NE(other.err.find("SHA-256"), std::string::npos) << other.err;
+    EXPECT_EQ(focus({"--method", "hybrid", "--scene", in("none.toml")}).exit_code, 3);
+    EXPECT_EQ(focus({"--method", "hybrid", "--scene", in("scene.toml"), "--retrace-spp", "0"}).exit_code, 2);
+    EXPECT_EQ(focus({"--method", "hybrid", "--framing", "lens"}).exit_code, 2);
+}
+
+TEST_F(FieldCommand, WhatHasNoPointsOfALensIsRefusedByName) {
+    for (const char* method : {"lightfield", "hybrid"}) {
+        const Outcome r = focus({"--method", method, "--impulse", "diffraction"});
+        EXPECT_EQ(r.exit_code, 2) << method;
+        EXPECT_NE(r.err.find("diffraction"), std::string::npos) << r.err;
+        EXPECT_EQ(focus({"--method", method, "--views", "0"}).exit_code, 2);
+        EXPECT_EQ(focus({"--method", method, "--views", "4097"}).exit_code, 2);
+    }
+    EXPECT_EQ(focus({"--method", "lightfield", "--depth-model", "path"}).exit_code, 2);
+}
+
+TEST_F(FieldCommand, ShootTakesTheFilesExposureUnlessToldOtherwise) {
+    const Outcome r = shoot({"--views", "32"});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const json j = json::parse(r.out);
+    EXPECT_EQ(j["shutter_open_s"], 0);
+    EXPECT_EQ(j["shutter_close_s"], 1);
+    EXPECT_EQ(j["f_number"], 0.7);
+    const Image moving = read_image(in("out.exr"));
+    // Closed at the frame's own instant: the light field.
+    ASSERT_EQ(shoot({"--views", "32", "--shutter", "0:0"}).exit_code, 0);
+    const Image still = read_image(in("out.exr"));
+    ASSERT_EQ(focus({"--method", "lightfield", "--views", "32"}).exit_code, 0);
+    EXPECT_EQ(read_image(in("out.exr")).rgb, still.rgb);
+    EXPECT_NE(moving.rgb, still.rgb);
+    EXPECT_EQ(shoot({"--shutter", "1:0"}).exit_code, 2);
+    EXPECT_EQ(shoot({"--shutter", "0:1", "--paths", in("none.toml")}).exit_code, 3);
+    EXPECT_EQ(
+        shoot({"--method", "hybrid", "--scene", in("scene.toml"), "--shutter", "0:1", "--retrace-spp", "8"})
+            .exit_code,
+        0);
+}
+
+}  // namespace
+}  // namespace postlens::test
