@@ -9,6 +9,7 @@
 #include "focus/lens_views.h"
 #include "focus/one_surface.h"
 #include "reproject/fill_gaps.h"
+#include "reproject/instants_around.h"
 #include "reproject/patch_field.h"
 
 namespace postlens {
@@ -65,23 +66,13 @@ class Motions {
     bool camera_ = false;
 };
 
-/// The instants between which `time_s` lies, or the one next to it.
+/// The recorded instants that a moment is seen from, each moved to it.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
-    std::vector<std::size_t> by_time(instants_s.size());
-    std::iota(by_time.begin(), by_time.end(), std::size_t{0});
-    std::sort(by_time.begin(), by_time.end(),
-              [&](std::size_t a, std::size_t b) { return instants_s[a] < instants_s[b]; });
-    const auto after = std::upper_bound(by_time.begin(), by_time.end(), time_s,
-                                        [&](double t, std::size_t i) { return t < instants_s[i]; });
-    const auto use = [&](std::size_t i, double share) {
-        return PatchView::Use{i, share, motions.maps(instants_s[i], time_s)};
-    };
-    if (after == by_time.begin()) return {use(by_time.front(), 1)};
-    if (after == by_time.end()) return {use(by_time.back(), 1)};
-    const std::size_t a = *(after - 1), b = *after;
-    const double share = (time_s - instants_s[a]) / (instants_s[b] - instants_s[a]);
-    return {use(a, 1 - share), use(b, share)};
+    std::vector<PatchView::Use> out;
+    for (const InstantShare& i : instants_around(instants_s, time_s))
+        out.push_back({i.instant, i.share, motions.maps(instants_s[i.instant], time_s)});
+    return out;
 }
 
 }  // namespace

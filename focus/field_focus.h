@@ -4,7 +4,8 @@
 
 #include <optional>
 
-#include "focus/run_scatter.h"
+#include "focus/lens_views.h"
+#include "focus/splat_tables.h"
 #include "lens/aperture.h"
 #include "lens/focus_geometry.h"
 #include "lens/shutter_curve.h"
@@ -25,7 +26,7 @@ struct FieldFocusSettings {
     FocusGeometry geometry;  ///< in traced pixels
     Aperture aperture;
     RasterWindow window;  ///< the pixels wanted
-    int views = 64;
+    int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< absent: the frame's own instant
     /// Leave out where nothing moves and the picture shows one surface only (what is scattered is right
     /// there), if that is at least this share of the pixels; absent: nothing is left out.

@@ -16,7 +16,7 @@ namespace {
 constexpr double spread_from_px = 2;
 /// Radiance above which light is a highlight.
 constexpr float brightest = 1;
-constexpr int band_px = 64;
+constexpr int band_px = SeenTile::edge;  // tiles of views, to find what reaches one
 /// Nearer than the light by this share, a surface covers it.
 constexpr float nearer = 1.02F;
 

@@ -8,7 +8,7 @@
 #include "focus/kernel.h"
 #include "focus/lens_views.h"
 #include "focus/response_model.h"
-#include "focus/run_scatter.h"
+#include "focus/splat_tables.h"
 #include "lens/aperture.h"
 #include "reproject/patch_field.h"
 

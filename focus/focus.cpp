@@ -78,13 +78,17 @@ void take_in(const SampleFileReader& file, Splats& splats) {
     splats.finish();
 }
 
+/// Blur and magnification commute: everything is blurred in traced pixels, where the CoC is the framed one
+/// over the zoom.
+FocusGeometry in_traced_px(FocusGeometry geometry) {
+    geometry.gain_px /= geometry.zoom;
+    geometry.zoom = 1;
+    return geometry;
+}
+
 FocusResult spread(const SampleFileReader& file, const FocusSettings& settings, const FocusGeometry& geometry,
                    const LensView* view, const RasterWindow& window) {
-    // Blur and magnification commute: scatter in traced pixels, where the CoC is the framed one over the
-    // zoom.
-    FocusGeometry traced = geometry;
-    traced.gain_px /= geometry.zoom;
-    traced.zoom = 1;
+    const FocusGeometry traced = in_traced_px(geometry);
     const DepthRange range = depth_range(file);
     const DepthLevels levels(traced, range, settings.spacing, settings.depths);
     const RasterWindow corners = recorded_corners(file);
@@ -118,10 +122,8 @@ FocusResult seen_from_lens(const SampleFileReader& file, const FocusSettings& se
         fail(ExitCode::wrong_arguments,
              "--depth-model: lightfield knows what is seen in mirrors by W (expected W, or another method)");
     }
-    FocusGeometry traced = geometry;
-    traced.gain_px /= geometry.zoom;
-    traced.zoom = 1;
-    FieldFocus seen = field_focus(file, {traced, read_aperture(settings.impulse), window, settings.views});
+    FieldFocus seen =
+        field_focus(file, {in_traced_px(geometry), read_aperture(settings.impulse), window, settings.views});
     FocusResult out;
     out.method = FocusMethod::lightfield;
     out.image = std::move(seen.image);

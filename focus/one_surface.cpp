@@ -12,7 +12,7 @@ constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
 /// The cells that a rectangle of the raster touches.
 template <typename Visit>
-void each_cell(const PxRect& r, const RasterWindow& window, int columns, int rows, const Visit& visit) {
+void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int rows, const Visit& visit) {
     const auto cell = [](double px, int begin, int count) {
         return static_cast<int>(
             std::clamp(std::floor((px - begin) / OneSurface::edge), -1.0, static_cast<double>(count)));
@@ -55,7 +55,7 @@ OneSurface find_one_surface(const PatchMesh& primary, const PatchMesh& deeper, c
     std::vector<double> recorded(count, 0);  // area of the recorded patches that lie there, unmoved
     for (const PatchMesh* mesh : {&primary, &deeper}) {
         for (const Patch& p : mesh->patches) {
-            PxRect swept;
+            RasterRect swept;
             PatchPlace place;
             double stretch = 0;
             for (int k = 0; k < 4; ++k) {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "focus/run_scatter.h"
+#include "focus/splat_tables.h"
 #include "reproject/patches.h"
 
 namespace postlens {

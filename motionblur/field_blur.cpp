@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <unordered_map>
 
 #include "motionblur/shutter_views.h"
+#include "reproject/instants_around.h"
 
 namespace postlens {
 namespace {
@@ -54,10 +54,8 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& 
         return found == classes.end() ? std::size_t{0} : found->second;
     };
 
-    std::vector<std::size_t> by_time(meshes.size());
-    std::iota(by_time.begin(), by_time.end(), std::size_t{0});
-    std::sort(by_time.begin(), by_time.end(),
-              [&](std::size_t a, std::size_t b) { return meshes[a].time_s < meshes[b].time_s; });
+    std::vector<double> instants_s;
+    for (const SampleMesh& m : meshes) instants_s.push_back(m.time_s);
     const auto use_of = [&](std::size_t mesh, double share, double time_s) {
         FieldView::Use use{mesh, share, {RasterMap()}};
         for (const std::uint32_t id : moving) use.maps.push_back(motion.map(id, meshes[mesh].time_s, time_s));
@@ -66,19 +64,8 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& 
     for (const auto& [place, t] : shutter_views(settings.curve, settings.exposure, out.views)) {
         FieldView v;
         v.sample = place;
-        const auto after =
-            std::upper_bound(by_time.begin(), by_time.end(), t,
-                             [&meshes](double time, std::size_t m) { return time < meshes[m].time_s; });
-        if (after == by_time.begin()) {
-            v.uses.push_back(use_of(by_time.front(), 1, t));
-        } else if (after == by_time.end()) {
-            v.uses.push_back(use_of(by_time.back(), 1, t));
-        } else {
-            const std::size_t a = *(after - 1), b = *after;
-            const double share_b = (t - meshes[a].time_s) / (meshes[b].time_s - meshes[a].time_s);
-            v.uses.push_back(use_of(a, 1 - share_b, t));
-            v.uses.push_back(use_of(b, share_b, t));
-        }
+        for (const InstantShare& m : instants_around(instants_s, t))
+            v.uses.push_back(use_of(m.instant, m.share, t));
         for (const FieldView::Use& use : v.uses) out.mesh_shares[use.mesh] += use.share / out.views;
         field.views.push_back(std::move(v));
     }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numeric>
 
 #include "core/error.h"
 #include "focus/bend_warning.h"
@@ -41,25 +40,27 @@ std::string camera_of(const SampleHeader& h, const Scene& scene) {
          scene.name);
 }
 
-void check_scene(const SampleHeader& h, const Scene& scene) {
+/// Of the camera that the file was traced through, in its own scene.
+std::string checked_camera(const SampleHeader& h, const Scene& scene) {
     if (scene.sha256 != h.scene_sha256) {
         fail(ExitCode::invalid_input,
              "{}: is not the scene that the sample file was traced from (got SHA-256 {:.12}...; expected "
              "{:.12}...)",
              scene.name, scene.sha256, h.scene_sha256);
     }
-    (void)camera_of(h, scene);
+    return camera_of(h, scene);
 }
 
-RenderSettings render_settings(const SampleHeader& h, const HybridSettings& s) {
+RenderSettings render_settings(const SampleHeader& h, const HybridSettings& s, const std::string& camera,
+                               const Aperture& aperture) {
     RenderSettings r;
     r.camera = overrides_of(h);
-    r.camera_name = camera_of(h, *s.scene);
+    r.camera_name = camera;
     r.time_s = h.time_s;
     r.focal_length_mm = s.focus.lens.focal_length_mm;
     r.f_number = s.focus.lens.f_number;
     r.focus_m = s.focus.focus_distance_m;
-    r.aperture = std::make_shared<Aperture>(read_aperture(s.focus.impulse));
+    r.aperture = std::make_shared<Aperture>(aperture);
     r.shutter = s.shutter;
     r.curve = s.curve;
     r.spp = s.retrace_spp;
@@ -97,21 +98,21 @@ int fine_depths(const DepthRange& range, const FocusGeometry& g) {
         std::clamp(std::ceil(across_px / step_px) + 1, 2.0, static_cast<double>(DepthLevels::most_depths)));
 }
 
-void retrace(const SampleHeader& h, const HybridSettings& s, std::vector<std::uint32_t> pixels,
-             HybridResult& out) {
-    const auto most = static_cast<std::size_t>(s.most_retraced * static_cast<double>(out.what.size()));
+void retrace(const Scene& scene, const RenderSettings& render, double most_retraced,
+             std::vector<std::uint32_t> pixels, HybridResult& out) {
+    const auto most = static_cast<std::size_t>(most_retraced * static_cast<double>(out.what.size()));
     if (pixels.size() > most) {
         out.focus.warnings.push_back(
             {"retraced", static_cast<double>(pixels.size() - most) / static_cast<double>(out.what.size()),
              fmt::format(
                  "the records do not suffice for {:.1f} % of the pixels, of which {:.1f} % are traced "
                  "again (expected a trace with --hidden-layers for this lens)",
-                 100 * out.wanted_share, 100 * s.most_retraced)});
+                 100 * out.wanted_share, 100 * most_retraced)});
         pixels.resize(most);
     }
     if (pixels.empty()) return;
     std::sort(pixels.begin(), pixels.end());  // neighbours together
-    const RenderedPixels traced = render_pixels(*s.scene, render_settings(h, s), pixels);
+    const RenderedPixels traced = render_pixels(scene, render, pixels);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         std::copy(traced.rgb[i].begin(), traced.rgb[i].end(),
                   out.focus.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * pixels[i]));
@@ -131,7 +132,7 @@ HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& 
              "--framing: hybrid and shoot keep the framing of the trace (expected keep)");
     }
     check_has_points(focus.impulse);
-    if (settings.scene != nullptr) check_scene(h, *settings.scene);
+    const std::string camera = settings.scene != nullptr ? checked_camera(h, *settings.scene) : "";
     const FocusGeometry geometry = focus_geometry(focus.lens, focus.focus_distance_m, Framing::keep,
                                                   {h.film_distance_mm, h.pixel_pitch_mm});
     const bool moves = settings.motion != nullptr && settings.shutter;
@@ -168,7 +169,8 @@ HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& 
         insufficient(field, misplaced_light(file, geometry), settings.tolerated);
     out.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
     if (settings.scene != nullptr) {
-        retrace(h, settings, std::move(pixels), out);
+        retrace(*settings.scene, render_settings(h, settings, camera, by_field.aperture),
+                settings.most_retraced, std::move(pixels), out);
     } else if (out.wanted_share > 1e-3) {
         out.focus.warnings.push_back(
             {"uncovered", out.wanted_share,

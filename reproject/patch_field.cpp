@@ -66,7 +66,7 @@ class Field {
     /// By tile, the patches that reach it in some view: by path, so that what is seen in something comes
     /// after that, then the nearest first, so that what they hide is soon done with.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant) const {
-        std::vector<PxRect> swept(mesh.patches.size());
+        std::vector<RasterRect> swept(mesh.patches.size());
         parallel_for(
             swept.size(), [&](std::size_t i) { swept[i] = swept_rect(mesh, mesh.patches[i], instant); }, 256);
         Bins bins(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
@@ -75,7 +75,7 @@ class Field {
                 std::clamp(std::floor((px - first) / SeenTile::edge), -1.0, static_cast<double>(count)));
         };
         for (std::uint32_t i = 0; i < swept.size(); ++i) {
-            const PxRect& r = swept[i];
+            const RasterRect& r = swept[i];
             if (!(r.x_min <= r.x_max && r.y_min <= r.y_max)) continue;
             const int x0 = std::max(0, tile_of(r.x_min - 1, field_.x, columns_)),
                       x1 = std::min(columns_ - 1, tile_of(r.x_max + 1, field_.x, columns_)),
@@ -102,8 +102,9 @@ class Field {
 
     /// Where nothing moves a patch lies affinely in the lens's point: the corners of a box around all of them
     /// bound it.
-    [[nodiscard]] PxRect swept_rect(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const {
-        PxRect out;
+    [[nodiscard]] RasterRect swept_rect(const PatchMesh& mesh, const Patch& patch,
+                                        std::size_t instant) const {
+        RasterRect out;
         PatchPlace place;
         const auto add = [&](const RasterMap& motion, const LensShift& lens) {
             if (place_patch(mesh, patch, motion, lens, place)) out.add(covered(patch, place));

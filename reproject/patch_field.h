@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "records/image.h"
+#include "reproject/patch_raster.h"
 #include "reproject/patches.h"
 
 namespace postlens {
@@ -48,10 +49,10 @@ struct PatchField {
 
 /// What every view sees in a tile, of its first use's primary sheets.
 struct TileViews {
-    int x = 0, y = 0, width = 0, height = 0;        ///< px of the picture
-    static constexpr std::size_t row = 64;          ///< pixels to the next row of a view
-    static constexpr std::size_t view = row * row;  ///< and to the next view
-    std::vector<float> inverse_z;                   ///< -1: nothing known
+    int x = 0, y = 0, width = 0, height = 0;            ///< px of the picture
+    static constexpr std::size_t row = SeenTile::edge;  ///< pixels to the next row of a view
+    static constexpr std::size_t view = row * row;      ///< and to the next view
+    std::vector<float> inverse_z;                       ///< -1: nothing known
     std::vector<std::uint32_t> texel;
 };
 

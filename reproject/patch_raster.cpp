@@ -97,7 +97,7 @@ POSTLENS_MULTIVERSION void keep_nearest(const std::uint32_t* __restrict node, co
 template <typename Draw>
 void for_each_run(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                   const SeenTile& out, const Draw& draw) {
-    const PxRect rect = covered(patch, place);
+    const RasterRect rect = covered(patch, place);
     // Sample (i, j) lies at origin + (i, j).
     const glm::dvec2 origin = glm::dvec2(tile.x, tile.y) + tile.sample;
     constexpr auto margin = static_cast<double>(overlap);

@@ -244,14 +244,7 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
     return true;
 }
 
-void PxRect::add(const PxRect& o) {
-    x_min = std::min(x_min, o.x_min);
-    x_max = std::max(x_max, o.x_max);
-    y_min = std::min(y_min, o.y_min);
-    y_max = std::max(y_max, o.y_max);
-}
-
-PxRect covered(const Patch& patch, const PatchPlace& place) {
+RasterRect covered(const Patch& patch, const PatchPlace& place) {
     const glm::dvec2 across = static_cast<double>(patch.width) * place.move[0],
                      down = static_cast<double>(patch.height) * place.move[1];
     return {place.from.x + std::min(across.x, 0.0) + std::min(down.x, 0.0),

@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <limits>
 #include <vector>
 
 #include "reproject/raster_map.h"
+#include "reproject/raster_rect.h"
 #include "reproject/sheet_mesh.h"
 
 namespace postlens {
@@ -58,10 +58,6 @@ struct PatchMesh {
                                const LensShift& lens, PatchPlace& out);
 
 /// The rectangle that it then covers, raster px.
-struct PxRect {
-    double x_min = std::numeric_limits<double>::infinity(), x_max = -x_min, y_min = x_min, y_max = -x_min;
-    void add(const PxRect& o);
-};
-[[nodiscard]] PxRect covered(const Patch& patch, const PatchPlace& place);
+[[nodiscard]] RasterRect covered(const Patch& patch, const PatchPlace& place);
 
 }  // namespace postlens

@@ -209,13 +209,6 @@ void draw_quads(const SampleMesh& mesh, const MeshBlock& block, std::uint8_t mar
 
 }  // namespace
 
-void RasterRect::add(const RasterRect& o) {
-    x_min = std::min(x_min, o.x_min);
-    x_max = std::max(x_max, o.x_max);
-    y_min = std::min(y_min, o.y_min);
-    y_max = std::max(y_max, o.y_max);
-}
-
 RasterRect covered_rect(const MeshBlock& block, const RasterMap& map) {
     RasterRect out;
     if (map.identity()) {

@@ -3,10 +3,10 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "reproject/raster_map.h"
+#include "reproject/raster_rect.h"
 #include "reproject/sample_mesh.h"
 
 namespace postlens {
@@ -44,13 +44,6 @@ struct DrawScratch {
 
 /// The rectangle that a block covers under a map, raster px; the whole plane where a part of it comes to lie
 /// beside or behind the camera.
-struct RasterRect {
-    double x_min = std::numeric_limits<double>::infinity(), x_max = -x_min, y_min = x_min, y_max = -x_min;
-    void add(const RasterRect& o);
-    [[nodiscard]] bool meets(double x0, double x1, double y0, double y1) const {
-        return x_max >= x0 && x_min <= x1 && y_max >= y0 && y_min <= y1;
-    }
-};
 [[nodiscard]] RasterRect covered_rect(const MeshBlock& block, const RasterMap& map);
 
 /// The same for a block of a mesh with velocities, some time after its instant.
