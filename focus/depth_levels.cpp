@@ -43,6 +43,14 @@ DepthRange depth_range(const SampleFileReader& file) {
     return out;
 }
 
+double largest_coc_px(const DepthRange& range, const FocusGeometry& geometry) {
+    double out = 0;
+    for (const auto& z : {range.nearest_m, range.farthest_m}) {
+        if (z) out = std::max(out, std::abs(geometry.coc_diameter_px(1 / *z)));
+    }
+    return out;
+}
+
 DepthLevels::DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
                          std::optional<int> depths)
     : geometry_(geometry), spacing_(spacing), around_focus_(!depths && spacing == DepthSpacing::inverse) {

@@ -27,6 +27,8 @@ struct DepthRange {
 };
 
 [[nodiscard]] DepthRange depth_range(const SampleFileReader& file);
+/// Of the finite depths, px.
+[[nodiscard]] double largest_coc_px(const DepthRange& range, const FocusGeometry& geometry);
 
 /// A set of levels. A sample uses the one whose depth is nearest to its own in the chosen spacing.
 ///

@@ -128,10 +128,7 @@ FocusResult seen_from_lens(const SampleFileReader& file, const FocusSettings& se
     out.method = FocusMethod::lightfield;
     out.image = std::move(seen.image);
     out.views = settings.views;
-    const DepthRange range = depth_range(file);
-    for (const auto& z : {range.nearest_m, range.farthest_m}) {
-        if (z) out.largest_coc_px = std::max(out.largest_coc_px, std::abs(geometry.coc_diameter_px(1 / *z)));
-    }
+    out.largest_coc_px = largest_coc_px(depth_range(file), geometry);
     constexpr double noticeable = 1e-3;
     if (seen.unknown_share() > noticeable) {
         out.warnings.push_back({"uncovered", seen.unknown_share(),

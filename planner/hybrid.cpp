@@ -163,6 +163,7 @@ HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& 
         out.scattered_share = static_cast<double>(scattered) / static_cast<double>(out.what.size());
     } else {
         out.focus.image = field.image;
+        out.focus.largest_coc_px = largest_coc_px(depth_range(file), geometry);
     }
     out.focus.views = focus.views;
     std::vector<std::uint32_t> pixels =

@@ -99,6 +99,8 @@ TEST(Hybrid, TracesAgainWhatWasNotRecorded) {
     HybridSettings s = settings(10);
     const HybridResult before = hybrid_picture(frame.file(), s);
     EXPECT_GT(before.wanted_share, 0.01);
+    // The bar, 0.9/m out of focus.
+    EXPECT_NEAR(before.focus.largest_coc_px, 2 * 0.9 * px_per_m * 0.05 / (2 * wide.f_number), 0.01);
     ASSERT_EQ(before.focus.warnings.size(), 1);
     EXPECT_EQ(before.focus.warnings[0].code, "uncovered");
     s.scene = &b.scene;
