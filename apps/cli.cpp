@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 
+#include "apps/cli_chart.h"
 #include "apps/cli_options.h"
 #include "apps/numbers.h"
 
@@ -367,6 +368,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
     add_shoot(app, *state);
     add_lens_commands(app, state->common);
     add_compare(app, *state);
+    add_chart_command(app, state->common);
     add_info(app, *state);
     check_subcommand(app, arguments);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back

@@ -1,5 +1,6 @@
 #include "apps/numbers.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -82,6 +83,19 @@ std::pair<std::string, std::string> parse_names(std::string_view option, std::st
         return {std::string(text.substr(0, comma)), std::string(text.substr(comma + 1))};
     fail(ExitCode::wrong_arguments, "{}: not two names (got {}; expected U,V, e.g. forward.u,forward.v)",
          option, text.empty() ? "nothing" : text);
+}
+
+std::vector<int> parse_whole_list(std::string_view option, std::string_view text) {
+    constexpr std::size_t most = 1000;
+    std::vector<int> out;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        out.push_back(parse_whole(option, text.substr(begin, end - begin)));
+        if (out.size() > most)
+            fail(ExitCode::wrong_arguments, "{}: too many (got more than {}; expected fewer)", option, most);
+        begin = end + 1;
+    }
+    return out;
 }
 
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace postlens {
 
@@ -25,6 +26,9 @@ namespace postlens {
 [[nodiscard]] std::pair<double, double> parse_scale(std::string_view option, std::string_view text);
 /// "forward.u,forward.v": two names, neither empty.
 [[nodiscard]] std::pair<std::string, std::string> parse_names(std::string_view option, std::string_view text);
+
+/// "1,4,16": whole numbers, one or more, at most 1000.
+[[nodiscard]] std::vector<int> parse_whole_list(std::string_view option, std::string_view text);
 
 /// Checks low < value <= high (low itself allowed with `including_low`). Throws Error(wrong_arguments).
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected);

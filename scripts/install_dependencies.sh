@@ -21,8 +21,10 @@ build_packages=(
     libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
     libxxhash-dev libdeflate-dev libssl-dev
     libgtest-dev libgmock-dev libbenchmark-dev
+    gnuplot-nox
 )
-check_packages=(git clang-format clang-tidy)
+# chromium: the page that `postlens chart` writes is looked at in it.
+check_packages=(git clang-format clang-tidy chromium)
 
 purpose=checks
 list_only=false

@@ -1,0 +1,53 @@
+#include "apps/chart_command.h"
+
+#include "chart/chart_page.h"
+#include "chart/chart_plots.h"
+#include "chart/chart_runner.h"
+#include "chart/gnuplot.h"
+#include "core/output_file.h"
+
+namespace postlens {
+namespace {
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+    OutputFile file(path);
+    file.write(text);
+    file.commit();
+}
+
+}  // namespace
+
+CommandResult run_chart_command(const ChartOptions& options) {
+    const std::filesystem::path folder = options.output;
+    check_chart_request(options.request);
+    if (options.request.plots) check_gnuplot();
+    const ChartRun run = run_chart(options.request, folder, options.restart);
+    CommandResult out;
+    for (const std::string& note : run.notes) out.warnings.push_back({"scene", note});
+    if (run.data.affected_share < 0.25) {
+        out.warnings.push_back(
+            {"unaffected",
+             fmt::format("lens and shutter change {:.0f} % of the pixels only; figures of the "
+                         "whole frame say little (expected a quarter or more)",
+                         100 * run.data.affected_share),
+             run.data.affected_share});
+    }
+    if (options.request.plots) {
+        draw_with_gnuplot(speed_accuracy_script(run.data, false), folder / "speed_accuracy", 1000, 620);
+        draw_with_gnuplot(speed_accuracy_script(run.data, true), folder / "speed_accuracy_affected", 1000,
+                          620);
+        draw_with_gnuplot(cost_script(run.data), folder / "cost", 1000, 620);
+    }
+    const std::string table = chart_markdown(run.data);
+    write_text(folder / "chart.csv", chart_csv(run.data));
+    write_text(folder / "chart.md", table);
+    write_text(folder / "index.html", chart_page(run.data, folder));
+    out.json = to_json(run.data);
+    out.json["kept"] = run.kept;
+    out.json["page"] = (folder / "index.html").string();
+    out.text = table + "\n" + (folder / "index.html").string();
+    if (run.kept > 0) out.text += fmt::format(" ({} times were there already)", run.kept);
+    return out;
+}
+
+}  // namespace postlens

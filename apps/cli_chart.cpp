@@ -1,0 +1,68 @@
+#include "apps/cli_chart.h"
+
+#include "apps/chart_command.h"
+#include "apps/numbers.h"
+
+namespace postlens {
+namespace {
+
+void list_option(CLI::App& app, const std::string& name, std::vector<int>& to, const std::string& help) {
+    app.add_option_function<std::string>(
+           name, [&to, name](const std::string& text) { to = parse_whole_list(name, text); }, help)
+        ->type_name("N,N,...");
+}
+
+}  // namespace
+
+void add_chart_command(CLI::App& root, ParsedCommand& common) {
+    CLI::App& app = *root.add_subcommand(
+        "chart", "Every method and distributed rays on one scene: speed against accuracy, as a page");
+    const auto o = std::make_shared<ChartOptions>();
+    ChartRequest& r = o->request;
+    auto scene = std::make_shared<std::string>();
+    scene_options(app, *scene, r.metres_per_unit, r.camera, r.camera_name);
+    app.add_option(
+           "-o,--output", o->output,
+           "Folder, made if it is not there: index.html, chart.csv, .json and .md, charts and pictures")
+        ->required()
+        ->type_name("DIR");
+    number(app, "--focal-length", r.focal_length_mm, "F, more than 0 [default: the camera's film distance]",
+           "MM");
+    number(app, "--f-number", r.f_number,
+           "Aperture number; inf with --shutter: motion alone [default: the camera's]", "N", true);
+    number(app, "--focus", r.focus_m, "Focus distance [default: the camera's]", "M", true);
+    app.add_option_function<std::string>(
+           "--shutter",
+           [o](const std::string& text) {
+               const auto [open, close] = parse_span("--shutter", text);
+               o->request.shutter = TimeSpan{open, close};
+           },
+           "Open between these instants of the scene's clock, s [default: open for an instant]")
+        ->type_name("OPEN:CLOSE");
+    list_option(app, "--rays", r.spp, "Samples per pixel of the rays [default: 1,4,16,64,256,1024]");
+    list_option(app, "--views", r.views, "M of lightfield and hybrid [default: 16,64,256]");
+    list_option(app, "--depths", r.depths, "K of scatter [default: 8,32,128]");
+    whole(app, "--reference-spp", r.reference_spp, "Samples per pixel of each of the reference's two halves",
+          "N");
+    auto reference = std::make_shared<std::optional<std::string>>();
+    auto noise = std::make_shared<std::optional<std::string>>();
+    app.add_option("--reference", *reference, "Hold all pictures against this one [default: rendered]")
+        ->type_name("IMAGE");
+    app.add_option("--noise", *noise, "With --reference: an independent render of it")->type_name("IMAGE");
+    whole(app, "--rounds", r.rounds, "How often everything is measured, in turns, 1 to 100", "N");
+    number(app, "--once-above", r.once_above_s, "Measure once what takes longer", "S");
+    app.add_flag("--restart", o->restart, "Begin anew in a folder that holds a chart");
+    app.add_flag("!--no-plots", r.plots, "No SVG and PNG: gnuplot is not needed");
+    common_options(app, common);
+    app.callback([o, scene, reference, noise, &common] {
+        common.run = [o, scene, reference, noise, &common] {
+            o->request.scene = *scene;
+            if (*reference) o->request.reference = **reference;
+            if (*noise) o->request.second_reference = **noise;
+            o->request.quiet = common.quiet;
+            return run_chart_command(*o);
+        };
+    });
+}
+
+}  // namespace postlens

@@ -1,0 +1,137 @@
+#include "chart/chart_page.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+#include "chart/chart_runner.h"
+#include "chart/page_template.h"
+#include "chart/pareto.h"
+#include "core/text_file.h"
+
+namespace postlens {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::uintmax_t largest_picture_bytes = 256U << 20U;
+
+std::string base64(const std::string& bytes) {
+    constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string out;
+    out.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t three = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            three = three << 8U | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+        for (std::size_t k = 0; k < 4; ++k)
+            out += i + k <= bytes.size() ? digits[three >> (18 - 6 * k) & 63U] : '=';
+    }
+    return out;
+}
+
+std::string as_url(const fs::path& path, const char* type) {
+    return fmt::format("data:image/{};base64,{}", type, base64(read_text_file(path, largest_picture_bytes)));
+}
+
+std::string escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text) {
+        switch (c) {
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '&':
+                out += "&amp;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                out += c;
+        }
+    }
+    return out;
+}
+
+// Inside a script element nothing may look like its end.
+std::string script_safe(const std::string& json) {
+    std::string out;
+    for (const char c : json) out += c == '<' ? std::string("\\u003c") : std::string(1, c);
+    return out;
+}
+
+std::string replaced(const std::string& text, const std::string& what, const std::string& by) {
+    const std::size_t at = text.find(what);
+    return at == std::string::npos ? text : text.substr(0, at) + by + text.substr(at + what.size());
+}
+
+std::string what_text(const ChartData& data) {
+    const Json& a = data.about;
+    std::string out = fmt::format("{}x{} px", a.at("width").get<int>(), a.at("height").get<int>());
+    if (!a.at("f_number").is_null())
+        out += fmt::format(", F = {:.4g} mm at f/{:.3g}", a.at("focal_length_mm").get<double>(),
+                           a.at("f_number").get<double>());
+    if (!a.at("focus_m").is_null())
+        out += fmt::format(", focused at {:.4g} m", a.at("focus_m").get<double>());
+    if (!a.at("shutter_s").is_null())
+        out += fmt::format(", shutter open from {:.4g} to {:.4g} s", a.at("shutter_s")[0].get<double>(),
+                           a.at("shutter_s")[1].get<double>());
+    out += fmt::format(". Reference: {}", a.at("reference").get<std::string>());
+    if (data.noise_rms) out += fmt::format(", good to {:.1f} dB", -20 * std::log10(*data.noise_rms));
+    out += fmt::format(". {:.0f} % of the pixels are affected; the pinhole picture is at {:.1f} dB",
+                       100 * data.affected_share, data.pinhole_psnr_db);
+    if (data.record_floor) out += fmt::format("; the records end at {:.1f} dB", data.record_floor->psnr_db);
+    return out + ".";
+}
+
+}  // namespace
+
+std::string chart_page(const ChartData& data, const fs::path& folder) {
+    Json json = to_json(data);
+    std::vector<CostError> costs;
+    for (const ChartPoint& p : data.points)
+        costs.push_back({p.median_s(), p.figures ? p.figures->whole.rms() : std::nan("")});
+    for (Json& p : json["points"]) p["on_frontier"] = false;
+    for (const std::size_t i : pareto_frontier(costs)) json["points"][i]["on_frontier"] = true;
+    json["what"] = what_text(data);
+    json["pictures"] = {{"reference", as_url(folder / "pictures" / "reference.png", "png")}};
+    json["maps"] = Json::object();
+    Json finished = Json::array();
+    double best = -1;
+    json["first"] = "reference";
+    for (std::size_t i = 0; i < data.points.size(); ++i) {
+        const ChartPoint& p = data.points[i];
+        if (!p.figures) continue;
+        finished.push_back(json["points"][i]);
+        const std::string file = point_file_name(p.name) + ".png";
+        json["pictures"][p.name] = as_url(folder / "pictures" / file, "png");
+        json["maps"][p.name] = as_url(folder / "maps" / file, "png");
+        if (!p.is_rays() && p.figures->whole.psnr_db > best) {
+            best = p.figures->whole.psnr_db;
+            json["first"] = p.name;
+        }
+    }
+    json["points"] = finished;
+    std::string charts;
+    for (const auto& [name, words] :
+         {std::pair{"speed_accuracy", "error against seconds, whole frame"},
+          std::pair{"speed_accuracy_affected", "error against seconds, affected pixels"},
+          std::pair{"cost", "cost of a picture where one trace serves 1, 10 and 100"}}) {
+        const fs::path svg = folder / (std::string(name) + ".svg");
+        if (fs::exists(svg))
+            charts += fmt::format("<img alt=\"{}\" src=\"{}\">\n", words, as_url(svg, "svg+xml"));
+    }
+    const std::string title = "Speed against accuracy: " + data.about.at("scene").get<std::string>();
+    std::string out = page_template;
+    for (int k = 0; k < 2; ++k) out = replaced(out, "@TITLE@", escaped(title));
+    out = replaced(out, "@FOOTER@",
+                   "Made by <code>postlens chart</code>. Errors are those above the noise of the reference.");
+    out = replaced(out, "@CHARTS@", charts);
+    return replaced(out, "@DATA@", script_safe(json.dump()));
+}
+
+}  // namespace postlens

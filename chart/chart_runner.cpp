@@ -1,0 +1,359 @@
+#include "chart/chart_runner.h"
+
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "chart/chart_plan.h"
+#include "chart/machine.h"
+#include "compare/error_map.h"
+#include "core/error.h"
+#include "core/fingerprint.h"
+#include "core/output_file.h"
+#include "core/progress.h"
+#include "core/text_file.h"
+#include "core/threads.h"
+#include "motionblur/paths_file.h"
+#include "planner/hybrid.h"
+#include "records/sample_file.h"
+
+namespace postlens {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint64_t reference_seed = 1, points_seed = 2;
+constexpr int floor_spp = 256;
+constexpr std::uintmax_t largest_chart_bytes = 64U << 20U;
+
+template <typename Work>
+double seconds_of(const Work& work) {
+    const auto start = Clock::now();
+    work();
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// All that decides what the points mean; not how often they are measured, nor which points are asked for.
+std::string key_of(const ChartRequest& r, const ChartView& v, const Scene& scene) {
+    std::string reference = fmt::format("{} spp", r.reference_spp);
+    if (r.reference) {
+        reference = r.reference->string();
+        if (r.second_reference) reference = fmt::format("{} {}", reference, r.second_reference->string());
+    }
+    std::string shutter =
+        v.shutter ? fmt::format("{:.17g}:{:.17g}", v.shutter->open_s, v.shutter->close_s) : "none";
+    return fmt::format(
+        "{} x{:.17g} '{}' {}x{} d={:.17g} F={:.17g} f/{:.17g} s={:.17g} shutter {} reference {}",
+        scene.sha256.substr(0, 16), r.metres_per_unit, r.camera_name, v.width, v.height, v.film_distance_mm,
+        v.lens.focal_length_mm, v.lens.f_number, v.focus_m, shutter, reference);
+}
+
+Json about_json(const ChartRequest& r, const ChartView& v, const Scene& scene) {
+    Json out{{"scene", r.scene.filename().string()},
+             {"scene_sha256", scene.sha256},
+             {"width", v.width},
+             {"height", v.height},
+             {"focal_length_mm", v.lens.focal_length_mm},
+             {"film_distance_mm", v.film_distance_mm},
+             {"f_number", std::isfinite(v.lens.f_number) ? Json(v.lens.f_number) : Json(nullptr)},
+             {"focus_m", v.has_lens() && std::isfinite(v.focus_m) ? Json(v.focus_m) : Json(nullptr)},
+             {"shutter_s", v.shutter ? Json{v.shutter->open_s, v.shutter->close_s} : Json(nullptr)},
+             {"reference", r.reference ? r.reference->filename().string()
+                                       : fmt::format("2 x {} samples a pixel", r.reference_spp)},
+             {"threads", thread_count()}};
+    out["machine"] = machine_json();
+    return out;
+}
+
+class Runner {
+  public:
+    Runner(const ChartRequest& request, fs::path folder)
+        : request_(request),
+          folder_(std::move(folder)),
+          scene_(read_scene(request.scene, {.metres_per_unit = request.metres_per_unit})),
+          view_(chart_view(request, scene_)),
+          plan_(chart_plan(request, view_)) {}
+
+    void run(bool restart, ChartRun& out) {
+        begin(restart, out);
+        std::uint64_t steps = 3;
+        steps += static_cast<std::uint64_t>(request_.rounds) * (plan_.traces.size() + plan_.points.size());
+        Progress progress("chart", steps, request_.quiet);
+        // Traces come before what is made from them; the pinhole picture tells which pixels are affected.
+        for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
+        references();
+        progress.advance(3);
+        for (int round = 0; round < request_.rounds; ++round) {
+            for (std::size_t t = 0; t < plan_.traces.size(); ++t) {
+                measure_trace(t, round);
+                progress.advance();
+            }
+            for (const PlannedPoint& p : plan_.points) {
+                measure_point(p, round);
+                progress.advance();
+            }
+        }
+        std::error_code none;
+        fs::remove_all(folder_ / "frames", none);
+        out.data = std::move(data_);
+        out.kept = kept_;
+    }
+
+  private:
+    void begin(bool restart, ChartRun& out) {
+        out.notes = scene_.notes;
+        make_folder(folder_);
+        for (const char* name : {"frames", "pictures", "maps"}) make_folder(folder_ / name);
+        const std::string key = key_of(request_, view_, scene_);
+        if (!restart && fs::exists(chart_path())) {
+            data_ = chart_from_json(read_text_file(chart_path(), largest_chart_bytes), chart_path());
+            if (data_.key != key) {
+                fail(ExitCode::wrong_arguments,
+                     "{}: holds another chart (got {}; expected {}); --restart begins anew", folder_.string(),
+                     data_.key, key);
+            }
+            for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
+        } else {
+            std::error_code none;
+            for (const char* name : {"reference.exr", "reference.a.exr", "reference.b.exr",
+                                     "reference.partial.exr", "pinhole.exr"})
+                fs::remove(folder_ / name, none);
+        }
+        data_.key = key;
+        data_.about = about_json(request_, view_, scene_);
+        // In the plan's order, whatever an earlier run had.
+        std::vector<ChartTrace> traces;
+        for (const PlannedTrace& t : plan_.traces) {
+            ChartTrace fresh{.name = t.name};
+            for (const ChartTrace& old : data_.traces) {
+                if (old.name == t.name) fresh = old;
+            }
+            traces.push_back(std::move(fresh));
+        }
+        data_.traces = std::move(traces);
+        std::vector<ChartPoint> points;
+        for (const PlannedPoint& p : plan_.points) {
+            ChartPoint fresh{.curve = p.curve, .name = p.name, .amount = p.amount, .trace = p.trace};
+            for (const ChartPoint& old : data_.points) {
+                if (old.name == p.name && old.trace == p.trace) fresh = old;
+            }
+            points.push_back(std::move(fresh));
+        }
+        data_.points = std::move(points);
+        save();
+    }
+
+    static void make_folder(const fs::path& path) {
+        std::error_code error;
+        fs::create_directory(path, error);
+        if (!fs::is_directory(path)) {
+            fail(ExitCode::cannot_write, "{}: cannot make this folder ({})", path.string(),
+                 error ? error.message() : "a file is there");
+        }
+    }
+
+    [[nodiscard]] fs::path chart_path() const { return folder_ / "chart.json"; }
+    [[nodiscard]] fs::path frame_path(const std::string& name) const {
+        return folder_ / "frames" / (point_file_name(name) + ".exr");
+    }
+
+    void save() const {
+        OutputFile file(chart_path());
+        file.write(to_json(data_).dump(1) + "\n");
+        file.commit();
+    }
+
+    [[nodiscard]] bool is_due(const std::vector<double>& seconds, int round) const {
+        if (static_cast<int>(seconds.size()) > round) return false;
+        return round == 0 || median(seconds) <= request_.once_above_s;
+    }
+
+    void trace(std::size_t t) {
+        ChartTrace& to = data_.traces[t];
+        const TraceResult r = trace_to_file(scene_, plan_.traces[t].settings, frame_path(to.name));
+        to.records = r.records;
+        to.bytes = r.bytes;
+    }
+
+    void measure_trace(std::size_t t, int round) {
+        ChartTrace& to = data_.traces[t];
+        if (!is_due(to.seconds, round)) return;
+        to.seconds.push_back(seconds_of([&] { trace(t); }));
+        save();
+    }
+
+    // The file of a trace that an earlier run measured and this one needs again.
+    fs::path frame(const std::string& name) {
+        const fs::path path = frame_path(name);
+        for (std::size_t t = 0; t < data_.traces.size(); ++t) {
+            if (data_.traces[t].name == name && !fs::exists(path)) trace(t);
+        }
+        return path;
+    }
+
+    void references() {
+        const fs::path pinhole = folder_ / "pinhole.exr";
+        if (!fs::exists(pinhole))
+            write_image(pinhole, pinhole_picture(SampleFileReader(frame(plan_.traces[0].name))));
+        pinhole_ = read_image(pinhole);
+        if (request_.reference) {
+            reference_ = read_image(*request_.reference);
+            if (request_.second_reference) second_ = read_image(*request_.second_reference);
+        } else {
+            const auto halves = half_paths(folder_ / "reference.exr");
+            if (!fs::exists(halves[0]) || !fs::exists(halves[1])) {
+                RenderSettings s = render_settings(request_, view_);
+                s.spp = 2 * request_.reference_spp;
+                s.halves = true;
+                s.seed = reference_seed;
+                s.resume = true;
+                s.quiet = request_.quiet;
+                data_.reference_s = seconds_of([&] { render_to_file(scene_, s, folder_ / "reference.exr"); });
+            }
+            reference_ = read_image(halves[0]);
+            second_ = read_image(halves[1]);
+        }
+        if (reference_.width != view_.width || reference_.height != view_.height) {
+            fail(ExitCode::invalid_input, "{}: wrong size (got {}x{}; expected {}x{})",
+                 request_.reference.value_or(folder_ / "reference.exr").string(), reference_.width,
+                 reference_.height, view_.width, view_.height);
+        }
+        const Comparison c = compare(pinhole_);
+        data_.affected_share = c.affected_share.value_or(0);
+        data_.pinhole_psnr_db = c.whole.errors.psnr_db;
+        if (c.noise) data_.noise_rms = std::sqrt(c.noise->reference_mse);
+        if (!data_.record_floor) data_.record_floor = record_floor();
+        write_image(folder_ / "pictures" / "reference.png", reference_);
+        save();
+    }
+
+    // Corner means are not the box filter's integrals: what no method that reads the records gets below.
+    [[nodiscard]] ChartError record_floor() const {
+        RenderSettings s = render_settings(request_, view_);
+        s.f_number = std::numeric_limits<double>::infinity();
+        s.shutter.reset();
+        s.spp = 2 * floor_spp;
+        s.halves = true;
+        s.seed = reference_seed;
+        RenderResult r = render_picture(scene_, s);
+        const Comparison c = compare_pictures({.image = pinhole_,
+                                               .reference = std::move(r.halves[0]),
+                                               .second_reference = std::move(r.halves[1])});
+        return chart_error(c.whole.errors, c.noise);
+    }
+
+    [[nodiscard]] Comparison compare(const Image& image) const {
+        return compare_pictures(
+            {.image = image, .reference = reference_, .pinhole = pinhole_, .second_reference = second_});
+    }
+
+    void measure_point(const PlannedPoint& p, int round) {
+        ChartPoint* to = nullptr;
+        for (ChartPoint& q : data_.points) {
+            if (q.name == p.name && q.trace == p.trace) to = &q;
+        }
+        if (!is_due(to->seconds, round) && to->figures) return;
+        const fs::path path = p.trace.empty() ? fs::path() : frame(p.trace);
+        Image image;
+        std::vector<std::string> warnings;
+        double retraced = 0;
+        const double seconds = seconds_of([&] { image = picture(p, path, retraced, warnings); });
+        if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
+        if (!to->figures) {
+            const std::string name = point_file_name(p.name) + ".png";
+            write_image(folder_ / "pictures" / name, image);
+            write_image(folder_ / "maps" / name, error_map(image, reference_));
+            to->figures = chart_figures(compare(image));
+            to->retraced_share = retraced;
+            to->warnings = warnings;
+        }
+        save();
+    }
+
+    [[nodiscard]] Image picture(const PlannedPoint& p, const fs::path& path, double& retraced,
+                                std::vector<std::string>& warnings) const {
+        using Kind = PlannedPoint::Kind;
+        if (p.kind == Kind::rays) {
+            RenderSettings s = render_settings(request_, view_);
+            s.spp = p.amount;
+            s.seed = points_seed;
+            return render_picture(scene_, s).image;
+        }
+        const SampleFileReader file(path);
+        if (p.kind == Kind::motionblur) {
+            MotionBlurSettings s{.exposure = {view_.shutter->open_s, view_.shutter->close_s},
+                                 .method = p.motion};
+            if (p.amount > 0) s.views = p.amount;
+            MotionBlurResult r = motion_blur(file, s);
+            for (const MotionWarning& w : r.warnings) warnings.push_back(w.code);
+            return std::move(r.image);
+        }
+        FocusSettings f{.lens = view_.lens, .focus_distance_m = view_.focus_m, .method = p.focus};
+        if (p.focus == FocusMethod::scatter && p.amount > 0) f.depths = p.amount;
+        if ((p.focus == FocusMethod::lightfield || p.focus == FocusMethod::hybrid) && p.amount > 0)
+            f.views = p.amount;
+        if (p.kind == Kind::focus && p.focus != FocusMethod::hybrid) {
+            if (p.focus == FocusMethod::pinhole) f.lens.f_number = std::numeric_limits<double>::infinity();
+            FocusResult r = focus_picture(file, f);
+            for (const FocusWarning& w : r.warnings) warnings.push_back(w.code);
+            return std::move(r.image);
+        }
+        HybridSettings h{.focus = f};
+        std::optional<FrameMotion> motion;
+        if (view_.shutter) {
+            motion = motion_of(file.header(), {});
+            h.motion = &*motion;
+            h.shutter = view_.shutter;
+        }
+        if (p.focus == FocusMethod::hybrid) h.scene = &scene_;
+        HybridResult r = hybrid_picture(file, h);
+        retraced = r.retraced_share;
+        for (const FocusWarning& w : r.focus.warnings) warnings.push_back(w.code);
+        return std::move(r.focus.image);
+    }
+
+    const ChartRequest& request_;
+    fs::path folder_;
+    Scene scene_;
+    ChartView view_;
+    ChartPlan plan_;
+    ChartData data_;
+    Image pinhole_, reference_;
+    std::optional<Image> second_;
+    std::size_t kept_ = 0;
+};
+
+}  // namespace
+
+std::string point_file_name(const std::string& name) {
+    std::string out;
+    for (const char c : name) {
+        const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                           c == '.' || c == '-' || c == '_';
+        if (plain) {
+            out += c;
+        } else if (!out.empty() && out.back() != '_') {
+            out += '_';
+        }
+    }
+    return out;
+}
+
+ChartRun run_chart(const ChartRequest& request, const fs::path& folder, bool restart) {
+    check_chart_request(request);
+    Runner runner(request, folder);
+    ChartRun out;
+    try {
+        runner.run(restart, out);
+    } catch (const Error& e) {
+        if (e.code() != ExitCode::interrupted) throw;
+        fail(ExitCode::interrupted,
+             "interrupted; {} holds what is finished, and the same command goes on from it", folder.string());
+    }
+    return out;
+}
+
+}  // namespace postlens
