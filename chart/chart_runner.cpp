@@ -105,6 +105,9 @@ class Runner {
   private:
     void begin(bool restart, ChartRun& out) {
         out.notes = scene_.notes;
+        for (const auto& given : {request_.reference, request_.second_reference}) {
+            if (given) check_size(*given, read_image_size(*given));
+        }
         make_folder(folder_);
         for (const char* name : {"frames", "pictures", "maps"}) make_folder(folder_ / name);
         const std::string key = key_of(request_, view_, scene_);
@@ -144,6 +147,12 @@ class Runner {
         }
         data_.points = std::move(points);
         save();
+    }
+
+    void check_size(const fs::path& path, const ImageSize& size) const {
+        if (size.width == view_.width && size.height == view_.height) return;
+        fail(ExitCode::invalid_input, "{}: wrong size (got {}x{}; expected {}x{})", path.string(), size.width,
+             size.height, view_.width, view_.height);
     }
 
     static void make_folder(const fs::path& path) {
@@ -216,11 +225,7 @@ class Runner {
             reference_ = read_image(halves[0]);
             second_ = read_image(halves[1]);
         }
-        if (reference_.width != view_.width || reference_.height != view_.height) {
-            fail(ExitCode::invalid_input, "{}: wrong size (got {}x{}; expected {}x{})",
-                 request_.reference.value_or(folder_ / "reference.exr").string(), reference_.width,
-                 reference_.height, view_.width, view_.height);
-        }
+        check_size(request_.reference.value_or(folder_ / "reference.exr"), {reference_.width, reference_.height});
         const Comparison c = compare(pinhole_);
         data_.affected_share = c.affected_share.value_or(0);
         data_.pinhole_psnr_db = c.whole.errors.psnr_db;

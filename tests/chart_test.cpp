@@ -95,7 +95,7 @@ TEST(ChartPlan, TracesKnowTheLensByItsDiameter) {
 }
 
 constexpr const char* two_boards =
-    "[scene]\nambient_light = 0\n[[camera]]\nfocal_length_mm = 50\nf_number = 1\nfocus_m = 4\n"
+    "[scene]\nambient_light = 0\n[[camera]]\nfocal_length_mm = 50\nf_number = 0.3\nfocus_m = 4\n"
     "[[material]]\nname = \"near\"\nambient = 0\ndiffuse = 0\nemission = [0.9, 0.3, 0.1]\n"
     "[[material]]\nname = \"far\"\nambient = 0\ndiffuse = 0\nemission = [0.1, 0.4, 0.8]\n"
     "[[object]]\nname = \"wall\"\nshape = \"rectangle\"\nmaterial = \"far\"\ncorner_m = [-9, -9, -4]\n"
