@@ -366,6 +366,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
     add_focus(app, *state);
     add_motionblur(app, *state);
     add_shoot(app, *state);
+    add_sweep(app, state->common);
     add_lens_commands(app, state->common);
     add_compare(app, *state);
     add_chart_command(app, state->common);

@@ -37,6 +37,8 @@ std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
 
 /// `lens` and its subcommands (cli_lens.cpp); what they parse lives in the callbacks.
 void add_lens_commands(CLI::App& root, ParsedCommand& common);
+/// `sweep` (cli_sweep.cpp), likewise.
+void add_sweep(CLI::App& root, ParsedCommand& common);
 
 template <typename Enum>
 CLI::Option* choice(CLI::App& app, const std::string& name, Enum& to, const std::string& help,

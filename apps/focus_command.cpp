@@ -105,6 +105,7 @@ CommandResult run_focus(const FocusOptions& options) {
                                  .depths = options.depths,
                                  .views = options.views};
     CommandResult out;
+    FocusFrame frame(file);
     FocusResult result;
     HybridResult hybrid;
     if (options.method == FocusMethod::hybrid && std::isfinite(lens.lens.f_number)) {
@@ -112,7 +113,7 @@ CommandResult run_focus(const FocusOptions& options) {
         result = std::move(hybrid.focus);
         result.method = FocusMethod::hybrid;
     } else {
-        result = focus_picture(file, settings);
+        result = focus_picture(frame, settings);
     }
     write_image(options.output, result.image);
 
@@ -120,8 +121,8 @@ CommandResult run_focus(const FocusOptions& options) {
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials) {
         const SampleHeader& h = file.header();
-        const auto bends = bend_warning(file, focus_geometry(lens.lens, lens.focus_m, options.lens.framing,
-                                                             {h.film_distance_mm, h.pixel_pitch_mm}));
+        const auto bends = bend_warning(frame, focus_geometry(lens.lens, lens.focus_m, options.lens.framing,
+                                                              {h.film_distance_mm, h.pixel_pitch_mm}));
         if (bends) out.warnings.push_back({bends->code, bends->text, bends->share});
     }
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;

@@ -1,4 +1,5 @@
-// An 8-bit sRGB picture to draw on with OpenCV. Used by error_map.cpp and side_by_side.cpp only.
+// An 8-bit sRGB picture to draw on with OpenCV. Used by error_map.cpp, side_by_side.cpp
+// and sweep/contact_sheet.cpp only.
 #pragma once
 
 #include <array>

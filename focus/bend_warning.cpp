@@ -10,7 +10,6 @@
 namespace postlens {
 namespace {
 
-constexpr int rows_per_band = 64;
 constexpr double most_px = 0.5;
 constexpr float darkest = 1.0F / 255;  // what is darker no eight-bit picture shows
 
@@ -39,7 +38,8 @@ double blur_px(const Record& r, const FocusGeometry& lens) {
 
 }  // namespace
 
-std::vector<float> misplaced_light(const SampleFileReader& file, const FocusGeometry& lens) {
+std::vector<float> misplaced_light(FocusFrame& frame, const FocusGeometry& lens) {
+    const SampleFileReader& file = frame.file();
     const SampleHeader& h = file.header();
     const Misplaced misplaced(lens);
     if (!misplaced.possible(h)) return {};
@@ -47,11 +47,11 @@ std::vector<float> misplaced_light(const SampleFileReader& file, const FocusGeom
     const auto stride = static_cast<std::size_t>(h.width) + 1;
     std::vector<double> sums(stride * (static_cast<std::size_t>(h.height) + 1), 0);
     bool any = false;
-    RecordBand band;
-    for (int begin = file.y_begin(); begin < file.y_end(); begin += rows_per_band) {
-        const int end = std::min(begin + rows_per_band, file.y_end());
-        file.read(begin, end, band);
-        for (std::size_t k = 0; k + 1 < band.offsets.size(); ++k) {
+    frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
+        const RecordBand& band = *rows.band;
+        for (std::size_t k = band.pixel(band.x_begin, rows.y_begin),
+                         last_pixel = band.pixel(band.x_begin, rows.y_end);
+             k < last_pixel; ++k) {
             const auto first = band.records.begin() + band.offsets[k],
                        last = band.records.begin() + band.offsets[k + 1];
             const auto samples = static_cast<double>(std::count_if(
@@ -75,7 +75,7 @@ std::vector<float> misplaced_light(const SampleFileReader& file, const FocusGeom
                 sums[y1 * stride + x1] += light;
             }
         }
-    }
+    });
     if (!any) return {};
     std::vector<float> out(static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height));
     std::vector<double> above(stride, 0);
@@ -90,15 +90,14 @@ std::vector<float> misplaced_light(const SampleFileReader& file, const FocusGeom
     return out;
 }
 
-std::optional<FocusWarning> bend_warning(const SampleFileReader& file, const FocusGeometry& lens) {
-    const SampleHeader& h = file.header();
+std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens) {
+    const SampleHeader& h = frame.file().header();
     const Misplaced is_misplaced(lens);
     if (!is_misplaced.possible(h)) return std::nullopt;
     std::vector<int> misplaced(static_cast<std::size_t>(h.height), 0);
-    RecordBand band;
-    for (int begin = 0; begin < h.height; begin += rows_per_band) {
-        const int end = std::min(begin + rows_per_band, h.height);
-        file.read(begin, end, band);
+    frame.visit_rows(0, h.height, [&](const FrameRows& rows) {
+        const RecordBand& band = *rows.band;
+        const int begin = std::max(rows.y_begin, 0), end = std::min(rows.y_end, h.height);
         parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i) {
             const int y = begin + static_cast<int>(i);
             for (int x = 0; x < h.width; ++x) {
@@ -108,7 +107,7 @@ std::optional<FocusWarning> bend_warning(const SampleFileReader& file, const Foc
                     ++misplaced[static_cast<std::size_t>(y)];
             }
         });
-    }
+    });
     double pixels = 0;
     for (const int of_row : misplaced) pixels += of_row;
     if (pixels == 0) return std::nullopt;

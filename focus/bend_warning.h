@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "focus/focus.h"
+#include "focus/frame.h"
 #include "lens/focus_geometry.h"
-#include "records/sample_file.h"
 
 namespace postlens {
 
@@ -15,11 +15,10 @@ namespace postlens {
 /// (d / pitch) W.bend (D / 2)^2 > 0.5 px. Nothing where there is none, for a pinhole, and for files that do
 /// not say (`SampleHeader::has_bend`). Reads the records of the picture once; the same for any number of
 /// threads.
-[[nodiscard]] std::optional<FocusWarning> bend_warning(const SampleFileReader& file,
-                                                       const FocusGeometry& lens);
+[[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens);
 
 /// Where that light goes: by pixel of the picture, the radiance of such nodes, each spread over a square as
 /// wide as its blur. Empty where bend_warning has nothing to say.
-[[nodiscard]] std::vector<float> misplaced_light(const SampleFileReader& file, const FocusGeometry& lens);
+[[nodiscard]] std::vector<float> misplaced_light(FocusFrame& frame, const FocusGeometry& lens);
 
 }  // namespace postlens

@@ -82,7 +82,8 @@ double FieldFocus::unknown_share() const {
            static_cast<double>(std::max<std::size_t>(unknown.size(), 1));
 }
 
-FieldFocus field_focus(const SampleFileReader& file, const FieldFocusSettings& settings) {
+FieldFocus field_focus(FocusFrame& frame, const FieldFocusSettings& settings) {
+    const SampleFileReader& file = frame.file();
     const FocusGeometry& g = settings.geometry;
     const PatchLens lens{g.gain_px * g.aperture_radius_m, g.inverse_focus_per_m};
     std::optional<Motions> motions;
@@ -96,15 +97,15 @@ FieldFocus field_focus(const SampleFileReader& file, const FieldFocusSettings& s
         };
     }
     const std::size_t instants = moves || settings.shutter ? file.instants() : 1;
-    std::vector<TreeSheets> sheets;
+    std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
     std::vector<double> instants_s;
     sheets.reserve(instants);
     for (std::size_t i = 0; i < instants; ++i) {
-        sheets.push_back(tree_sheets(file, i, instants == 1 ? rule : HighlightRule{}));
+        sheets.push_back(frame.sheets(i, instants == 1 ? rule : HighlightRule{}));
         instants_s.push_back(file.instant_s(i));
-        primary.push_back(cut_patches(sheets[i].primary, lens));
-        deeper.push_back(cut_patches(sheets[i].deeper, lens));
+        primary.push_back(cut_patches(sheets[i]->primary, lens));
+        deeper.push_back(cut_patches(sheets[i]->deeper, lens));
     }
     PatchField field;
     field.x = settings.window.x_begin;
@@ -115,7 +116,7 @@ FieldFocus field_focus(const SampleFileReader& file, const FieldFocusSettings& s
         field.instants.push_back({&primary[i], deeper[i].patches.empty() ? nullptr : &deeper[i]});
     if (moves) field.motion_class = [&](std::uint32_t id) { return motions->class_of(id); };
     const std::vector<LensViewPoint> points = lens_view_points(settings.aperture, g, settings.views);
-    const FieldHighlights highlights(sheets[0], settings.aperture, g, points, settings.window);
+    const FieldHighlights highlights(*sheets[0], settings.aperture, g, points, settings.window);
     if (highlights.any()) field.lights = &highlights;
     for (std::size_t i = 0; i < points.size(); ++i) {
         PatchView v;

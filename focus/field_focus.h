@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "focus/frame.h"
 #include "focus/lens_views.h"
 #include "focus/splat_tables.h"
 #include "lens/aperture.h"
@@ -43,6 +44,6 @@ struct FieldFocus {
 };
 
 /// Same bits for any number of threads.
-[[nodiscard]] FieldFocus field_focus(const SampleFileReader& file, const FieldFocusSettings& settings);
+[[nodiscard]] FieldFocus field_focus(FocusFrame& frame, const FieldFocusSettings& settings);
 
 }  // namespace postlens

@@ -19,22 +19,19 @@
 namespace postlens {
 namespace {
 
-/// Rows read at a time: with 4096 px a row and 3 records a pixel 40 MB.
-constexpr int rows_per_band = 64;
-
 RasterWindow recorded_corners(const SampleFileReader& file) {
     return {file.x_begin(), file.x_end(), file.y_begin(), file.y_end()};
 }
 
 /// Where to look for the traced pixels, and how much larger they are to appear.
-struct Frame {
+struct View {
     RasterWindow window;
     double zoom = 1;
 };
 
-Frame framed(const SampleFileReader& file, const FocusSettings& settings, const FocusGeometry& geometry) {
+View framed(const SampleFileReader& file, const FocusSettings& settings, const FocusGeometry& geometry) {
     const SampleHeader& h = file.header();
-    Frame out{{0, h.width, 0, h.height}, 1};
+    View out{{0, h.width, 0, h.height}, 1};
     if (settings.framing == Framing::keep) return out;
     out = {window_for_zoom(h.width, h.height, geometry.zoom), geometry.zoom};
     const RasterWindow& w = out.window;
@@ -51,30 +48,24 @@ Frame framed(const SampleFileReader& file, const FocusSettings& settings, const 
     return out;
 }
 
-Image traced_picture(const SampleFileReader& file, const RasterWindow& window) {
+Image traced_picture(FocusFrame& frame, const RasterWindow& window) {
     Image image(window.width(), window.height());
-    RecordBand band;
-    for (int begin = window.y_begin; begin < window.y_end; begin += rows_per_band) {
-        const int end = std::min(begin + rows_per_band, window.y_end);
-        file.read(begin, end + 1, band);
+    frame.visit_rows(window.y_begin, window.y_end, [&](const FrameRows& rows) {
+        const int begin = std::max(rows.y_begin, window.y_begin), end = std::min(rows.y_end, window.y_end);
         parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i) {
             const int y = begin + static_cast<int>(i);
-            picture_row(band, y, window.x_begin, window.x_end,
+            picture_row(*rows.band, y, window.x_begin, window.x_end,
                         {image.pixel(0, y - window.y_begin), static_cast<std::size_t>(window.width()) * 3});
         });
-    }
+    });
     return image;
 }
 
 /// Of SplatTables or LayerSplats.
 template <typename Splats>
-void take_in(const SampleFileReader& file, Splats& splats) {
-    RecordBand band;
-    for (int begin = file.y_begin(); begin < file.y_end(); begin += rows_per_band) {
-        const int end = std::min(begin + rows_per_band, file.y_end());
-        file.read(std::max(begin - 1, file.y_begin()), std::min(end + 1, file.y_end()), band);
-        splats.add_rows(band, begin, end);
-    }
+void take_in(FocusFrame& frame, Splats& splats) {
+    frame.visit_rows(frame.file().y_begin(), frame.file().y_end(),
+                     [&](const FrameRows& rows) { splats.add_rows(rows); });
     splats.finish();
 }
 
@@ -86,8 +77,9 @@ FocusGeometry in_traced_px(FocusGeometry geometry) {
     return geometry;
 }
 
-FocusResult spread(const SampleFileReader& file, const FocusSettings& settings, const FocusGeometry& geometry,
+FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const FocusGeometry& geometry,
                    const LensView* view, const RasterWindow& window) {
+    const SampleFileReader& file = frame.file();
     const FocusGeometry traced = in_traced_px(geometry);
     const DepthRange range = depth_range(file);
     const DepthLevels levels(traced, range, settings.spacing, settings.depths);
@@ -100,7 +92,7 @@ FocusResult spread(const SampleFileReader& file, const FocusSettings& settings, 
     FocusResult out;
     out.method = settings.method;
     const auto finish = [&](auto&& splats, const auto& method) {
-        take_in(file, splats);
+        take_in(frame, splats);
         method(splats, out.image);
         out.depths = levels.depths().value_or(splats.levels_used());
         out.largest_coc_px = splats.largest_coc_px() * geometry.zoom;
@@ -115,20 +107,20 @@ FocusResult spread(const SampleFileReader& file, const FocusSettings& settings, 
     return out;
 }
 
-FocusResult seen_from_lens(const SampleFileReader& file, const FocusSettings& settings,
-                           const FocusGeometry& geometry, const RasterWindow& window) {
+FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, const FocusGeometry& geometry,
+                           const RasterWindow& window) {
     check_has_points(settings.impulse);
     if (settings.depth_model != DepthModel::ray_differentials) {
         fail(ExitCode::wrong_arguments,
              "--depth-model: lightfield knows what is seen in mirrors by W (expected W, or another method)");
     }
     FieldFocus seen =
-        field_focus(file, {in_traced_px(geometry), read_aperture(settings.impulse), window, settings.views});
+        field_focus(frame, {in_traced_px(geometry), read_aperture(settings.impulse), window, settings.views});
     FocusResult out;
     out.method = FocusMethod::lightfield;
     out.image = std::move(seen.image);
     out.views = settings.views;
-    out.largest_coc_px = largest_coc_px(depth_range(file), geometry);
+    out.largest_coc_px = largest_coc_px(depth_range(frame.file()), geometry);
     constexpr double noticeable = 1e-3;
     if (seen.unknown_share() > noticeable) {
         out.warnings.push_back({"uncovered", seen.unknown_share(),
@@ -141,7 +133,8 @@ FocusResult seen_from_lens(const SampleFileReader& file, const FocusSettings& se
 
 }  // namespace
 
-FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings) {
+FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
+    const SampleFileReader& file = frame.file();
     const SampleHeader& h = file.header();
     const bool pinhole = settings.method == FocusMethod::pinhole || std::isinf(settings.lens.f_number);
     if (h.projection == Projection::orthographic) {
@@ -159,7 +152,10 @@ FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& set
                  "film "
                  "distance; expected the framing of the trace kept)");
         }
-        return {.image = pinhole_picture(file), .method = FocusMethod::pinhole, .warnings = {}};
+        return {.image = traced_picture(frame, {0, h.width, 0, h.height}),
+                .method = FocusMethod::pinhole,
+                .geometry = {},
+                .warnings = {}};
     }
     const Film film{h.film_distance_mm, h.pixel_pitch_mm};
     std::optional<LensView> view;
@@ -178,22 +174,29 @@ FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& set
     const FocusGeometry geometry =
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
-    const Frame frame = framed(file, settings, geometry);
+    const View shown = framed(file, settings, geometry);
     FocusResult out;
     if (pinhole) {
         out.method = FocusMethod::pinhole;
-        out.image = traced_picture(file, frame.window);
+        out.image = traced_picture(frame, shown.window);
     } else if (settings.method == FocusMethod::lightfield) {
-        out = seen_from_lens(file, settings, geometry, frame.window);
+        out = seen_from_lens(frame, settings, geometry, shown.window);
     } else {
-        out = spread(file, settings, geometry, view ? &*view : nullptr, frame.window);
+        out = spread(frame, settings, geometry, view ? &*view : nullptr, shown.window);
     }
-    if (frame.zoom != 1) out.image = reframe(out.image, frame.window, h.width, h.height, frame.zoom);
+    if (shown.zoom != 1) out.image = reframe(out.image, shown.window, h.width, h.height, shown.zoom);
+    out.geometry = geometry;
     return out;
 }
 
+FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings) {
+    FocusFrame frame(file);
+    return focus_picture(frame, settings);
+}
+
 Image pinhole_picture(const SampleFileReader& file) {
-    return traced_picture(file, {0, file.header().width, 0, file.header().height});
+    FocusFrame frame(file);
+    return traced_picture(frame, {0, file.header().width, 0, file.header().height});
 }
 
 }  // namespace postlens

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "focus/depth_levels.h"
+#include "focus/frame.h"
 #include "focus/lens_views.h"
 #include "lens/focus_geometry.h"
 #include "lens/impulse.h"
@@ -47,12 +48,16 @@ struct FocusResult {
     int depths = 0;
     int views = 0;              ///< of `lightfield`
     double largest_coc_px = 0;  ///< greatest diameter among the primary nodes, px of the image
+    /// Of the image; absent for an orthographic file.
+    std::optional<FocusGeometry> geometry;
     std::vector<FocusWarning> warnings;
 };
 
 /// The picture. Deterministic: the same bits for any number of threads.
 /// Throws Error(wrong_arguments) for settings out of range and for an orthographic file with a finite
 /// f-number, Error(invalid_input) for a damaged file.
+[[nodiscard]] FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings);
+/// One picture of a file.
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);
 
 /// The pinhole picture from the records alone; bit for bit part 0 of the file.

@@ -13,8 +13,6 @@
 namespace postlens {
 namespace {
 
-/// Corner rows that one task takes in: find_point_samples looks at one row more on either side.
-constexpr int rows_per_task = 8;
 /// Edge of a tile, px: what is looked at together when a block asks what reaches it.
 constexpr int tile_px = 64;
 
@@ -379,13 +377,17 @@ LayerSplats::LayerSplats(const RasterWindow& source, const RasterWindow& picture
       border_(source),
       rows_(static_cast<std::size_t>(source.height())) {}
 
-void LayerSplats::add_rows(const RecordBand& band, int y_begin, int y_end) {
-    const auto tasks = static_cast<std::size_t>((y_end - y_begin + rows_per_task - 1) / rows_per_task);
+void LayerSplats::add_rows(const FrameRows& rows) {
+    constexpr int step = FrameRows::rows_per_task;
+    const RecordBand& band = *rows.band;
+    const auto tasks = static_cast<std::size_t>((rows.y_end - rows.y_begin + step - 1) / step);
     parallel_for(tasks, [&](std::size_t task) {
-        const int first = y_begin + static_cast<int>(task) * rows_per_task;
-        const int last = std::min(first + rows_per_task, y_end);
-        PointSamples samples;
-        find_point_samples(band, first, last, source_.y_begin, source_.y_end - 1, samples);
+        const int first = rows.y_begin + static_cast<int>(task) * step;
+        const int last = std::min(first + step, rows.y_end);
+        PointSamples found;
+        if (rows.samples.empty())
+            find_point_samples(band, first, last, source_.y_begin, source_.y_end - 1, found);
+        const PointSamples& samples = rows.samples.empty() ? found : rows.samples[task];
         RowBuilder builder(*this);
         for (int y = first; y < last; ++y) {
             builder.build(band, samples,

@@ -9,6 +9,7 @@
 
 #include "focus/border_radii.h"
 #include "focus/depth_levels.h"
+#include "focus/frame.h"
 #include "focus/kernel.h"
 #include "focus/node_response.h"
 #include "focus/response_model.h"
@@ -72,7 +73,9 @@ class SplatTables {
 
     /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
     /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
-    void add_rows(const RecordBand& band, int y_begin, int y_end);
+    void add_rows(const RecordBand& band, int y_begin, int y_end) { add_rows({&band, y_begin, y_end, {}}); }
+    /// The same for rows whose point samples may be known.
+    void add_rows(const FrameRows& rows);
     /// Makes the kernels; after the last row.
     void finish();
 

@@ -125,6 +125,12 @@ void retrace(const Scene& scene, const RenderSettings& render, double most_retra
 }  // namespace
 
 HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings) {
+    FocusFrame frame(file);
+    return hybrid_picture(frame, settings);
+}
+
+HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
+    const SampleFileReader& file = frame.file();
     const SampleHeader& h = file.header();
     FocusSettings focus = settings.focus;
     if (focus.framing != Framing::keep) {
@@ -143,13 +149,13 @@ HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& 
     if (moves)
         by_field.shutter = {settings.motion, settings.shutter->open_s, settings.shutter->close_s,
                             settings.curve};
-    const FieldFocus field = field_focus(file, by_field);
+    const FieldFocus field = field_focus(frame, by_field);
     out.what.assign(field.unknown.size(), 0);
     if (std::find(field.left_out.begin(), field.left_out.end(), 1) != field.left_out.end()) {
         focus.method = FocusMethod::scatter;
         focus.spacing = DepthSpacing::inverse;
         focus.depths = fine_depths(depth_range(file), geometry);
-        out.focus = focus_picture(file, focus);
+        out.focus = focus_picture(frame, focus);
         std::size_t scattered = 0;
         for (std::size_t k = 0; k < field.left_out.size(); ++k) {
             if (field.left_out[k] != 0) {
@@ -166,8 +172,9 @@ HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& 
         out.focus.largest_coc_px = largest_coc_px(depth_range(file), geometry);
     }
     out.focus.views = focus.views;
+    out.focus.geometry = geometry;
     std::vector<std::uint32_t> pixels =
-        insufficient(field, misplaced_light(file, geometry), settings.tolerated);
+        insufficient(field, misplaced_light(frame, geometry), settings.tolerated);
     out.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
     if (settings.scene != nullptr) {
         retrace(*settings.scene, render_settings(h, settings, camera, by_field.aperture),

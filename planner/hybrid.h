@@ -40,6 +40,8 @@ struct HybridResult {
 
 /// Throws Error(invalid_input) for a scene that is not the file's own, and what focus_picture and
 /// render_picture throw. Same bits for any number of threads.
+[[nodiscard]] HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings);
+/// One picture of a file.
 [[nodiscard]] HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings);
 
 }  // namespace postlens

@@ -167,29 +167,30 @@ void SheetBuilder::add_sheets(std::size_t begin, std::size_t end, const SheetSqu
     emit(square);
 }
 
-void SheetBuilder::take_highlight(const Piece& piece, std::array<float, 3>& rgb,
-                                  std::array<float, 3>& excess) const {
-    excess = {};
-    if (std::max({rgb[0], rgb[1], rgb[2]}) <= rule_.above) return;
-    const TreeSurface& s = node(piece.node[0]);
-    const bool primary = s.path.bits() == 0;
-    if (!rule_.blurs(primary ? Mat2::isotropic(s.inverse_z) : s.w, primary ? s.id : s.parent_id)) return;
-    for (std::size_t c = 0; c < 3; ++c) {
-        excess[c] = std::max(0.0F, rgb[c] - rule_.above);
-        rgb[c] -= excess[c];
-    }
+void SheetBuilder::note_bright(std::size_t first_light, float area) {
+    if (out_.bright.size() == first_light) return;
+    const Texel& t = out_.texels.back();
+    out_.bright_texels.push_back({static_cast<std::uint32_t>(out_.texels.size() - 1),
+                                  static_cast<std::uint32_t>(first_light),
+                                  static_cast<std::uint32_t>(out_.bright.size() - first_light),
+                                  area,
+                                  {t.r, t.g, t.b}});
 }
 
 std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
-    std::array<float, 3> rgb{}, excess{};
+    std::array<float, 3> rgb{};
+    const std::size_t first_light = out_.bright.size();
     std::uint8_t children = 0;
     std::array<std::array<float, 3>, 2> below{};
     Texel t;
     const float share = 1.0F / static_cast<float>(piece.corners);
     for (int k = 0; k < piece.corners; ++k) {
         const TreeSurface& s = node(piece.node[static_cast<std::size_t>(k)]);
-        std::array<float, 3> colour = s.rgb;
-        if (rule_.blurs) take_highlight(piece, colour, excess);
+        std::array<float, 3> colour = s.rgb, excess{};
+        for (std::size_t c = 0; c < 3; ++c) {
+            excess[c] = std::max(0.0F, colour[c] - rule_.above);
+            colour[c] -= excess[c];
+        }
         for (std::size_t c = 0; c < 3; ++c) {
             rgb[c] += share * colour[c];
             for (std::size_t n = 0; n < 2; ++n) below[n][c] += share * s.below[n][c];
@@ -208,13 +209,14 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
         light.w = s.path.bits() == 0 ? Mat2::isotropic(s.inverse_z) : s.w;
         light.inverse_z = s.inverse_z;
         light.sheet = drafts_[sheet].number;
-        out_.highlights.push_back(light);
+        out_.bright.push_back(light);
     }
     t.r = rgb[0];
     t.g = rgb[1];
     t.b = rgb[2];
     t.info = (drafts_[sheet].number << 2U) | children;
     out_.texels.push_back(t);
+    note_bright(first_light, piece.size * piece.size);
     if (children != 0 && drafts_[sheet].key.path.bits() == 0) {
         out_.below.resize(out_.texels.size());
         out_.below.back() = below;
@@ -237,11 +239,13 @@ void SheetBuilder::add_cell(std::size_t sheet, std::span<const Piece* const> pie
     const auto at = static_cast<std::size_t>(cell);
     tree_pieces_.assign(pieces.begin(), pieces.end());
     mean_ = {};
+    const std::size_t first_light = out_.bright.size();
     draft.fine[at] = add_tree(sheet, tree_pieces_, 0, tree_pieces_.size(), 0, 0, 1, 0);
     draft.coarse[at] = draft.fine[at];
     if (mean_.texels > 1 && mean_.area > 1 - 1e-9) {
         out_.texels.push_back({static_cast<float>(mean_.rgb[0]), static_cast<float>(mean_.rgb[1]),
                                static_cast<float>(mean_.rgb[2]), (draft.number << 2U) | mean_.children});
+        note_bright(first_light, 1);
         if (!out_.below.empty()) {
             out_.below.resize(out_.texels.size());
             for (std::size_t n = 0; n < 2; ++n) {

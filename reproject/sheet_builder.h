@@ -46,7 +46,8 @@ class SheetBuilder {
                            std::size_t end, float x, float y, float size, int depth);
     std::uint32_t add_texel(std::size_t sheet, const Piece& piece);
     void fit(std::span<const Piece* const> pieces, Plane* planes) const;
-    void take_highlight(const Piece& piece, std::array<float, 3>& rgb, std::array<float, 3>& excess) const;
+    /// Notes that a texel of this area has the light that was added since there was so much.
+    void note_bright(std::size_t first_light, float area);
     void emit(const SheetSquare& square);
     [[nodiscard]] bool continuous(float low, float high, float size) const;
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }

@@ -37,9 +37,14 @@ void append(const SheetMesh& part, SheetMesh& mesh) {
         t.info += sheets << 2U;
         mesh.texels.push_back(t);
     }
-    for (Highlight h : part.highlights) {
+    for (BrightTexel b : part.bright_texels) {
+        b.texel += texels;
+        b.first_light += static_cast<std::uint32_t>(mesh.bright.size());
+        mesh.bright_texels.push_back(b);
+    }
+    for (Highlight h : part.bright) {
         h.sheet += sheets;
-        mesh.highlights.push_back(h);
+        mesh.bright.push_back(h);
     }
     move_all(part.planes, mesh.planes);
     if (!part.below.empty() && mesh.below.empty()) mesh.below.resize(texels);
@@ -92,7 +97,33 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             append(part.deeper, out.deeper);
         }
     }
+    take_highlights(out, rule);
     return out;
+}
+
+void take_highlights(TreeSheets& sheets, const HighlightRule& rule) {
+    for (SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
+        std::vector<std::uint8_t> taken(mesh->bright.size(), 0);
+        mesh->highlights.clear();
+        for (std::size_t i = 0; rule.blurs && i < taken.size(); ++i) {
+            const Highlight& light = mesh->bright[i];
+            const SheetKey& key = mesh->sheets[light.sheet].key;
+            if (!rule.blurs(light.w, key.path.bits() == 0 ? key.id : key.parent_id)) continue;
+            taken[i] = 1;
+            mesh->highlights.push_back(light);
+        }
+        for (const BrightTexel& b : mesh->bright_texels) {
+            std::array<float, 3> rgb = b.rgb;
+            for (std::uint32_t i = b.first_light; i < b.first_light + b.lights; ++i) {
+                if (taken[i] != 0) continue;
+                for (std::size_t c = 0; c < 3; ++c) rgb[c] += mesh->bright[i].rgb[c] / b.area;
+            }
+            Texel& to = mesh->texels[b.texel];
+            to.r = rgb[0];
+            to.g = rgb[1];
+            to.b = rgb[2];
+        }
+    }
 }
 
 }  // namespace postlens

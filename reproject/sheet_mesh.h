@@ -61,6 +61,14 @@ struct Highlight {
     std::uint32_t sheet = 0;
 };
 
+/// A texel that has light above the limit.
+struct BrightTexel {
+    std::uint32_t texel = 0;
+    std::uint32_t first_light = 0, lights = 0;  ///< of SheetMesh::bright: what it has of that
+    float area = 1;                             ///< px^2 of its square
+    std::array<float, 3> rgb{};                 ///< its colour without that
+};
+
 struct SheetMesh {
     static constexpr int square_px = 16;  ///< edge of a sheet's square
 
@@ -76,7 +84,10 @@ struct SheetMesh {
     std::vector<Texel> texels;
     /// By texel where primary surfaces have mirrors or glass, else empty: TreeSurface's.
     std::vector<std::array<std::array<float, 3>, 2>> below;
-    std::vector<Highlight> highlights;
+    /// All light above the limit, and the texels that have it, fine and coarse, unless it is taken.
+    std::vector<Highlight> bright;
+    std::vector<BrightTexel> bright_texels;
+    std::vector<Highlight> highlights;  ///< what of it is taken
 
     [[nodiscard]] bool has_w() const { return values == 5; }
 };
@@ -98,5 +109,8 @@ struct HighlightRule {
 /// what the reader throws.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule);
+
+/// Makes of sheets those of another rule with the same limit: bit for bit what `tree_sheets` gives for it.
+void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens

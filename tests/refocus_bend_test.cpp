@@ -186,7 +186,8 @@ TEST(BendWarning, SaysWhichShareWIsWrongFor) {
         EXPECT_TRUE(file.header().has_bend);
         FocusGeometry lens = focus_geometry({50, f_number}, 2, Framing::keep, {50, 36.0 / 64});
         lens.gain_px *= zoom;
-        return bend_warning(file, lens);
+        FocusFrame frame(file);
+        return bend_warning(frame, lens);
     };
     SceneBuilder ball;
     ball.add(Sphere{{0, 0, -1}, 0.15}, mirror(0.9));

@@ -1,0 +1,27 @@
+// `sweep`: one sample file, many lenses.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "apps/command.h"
+#include "sweep/sweep.h"
+
+namespace postlens {
+
+struct SweepOptions {
+    std::string input, output;
+    /// Lists as they were typed; absent: what the sample file names.
+    std::optional<std::string> f_number, focal_length, focus, shutter, impulse;
+    Impulse modifiers;          ///< squeeze, cats_eye and spherical, of every impulse response
+    std::string curve = "box";  ///< box, triangle or a file
+    std::optional<std::string> paths;
+    RetraceOptions retrace;
+    std::optional<std::string> format;
+    SweepSettings settings;
+    bool strict = false;
+};
+
+[[nodiscard]] CommandResult run_sweep(const SweepOptions& options);
+
+}  // namespace postlens

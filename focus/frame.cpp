@@ -1,0 +1,75 @@
+#include "focus/frame.h"
+
+#include <algorithm>
+
+#include "core/memory.h"
+#include "core/threads.h"
+#include "reproject/sheet_mesh.h"
+
+namespace postlens {
+namespace {
+
+/// Rows read at a time: with 4096 px a row and 3 records a pixel 40 MB.
+constexpr int rows_per_band = 64;
+
+void read_rows(const SampleFileReader& file, int y_begin, int y_end, RecordBand& band) {
+    file.read(std::max(y_begin - 1, file.y_begin()), std::min(y_end + 1, file.y_end()), band);
+}
+
+}  // namespace
+
+FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), many_(many) {
+    if (many) sheets_.resize(file.instants());
+}
+
+void FocusFrame::keep_all() {
+    std::uint64_t records = 0;
+    for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
+    // A record is at most one point sample; vectors that grow have up to as much again in reserve.
+    require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample)), "the records of the frame");
+    std::vector<Kept> all;
+    for (int begin = file_.y_begin(); begin < file_.y_end(); begin += rows_per_band) {
+        Kept& kept = all.emplace_back();
+        kept.y_begin = begin;
+        kept.y_end = std::min(begin + rows_per_band, file_.y_end());
+        read_rows(file_, kept.y_begin, kept.y_end, kept.band);
+        constexpr int step = FrameRows::rows_per_task;
+        kept.samples.resize(static_cast<std::size_t>((kept.y_end - begin + step - 1) / step));
+        parallel_for(kept.samples.size(), [&](std::size_t task) {
+            const int first = begin + static_cast<int>(task) * step;
+            find_point_samples(kept.band, first, std::min(first + step, kept.y_end), file_.y_begin(),
+                               file_.y_end() - 1, kept.samples[task]);
+        });
+    }
+    rows_ = std::move(all);
+}
+
+void FocusFrame::visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit) {
+    if (many_) {
+        if (rows_.empty()) keep_all();
+        for (const Kept& kept : rows_) {
+            if (kept.y_end > y_begin && kept.y_begin < y_end)
+                visit({&kept.band, kept.y_begin, kept.y_end, kept.samples});
+        }
+        return;
+    }
+    RecordBand band;
+    for (int begin = y_begin; begin < y_end; begin += rows_per_band) {
+        const int end = std::min(begin + rows_per_band, y_end);
+        read_rows(file_, begin, end, band);
+        visit({&band, begin, end, {}});
+    }
+}
+
+std::shared_ptr<const TreeSheets> FocusFrame::sheets(std::size_t instant, const HighlightRule& rule) {
+    if (!many_) return std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule));
+    std::shared_ptr<TreeSheets>& kept = sheets_[instant];
+    if (kept) {
+        take_highlights(*kept, rule);
+    } else {
+        kept = std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule));
+    }
+    return kept;
+}
+
+}  // namespace postlens

@@ -1,0 +1,107 @@
+#include "sweep/picture_maker.h"
+
+#include <cmath>
+#include <utility>
+
+#include "core/error.h"
+#include "motionblur/motion_blur.h"
+#include "planner/hybrid.h"
+
+namespace postlens {
+namespace {
+
+constexpr int shutter_views = 128;  // as `shoot`
+
+FocusMethod method_for(const std::optional<FocusMethod>& asked, bool with_shutter) {
+    if (!asked) return with_shutter ? FocusMethod::lightfield : FocusMethod::scatter;
+    if (with_shutter && *asked != FocusMethod::lightfield && *asked != FocusMethod::hybrid) {
+        fail(ExitCode::wrong_arguments,
+             "--method: not with a shutter (got {}; expected lightfield or hybrid, or no --shutter)",
+             method_name(*asked));
+    }
+    return *asked;
+}
+
+MadePicture made(FocusResult&& r, const char* method) {
+    return {std::move(r.image), method, r.depths, r.views, r.geometry, std::move(r.warnings)};
+}
+
+}  // namespace
+
+const char* method_name(FocusMethod method) {
+    switch (method) {
+        case FocusMethod::pinhole:
+            return "pinhole";
+        case FocusMethod::scatter:
+            return "scatter";
+        case FocusMethod::layers:
+            return "layers";
+        case FocusMethod::lightfield:
+            return "lightfield";
+        case FocusMethod::hybrid:
+            break;
+    }
+    return "hybrid";
+}
+
+PictureMaker::PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter)
+    : file_(file),
+      settings_(std::move(settings)),
+      method_(method_for(settings_.method, with_shutter)),
+      frame_(file, true) {
+    if (with_shutter) motion_.emplace(motion_of(file.header(), settings_.paths));
+}
+
+MadePicture PictureMaker::make(const SweepSetting& s) {
+    const FocusSettings focus{
+        .lens = {.focal_length_mm = s.focal_length_mm, .f_number = s.f_number},
+        .focus_distance_m = s.focus_m,
+        .framing = settings_.framing,
+        .method = method_,
+        .spacing = settings_.spacing,
+        .depth_model = settings_.depth_model,
+        .impulse = s.impulse,
+        .depths = settings_.depths,
+        .views = settings_.views.value_or(s.shutter ? shutter_views : default_lens_views)};
+    if (s.shutter) return moving(s, focus);
+    if (method_ == FocusMethod::hybrid && std::isfinite(s.f_number)) {
+        return made(
+            hybrid_picture(frame_,
+                           {.focus = focus, .scene = settings_.scene, .retrace_spp = settings_.retrace_spp})
+                .focus,
+            "hybrid");
+    }
+    FocusResult r = focus_picture(frame_, focus);
+    const char* name = method_name(r.method);
+    return made(std::move(r), name);
+}
+
+MadePicture PictureMaker::moving(const SweepSetting& s, const FocusSettings& focus) {
+    if (std::isfinite(s.f_number)) {
+        return made(hybrid_picture(frame_, {.focus = focus,
+                                            .motion = &*motion_,
+                                            .shutter = s.shutter,
+                                            .curve = settings_.curve,
+                                            .scene = settings_.scene,
+                                            .retrace_spp = settings_.retrace_spp})
+                        .focus,
+                    method_name(method_));
+    }
+    MotionBlurResult r = motion_blur(file_, {.exposure = {s.shutter->open_s, s.shutter->close_s},
+                                             .curve = settings_.curve,
+                                             .views = settings_.views,
+                                             .paths = settings_.paths});
+    MadePicture out;
+    out.image = std::move(r.image);
+    out.method = "motionblur";
+    out.views = r.views;
+    const SampleHeader& h = file_.header();
+    if (h.projection == Projection::perspective) {
+        out.geometry = focus_geometry(focus.lens, focus.focus_distance_m, Framing::keep,
+                                      {h.film_distance_mm, h.pixel_pitch_mm});
+    }
+    for (const MotionWarning& w : r.warnings) out.warnings.push_back({w.code, w.share, w.text});
+    return out;
+}
+
+}  // namespace postlens

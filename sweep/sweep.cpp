@@ -1,0 +1,332 @@
+#include "sweep/sweep.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <fstream>
+#include <set>
+#include <xxhash.h>
+
+#include "core/error.h"
+#include "core/output_file.h"
+#include "core/progress.h"
+#include "core/text_file.h"
+#include "focus/bend_warning.h"
+#include "records/pixel_samples.h"
+#include "sweep/contact_sheet.h"
+#include "sweep/figures.h"
+
+namespace postlens {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Of a file's bytes; 0 where it cannot be read.
+std::uint64_t file_checksum(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    if (!in) return 0;
+    XXH3_state_t state;
+    XXH3_64bits_reset(&state);
+    std::vector<char> buffer(1U << 20U);
+    while (in) {
+        in.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+        XXH3_64bits_update(&state, buffer.data(), static_cast<std::size_t>(in.gcount()));
+    }
+    return in.bad() ? 0 : XXH3_64bits_digest(&state);
+}
+
+std::string checksum_text(const std::filesystem::path& path) {
+    return fmt::format("{:016x}", file_checksum(path));
+}
+
+void make_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (!std::filesystem::is_directory(folder)) {
+        fail(ExitCode::cannot_write,
+             "{}: cannot be the folder of a sweep ({}; expected a folder, or a name "
+             "that is free)",
+             folder.string(), std::filesystem::exists(folder) ? "is a file" : error.message());
+    }
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+    OutputFile out(path);
+    out.write(text);
+    out.commit();
+}
+
+std::vector<glm::dvec2> points_of(const SweepSettings& s, const SampleHeader& h) {
+    std::vector<glm::dvec2> out = s.at;
+    for (const glm::dvec2& at : out) {
+        if (at.x < 0 || at.y < 0 || at.x >= h.width || at.y >= h.height) {
+            fail(ExitCode::wrong_arguments,
+                 "--at: outside the picture (got {:.6g},{:.6g}; expected 0,0 to "
+                 "less than {},{})",
+                 at.x, at.y, h.width, h.height);
+        }
+    }
+    if (!out.empty()) return out;
+    for (const double y : {1.0, 3.0, 5.0}) {
+        for (const double x : {1.0, 3.0, 5.0}) out.emplace_back(x / 6 * h.width, y / 6 * h.height);
+    }
+    return out;
+}
+
+std::vector<std::string> file_names(const SweepSettings& s, const SweepGrid& grid) {
+    std::vector<std::string> out;
+    for (std::size_t i = 0; i < grid.pictures.size(); ++i) {
+        std::string name = grid.pictures[i].name;
+        if (s.frames) {
+            const std::optional<std::string> numbered = numbered_name(*s.frames, i + 1);
+            if (!numbered || numbered->find('/') != std::string::npos) {
+                fail(ExitCode::wrong_arguments,
+                     "--frames: not a name with a number (got {}; expected e.g. pull.%04d)", *s.frames);
+            }
+            name = *numbered;
+        }
+        out.push_back(name + "." + s.format);
+    }
+    return out;
+}
+
+void check_format(const std::string& format) {
+    for (const char* known : {"exr", "png", "tif", "jpg"}) {
+        if (format == known) return;
+    }
+    fail(ExitCode::wrong_arguments, "--format: unknown (got {}; expected exr, png, tif or jpg)", format);
+}
+
+/// One sweep on its way.
+class Sweep {
+  public:
+    Sweep(const std::filesystem::path& frame, const SweepSettings& settings,
+          const std::filesystem::path& folder)
+        : settings_(settings),
+          folder_(folder),
+          file_(frame),
+          grid_(sweep_grid(settings.axes)),
+          names_(file_names(settings, grid_)),
+          rows_(names_.size()),
+          maker_(file_, settings.picture, !settings.axes.shutters.empty()) {
+        if (!(settings.coc_limit_px > 0) || !std::isfinite(settings.coc_limit_px)) {
+            fail(ExitCode::wrong_arguments, "--coc-limit: out of range (got {}; expected px, more than 0)",
+                 settings.coc_limit_px);
+        }
+        check_format(settings.format);
+        out_.table.frame = frame.string();
+        out_.table.coc_limit_px = settings.coc_limit_px;
+        out_.table.at = points_of(settings, file_.header());
+        out_.csv = folder / "sweep.csv";
+        out_.json = folder / "sweep.json";
+        make_folder(folder);
+        common_key_ = common_key(frame);
+    }
+
+    SweepResult run() {
+        const SampleHeader& h = file_.header();
+        std::optional<ContactSheet> sheet;
+        if (grid_.pictures.size() <= ContactSheet::most_pictures) {
+            std::vector<std::string> captions;
+            for (const SweepSetting& s : grid_.pictures) captions.push_back(s.caption);
+            sheet.emplace(ImageSize{h.width, h.height}, std::move(captions), grid_.row);
+        }
+        Progress progress("sweep", grid_.pictures.size(), settings_.quiet);
+        try {
+            // First what is there: an interruption must not lose it.
+            for (const auto keeping : {true, false}) {
+                const auto earlier = keeping ? earlier_rows() : std::map<std::string, SweepRow>();
+                for (std::size_t i = 0; i < rows_.size(); ++i) {
+                    throw_if_interrupted();
+                    Image image;
+                    if (rows_[i] || (keeping && !keep(i, earlier, sheet ? &image : nullptr))) continue;
+                    if (!keeping) image = make(i);
+                    if (sheet) sheet->set(i, image);
+                    progress.advance();
+                    if (!keeping && seconds_since(saved_) > 1) save();
+                }
+            }
+        } catch (...) {
+            save_if_possible();
+            throw;
+        }
+        save();
+        write_text(out_.csv, csv_text(out_.table));
+        if (sheet) {
+            out_.contact_sheet = folder_ / "contact.png";
+            write_image(*out_.contact_sheet, sheet->image());
+        }
+        return std::move(out_);
+    }
+
+  private:
+    [[nodiscard]] std::string common_key(const std::filesystem::path& frame) const {
+        const PictureSettings& p = settings_.picture;
+        std::string key = fmt::format(
+            "1 {} {} {} {} {} {} {} {} {:x} {}", checksum_text(frame), method_name(maker_.method()),
+            static_cast<int>(p.framing), static_cast<int>(p.spacing), static_cast<int>(p.depth_model),
+            p.depths.value_or(0), p.views.value_or(0), settings_.coc_limit_px, p.curve.fingerprint(),
+            p.scene != nullptr ? fmt::format("{} {}", p.scene->sha256, p.retrace_spp) : "");
+        for (const glm::dvec2& at : out_.table.at) key += fmt::format(" {},{}", at.x, at.y);
+        for (const auto& path : settings_.depends_on) key.append(" ").append(checksum_text(path));
+        return key;
+    }
+
+    [[nodiscard]] std::string key_of(const SweepSetting& s) const {
+        std::string key = fmt::format("{} {} {} {}", common_key_, s.f_number, s.focal_length_mm, s.focus_m);
+        if (s.shutter) key += fmt::format(" {}:{}", s.shutter->open_s, s.shutter->close_s);
+        const Impulse& i = s.impulse;
+        key += fmt::format(" {} {} {} {}", impulse_text(i), i.squeeze, i.cats_eye, i.spherical);
+        if (!i.file.empty()) key.append(" ").append(checksum_text(i.file));
+        return fmt::format("{:016x}", XXH3_64bits(key.data(), key.size()));
+    }
+
+    [[nodiscard]] std::map<std::string, SweepRow> earlier_rows() const {
+        constexpr std::uintmax_t largest_bytes = 64'000'000;
+        if (!settings_.resume || !std::filesystem::exists(out_.json)) return {};
+        return rows_of_json(read_text_file(out_.json, largest_bytes), out_.json.string());
+    }
+
+    /// `image`: null: not wanted.
+    bool keep(std::size_t i, const std::map<std::string, SweepRow>& earlier, Image* image) {
+        const auto found = earlier.find(names_[i]);
+        const SweepSetting& s = grid_.pictures[i];
+        if (found == earlier.end() || found->second.settings_key != key_of(s)) return false;
+        const std::filesystem::path path = folder_ / names_[i];
+        if (found->second.picture_checksum != checksum_text(path)) return false;
+        if (image != nullptr) *image = read_image(path);
+        SweepRow row = found->second;
+        row.setting = s;
+        rows_[i] = std::move(row);
+        ++out_.kept;
+        return true;
+    }
+
+    Image make(std::size_t i) {
+        if (depths_.inverse_z.empty()) prepare();
+        const auto start = Clock::now();
+        const SweepSetting& s = grid_.pictures[i];
+        MadePicture made = maker_.make(s);
+        const std::filesystem::path path = folder_ / names_[i];
+        write_image(path, made.image);
+        SweepRow row{.setting = s, .file = names_[i], .method = made.method};
+        row.depths = made.depths;
+        row.views = made.views;
+        const auto coc_px = [&](double inverse_z) {
+            return made.geometry ? made.geometry->coc_diameter_px(inverse_z) : 0.0;
+        };
+        for (const double inverse_z : inverse_z_at_) row.coc_px.push_back(coc_px(inverse_z));
+        for (const float inverse_z : {nearest_, farthest_}) {
+            row.largest_coc_px =
+                std::max(row.largest_coc_px, std::abs(coc_px(static_cast<double>(inverse_z))));
+        }
+        row.in_focus_share = in_focus_share(depths_, made.geometry, settings_.coc_limit_px);
+        if (pinhole_energy_ > 0) row.sharpness = gradient_energy(made.image) / pinhole_energy_;
+        row.settings_key = key_of(s);
+        row.picture_checksum = checksum_text(path);
+        warn_of_bend(made);
+        for (const FocusWarning& w : made.warnings) note(w);
+        row.seconds = seconds_since(start);
+        rows_[i] = std::move(row);
+        ++out_.made;
+        return std::move(made.image);
+    }
+
+    /// What all pictures are measured by.
+    void prepare() {
+        // What the light field keeps is sheets, not records.
+        FocusFrame once(file_);
+        const bool by_records = maker_.method() == FocusMethod::scatter ||
+                                maker_.method() == FocusMethod::layers ||
+                                maker_.method() == FocusMethod::pinhole;
+        FocusFrame& frame = by_records ? maker_.frame() : once;
+        depths_ = frame_depths(frame);
+        const auto [low, high] = std::minmax_element(depths_.inverse_z.begin(), depths_.inverse_z.end());
+        farthest_ = *low;
+        nearest_ = *high;
+        for (const glm::dvec2& at : out_.table.at) {
+            const double z_m = depth_at(file_, at.x, at.y);
+            inverse_z_at_.push_back(1 / z_m);
+        }
+        pinhole_energy_ =
+            gradient_energy(focus_picture(frame, {.lens = {.focal_length_mm = 50, .f_number = HUGE_VAL},
+                                                  .method = FocusMethod::pinhole})
+                                .image);
+    }
+
+    // As `focus` does.
+    void warn_of_bend(const MadePicture& made) {
+        if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
+            settings_.picture.depth_model != DepthModel::ray_differentials)
+            return;
+        // It counts nodes by the area of the lens alone.
+        const double lens =
+            made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
+        const auto [known, is_new] = bends_.try_emplace(lens);
+        if (is_new) {
+            FocusFrame once(file_);
+            known->second = bend_warning(maker_.method() == FocusMethod::lightfield ? once : maker_.frame(),
+                                         *made.geometry);
+        }
+        if (known->second) note(*known->second);
+    }
+
+    void note(const FocusWarning& w) {
+        const auto known = std::find_if(out_.warnings.begin(), out_.warnings.end(),
+                                        [&](const SweepWarning& k) { return k.worst.code == w.code; });
+        if (known == out_.warnings.end()) {
+            out_.warnings.push_back({w, 1});
+            return;
+        }
+        ++known->pictures;
+        if (w.share > known->worst.share) known->worst = w;
+    }
+
+    /// What is there by now, in order.
+    void save() {
+        out_.table.rows.clear();
+        for (const auto& row : rows_) {
+            if (row) out_.table.rows.push_back(*row);
+        }
+        write_text(out_.json, json_text(out_.table));
+        saved_ = Clock::now();
+    }
+
+    /// While something else has gone wrong, of which the user is to hear.
+    void save_if_possible() noexcept {
+        try {
+            if (out_.made + out_.kept > 0) save();
+        } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the first error is the one to tell
+        }
+    }
+
+    const SweepSettings& settings_;
+    std::filesystem::path folder_;
+    SampleFileReader file_;
+    SweepGrid grid_;
+    std::vector<std::string> names_;
+    std::vector<std::optional<SweepRow>> rows_;  ///< as names_; absent: not there yet
+    PictureMaker maker_;
+    std::string common_key_;
+    FrameDepths depths_;
+    float nearest_ = 0, farthest_ = 0;  ///< 1/m
+    std::vector<double> inverse_z_at_;
+    double pinhole_energy_ = 0;
+    std::map<double, std::optional<FocusWarning>> bends_;
+    Clock::time_point saved_ = Clock::now();
+    SweepResult out_;
+};
+
+}  // namespace
+
+SweepResult sweep(const std::filesystem::path& frame, const SweepSettings& settings,
+                  const std::filesystem::path& folder) {
+    return Sweep(frame, settings, folder).run();
+}
+
+}  // namespace postlens
