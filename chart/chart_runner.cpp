@@ -225,7 +225,8 @@ class Runner {
             reference_ = read_image(halves[0]);
             second_ = read_image(halves[1]);
         }
-        check_size(request_.reference.value_or(folder_ / "reference.exr"), {reference_.width, reference_.height});
+        check_size(request_.reference.value_or(folder_ / "reference.exr"),
+                   {reference_.width, reference_.height});
         const Comparison c = compare(pinhole_);
         data_.affected_share = c.affected_share.value_or(0);
         data_.pinhole_psnr_db = c.whole.errors.psnr_db;

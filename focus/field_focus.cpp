@@ -34,6 +34,9 @@ double reversed(std::uint32_t i) {
     return out / 4294967296.0;
 }
 
+/// From one set of views to the next, in time: far from the multiples of small fractions.
+constexpr double set_shift = 0.38196601125010515;
+
 /// Which ids move alike, and how.
 class Motions {
   public:
@@ -82,68 +85,84 @@ double FieldFocus::unknown_share() const {
            static_cast<double>(std::max<std::size_t>(unknown.size(), 1));
 }
 
-FieldFocus field_focus(FocusFrame& frame, const FieldFocusSettings& settings) {
-    const SampleFileReader& file = frame.file();
-    const FocusGeometry& g = settings.geometry;
-    const PatchLens lens{g.gain_px * g.aperture_radius_m, g.inverse_focus_per_m};
+struct FieldFocuser::Prepared {
     std::optional<Motions> motions;
-    if (settings.shutter) motions.emplace(*settings.shutter);
-    const bool moves = motions && motions->any();
-    // What moves through the frame blurs its highlights itself.
-    HighlightRule rule = highlight_rule(settings.aperture, g);
-    if (rule.blurs && moves) {
-        rule.blurs = [blurs = rule.blurs, &motions](const Mat2& w, std::uint32_t id) {
-            return !motions->moves(id) && blurs(w, id);
-        };
-    }
-    const std::size_t instants = moves || settings.shutter ? file.instants() : 1;
+    bool moves = false;
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
     std::vector<double> instants_s;
-    sheets.reserve(instants);
-    for (std::size_t i = 0; i < instants; ++i) {
-        sheets.push_back(frame.sheets(i, instants == 1 ? rule : HighlightRule{}));
-        instants_s.push_back(file.instant_s(i));
-        primary.push_back(cut_patches(sheets[i]->primary, lens));
-        deeper.push_back(cut_patches(sheets[i]->deeper, lens));
+};
+
+FieldFocuser::~FieldFocuser() = default;
+
+FieldFocuser::FieldFocuser(FocusFrame& frame, const FieldFocusSettings& settings)
+    : settings_(settings), prepared_(std::make_unique<Prepared>()) {
+    const SampleFileReader& file = frame.file();
+    const FocusGeometry& g = settings_.geometry;
+    Prepared& p = *prepared_;
+    const PatchLens lens{g.gain_px * g.aperture_radius_m, g.inverse_focus_per_m};
+    if (settings_.shutter) p.motions.emplace(*settings_.shutter);
+    p.moves = p.motions && p.motions->any();
+    // What moves through the frame blurs its highlights itself.
+    HighlightRule rule = highlight_rule(settings_.aperture, g);
+    if (rule.blurs && p.moves) {
+        rule.blurs = [blurs = rule.blurs, &p](const Mat2& w, std::uint32_t id) {
+            return !p.motions->moves(id) && blurs(w, id);
+        };
     }
+    const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
+    p.sheets.reserve(instants);
+    for (std::size_t i = 0; i < instants; ++i) {
+        p.sheets.push_back(frame.sheets(i, instants == 1 ? rule : HighlightRule{}));
+        p.instants_s.push_back(file.instant_s(i));
+        p.primary.push_back(cut_patches(p.sheets[i]->primary, lens));
+        p.deeper.push_back(cut_patches(p.sheets[i]->deeper, lens));
+    }
+}
+
+FieldFocus FieldFocuser::draw(const FieldViews& views) const {
+    const Prepared& p = *prepared_;
+    const FocusGeometry& g = settings_.geometry;
+    const std::size_t instants = p.sheets.size();
     PatchField field;
-    field.x = settings.window.x_begin;
-    field.y = settings.window.y_begin;
-    field.width = settings.window.width();
-    field.height = settings.window.height();
+    field.x = settings_.window.x_begin;
+    field.y = settings_.window.y_begin;
+    field.width = settings_.window.width();
+    field.height = settings_.window.height();
     for (std::size_t i = 0; i < instants; ++i)
-        field.instants.push_back({&primary[i], deeper[i].patches.empty() ? nullptr : &deeper[i]});
-    if (moves) field.motion_class = [&](std::uint32_t id) { return motions->class_of(id); };
-    const std::vector<LensViewPoint> points = lens_view_points(settings.aperture, g, settings.views);
-    const FieldHighlights highlights(*sheets[0], settings.aperture, g, points, settings.window);
+        field.instants.push_back({&p.primary[i], p.deeper[i].patches.empty() ? nullptr : &p.deeper[i]});
+    if (p.moves) field.motion_class = [&p](std::uint32_t id) { return p.motions->class_of(id); };
+    const std::vector<LensViewPoint> points = lens_view_points(settings_.aperture, g, views.count, views.set);
+    const FieldHighlights highlights(*p.sheets[0], settings_.aperture, g, points, settings_.window);
     if (highlights.any()) field.lights = &highlights;
     for (std::size_t i = 0; i < points.size(); ++i) {
         PatchView v;
         v.sample = points[i].place;
         v.lens = points[i].shift;
-        v.passes = passing(settings, points[i]);
+        v.passes = passing(settings_, points[i]);
         v.uses = {{0, 1, {}}};
-        if (settings.shutter && (moves || instants > 1)) {
-            const FieldShutter& s = *settings.shutter;
-            const double u = std::min(1.0, reversed(static_cast<std::uint32_t>(i)) + 0.5 / settings.views);
-            v.uses = uses_at(instants_s, s.open_s + s.curve.time(u) * (s.close_s - s.open_s), *motions);
-            if (!moves) {
+        if (settings_.shutter && (p.moves || instants > 1)) {
+            const FieldShutter& s = *settings_.shutter;
+            double u = std::min(1.0, reversed(static_cast<std::uint32_t>(i)) + 0.5 / views.count);
+            if (views.set > 0) u = std::fmod(u + views.set * set_shift, 1.0);
+            v.uses = uses_at(p.instants_s, s.open_s + s.curve.time(u) * (s.close_s - s.open_s), *p.motions);
+            if (!p.moves) {
                 for (auto& use : v.uses) use.motions.clear();
             }
         }
         field.views.push_back(std::move(v));
     }
     std::optional<OneSurface> simple;
-    if (settings.leave_out_from_share && !moves && instants == 1) {
-        simple = find_one_surface(primary[0], deeper[0],
-                                  g.gain_px * g.aperture_radius_m * settings.aperture.half_extent(),
-                                  g.inverse_focus_per_m, settings.window);
-        if (simple->share() < *settings.leave_out_from_share) simple.reset();
+    if (views.leave_out_from_share && !p.moves && instants == 1) {
+        simple = find_one_surface(p.primary[0], p.deeper[0],
+                                  g.gain_px * g.aperture_radius_m * settings_.aperture.half_extent(),
+                                  g.inverse_focus_per_m, settings_.window);
+        if (simple->share() < *views.leave_out_from_share) simple.reset();
     }
+    field.wanted = views.wanted;
     if (simple) {
-        field.wanted = [&simple](int x, int y, int width, int height) {
-            return !simple->all(x, y, width, height);
+        field.wanted = [&simple, &views](int x, int y, int width, int height) {
+            return !simple->all(x, y, width, height) && (!views.wanted || views.wanted(x, y, width, height));
         };
     }
     PatchPicture seen = patch_field(field);
@@ -164,6 +183,10 @@ FieldFocus field_focus(FocusFrame& frame, const FieldFocusSettings& settings) {
     out.unknown = std::move(seen.unknown);
     out.unknown_below = std::move(seen.unknown_below);
     return out;
+}
+
+FieldFocus field_focus(FocusFrame& frame, const FieldFocusSettings& settings) {
+    return FieldFocuser(frame, settings).draw({settings.views, 0, {}, settings.leave_out_from_share});
 }
 
 }  // namespace postlens

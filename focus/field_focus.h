@@ -2,6 +2,8 @@
 // each at its own instant.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
 
 #include "focus/frame.h"
@@ -41,6 +43,37 @@ struct FieldFocus {
     /// By pixel: 1 where it was left out, as asked for; empty if it was not.
     std::vector<std::uint8_t> left_out;
     [[nodiscard]] double unknown_share() const;
+};
+
+/// Which views a picture is the mean of.
+struct FieldViews {
+    int count = default_lens_views;
+    int set =
+        0;  ///< sets have different points, so that their errors are nearly independent; see lens_views.h
+    /// Whether a rectangle of the window is wanted; none: all is. What is not is left as filling gaps makes
+    /// it.
+    std::function<bool(int x, int y, int width, int height)> wanted;
+    std::optional<double> leave_out_from_share;  ///< as in FieldFocusSettings
+};
+
+/// The surfaces prepared for one lens, of which several pictures are drawn.
+class FieldFocuser {
+  public:
+    /// `views` and `leave_out_from_share` of the settings do not count.
+    FieldFocuser(FocusFrame& frame, const FieldFocusSettings& settings);
+    ~FieldFocuser();
+    FieldFocuser(const FieldFocuser&) = delete;
+    FieldFocuser& operator=(const FieldFocuser&) = delete;
+    FieldFocuser(FieldFocuser&&) = delete;
+    FieldFocuser& operator=(FieldFocuser&&) = delete;
+
+    /// Same bits for any number of threads.
+    [[nodiscard]] FieldFocus draw(const FieldViews& views) const;
+
+  private:
+    struct Prepared;
+    FieldFocusSettings settings_;
+    std::unique_ptr<Prepared> prepared_;
 };
 
 /// Same bits for any number of threads.

@@ -27,7 +27,7 @@ void check_has_points(const Impulse& impulse) {
 }
 
 std::vector<LensViewPoint> lens_view_points(const Aperture& aperture, const FocusGeometry& geometry,
-                                            int views) {
+                                            int views, int set) {
     if (views < 1 || views > most_lens_views) {
         fail(ExitCode::wrong_arguments, "--views: out of range (got {}; expected 1 to {})", views,
              most_lens_views);
@@ -40,14 +40,17 @@ std::vector<LensViewPoint> lens_view_points(const Aperture& aperture, const Focu
     out.reserve(static_cast<std::size_t>(views));
     for (int i = 0; i < views; ++i) {
         LensViewPoint p;
-        const double u = (i + 0.5) / views, v = fraction(i * golden);
+        // Sets differ by square roots, which have nothing to do with either number.
+        const double u = (i + 0.5) / views, v = fraction(i * golden + set * std::numbers::sqrt2);
         if (aperture.is_round()) {
             const double angle = 2 * std::numbers::pi * v;
             p.lens = std::sqrt(u) * glm::dvec2(std::cos(angle), std::sin(angle));
         } else {
             p.lens = aperture.sample(u, v);
         }
-        p.place = {fraction(0.5 + (i + 1) / plastic), fraction(0.5 + (i + 1) / (plastic * plastic))};
+        p.place = {fraction(0.5 + (i + 1) / plastic + set * std::numbers::sqrt3),
+                   fraction(0.5 + (i + 1) / (plastic * plastic) +
+                            set * (std::numbers::sqrt3 + std::numbers::sqrt2))};
         const glm::dvec2 q_px = geometry.gain_px * geometry.aperture_radius_m * p.lens;
         p.shift = {q_px, geometry.inverse_focus_per_m,
                    aperture.spherical_per_m() * glm::dot(p.lens, p.lens) * q_px};

@@ -26,8 +26,10 @@ void check_has_points(const Impulse& impulse);
 /// `views` points of the aperture, as even as its light, each with its place in the pixel: together a
 /// low-discrepancy set of four dimensions, the lens's part of which is a Vogel spiral [vogel1979] for a disc
 /// and a lattice along the golden ratio for other apertures. Throws Error(wrong_arguments) for a number
-/// outside 1..most_lens_views.
+/// outside 1..most_lens_views. `set`: 0, 1, ...; another set is turned about the axis by an irrational angle
+/// and shifted in the pixel.
 [[nodiscard]] std::vector<LensViewPoint> lens_view_points(const Aperture& aperture,
-                                                          const FocusGeometry& geometry, int views);
+                                                          const FocusGeometry& geometry, int views,
+                                                          int set = 0);
 
 }  // namespace postlens

@@ -8,65 +8,11 @@
 #include "focus/bend_warning.h"
 #include "focus/depth_levels.h"
 #include "focus/field_focus.h"
+#include "planner/retrace.h"
 #include "records/aperture_file.h"
-#include "tracer/eye_rays.h"
 
 namespace postlens {
 namespace {
-
-CameraOverrides overrides_of(const SampleHeader& h) {
-    return {h.width, h.height, h.film_distance_mm, h.pixel_pitch_mm * h.width};
-}
-
-/// The scene's camera that the file was traced through.
-std::string camera_of(const SampleHeader& h, const Scene& scene) {
-    for (const Camera& c : scene.cameras) {
-        if ((c.projection == Camera::Projection::perspective) != (h.projection == Projection::perspective))
-            continue;
-        const CameraModel model(c, h.time_s, overrides_of(h));
-        double difference = 0, size = 1;
-        for (int i = 0; i < 4; ++i) {
-            for (int j = 0; j < 4; ++j) {
-                difference =
-                    std::max(difference, std::abs(model.world_from_camera[i][j] - h.world_from_camera[i][j]));
-                size = std::max(size, std::abs(h.world_from_camera[i][j]));
-            }
-        }
-        if (difference <= 1e-9 * size) return c.name;
-    }
-    fail(ExitCode::invalid_input,
-         "{}: has no camera that stands where the sample file's does (expected the scene that it was traced "
-         "from)",
-         scene.name);
-}
-
-/// Of the camera that the file was traced through, in its own scene.
-std::string checked_camera(const SampleHeader& h, const Scene& scene) {
-    if (scene.sha256 != h.scene_sha256) {
-        fail(ExitCode::invalid_input,
-             "{}: is not the scene that the sample file was traced from (got SHA-256 {:.12}...; expected "
-             "{:.12}...)",
-             scene.name, scene.sha256, h.scene_sha256);
-    }
-    return camera_of(h, scene);
-}
-
-RenderSettings render_settings(const SampleHeader& h, const HybridSettings& s, const std::string& camera,
-                               const Aperture& aperture) {
-    RenderSettings r;
-    r.camera = overrides_of(h);
-    r.camera_name = camera;
-    r.time_s = h.time_s;
-    r.focal_length_mm = s.focus.lens.focal_length_mm;
-    r.f_number = s.focus.lens.f_number;
-    r.focus_m = s.focus.focus_distance_m;
-    r.aperture = std::make_shared<Aperture>(aperture);
-    r.shutter = s.shutter;
-    r.curve = s.curve;
-    r.spp = s.retrace_spp;
-    r.tracing = {h.max_depth, h.min_contribution};
-    return r;
-}
 
 /// Pixels that records do not suffice for, the worst first, ties by place: of whose light too much is
 /// unknown, or misplaced.
@@ -96,30 +42,6 @@ int fine_depths(const DepthRange& range, const FocusGeometry& g) {
         2 * g.gain_px * g.aperture_radius_m * (1 / *range.nearest_m - 1 / *range.farthest_m);
     return static_cast<int>(
         std::clamp(std::ceil(across_px / step_px) + 1, 2.0, static_cast<double>(DepthLevels::most_depths)));
-}
-
-void retrace(const Scene& scene, const RenderSettings& render, double most_retraced,
-             std::vector<std::uint32_t> pixels, HybridResult& out) {
-    const auto most = static_cast<std::size_t>(most_retraced * static_cast<double>(out.what.size()));
-    if (pixels.size() > most) {
-        out.focus.warnings.push_back(
-            {"retraced", static_cast<double>(pixels.size() - most) / static_cast<double>(out.what.size()),
-             fmt::format(
-                 "the records do not suffice for {:.1f} % of the pixels, of which {:.1f} % are traced "
-                 "again (expected a trace with --hidden-layers for this lens)",
-                 100 * out.wanted_share, 100 * most_retraced)});
-        pixels.resize(most);
-    }
-    if (pixels.empty()) return;
-    std::sort(pixels.begin(), pixels.end());  // neighbours together
-    const RenderedPixels traced = render_pixels(scene, render, pixels);
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-        std::copy(traced.rgb[i].begin(), traced.rgb[i].end(),
-                  out.focus.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * pixels[i]));
-        out.what[pixels[i]] = 2;
-    }
-    out.rays = traced.rays;
-    out.retraced_share = static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
 }
 
 }  // namespace
@@ -177,7 +99,7 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
         insufficient(field, misplaced_light(frame, geometry), settings.tolerated);
     out.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
     if (settings.scene != nullptr) {
-        retrace(*settings.scene, render_settings(h, settings, camera, by_field.aperture),
+        retrace(*settings.scene, retrace_settings(h, settings, camera, by_field.aperture),
                 settings.most_retraced, std::move(pixels), out);
     } else if (out.wanted_share > 1e-3) {
         out.focus.warnings.push_back(

@@ -1,0 +1,43 @@
+// The tiles that plans are made for: those that the light field is drawn in.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace postlens {
+
+struct TileGrid {
+    static constexpr int edge = 64;  ///< px
+    int width = 0, height = 0;       ///< of the picture, px
+
+    [[nodiscard]] int columns() const { return (width + edge - 1) / edge; }
+    [[nodiscard]] int rows() const { return (height + edge - 1) / edge; }
+    [[nodiscard]] std::size_t count() const {
+        return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows());
+    }
+    /// Of the pixel (x, y).
+    [[nodiscard]] std::size_t at(int x, int y) const {
+        return static_cast<std::size_t>(y / edge) * static_cast<std::size_t>(columns()) +
+               static_cast<std::size_t>(x / edge);
+    }
+    [[nodiscard]] int pixels(std::size_t tile) const {
+        const int x = static_cast<int>(tile) % columns() * edge,
+                  y = static_cast<int>(tile) / columns() * edge;
+        return std::min(edge, width - x) * std::min(edge, height - y);
+    }
+    /// Means by tile of a value for each pixel, row by row.
+    template <typename OfPixel>
+    [[nodiscard]] std::vector<double> means(const OfPixel& value) const {
+        std::vector<double> out(count(), 0);
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x)
+                out[at(x, y)] += value(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                       static_cast<std::size_t>(x));
+        }
+        for (std::size_t t = 0; t < out.size(); ++t) out[t] /= pixels(t);
+        return out;
+    }
+};
+
+}  // namespace postlens
