@@ -86,11 +86,23 @@ struct Strip {
     }
 };
 
-/// The strips, of `edge` rows each, to be read at once from row y on: what a million records reach for, at
-/// least `least`.
+/// Forgets what is in a mesh, not its memory.
+void clear(SheetMesh& m) {
+    m.sheets.clear();
+    m.fine.clear();
+    m.coarse.clear();
+    m.planes.clear();
+    m.nodes.clear();
+    m.texels.clear();
+    m.below.clear();
+    m.highlights.clear();
+}
+
+/// The strips, of `edge` rows each, to be read at once from row y on: enough work for several threads, little
+/// enough to stay in a cache.
 std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y) {
-    constexpr std::size_t least = 2, most = 64;
-    constexpr std::uint64_t enough = 1U << 20U;
+    constexpr std::size_t least = 4, most = 64;
+    constexpr std::uint64_t enough = 1U << 18U;
     const auto rows = file.scanlines(instant).subspan(static_cast<std::size_t>(y - file.y_begin()));
     std::uint64_t records = 0;
     std::size_t strips = 0;
@@ -128,8 +140,10 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
         parts.resize(first_part + count * tasks_per_strip);
         parallel_for(count * tasks_per_strip, [&](std::size_t t) {
             const Strip& strip = strips[t / tasks_per_strip];
-            TreeSheets& part = parts[first_part + t];
-            part.deeper.values = 5;
+            thread_local TreeSheets made;  // grown once
+            clear(made.primary);
+            clear(made.deeper);
+            made.deeper.values = 5;
             const auto build = [&](const SampleTrees& trees, const SheetKeys& keys, SheetMesh& mesh) {
                 if (trees.nodes.empty()) return;
                 SheetBuilder builder(strip.leaves, trees, keys, h, rule, mesh);
@@ -143,8 +157,9 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
                                    .y = strip.y});
                 }
             };
-            build(strip.primary, strip.primary_keys, part.primary);
-            build(strip.deeper, strip.deeper_keys, part.deeper);
+            build(strip.primary, strip.primary_keys, made.primary);
+            build(strip.deeper, strip.deeper_keys, made.deeper);
+            parts[first_part + t] = made;
         });
     }
     TreeSheets out;
