@@ -6,6 +6,7 @@
 
 #include "core/threads.h"
 #include "reproject/patch_raster.h"
+#include "reproject/patch_reach.h"
 #include "reproject/tree_sums.h"
 
 namespace postlens {
@@ -16,9 +17,19 @@ constexpr float same_depth = 0.02F;
 
 using Bins = std::vector<std::vector<std::uint32_t>>;  ///< by tile: patches that some view may have there
 
+/// A tile's patches of one chain of bounces: [begin, end) of its bin.
+struct Chain {
+    NodePath path;
+    std::size_t begin = 0, end = 0;
+};
+
 /// Everything that one thread draws with.
 struct Workplace {
     SeenTile seen[2];
+    /// By instant: bounds of the tile's patches, and their chains.
+    std::vector<std::vector<PatchReach>> primary_reach, deeper_reach;
+    std::vector<std::vector<Chain>> chains;
+    WantedPixels wanted;
     std::array<std::array<double, 4>, SeenTile::pixels> sum{};  ///< r, g, b and known
     TreeSums trees;
     TileViews views;
@@ -29,7 +40,13 @@ class Field {
   public:
     explicit Field(const PatchField& field)
         : field_(field), columns_(tiles(field.width)), rows_(tiles(field.height)) {
-        for (const PatchView& v : field.views) total_ += v.weight;
+        for (const PatchView& v : field.views) {
+            total_ += v.weight;
+            farthest_px_ = glm::max(farthest_px_, glm::abs(v.lens.lens_px));
+            farthest_shift_px_ =
+                std::max(farthest_shift_px_,
+                         glm::length(v.lens.inverse_focus_per_m * v.lens.lens_px + v.lens.offset_px));
+        }
         for (std::size_t i = 0; i < field.instants.size(); ++i) {
             primary_.push_back(sorted(*field.instants[i].primary, i));
             deeper_.push_back(field.instants[i].deeper != nullptr ? sorted(*field.instants[i].deeper, i)
@@ -152,6 +169,11 @@ class Field {
             return;
         }
         w.sum.fill({});
+        w.primary_reach.resize(field_.instants.size());
+        w.deeper_reach.resize(field_.instants.size());
+        w.chains.assign(field_.instants.size(), {});
+        for (std::size_t i = 0; i < field_.instants.size(); ++i)
+            find_reach(*field_.instants[i].primary, primary_[i][tile], w.primary_reach[i]);
         if (trees_) begin_trees(tile, w);
         const bool lights = field_.lights != nullptr && field_.lights->reach(x0, y0, at.width, at.height);
         if (lights) {
@@ -183,12 +205,17 @@ class Field {
         for (std::size_t i = 0; i < field_.instants.size(); ++i) {
             if (field_.instants[i].deeper == nullptr) continue;
             const PatchMesh& mesh = *field_.instants[i].deeper;
-            NodePath last;
-            for (const std::uint32_t p : deeper_[i][tile]) {
-                const NodePath path = mesh.sheet(mesh.patches[p]).key.path;
-                if (path != last) paths.push_back(path);
-                last = path;
+            const std::vector<std::uint32_t>& patches = deeper_[i][tile];
+            std::vector<Chain>& chains = w.chains[i];
+            for (std::size_t p = 0; p < patches.size(); ++p) {
+                const NodePath path = mesh.sheet(mesh.patches[patches[p]]).key.path;
+                if (chains.empty() || chains.back().path != path) {
+                    paths.push_back(path);
+                    chains.push_back({path, p, p});
+                }
+                chains.back().end = p + 1;
             }
+            find_reach(mesh, patches, w.deeper_reach[i]);
         }
         if (!paths.empty()) {
             paths.push_back(NodePath().child(NodePath::Bounce::reflected));
@@ -197,51 +224,71 @@ class Field {
         w.trees.begin(std::move(paths));
     }
 
+    /// Bounds of a tile's patches.
+    void find_reach(const PatchMesh& mesh, const std::vector<std::uint32_t>& patches,
+                    std::vector<PatchReach>& out) const {
+        out.clear();
+        for (const std::uint32_t p : patches)
+            out.push_back(patch_reach(mesh, mesh.patches[p], farthest_px_, farthest_shift_px_));
+    }
+
+    /// Whether a view has nothing of a patch in pixels [x0, x1) x [y0, y1) of the tile.
+    static bool misses(const PatchReach& reach, const LensShift& lens, const TilePlace& at, int x0, int x1,
+                       int y0, int y1) {
+        const glm::vec2 q(lens.lens_px),
+            shift(lens.inverse_focus_per_m * lens.lens_px + lens.offset_px);
+        return reach.misses(q.x, q.y, shift.x, shift.y, static_cast<float>(at.x + x0),
+                            static_cast<float>(at.x + x1), static_cast<float>(at.y + y0),
+                            static_cast<float>(at.y + y1));
+    }
+
     void draw_primary(const PatchView& v, const PatchView::Use& use, const TilePlace& at, std::size_t tile,
-                      SeenTile& seen) const {
+                      const std::vector<PatchReach>& reach, SeenTile& seen) const {
         const PatchMesh& mesh = *field_.instants[use.instant].primary;
+        const bool still = use.motions.empty();
         seen.clear();
         PatchPlace place;
-        for (const std::uint32_t p : primary_[use.instant][tile]) {
-            const Patch& patch = mesh.patches[p];
+        const std::vector<std::uint32_t>& patches = primary_[use.instant][tile];
+        for (std::size_t i = 0; i < patches.size(); ++i) {
+            if (still && misses(reach[i], v.lens, at, 0, at.width, 0, at.height)) continue;
+            const Patch& patch = mesh.patches[patches[i]];
             if (place_patch(mesh, patch, motion_of(mesh, patch, use), v.lens, place))
                 draw_patch(mesh, patch, place, at, seen);
         }
     }
 
     void draw_deeper(const PatchView& v, const PatchView::Use& use, const TilePlace& at, std::size_t tile,
-                     const SeenTile& seen, TreeSums& trees) const {
+                     const SeenTile& seen, Workplace& w) const {
         const PatchInstant& instant = field_.instants[use.instant];
-        trees.begin_use(*instant.primary->sheets,
-                        instant.deeper != nullptr ? instant.deeper->sheets : nullptr, seen);
+        w.trees.begin_use(*instant.primary->sheets,
+                          instant.deeper != nullptr ? instant.deeper->sheets : nullptr, seen);
         if (instant.deeper == nullptr) return;
         const PatchMesh& mesh = *instant.deeper;
+        const bool still = use.motions.empty();
+        const std::vector<PatchReach>& reach = w.deeper_reach[use.instant];
+        const WantedPixels& wanted = w.wanted;
         PatchPlace place;
-        NodePath path;
-        SeenTile* out = nullptr;
-        const SeenTile* in = nullptr;
-        for (const std::uint32_t p : deeper_[use.instant][tile]) {
-            const Patch& patch = mesh.patches[p];
-            const SheetKey& key = mesh.sheet(patch).key;
-            if (key.path != path) {
-                path = key.path;
-                out = trees.seen(path);
-                in = path.depth() == 1 ? &seen : trees.seen(path.parent());
-            }
-            if (out == nullptr || in == nullptr) continue;
-            if (place_patch(mesh, patch, motion_of(mesh, patch, use), v.lens, place)) {
-                draw_patch_in(mesh, patch, place, at, *(path.depth() == 1 ? instant.primary : &mesh)->sheets,
-                              *in, *out);
+        const std::vector<std::uint32_t>& patches = deeper_[use.instant][tile];
+        for (const Chain& chain : w.chains[use.instant]) {
+            SeenTile* out = w.trees.begin_chain(chain.path, w.wanted);
+            if (out == nullptr) continue;
+            for (std::size_t i = chain.begin; i < chain.end; ++i) {
+                if (still && misses(reach[i], v.lens, at, wanted.x_begin, wanted.x_end, wanted.y_begin,
+                                    wanted.y_end))
+                    continue;
+                const Patch& patch = mesh.patches[patches[i]];
+                if (place_patch(mesh, patch, motion_of(mesh, patch, use), v.lens, place))
+                    draw_patch_in(mesh, patch, place, at, wanted, *out);
             }
         }
     }
 
     void draw_view(const PatchView& v, const TilePlace& at, std::size_t tile, Workplace& w) const {
-        for (std::size_t u = 0; u < v.uses.size(); ++u) draw_primary(v, v.uses[u], at, tile, w.seen[u]);
+        for (std::size_t u = 0; u < v.uses.size(); ++u) draw_primary(v, v.uses[u], at, tile, w.primary_reach[v.uses[u].instant], w.seen[u]);
         const bool trees = trees_ && w.trees.any();
         // Per use: a pixel counts with the use's share where both show one surface, else the nearer counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
-            if (trees) draw_deeper(v, v.uses[u], at, tile, w.seen[u], w.trees);
+            if (trees) draw_deeper(v, v.uses[u], at, tile, w.seen[u], w);
             const SheetMesh& mesh = *field_.instants[v.uses[u].instant].primary->sheets;
             for (int y = 0; y < at.height; ++y) {
                 for (int x = 0; x < at.width; ++x) {
@@ -302,6 +349,8 @@ class Field {
     const PatchField& field_;
     int columns_, rows_;
     double total_ = 0;
+    glm::dvec2 farthest_px_{0};     ///< of the lens's points, by axis
+    double farthest_shift_px_ = 0;  ///< by which a view moves everything
     bool trees_ = false;
     std::vector<Bins> primary_, deeper_;
 };

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/multiversion.h"
-#include "reproject/sample_surfaces.h"
 
 namespace postlens {
 namespace {
@@ -92,19 +91,24 @@ POSTLENS_MULTIVERSION void keep_nearest(const std::uint32_t* __restrict node, co
     }
 }
 
-/// Calls draw(k, lanes, count) for the runs of samples of a tile that a patch may cover: pixel index of the
-/// first, and what is there.
+/// Pixels of a tile: [0, x_end) x [y_begin, y_end).
+struct Part {
+    int x_end = 0, y_begin = 0, y_end = 0;
+};
+
+/// Calls draw(k, lanes, count) for the runs of samples of a tile's part that a patch may cover: pixel index of
+/// the first, and what is there.
 template <typename Draw>
 void for_each_run(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
-                  const SeenTile& out, const Draw& draw) {
+                  const Part& part, const SeenTile& out, const Draw& draw) {
     const RasterRect rect = covered(patch, place);
     // Sample (i, j) lies at origin + (i, j).
     const glm::dvec2 origin = glm::dvec2(tile.x, tile.y) + tile.sample;
     constexpr auto margin = static_cast<double>(overlap);
     const double i_low = std::max(0.0, std::ceil(rect.x_min - margin - origin.x)),
-                 i_high = std::min(tile.width - 1.0, std::floor(rect.x_max + margin - origin.x)),
-                 j_low = std::max(0.0, std::ceil(rect.y_min - margin - origin.y)),
-                 j_high = std::min(tile.height - 1.0, std::floor(rect.y_max + margin - origin.y));
+                 i_high = std::min(part.x_end - 1.0, std::floor(rect.x_max + margin - origin.x)),
+                 j_low = std::max<double>(part.y_begin, std::ceil(rect.y_min - margin - origin.y)),
+                 j_high = std::min(part.y_end - 1.0, std::floor(rect.y_max + margin - origin.y));
     if (!(i_low <= i_high && j_low <= j_high)) return;
     const int i0 = static_cast<int>(i_low), i1 = static_cast<int>(i_high), j0 = static_cast<int>(j_low),
               j1 = static_cast<int>(j_high);
@@ -143,27 +147,51 @@ void for_each_run(const PatchMesh& mesh, const Patch& patch, const PatchPlace& p
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out) {
     if (!(glm::determinant(place.move) > smallest_area)) return;
-    for_each_run(mesh, patch, place, tile, out, [&](std::size_t k, const Lanes& lane, int count) {
+    const Part all{tile.width, 0, tile.height};
+    for_each_run(mesh, patch, place, tile, all, out, [&](std::size_t k, const Lanes& lane, int count) {
         keep_nearest(lane.node.data(), lane.z.data(), count, out.inverse_z.data() + k, out.texel.data() + k);
     });
 }
 
+void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, WantedPixels& wanted,
+                 SeenTile& out) {
+    out.inverse_z.fill(HUGE_VALF);
+    out.texel.fill(SeenTile::no_texel);
+    int x0 = SeenTile::edge, x1 = 0, y0 = SeenTile::edge, y1 = 0;
+    for (int y = 0; y < SeenTile::edge; ++y) {
+        for (int x = 0; x < SeenTile::edge; ++x) {
+            const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+            if (in.texel[k] == SeenTile::no_texel) continue;
+            const Texel& t = in_mesh.texels[in.texel[k]];
+            if ((t.children() & bounce) == 0) continue;
+            wanted.in[k] = in_mesh.sheets[t.sheet()].key.id;
+            out.inverse_z[k] = SeenTile::nothing;
+            x0 = std::min(x0, x);
+            x1 = std::max(x1, x + 1);
+            y0 = std::min(y0, y);
+            y1 = y + 1;
+        }
+    }
+    const bool any = x0 < x1;
+    wanted.x_begin = any ? x0 : 0;
+    wanted.x_end = any ? x1 : 0;
+    wanted.y_begin = any ? y0 : 0;
+    wanted.y_end = any ? y1 : 0;
+}
+
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
-                   const SheetMesh& in_mesh, const SeenTile& in, SeenTile& out) {
+                   const WantedPixels& wanted, SeenTile& out) {
     const auto& m = place.move;
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
-    const SheetKey& key = mesh.sheet(patch).key;
-    const std::uint8_t bounce = child_bit(key.path.kind());
-    for_each_run(mesh, patch, place, tile, out, [&](std::size_t first, const Lanes& lane, int count) {
+    const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
+    // Not from wanted.x_begin on: where a run begins decides how its places are rounded.
+    const Part part{wanted.x_end, wanted.y_begin, wanted.y_end};
+    for_each_run(mesh, patch, place, tile, part, out, [&](std::size_t first, const Lanes& lane, int count) {
         for (int i = 0; i < count; ++i) {
             const auto n = static_cast<std::size_t>(i);
             const std::size_t k = first + n;
-            if (lane.node[n] == SheetNode::none) continue;
-            if (in.texel[k] == SeenTile::no_texel) continue;
-            const Texel& seen_in = in_mesh.texels[in.texel[k]];
-            if ((seen_in.children() & bounce) == 0 || in_mesh.sheets[seen_in.sheet()].key.id != key.parent_id)
-                continue;
+            if (lane.node[n] == SheetNode::none || wanted.in[k] != parent_id) continue;
             out.inverse_z[k] = lane.z[n];
             out.texel[k] = lane.node[n] & ~SheetNode::leaf;
         }

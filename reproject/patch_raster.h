@@ -36,11 +36,23 @@ struct TilePlace {
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The same of what is seen in a mirror or glass, only where `in`, of `in_mesh`, shows the sheet's parent
-/// with a child of the sheet's kind. Turned over or not; but not where it is torn apart, a pixel to more than
-/// `largest_torn_px`.
+/// Where something is wanted that is seen in a mirror or glass, and in which.
+struct WantedPixels {
+    std::array<std::uint32_t, SeenTile::pixels> in{};  ///< the id it is seen in, where it is wanted
+    /// What it is wanted in, px of the tile; x_begin == x_end: nowhere.
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+};
+
+/// Where `in`, of `in_mesh`, has a child of the bounces `bounce` (child_bit): into `wanted`. `out` is cleared
+/// there; elsewhere what is nearer than everything keeps all from being drawn.
+void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, WantedPixels& wanted,
+                 SeenTile& out);
+
+/// The same of what is seen in a mirror or glass, only where it is wanted, in the sheet's parent. Turned over
+/// or not; but not where it is torn apart, a pixel to more than `largest_torn_px`. `out` as find_wanted has
+/// made it.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
-                   const SheetMesh& in_mesh, const SeenTile& in, SeenTile& out);
+                   const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;
 
 }  // namespace postlens

@@ -110,42 +110,70 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
         [&] { out.offsets.push_back(static_cast<std::uint32_t>(out.surfaces.size())); });
 }
 
+namespace {
+
+/// The nodes of a run, by path, each with the place of its parent in the run: its own place without one.
+void find_parents(const Record* first, const Record* last, std::vector<std::uint32_t>& parents) {
+    const auto count = static_cast<std::uint32_t>(last - first);
+    parents.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Record* parent = first[i].path.bits() == 0 ? nullptr : node_at(first, last, first[i].path.parent());
+        parents[i] = parent == nullptr ? i : static_cast<std::uint32_t>(parent - first);
+    }
+}
+
+}  // namespace
+
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, SampleTrees& primary,
                 SampleTrees& deeper) {
     for (SampleTrees* trees : {&primary, &deeper}) {
         trees->nodes.clear();
         trees->offsets.assign(1, 0);
+        trees->any_below = false;
     }
+    std::vector<std::uint32_t> parents;
+    std::vector<std::uint8_t> children;
+    const auto surface = [](const Record& r) {
+        TreeSurface s;
+        s.inverse_z = std::isinf(r.z) ? 0.0F : 1 / r.z;
+        s.rgb = {r.r, r.g, r.b};
+        s.id = r.id;
+        s.path = r.path;
+        s.w = r.w;
+        return s;
+    };
     for_each_layer(
         band, points, y_begin,
         [&](const Record* visible, const Record* first, const Record* last) {
             const bool own_tree = first->path.bits() == 0;
-            for (const Record* r = first; r != last; ++r) {
-                TreeSurface s;
-                s.inverse_z = std::isinf(r->z) ? 0.0F : 1 / r->z;
-                s.rgb = {r->r, r->g, r->b};
-                s.id = r->id;
-                s.path = r->path;
-                s.w = r->w;
-                for (const auto b : {NodePath::Bounce::reflected, NodePath::Bounce::transmitted}) {
-                    if (r->path.depth() < NodePath::max_bounces && node_at(first, last, r->path.child(b)))
-                        s.children |= child_bit(b);
-                }
-                if (r->path.bits() == 0) {
+            if (own_tree && last == first + 1) {  // by far the most
+                primary.nodes.push_back(surface(*first));
+                return;
+            }
+            find_parents(first, last, parents);
+            children.assign(parents.size(), 0);
+            for (std::uint32_t i = 0; i < parents.size(); ++i) {
+                if (parents[i] != i) children[parents[i]] |= child_bit(first[i].path.kind());
+            }
+            for (std::uint32_t i = 0; i < parents.size(); ++i) {
+                const Record& r = first[i];
+                TreeSurface s = surface(r);
+                s.children = children[i];
+                if (r.path.bits() == 0) {
                     for (const Record* d = first; d != last; ++d) {
                         if (d->path.bits() == 0) continue;
                         auto& below = s.below[static_cast<std::size_t>(d->path.bounce(0)) - 1];
                         below = {below[0] + d->r, below[1] + d->g, below[2] + d->b};
                     }
+                    primary.any_below = true;
                     primary.nodes.push_back(s);
                     continue;
                 }
-                const NodePath parent = r->path.parent();
-                const Record* seen_in = node_at(first, last, parent);
+                const Record* seen_in = parents[i] != i ? first + parents[i] : nullptr;
                 if (seen_in == nullptr && !own_tree) {
                     const Record* end = visible;  // the tree of layer 0 ends where its place or layer does
                     while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
-                    seen_in = node_at(visible, end, parent);
+                    seen_in = node_at(visible, end, r.path.parent());
                 }
                 if (seen_in == nullptr) continue;
                 s.parent_id = seen_in->id;

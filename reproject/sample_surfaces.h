@@ -56,6 +56,7 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
 struct SampleTrees {
     std::vector<TreeSurface> nodes;
     std::vector<std::uint32_t> offsets;
+    bool any_below = false;  ///< whether some node's `below` may be more than black
 };
 
 /// As find_surfaces, with every node by itself: primary nodes, hidden ones included, into `primary`, all

@@ -3,24 +3,27 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 namespace postlens {
 namespace {
 
 constexpr int edge = SheetMesh::square_px;
-constexpr std::size_t cells_of_square = static_cast<std::size_t>(edge) * edge;
 constexpr std::uint32_t none = 0xFFFFFFFFU;
 
 }  // namespace
 
-SheetBuilder::SheetBuilder(const PixelLeaves& leaves, const SampleTrees& trees, const SampleHeader& header,
-                           const HighlightRule& rule, SheetMesh& out)
+SheetBuilder::SheetBuilder(const PixelLeaves& leaves, const SampleTrees& trees, const SheetKeys& keys,
+                           const SampleHeader& header, const HighlightRule& rule, SheetMesh& out)
     : leaves_(leaves),
       trees_(trees),
+      keys_(keys),
       rule_(rule),
       out_(out),
       per_px_(across_per_px(header)),
-      perspective_(header.projection == Projection::perspective) {}
+      perspective_(header.projection == Projection::perspective),
+      key_pieces_(keys.keys.size(), 0),
+      key_group_(keys.keys.size(), none) {}
 
 bool SheetBuilder::continuous(float low, float high, float size) const {
     return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
@@ -29,76 +32,86 @@ bool SheetBuilder::continuous(float low, float high, float size) const {
 void SheetBuilder::build(const SheetSquare& square) {
     square_ = square;
     pieces_.clear();
+    keys_used_.clear();
     for (int row = 0; row < square.rows; ++row) {
         for (int column = square.first_pixel; column < square.last_pixel; ++column) {
             const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(square.band_width) +
                                static_cast<std::size_t>(column);
             const int cell = row * edge + column - square.first_pixel;
             for (std::uint32_t i = leaves_.leaf_offsets[pixel]; i < leaves_.leaf_offsets[pixel + 1]; ++i)
-                add_leaf(leaves_.leaves[i], cell, square);
+                add_leaf(leaves_.leaves[i], cell);
         }
     }
-    const auto by_key = [](const Piece& a, const Piece& b) { return a.key < b.key; };
-    if (!std::is_sorted(pieces_.begin(), pieces_.end(), by_key))
-        std::stable_sort(pieces_.begin(), pieces_.end(), by_key);
-    for (std::size_t i = 0; i < pieces_.size();) {
-        std::size_t end = i;
-        while (end < pieces_.size() && pieces_[end].key == pieces_[i].key) ++end;
-        add_sheets(i, end, square);
-        i = end;
+    sort_pieces();
+    std::uint32_t begin = 0;
+    for (const std::uint32_t key : keys_used_) {
+        const std::uint32_t end = key_pieces_[key];
+        key_ = keys_.keys[key];
+        add_sheets(std::span(sorted_).subspan(begin, end - begin));
+        key_pieces_[key] = 0;
+        begin = end;
     }
 }
 
-void SheetBuilder::add_leaf(const Leaf& leaf, int cell, const SheetSquare& square) {
+void SheetBuilder::sort_pieces() {
+    std::sort(keys_used_.begin(), keys_used_.end());
+    std::uint32_t begin = 0;
+    for (const std::uint32_t key : keys_used_) begin += std::exchange(key_pieces_[key], begin);
+    sorted_.resize(pieces_.size());
+    for (const Piece& p : pieces_) sorted_[key_pieces_[p.key]++] = &p;
+}
+
+void SheetBuilder::add_leaf(const Leaf& leaf, int cell) {
     const PointSample& at = leaves_.points.samples[leaf.corner[0]];
-    const float x = at.x - static_cast<float>(square.x + cell % edge),
-                y = at.y - static_cast<float>(square.y + cell / edge);
-    struct Entry {
-        SheetKey key;
-        std::uint32_t occurrence = 0, corner = 0, node = 0;
-    };
-    thread_local std::vector<Entry> entries;
-    entries.clear();
+    const float x = at.x - static_cast<float>(square_.x + cell % edge),
+                y = at.y - static_cast<float>(square_.y + cell / edge);
+    std::array<std::uint32_t, 4> begin{};
     bool simple = true;
-    for (std::uint32_t k = 0; k < 4; ++k) {
-        const std::uint32_t begin = trees_.offsets[leaf.corner[k]], end = trees_.offsets[leaf.corner[k] + 1];
-        simple = simple && end == begin + 1;
-        for (std::uint32_t i = begin; i < end; ++i) {
-            const TreeSurface& s = node(i);
-            Entry e{{s.path, s.parent_id, s.id}, 0, k, i};
-            for (auto p = entries.crbegin(); p != entries.crend() && p->corner == k; ++p)
-                e.occurrence += p->key == e.key ? 1U : 0U;
-            entries.push_back(e);
-        }
+    for (std::size_t k = 0; k < 4; ++k) {
+        begin[k] = trees_.offsets[leaf.corner[k]];
+        simple = simple && trees_.offsets[leaf.corner[k] + 1] == begin[k] + 1 &&
+                 keys_.of_node[begin[k]] == keys_.of_node[begin[0]];
     }
-    if (entries.empty()) return;
-    if (simple && entries[1].key == entries[0].key && entries[2].key == entries[0].key &&
-        entries[3].key == entries[0].key) {  // by far the most
-        add_group(entries[0].key, {entries[0].node, entries[1].node, entries[2].node, entries[3].node}, x, y,
-                  leaf.size, cell);
+    if (simple) {  // by far the most
+        add_group(keys_.of_node[begin[0]], begin, x, y, leaf.size, cell);
         return;
     }
-    // What the corners have in common makes squares: the n-th of a key with the n-th.
-    std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-        return a.key == b.key ? a.occurrence < b.occurrence : a.key < b.key;
-    });
-    for (std::size_t i = 0; i < entries.size();) {
-        std::array<std::uint32_t, 4> corners{none, none, none, none};
-        const Entry& first = entries[i];
-        for (; i < entries.size() && entries[i].key == first.key && entries[i].occurrence == first.occurrence;
-             ++i)
-            corners[entries[i].corner] = entries[i].node;
-        add_group(first.key, corners, x, y, leaf.size, cell);
+    // The n-th of a key with the n-th.
+    groups_.clear();
+    for (std::size_t k = 0; k < 4; ++k) {
+        for (std::uint32_t i = begin[k]; i < trees_.offsets[leaf.corner[k] + 1]; ++i) {
+            const std::uint32_t key = keys_.of_node[i];
+            std::uint32_t before = none, at_group = key_group_[key];
+            while (at_group != none && groups_[at_group].corners[k] != none) {
+                before = at_group;
+                at_group = groups_[at_group].next;
+            }
+            if (at_group == none) {
+                at_group = static_cast<std::uint32_t>(groups_.size());
+                (before == none ? key_group_[key] : groups_[before].next) = at_group;
+                groups_.push_back({key, none, {none, none, none, none}});
+            }
+            groups_[at_group].corners[k] = i;
+        }
+    }
+    for (const Group& g : groups_) {
+        add_group(g.key, g.corners, x, y, leaf.size, cell);
+        key_group_[g.key] = none;
     }
 }
 
-void SheetBuilder::add_group(const SheetKey& key, const std::array<std::uint32_t, 4>& corners, float x,
-                             float y, float size, int cell) {
+void SheetBuilder::add_piece(const Piece& piece) {
+    if (key_pieces_[piece.key]++ == 0) keys_used_.push_back(piece.key);
+    pieces_.push_back(piece);
+}
+
+void SheetBuilder::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
+                             float size, int cell) {
     if (std::find(corners.begin(), corners.end(), none) == corners.end()) {
         const auto [low, high] = std::minmax({node(corners[0]).inverse_z, node(corners[1]).inverse_z,
                                               node(corners[2]).inverse_z, node(corners[3]).inverse_z});
         if (continuous(low, high, size)) {
-            pieces_.push_back({key, cell, x, y, size, corners, 4, 0, 0});
+            add_piece({key, cell, x, y, size, corners, 4, 0, 0});
             return;
         }
     }
@@ -106,19 +119,19 @@ void SheetBuilder::add_group(const SheetKey& key, const std::array<std::uint32_t
     for (std::size_t k = 0; k < 4; ++k) {
         if (corners[k] == none) continue;
         const bool right = (k & 1U) != 0, down = (k & 2U) != 0;
-        pieces_.push_back({key,
-                           cell,
-                           right ? x + half : x,
-                           down ? y + half : y,
-                           half,
-                           {corners[k]},
-                           1,
-                           right ? x + size : x,
-                           down ? y + size : y});
+        add_piece({key,
+                   cell,
+                   right ? x + half : x,
+                   down ? y + half : y,
+                   half,
+                   {corners[k]},
+                   1,
+                   right ? x + size : x,
+                   down ? y + size : y});
     }
 }
 
-void SheetBuilder::add_sheets(std::size_t begin, std::size_t end, const SheetSquare& square) {
+void SheetBuilder::add_sheets(std::span<const Piece* const> pieces) {
     // Parts of a cell that cannot be one surface: each with its range of depths.
     struct Part {
         float low = 0, high = 0;
@@ -126,11 +139,11 @@ void SheetBuilder::add_sheets(std::size_t begin, std::size_t end, const SheetSqu
     };
     thread_local std::vector<Part> parts;
     drafts_used_ = 0;
-    for (std::size_t i = begin; i < end;) {
-        const int cell = pieces_[i].cell;
+    for (std::size_t i = 0; i < pieces.size();) {
+        const int cell = pieces[i]->cell;
         std::size_t used = 0;
-        for (; i < end && pieces_[i].cell == cell; ++i) {
-            const Piece& p = pieces_[i];
+        for (; i < pieces.size() && pieces[i]->cell == cell; ++i) {
+            const Piece& p = *pieces[i];
             float low = node(p.node[0]).inverse_z, high = low;
             for (int k = 1; k < p.corners; ++k) {
                 low = std::min(low, node(p.node[static_cast<std::size_t>(k)]).inverse_z);
@@ -154,17 +167,17 @@ void SheetBuilder::add_sheets(std::size_t begin, std::size_t end, const SheetSqu
             if (s == drafts_used_) {
                 if (drafts_used_ == drafts_.size()) drafts_.emplace_back();
                 Draft& d = drafts_[drafts_used_++];
-                d.key = pieces_[begin].key;
-                d.fine.assign(cells_of_square, SheetNode::none);
-                d.coarse.assign(cells_of_square, SheetNode::none);
-                d.planes.assign(cells_of_square * out_.values, {});
+                d.cells.clear();
+                d.fine.clear();
+                d.coarse.clear();
+                d.planes.clear();
                 d.depth = 0;
                 d.number = static_cast<std::uint32_t>(out_.sheets.size() + s);
             }
             add_cell(s, parts[s].pieces, cell);
         }
     }
-    emit(square);
+    emit();
 }
 
 void SheetBuilder::note_bright(std::size_t first_light, float area) {
@@ -191,9 +204,11 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
             excess[c] = std::max(0.0F, colour[c] - rule_.above);
             colour[c] -= excess[c];
         }
-        for (std::size_t c = 0; c < 3; ++c) {
-            rgb[c] += share * colour[c];
-            for (std::size_t n = 0; n < 2; ++n) below[n][c] += share * s.below[n][c];
+        for (std::size_t c = 0; c < 3; ++c) rgb[c] += share * colour[c];
+        if (trees_.any_below) {
+            for (std::size_t n = 0; n < 2; ++n) {
+                for (std::size_t c = 0; c < 3; ++c) below[n][c] += share * s.below[n][c];
+            }
         }
         children |= s.children;
         if (excess == std::array<float, 3>{}) continue;
@@ -217,16 +232,18 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
     t.info = (drafts_[sheet].number << 2U) | children;
     out_.texels.push_back(t);
     note_bright(first_light, piece.size * piece.size);
-    if (children != 0 && drafts_[sheet].key.path.bits() == 0) {
+    if (children != 0 && key_.path.bits() == 0) {
         out_.below.resize(out_.texels.size());
         out_.below.back() = below;
     } else if (!out_.below.empty()) {
         out_.below.resize(out_.texels.size());
     }
     const double area = static_cast<double>(piece.size) * static_cast<double>(piece.size);
-    for (std::size_t c = 0; c < 3; ++c) {
-        mean_.rgb[c] += area * static_cast<double>(rgb[c]);
-        for (std::size_t n = 0; n < 2; ++n) mean_.below[n][c] += area * static_cast<double>(below[n][c]);
+    for (std::size_t c = 0; c < 3; ++c) mean_.rgb[c] += area * static_cast<double>(rgb[c]);
+    if (trees_.any_below) {
+        for (std::size_t n = 0; n < 2; ++n) {
+            for (std::size_t c = 0; c < 3; ++c) mean_.below[n][c] += area * static_cast<double>(below[n][c]);
+        }
     }
     mean_.children |= children;
     mean_.area += area;
@@ -236,12 +253,12 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
 
 void SheetBuilder::add_cell(std::size_t sheet, std::span<const Piece* const> pieces, int cell) {
     Draft& draft = drafts_[sheet];
-    const auto at = static_cast<std::size_t>(cell);
     tree_pieces_.assign(pieces.begin(), pieces.end());
     mean_ = {};
     const std::size_t first_light = out_.bright.size();
-    draft.fine[at] = add_tree(sheet, tree_pieces_, 0, tree_pieces_.size(), 0, 0, 1, 0);
-    draft.coarse[at] = draft.fine[at];
+    draft.cells.push_back(cell);
+    draft.fine.push_back(add_tree(sheet, tree_pieces_, 0, tree_pieces_.size(), 0, 0, 1, 0));
+    draft.coarse.push_back(draft.fine.back());
     if (mean_.texels > 1 && mean_.area > 1 - 1e-9) {
         out_.texels.push_back({static_cast<float>(mean_.rgb[0]), static_cast<float>(mean_.rgb[1]),
                                static_cast<float>(mean_.rgb[2]), (draft.number << 2U) | mean_.children});
@@ -253,9 +270,16 @@ void SheetBuilder::add_cell(std::size_t sheet, std::span<const Piece* const> pie
                     out_.below.back()[n][c] = static_cast<float>(mean_.below[n][c]);
             }
         }
-        draft.coarse[at] = SheetNode::leaf | static_cast<std::uint32_t>(out_.texels.size() - 1);
+        draft.coarse.back() = SheetNode::leaf | static_cast<std::uint32_t>(out_.texels.size() - 1);
     }
-    fit(pieces, draft.planes.data() + at * out_.values);
+    std::array<Plane, 5> planes;
+    if (out_.values == 1) {
+        fit<1>(pieces, planes.data());
+    } else {
+        fit<5>(pieces, planes.data());
+    }
+    draft.planes.insert(draft.planes.end(), planes.begin(),
+                        planes.begin() + static_cast<std::ptrdiff_t>(out_.values));
 }
 
 std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*>& pieces, std::size_t begin,
@@ -270,9 +294,12 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*
     std::size_t from = begin;
     for (std::uint32_t k = 0; k < 4; ++k) {
         const float cx = (k & 1U) != 0 ? x + half : x, cy = (k & 2U) != 0 ? y + half : y;
-        const auto middle = std::stable_partition(at(from), at(end), [&](const Piece* p) {
+        const auto inside = [&](const Piece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
-        });
+        };
+        // Leaves come in the order of the quadtree: only surfaces one behind the other need sorting.
+        auto middle = std::find_if_not(at(from), at(end), inside);
+        if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());
         const std::uint32_t child = add_tree(sheet, pieces, from, to, cx, cy, half, depth + 1);
         out_.nodes[first + k] = child;
@@ -281,11 +308,11 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*
     return first;
 }
 
+template <std::size_t values>
 void SheetBuilder::fit(std::span<const Piece* const> pieces, Plane* planes) const {
     // Least squares around the middle of the cell; slopes that little is known of stay small.
     double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
-    std::array<double, 5> mean{}, vx{}, vy{};
-    const std::size_t values = out_.values;
+    std::array<double, values> mean{}, vx{}, vy{};
     const auto each = [&](const auto& visit) {
         for (const Piece* p : pieces) {
             const double area = static_cast<double>(p->size) * static_cast<double>(p->size) / p->corners;
@@ -297,14 +324,17 @@ void SheetBuilder::fit(std::span<const Piece* const> pieces, Plane* planes) cons
                                                      : (k & 2) != 0  ? p->y + p->size
                                                                      : p->y);
                 const TreeSurface& s = node(p->node[static_cast<std::size_t>(k)]);
-                visit(area, x, y,
-                      std::array<double, 5>{static_cast<double>(s.inverse_z), static_cast<double>(s.w.xx),
-                                            static_cast<double>(s.w.xy), static_cast<double>(s.w.yx),
-                                            static_cast<double>(s.w.yy)});
+                std::array<double, values> v{static_cast<double>(s.inverse_z)};
+                if constexpr (values == 5) {
+                    v = {static_cast<double>(s.inverse_z), static_cast<double>(s.w.xx),
+                         static_cast<double>(s.w.xy), static_cast<double>(s.w.yx),
+                         static_cast<double>(s.w.yy)};
+                }
+                visit(area, x, y, v);
             }
         }
     };
-    each([&](double a, double x, double y, const std::array<double, 5>& v) {
+    each([&](double a, double x, double y, const std::array<double, values>& v) {
         weight += a;
         mx += a * x;
         my += a * y;
@@ -313,7 +343,7 @@ void SheetBuilder::fit(std::span<const Piece* const> pieces, Plane* planes) cons
     mx /= weight;
     my /= weight;
     for (double& m : mean) m /= weight;
-    each([&](double a, double x, double y, const std::array<double, 5>& v) {
+    each([&](double a, double x, double y, const std::array<double, values>& v) {
         xx += a * (x - mx) * (x - mx);
         xy += a * (x - mx) * (y - my);
         yy += a * (y - my) * (y - my);
@@ -333,41 +363,40 @@ void SheetBuilder::fit(std::span<const Piece* const> pieces, Plane* planes) cons
     }
 }
 
-void SheetBuilder::emit(const SheetSquare& square) {
+void SheetBuilder::emit() {
     for (std::size_t s = 0; s < drafts_used_; ++s) {
         const Draft& d = drafts_[s];
-        int x0 = edge, x1 = 0, y0 = edge, y1 = 0;
+        int x0 = edge, x1 = 0;
         Sheet sheet;
         sheet.inverse_z_min = HUGE_VALF;
         sheet.inverse_z_max = -HUGE_VALF;
-        for (int cell = 0; cell < edge * edge; ++cell) {
-            const auto at = static_cast<std::size_t>(cell);
-            if (d.fine[at] == SheetNode::none) continue;
-            x0 = std::min(x0, cell % edge);
-            x1 = std::max(x1, cell % edge + 1);
-            y0 = std::min(y0, cell / edge);
-            y1 = std::max(y1, cell / edge + 1);
-            const float z = d.planes[at * out_.values].value;
+        for (std::size_t i = 0; i < d.cells.size(); ++i) {
+            x0 = std::min(x0, d.cells[i] % edge);
+            x1 = std::max(x1, d.cells[i] % edge + 1);
+            const float z = d.planes[i * out_.values].value;
             sheet.inverse_z_min = std::min(sheet.inverse_z_min, z);
             sheet.inverse_z_max = std::max(sheet.inverse_z_max, z);
         }
-        sheet.key = d.key;
-        sheet.x = square.x + x0;
-        sheet.y = square.y + y0;
+        const int y0 = d.cells.front() / edge, y1 = d.cells.back() / edge + 1;
+        sheet.key = key_;
+        sheet.x = square_.x + x0;
+        sheet.y = square_.y + y0;
         sheet.width = x1 - x0;
         sheet.height = y1 - y0;
         sheet.depth = d.depth;
-        sheet.first_cell = static_cast<std::uint32_t>(out_.fine.size());
-        for (int y = y0; y < y1; ++y) {
-            const auto from = static_cast<std::size_t>(y * edge + x0),
-                       to = static_cast<std::size_t>(y * edge + x1);
-            out_.fine.insert(out_.fine.end(), d.fine.begin() + static_cast<std::ptrdiff_t>(from),
-                             d.fine.begin() + static_cast<std::ptrdiff_t>(to));
-            out_.coarse.insert(out_.coarse.end(), d.coarse.begin() + static_cast<std::ptrdiff_t>(from),
-                               d.coarse.begin() + static_cast<std::ptrdiff_t>(to));
-            out_.planes.insert(out_.planes.end(),
-                               d.planes.begin() + static_cast<std::ptrdiff_t>(from * out_.values),
-                               d.planes.begin() + static_cast<std::ptrdiff_t>(to * out_.values));
+        const std::size_t first = out_.fine.size();
+        sheet.first_cell = static_cast<std::uint32_t>(first);
+        const std::size_t end = first + static_cast<std::size_t>(sheet.width * sheet.height);
+        out_.fine.resize(end, SheetNode::none);
+        out_.coarse.resize(end, SheetNode::none);
+        out_.planes.resize(end * out_.values);
+        for (std::size_t i = 0; i < d.cells.size(); ++i) {
+            const std::size_t to = first + static_cast<std::size_t>((d.cells[i] / edge - y0) * sheet.width +
+                                                                    d.cells[i] % edge - x0);
+            out_.fine[to] = d.fine[i];
+            out_.coarse[to] = d.coarse[i];
+            std::copy_n(d.planes.begin() + static_cast<std::ptrdiff_t>(i * out_.values), out_.values,
+                        out_.planes.begin() + static_cast<std::ptrdiff_t>(to * out_.values));
         }
         out_.sheets.push_back(sheet);
     }

@@ -6,6 +6,7 @@
 
 #include "records/quadtree.h"
 #include "reproject/sample_surfaces.h"
+#include "reproject/sheet_keys.h"
 #include "reproject/sheet_mesh.h"
 
 namespace postlens {
@@ -23,38 +24,47 @@ struct SheetSquare {
 class SheetBuilder {
   public:
     /// Keeps references to all.
-    SheetBuilder(const PixelLeaves& leaves, const SampleTrees& trees, const SampleHeader& header,
-                 const HighlightRule& rule, SheetMesh& out);
+    SheetBuilder(const PixelLeaves& leaves, const SampleTrees& trees, const SheetKeys& keys,
+                 const SampleHeader& header, const HighlightRule& rule, SheetMesh& out);
     void build(const SheetSquare& square);
 
   private:
     /// A square of the raster that shows one surface: its corners' nodes, or one node for a quarter.
     struct Piece {
-        SheetKey key;
+        std::uint32_t key = 0;  ///< of keys_
         int cell = 0;
         float x = 0, y = 0, size = 0;  ///< px from the cell's corner
         std::array<std::uint32_t, 4> node{};
         int corners = 4;  ///< 1: node[0] alone, which stands at (at_x, at_y)
         float at_x = 0, at_y = 0;
     };
-    void add_leaf(const Leaf& leaf, int cell, const SheetSquare& square);
-    void add_group(const SheetKey& key, const std::array<std::uint32_t, 4>& corners, float x, float y,
+    /// What the corners of a leaf have in common: the n-th node of a key at each.
+    struct Group {
+        std::uint32_t key = 0;
+        std::uint32_t next = 0;  ///< the group of the (n + 1)-th
+        std::array<std::uint32_t, 4> corners{};
+    };
+    void add_leaf(const Leaf& leaf, int cell);
+    void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
                    float size, int cell);
-    void add_sheets(std::size_t begin, std::size_t end, const SheetSquare& square);
+    void add_piece(const Piece& piece);
+    void sort_pieces();
+    void add_sheets(std::span<const Piece* const> pieces);
     void add_cell(std::size_t sheet, std::span<const Piece* const> pieces, int cell);
     std::uint32_t add_tree(std::size_t sheet, std::vector<const Piece*>& pieces, std::size_t begin,
                            std::size_t end, float x, float y, float size, int depth);
     std::uint32_t add_texel(std::size_t sheet, const Piece& piece);
+    template <std::size_t values>
     void fit(std::span<const Piece* const> pieces, Plane* planes) const;
     /// Notes that a texel of this area has the light that was added since there was so much.
     void note_bright(std::size_t first_light, float area);
-    void emit(const SheetSquare& square);
+    void emit();
     [[nodiscard]] bool continuous(float low, float high, float size) const;
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
 
-    /// A sheet as it is being made, over the whole square.
+    /// A sheet as it is being made: its cells in the square's order, with what is in each.
     struct Draft {
-        SheetKey key;
+        std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;
         std::vector<Plane> planes;
         int depth = 0;
@@ -63,14 +73,21 @@ class SheetBuilder {
 
     const PixelLeaves& leaves_;
     const SampleTrees& trees_;
+    const SheetKeys& keys_;
     const HighlightRule& rule_;
     SheetMesh& out_;
     double per_px_;
     bool perspective_;
     SheetSquare square_;
     std::vector<Piece> pieces_;
+    std::vector<const Piece*> sorted_;      ///< by key, in each as they came
+    std::vector<std::uint32_t> keys_used_;  ///< by pieces_; growing once sorted
+    /// By key: pieces, then where in sorted_ they end; and the first group of a leaf. 0 and `none` between uses.
+    std::vector<std::uint32_t> key_pieces_, key_group_;
+    std::vector<Group> groups_;
     std::vector<Draft> drafts_;
     std::size_t drafts_used_ = 0;
+    SheetKey key_;  ///< of the drafts
     std::vector<const Piece*> tree_pieces_;
     /// Of the texels of a cell, by area.
     struct Mean {

@@ -6,50 +6,119 @@
 #include "core/memory.h"
 #include "core/threads.h"
 #include "reproject/sheet_builder.h"
+#include "reproject/sheet_keys.h"
 
 namespace postlens {
 namespace {
-
-template <typename T>
-void move_all(const std::vector<T>& from, std::vector<T>& to) {
-    to.insert(to.end(), from.begin(), from.end());
-}
 
 std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint32_t first_texel) {
     if (node == SheetNode::none) return node;
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// Adds what one task has made, numbered from 0, to the whole.
-void append(const SheetMesh& part, SheetMesh& mesh) {
-    const auto cells = static_cast<std::uint32_t>(mesh.fine.size());
-    const auto nodes = static_cast<std::uint32_t>(mesh.nodes.size());
-    const auto texels = static_cast<std::uint32_t>(mesh.texels.size());
-    const auto sheets = static_cast<std::uint32_t>(mesh.sheets.size());
-    for (Sheet s : part.sheets) {
-        s.first_cell += cells;
-        mesh.sheets.push_back(s);
+/// How much of a whole comes before what one task has made.
+struct Before {
+    std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
+};
+
+/// Appends, list by list, what tasks have made, whose numbers count from 0; frees it meanwhile. `made(t)` is
+/// the mesh of task t.
+template <typename Made>
+void join(std::size_t tasks, const Made& made, SheetMesh& out) {
+    std::vector<Before> before(tasks + 1);
+    bool any_below = false;
+    for (std::size_t t = 0; t < tasks; ++t) {
+        const SheetMesh& m = made(t);
+        const Before& b = before[t];
+        before[t + 1] = {b.sheets + m.sheets.size(), b.cells + m.fine.size(), b.nodes + m.nodes.size(),
+                         b.texels + m.texels.size(), b.bright + m.bright.size(),
+                         b.bright_texels + m.bright_texels.size()};
+        any_below = any_below || !m.below.empty();
     }
-    for (const std::uint32_t n : part.fine) mesh.fine.push_back(relocated(n, nodes, texels));
-    for (const std::uint32_t n : part.coarse) mesh.coarse.push_back(relocated(n, nodes, texels));
-    for (const std::uint32_t n : part.nodes) mesh.nodes.push_back(relocated(n, nodes, texels));
-    for (Texel t : part.texels) {
-        t.info += sheets << 2U;
-        mesh.texels.push_back(t);
+    const auto each = [&](auto SheetMesh::*list, std::size_t Before::*first, std::size_t per_entry,
+                          const auto& changed) {
+        auto& to = out.*list;
+        to.resize(before[tasks].*first * per_entry);
+        parallel_for(tasks, [&](std::size_t t) {
+            auto& from = made(t).*list;
+            std::transform(from.begin(), from.end(),
+                           to.begin() + static_cast<std::ptrdiff_t>(before[t].*first * per_entry),
+                           [&](const auto& entry) { return changed(entry, before[t]); });
+            from = {};
+        });
+    };
+    const auto moved_node = [](std::uint32_t node, const Before& b) {
+        return relocated(node, static_cast<std::uint32_t>(b.nodes), static_cast<std::uint32_t>(b.texels));
+    };
+    const auto same = [](const auto& entry, const Before&) { return entry; };
+    each(&SheetMesh::sheets, &Before::sheets, 1, [](Sheet s, const Before& b) {
+        s.first_cell += static_cast<std::uint32_t>(b.cells);
+        return s;
+    });
+    each(&SheetMesh::fine, &Before::cells, 1, moved_node);
+    each(&SheetMesh::coarse, &Before::cells, 1, moved_node);
+    each(&SheetMesh::planes, &Before::cells, out.values, same);
+    each(&SheetMesh::nodes, &Before::nodes, 1, moved_node);
+    each(&SheetMesh::texels, &Before::texels, 1, [](Texel t, const Before& b) {
+        t.info += static_cast<std::uint32_t>(b.sheets) << 2U;
+        return t;
+    });
+    each(&SheetMesh::bright, &Before::bright, 1, [](Highlight h, const Before& b) {
+        h.sheet += static_cast<std::uint32_t>(b.sheets);
+        return h;
+    });
+    each(&SheetMesh::bright_texels, &Before::bright_texels, 1, [](BrightTexel t, const Before& b) {
+        t.texel += static_cast<std::uint32_t>(b.texels);
+        t.first_light += static_cast<std::uint32_t>(b.bright);
+        return t;
+    });
+    if (any_below) each(&SheetMesh::below, &Before::texels, 1, same);
+}
+
+constexpr int edge = SheetMesh::square_px;
+
+/// What is known of rows of squares that one task has taken apart.
+struct Strip {
+    int y = 0, y_end = 0;
+    PixelLeaves leaves;
+    SampleTrees primary, deeper;
+    SheetKeys primary_keys, deeper_keys;
+
+    void find(const RecordBand& band) {
+        find_leaves(band, y, y_end, leaves);
+        find_trees(band, leaves.points, y, primary, deeper);
+        find_sheet_keys(primary, primary_keys);
+        find_sheet_keys(deeper, deeper_keys);
     }
-    for (BrightTexel b : part.bright_texels) {
-        b.texel += texels;
-        b.first_light += static_cast<std::uint32_t>(mesh.bright.size());
-        mesh.bright_texels.push_back(b);
+};
+
+/// Forgets what is in a mesh, not its memory.
+void clear(SheetMesh& m) {
+    m.sheets.clear();
+    m.fine.clear();
+    m.coarse.clear();
+    m.planes.clear();
+    m.nodes.clear();
+    m.texels.clear();
+    m.below.clear();
+    m.bright.clear();
+    m.bright_texels.clear();
+    m.highlights.clear();
+}
+
+/// The strips, of `edge` rows each, to be read at once from row y on: enough work for several threads, little
+/// enough to stay in a cache.
+std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y) {
+    constexpr std::size_t least = 4, most = 64;
+    constexpr std::uint64_t enough = 1U << 18U;
+    const auto rows = file.scanlines(instant).subspan(static_cast<std::size_t>(y - file.y_begin()));
+    std::uint64_t records = 0;
+    std::size_t strips = 0;
+    for (std::size_t row = 0; row + 1 < rows.size() && strips < most; ++strips) {
+        if (strips >= least && records >= enough) break;
+        for (int i = 0; i < edge && row + 1 < rows.size(); ++i) records += rows[row++].records;
     }
-    for (Highlight h : part.bright) {
-        h.sheet += sheets;
-        mesh.bright.push_back(h);
-    }
-    move_all(part.planes, mesh.planes);
-    if (!part.below.empty() && mesh.below.empty()) mesh.below.resize(texels);
-    move_all(part.below, mesh.below);
-    if (!mesh.below.empty()) mesh.below.resize(mesh.texels.size());
+    return strips;
 }
 
 }  // namespace
@@ -57,46 +126,54 @@ void append(const SheetMesh& part, SheetMesh& mesh) {
 TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const HighlightRule& rule) {
     constexpr std::size_t bytes_of_record = 2 * sizeof(Texel) + 2 * sizeof(std::uint32_t) + 2 * sizeof(Plane);
     require_memory(file.record_count() * bytes_of_record, "the sheets of the light field");
-    TreeSheets out;
-    out.deeper.values = 5;
     const SampleHeader& h = file.header();
     RecordBand band;
-    PixelLeaves leaves;
-    SampleTrees primary, deeper;
-    constexpr int edge = SheetMesh::square_px;
+    std::vector<Strip> strips;
+    std::vector<TreeSheets> parts;
     constexpr int squares_per_task = 8;
-    for (int y = file.y_begin(); y < file.y_end() - 1; y += edge) {
-        const int y_end = std::min(y + edge, file.y_end() - 1);
-        file.read(y, y_end + 1, band, instant);
-        find_leaves(band, y, y_end, leaves);
-        find_trees(band, leaves.points, y, primary, deeper);
-        const int width = band.width() - 1;
-        const int squares = (width + edge - 1) / edge;
-        const auto tasks = static_cast<std::size_t>((squares + squares_per_task - 1) / squares_per_task);
-        std::vector<TreeSheets> parts(tasks);
-        parallel_for(tasks, [&](std::size_t t) {
-            parts[t].deeper.values = 5;
-            const auto build = [&](const SampleTrees& trees, SheetMesh& mesh) {
+    const int width = file.x_end() - file.x_begin() - 1;
+    const int squares = (width + edge - 1) / edge;
+    const auto tasks_per_strip = static_cast<std::size_t>((squares + squares_per_task - 1) / squares_per_task);
+    for (int y = file.y_begin(); y < file.y_end() - 1;) {
+        const std::size_t count = strips_at_once(file, instant, y);
+        if (strips.size() < count) strips.resize(count);
+        const int y_first = y;
+        for (std::size_t s = 0; s < count; ++s, y = strips[s - 1].y_end) {
+            strips[s].y = y;
+            strips[s].y_end = std::min(y + edge, file.y_end() - 1);
+        }
+        file.read(y_first, y + 1, band, instant);
+        parallel_for(count, [&](std::size_t s) { strips[s].find(band); });
+        const std::size_t first_part = parts.size();
+        parts.resize(first_part + count * tasks_per_strip);
+        parallel_for(count * tasks_per_strip, [&](std::size_t t) {
+            const Strip& strip = strips[t / tasks_per_strip];
+            thread_local TreeSheets made;  // grown once
+            clear(made.primary);
+            clear(made.deeper);
+            made.deeper.values = 5;
+            const auto build = [&](const SampleTrees& trees, const SheetKeys& keys, SheetMesh& mesh) {
                 if (trees.nodes.empty()) return;
-                SheetBuilder builder(leaves, trees, h, rule, mesh);
-                const int first = static_cast<int>(t) * squares_per_task;
+                SheetBuilder builder(strip.leaves, trees, keys, h, rule, mesh);
+                const int first = static_cast<int>(t % tasks_per_strip) * squares_per_task;
                 for (int k = first; k < std::min(first + squares_per_task, squares); ++k) {
                     builder.build({.first_pixel = k * edge,
                                    .last_pixel = std::min((k + 1) * edge, width),
-                                   .rows = y_end - y,
+                                   .rows = strip.y_end - strip.y,
                                    .band_width = band.width(),
                                    .x = band.x_begin + k * edge,
-                                   .y = y});
+                                   .y = strip.y});
                 }
             };
-            build(primary, parts[t].primary);
-            build(deeper, parts[t].deeper);
+            build(strip.primary, strip.primary_keys, made.primary);
+            build(strip.deeper, strip.deeper_keys, made.deeper);
+            parts[first_part + t] = made;
         });
-        for (const TreeSheets& part : parts) {
-            append(part.primary, out.primary);
-            append(part.deeper, out.deeper);
-        }
     }
+    TreeSheets out;
+    out.deeper.values = 5;
+    join(parts.size(), [&](std::size_t t) -> SheetMesh& { return parts[t].primary; }, out.primary);
+    join(parts.size(), [&](std::size_t t) -> SheetMesh& { return parts[t].deeper; }, out.deeper);
     take_highlights(out, rule);
     return out;
 }

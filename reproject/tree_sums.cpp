@@ -17,13 +17,14 @@ void TreeSums::begin(std::vector<NodePath> paths) {
     paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
     for (Chain& c : chains_) spare_.push_back(std::move(c));
     chains_.clear();
+    first_ = {no_chain, no_chain};
     for (const NodePath path : paths) {
-        std::size_t parent = chains_.size();
+        const auto number = static_cast<std::uint32_t>(chains_.size());
+        std::size_t parent = number;
         if (path.depth() > 1) {
-            const auto found = std::find_if(chains_.begin(), chains_.end(),
-                                            [&](const Chain& c) { return c.path == path.parent(); });
-            if (found == chains_.end()) continue;  // nothing to see it in
-            parent = static_cast<std::size_t>(found - chains_.begin());
+            const std::uint32_t found = number_of(path.parent());
+            if (found == no_chain) continue;  // nothing to see it in
+            parent = found;
         }
         Chain c;
         if (!spare_.empty()) {
@@ -34,8 +35,12 @@ void TreeSums::begin(std::vector<NodePath> paths) {
         c.path = path;
         c.parent = parent;
         c.bounce = child_bit(path.kind());
+        c.drawn = false;
+        c.children = {no_chain, no_chain};
         c.sums.assign(SeenTile::pixels, {});
         chains_.push_back(std::move(c));
+        (parent == number ? first_ : chains_[parent].children)[static_cast<std::size_t>(path.kind()) - 1] =
+            number;
     }
 }
 
@@ -44,33 +49,52 @@ void TreeSums::begin_use(const SheetMesh& primary_mesh, const SheetMesh* deeper_
     primary_mesh_ = &primary_mesh;
     deeper_mesh_ = deeper_mesh;
     primary_ = &primary;
-    for (Chain& c : chains_) c.seen->clear();
+    for (Chain& c : chains_) c.drawn = false;
 }
 
-SeenTile* TreeSums::seen(NodePath path) {
-    const auto found =
-        std::find_if(chains_.begin(), chains_.end(), [&](const Chain& c) { return c.path == path; });
-    return found != chains_.end() ? found->seen.get() : nullptr;
+std::uint32_t TreeSums::number_of(NodePath path) const {
+    const auto found = std::lower_bound(chains_.begin(), chains_.end(), path, [](const Chain& c, NodePath p) {
+        return c.path.bits() < p.bits();
+    });
+    return found != chains_.end() && found->path == path ? static_cast<std::uint32_t>(found - chains_.begin())
+                                                         : no_chain;
+}
+
+SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
+    const std::uint32_t number = number_of(path);
+    if (number == no_chain) return nullptr;
+    Chain& c = chains_[number];
+    const bool first = c.parent == number;
+    if (!first && !chains_[c.parent].drawn) return nullptr;
+    find_wanted(first ? *primary_mesh_ : *deeper_mesh_, first ? *primary_ : *chains_[c.parent].seen, c.bounce,
+                wanted, *c.seen);
+    c.drawn = wanted.x_begin < wanted.x_end;
+    return c.drawn ? c.seen.get() : nullptr;
 }
 
 void TreeSums::add(std::size_t k, double weight) {
-    for (std::size_t i = 0; i < chains_.size(); ++i) {
-        Chain& c = chains_[i];
-        const bool first = c.parent == i;
-        const std::uint32_t in = first ? primary_->texel[k] : chains_[c.parent].seen->texel[k];
-        if (in == SeenTile::no_texel) continue;
-        if (((first ? primary_mesh_ : deeper_mesh_)->texels[in].children() & c.bounce) == 0) continue;
+    const std::uint32_t in = primary_->texel[k];
+    if (in != SeenTile::no_texel) add(k, weight, first_, primary_mesh_->texels[in], in);
+}
+
+void TreeSums::add(std::size_t k, double weight, const Children& chains, const Texel& in_texel,
+                   std::uint32_t primary_texel) {
+    for (std::size_t bounce = 0; bounce < chains.size(); ++bounce) {
+        if (chains[bounce] == no_chain) continue;
+        Chain& c = chains_[chains[bounce]];
+        if ((in_texel.children() & c.bounce) == 0) continue;
         Sums& s = c.sums[k];
         s.wanted += weight;
-        const std::uint32_t texel = c.seen->texel[k];
+        const std::uint32_t texel = c.drawn ? c.seen->texel[k] : SeenTile::no_texel;
         if (texel != SeenTile::no_texel) {
             const Texel& t = deeper_mesh_->texels[texel];
             s.known += weight;
             s.seen[0] += weight * static_cast<double>(t.r);
             s.seen[1] += weight * static_cast<double>(t.g);
             s.seen[2] += weight * static_cast<double>(t.b);
-        } else if (first) {
-            const auto& rgb = primary_mesh_->below[in][static_cast<std::size_t>(c.path.kind()) - 1];
+            if (t.children() != 0) add(k, weight, c.children, t, primary_texel);
+        } else if (c.path.depth() == 1) {
+            const auto& rgb = primary_mesh_->below[primary_texel][bounce];
             for (std::size_t n = 0; n < 3; ++n) s.instead[n] += weight * static_cast<double>(rgb[n]);
         }
     }

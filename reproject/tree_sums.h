@@ -21,8 +21,9 @@ class TreeSums {
 
     /// Before what is seen in `primary`, which a use shows, is drawn. Both must stay while it is added.
     void begin_use(const SheetMesh& primary_mesh, const SheetMesh* deeper_mesh, const SeenTile& primary);
-    /// Where a chain is drawn; null for one that `begin` was not told of.
-    [[nodiscard]] SeenTile* seen(NodePath path);
+    /// Where a chain is drawn, once its parent is: made ready for the use, with where it is wanted in `wanted`.
+    /// Null where no pixel wants it, and for a chain that `begin` was not told of.
+    [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Takes in pixel k.
     void add(std::size_t k, double weight);
     /// Adds what all views have seen to a pixel's sum. Returns the weight of what was not recorded.
@@ -35,13 +36,22 @@ class TreeSums {
         double known = 0, wanted = 0;     ///< weights
         double scale = 0;                 ///< of what was seen, once all is
     };
+    static constexpr std::uint32_t no_chain = 0xFFFFFFFFU;
+    using Children = std::array<std::uint32_t, 2>;  ///< by bounce: an index into chains_, or no_chain
     struct Chain {
         NodePath path;
         std::size_t parent = 0;  ///< index into chains_; its own: the primary surface
         std::uint8_t bounce = 0;
+        bool drawn = false;  ///< something may be drawn in `seen`; if not, it is out of date
+        Children children{no_chain, no_chain};
         std::unique_ptr<SeenTile> seen;
         std::vector<Sums> sums;
     };
+    void add(std::size_t k, double weight, const Children& chains, const Texel& in_texel,
+             std::uint32_t primary_texel);
+    [[nodiscard]] std::uint32_t number_of(NodePath path) const;
+
+    Children first_{no_chain, no_chain};  ///< chains of one bounce
     std::vector<Chain> chains_;  ///< by path, parents first
     std::vector<Chain> spare_;   ///< memory of earlier tiles
     const SheetMesh *primary_mesh_ = nullptr, *deeper_mesh_ = nullptr;
