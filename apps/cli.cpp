@@ -182,9 +182,15 @@ void retrace_options(CLI::App& app, RetraceOptions& o) {
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.metres_per_unit, "Size of the scene's unit", "X");
     whole(app, "--retrace-spp", o.spp, "Rays for each such pixel, 1 or more", "N");
-    app.add_option("--explain", o.explain,
-                   "Picture of what hybrid did where: blue scattered, grey light field, red traced again")
+    app.add_option(
+           "--explain", o.explain,
+           "Picture of what was done where: blue scattered, grey light field (auto: the paler the more "
+           "views), red traced again")
         ->type_name("PNG");
+}
+
+void target_option(CLI::App& app, double& to) {
+    number(app, "--target-db", to, "With --method auto: PSNR wanted of every tile of 64 px, 10 to 80", "DB");
 }
 
 void add_focus(CLI::App& root, State& s) {
@@ -199,6 +205,7 @@ void add_focus(CLI::App& root, State& s) {
             {"layers", FocusMethod::layers},
             {"lightfield", FocusMethod::lightfield},
             {"hybrid", FocusMethod::hybrid},
+            {"auto", FocusMethod::automatic},
             {"pinhole", FocusMethod::pinhole}});
     app.add_option_function<std::string>(
            "--depths", [&o](const std::string& text) { o.depths = parse_whole("--depths", text); },
@@ -208,6 +215,7 @@ void add_focus(CLI::App& root, State& s) {
            "--views", [&o](const std::string& text) { o.views = parse_whole("--views", text); },
            "Points of the lens that lightfield and hybrid look from, 1 to 4096 [default: 64]")
         ->type_name("M");
+    target_option(app, o.target_db);
     retrace_options(app, o.retrace);
     choice(app, "--spacing", o.spacing, "Spacing of the K depths: equal steps in z' or in 1/z'",
            {{"linear", DepthSpacing::linear}, {"inverse", DepthSpacing::inverse}});
@@ -288,12 +296,18 @@ void add_shoot(CLI::App& root, State& s) {
     app.add_option("--paths", s.shoot.paths,
                    "Paths of objects, in place of what the file says (docs/motion_paths.md)")
         ->type_name("PATHS.toml");
-    choice(app, "--method", o.method, "lightfield; hybrid: traces again what no record shows",
-           {{"lightfield", FocusMethod::lightfield}, {"hybrid", FocusMethod::hybrid}});
+    choice(app, "--method", o.method,
+           "lightfield; hybrid: traces again what no record shows; auto: the views that --target-db takes, "
+           "tile by "
+           "tile",
+           {{"lightfield", FocusMethod::lightfield},
+            {"hybrid", FocusMethod::hybrid},
+            {"auto", FocusMethod::automatic}});
     app.add_option_function<std::string>(
            "--views", [&o](const std::string& text) { o.views = parse_whole("--views", text); },
            "Points of the lens, each at its own instant, 1 to 4096 [default: 128]")
         ->type_name("M");
+    target_option(app, o.target_db);
     retrace_options(app, o.retrace);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     common_options(app, s.common);

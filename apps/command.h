@@ -11,6 +11,7 @@
 #include "focus/focus.h"
 #include "motionblur/motion_blur.h"
 #include "motionblur/vector_channels.h"
+#include "planner/auto_picture.h"
 #include "planner/hybrid.h"
 #include "tracer/render.h"
 #include "tracer/trace.h"
@@ -60,12 +61,13 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     int views = default_lens_views;
+    double target_db = default_target_db;  ///< of `auto`
     RetraceOptions retrace;
     bool strict = false;
 };
 
 struct ShootOptions {
-    FocusOptions focus;               ///< methods lightfield and hybrid
+    FocusOptions focus;               ///< methods lightfield, hybrid and auto
     std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, from the frame's instant on
     std::string curve = "box";        ///< box, triangle or a file
     std::optional<std::string> paths;

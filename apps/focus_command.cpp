@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "apps/plan_command.h"
 #include "focus/bend_warning.h"
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/read_prescription.h"
@@ -20,9 +21,11 @@ const char* name(FocusMethod method) {
         case FocusMethod::lightfield:
             return "lightfield";
         case FocusMethod::hybrid:
+            return "hybrid";
+        case FocusMethod::automatic:
             break;
     }
-    return "hybrid";
+    return "auto";
 }
 
 double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
@@ -108,7 +111,16 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusFrame frame(file);
     FocusResult result;
     HybridResult hybrid;
-    if (options.method == FocusMethod::hybrid && std::isfinite(lens.lens.f_number)) {
+    nlohmann::ordered_json plan = nullptr;
+    if (options.method == FocusMethod::automatic && std::isfinite(lens.lens.f_number)) {
+        AutoResult planned = run_auto(file, {.hybrid = {.focus = settings}, .target_db = options.target_db},
+                                      options.retrace, out);
+        plan = plan_json(planned);
+        hybrid = std::move(planned.hybrid);
+        result = std::move(hybrid.focus);
+        result.method = FocusMethod::automatic;
+        out.text = planned.plan + "\n";
+    } else if (options.method == FocusMethod::hybrid && std::isfinite(lens.lens.f_number)) {
         hybrid = run_hybrid(file, {.focus = settings}, options.retrace, out);
         result = std::move(hybrid.focus);
         result.method = FocusMethod::hybrid;
@@ -129,15 +141,16 @@ CommandResult run_focus(const FocusOptions& options) {
     out.json = {{"method", name(result.method)},
                 {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
                 {"depths", result.depths},
-                {"predicted_db", nullptr},
+                {"predicted_db", plan.is_null() ? nlohmann::ordered_json(nullptr) : plan.at("predicted_db")},
                 {"retraced_share", hybrid.retraced_share},
                 {"focus_m", json_number(lens.focus_m)},
                 {"focal_length_mm", lens.lens.focal_length_mm},
                 {"f_number", json_number(lens.lens.f_number)},
                 {"impulse", impulse_text(options.impulse)},
                 {"largest_coc_px", json_number(result.largest_coc_px)}};
-    if (result.method == FocusMethod::hybrid) out.json.update(shares_json(hybrid));
-    out.text =
+    if (result.method == FocusMethod::hybrid || !plan.is_null()) out.json.update(shares_json(hybrid));
+    if (!plan.is_null()) out.json["plan"] = plan;
+    out.text +=
         fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} {}, widest CoC {:.1f} px",
                     options.output, result.image.width, result.image.height, name(result.method),
                     lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m,

@@ -16,8 +16,8 @@
 
 namespace postlens {
 
-/// `hybrid` is planner/hybrid.h's.
-enum class FocusMethod { pinhole, scatter, layers, lightfield, hybrid };
+/// `hybrid` is planner/hybrid.h's, `automatic` planner/auto_picture.h's.
+enum class FocusMethod { pinhole, scatter, layers, lightfield, hybrid, automatic };
 
 struct FocusSettings {
     ThinLens lens;  ///< f_number infinity: pinhole; an `impulse` of a real lens has a focal length of its own

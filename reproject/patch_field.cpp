@@ -235,8 +235,7 @@ class Field {
     /// Whether a view has nothing of a patch in pixels [x0, x1) x [y0, y1) of the tile.
     static bool misses(const PatchReach& reach, const LensShift& lens, const TilePlace& at, int x0, int x1,
                        int y0, int y1) {
-        const glm::vec2 q(lens.lens_px),
-            shift(lens.inverse_focus_per_m * lens.lens_px + lens.offset_px);
+        const glm::vec2 q(lens.lens_px), shift(lens.inverse_focus_per_m * lens.lens_px + lens.offset_px);
         return reach.misses(q.x, q.y, shift.x, shift.y, static_cast<float>(at.x + x0),
                             static_cast<float>(at.x + x1), static_cast<float>(at.y + y0),
                             static_cast<float>(at.y + y1));
@@ -273,8 +272,8 @@ class Field {
             SeenTile* out = w.trees.begin_chain(chain.path, w.wanted);
             if (out == nullptr) continue;
             for (std::size_t i = chain.begin; i < chain.end; ++i) {
-                if (still && misses(reach[i], v.lens, at, wanted.x_begin, wanted.x_end, wanted.y_begin,
-                                    wanted.y_end))
+                if (still &&
+                    misses(reach[i], v.lens, at, wanted.x_begin, wanted.x_end, wanted.y_begin, wanted.y_end))
                     continue;
                 const Patch& patch = mesh.patches[patches[i]];
                 if (place_patch(mesh, patch, motion_of(mesh, patch, use), v.lens, place))
@@ -284,7 +283,8 @@ class Field {
     }
 
     void draw_view(const PatchView& v, const TilePlace& at, std::size_t tile, Workplace& w) const {
-        for (std::size_t u = 0; u < v.uses.size(); ++u) draw_primary(v, v.uses[u], at, tile, w.primary_reach[v.uses[u].instant], w.seen[u]);
+        for (std::size_t u = 0; u < v.uses.size(); ++u)
+            draw_primary(v, v.uses[u], at, tile, w.primary_reach[v.uses[u].instant], w.seen[u]);
         const bool trees = trees_ && w.trees.any();
         // Per use: a pixel counts with the use's share where both show one surface, else the nearer counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {

@@ -82,7 +82,8 @@ class SheetBuilder {
     std::vector<Piece> pieces_;
     std::vector<const Piece*> sorted_;      ///< by key, in each as they came
     std::vector<std::uint32_t> keys_used_;  ///< by pieces_; growing once sorted
-    /// By key: pieces, then where in sorted_ they end; and the first group of a leaf. 0 and `none` between uses.
+    /// By key: pieces, then where in sorted_ they end; and the first group of a leaf. 0 and `none` between
+    /// uses.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
     std::vector<Draft> drafts_;

@@ -30,9 +30,9 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     for (std::size_t t = 0; t < tasks; ++t) {
         const SheetMesh& m = made(t);
         const Before& b = before[t];
-        before[t + 1] = {b.sheets + m.sheets.size(), b.cells + m.fine.size(), b.nodes + m.nodes.size(),
-                         b.texels + m.texels.size(), b.bright + m.bright.size(),
-                         b.bright_texels + m.bright_texels.size()};
+        before[t + 1] = {b.sheets + m.sheets.size(), b.cells + m.fine.size(),
+                         b.nodes + m.nodes.size(),   b.texels + m.texels.size(),
+                         b.bright + m.bright.size(), b.bright_texels + m.bright_texels.size()};
         any_below = any_below || !m.below.empty();
     }
     const auto each = [&](auto SheetMesh::*list, std::size_t Before::*first, std::size_t per_entry,
@@ -133,7 +133,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
     constexpr int squares_per_task = 8;
     const int width = file.x_end() - file.x_begin() - 1;
     const int squares = (width + edge - 1) / edge;
-    const auto tasks_per_strip = static_cast<std::size_t>((squares + squares_per_task - 1) / squares_per_task);
+    const auto tasks_per_strip =
+        static_cast<std::size_t>((squares + squares_per_task - 1) / squares_per_task);
     for (int y = file.y_begin(); y < file.y_end() - 1;) {
         const std::size_t count = strips_at_once(file, instant, y);
         if (strips.size() < count) strips.resize(count);
@@ -172,8 +173,10 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
     }
     TreeSheets out;
     out.deeper.values = 5;
-    join(parts.size(), [&](std::size_t t) -> SheetMesh& { return parts[t].primary; }, out.primary);
-    join(parts.size(), [&](std::size_t t) -> SheetMesh& { return parts[t].deeper; }, out.deeper);
+    join(
+        parts.size(), [&](std::size_t t) -> SheetMesh& { return parts[t].primary; }, out.primary);
+    join(
+        parts.size(), [&](std::size_t t) -> SheetMesh& { return parts[t].deeper; }, out.deeper);
     take_highlights(out, rule);
     return out;
 }

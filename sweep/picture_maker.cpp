@@ -39,9 +39,11 @@ const char* method_name(FocusMethod method) {
         case FocusMethod::lightfield:
             return "lightfield";
         case FocusMethod::hybrid:
+            return "hybrid";
+        case FocusMethod::automatic:
             break;
     }
-    return "hybrid";
+    return "auto";
 }
 
 PictureMaker::PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter)

@@ -1,0 +1,89 @@
+#include "apps/plan_command.h"
+
+#include <cmath>
+
+#include "tracer/scene.h"
+
+namespace postlens {
+namespace {
+
+// Blue: scattered, grey: light field, red: traced again; as bright as the picture. Of a plan the light field
+// is the brighter the more views it has.
+void write_explanation(const std::string& path, const HybridResult& r, const AutoResult* plan) {
+    Image out(r.focus.image.width, r.focus.image.height);
+    constexpr float tint[3][3] = {{1, 1, 1}, {0.35F, 0.6F, 1.6F}, {2, 0.3F, 0.2F}};
+    for (std::size_t k = 0; k < r.what.size(); ++k) {
+        const float* rgb = r.focus.image.rgb.data() + 3 * k;
+        float grey = 0.1F + 0.6F * std::min(1.0F, 0.2126F * rgb[0] + 0.7152F * rgb[1] + 0.0722F * rgb[2]);
+        if (plan != nullptr && r.what[k] == 0) {
+            const auto x = static_cast<int>(k % static_cast<std::size_t>(out.width)),
+                       y = static_cast<int>(k / static_cast<std::size_t>(out.width));
+            // From 16 views, a sixteenth, to 2048, twice as bright.
+            const auto views = static_cast<float>(plan->tiles[plan->grid.at(x, y)].views);
+            grey *= 0.25F * std::max(0.25F, std::log2(views) - 3);
+        }
+        for (std::size_t c = 0; c < 3; ++c) out.rgb[3 * k + c] = grey * tint[r.what[k]][c];
+    }
+    write_image(path, out);
+}
+
+// Also refuses what would come to nothing after the work.
+std::optional<Scene> scene_of(const RetraceOptions& retrace, CommandResult& out) {
+    if (retrace.explain) check_image_path(*retrace.explain);
+    if (retrace.spp < 1) {
+        fail(ExitCode::wrong_arguments, "--retrace-spp: out of range (got {}; expected 1 or more)",
+             retrace.spp);
+    }
+    if (!retrace.scene) return std::nullopt;
+    Scene scene = read_scene(*retrace.scene, {.metres_per_unit = retrace.metres_per_unit});
+    for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
+    return scene;
+}
+
+}  // namespace
+
+HybridResult run_hybrid(const SampleFileReader& file, HybridSettings settings, const RetraceOptions& retrace,
+                        CommandResult& out) {
+    const std::optional<Scene> scene = scene_of(retrace, out);
+    settings.scene = scene ? &*scene : nullptr;
+    settings.retrace_spp = retrace.spp;
+    HybridResult result = hybrid_picture(file, settings);
+    if (retrace.explain) write_explanation(*retrace.explain, result, nullptr);
+    return result;
+}
+
+nlohmann::ordered_json shares_json(const HybridResult& r) {
+    return {{"scattered_share", r.scattered_share},
+            {"insufficient_share", r.wanted_share},
+            {"rays", rays_json(r.rays)}};
+}
+
+AutoResult run_auto(const SampleFileReader& file, AutoSettings settings, const RetraceOptions& retrace,
+                    CommandResult& out) {
+    const std::optional<Scene> scene = scene_of(retrace, out);
+    settings.hybrid.scene = scene ? &*scene : nullptr;
+    FocusFrame frame(file, true);
+    AutoResult result = auto_picture(frame, settings);
+    if (!result.met(settings.target_db)) out.exit_code = ExitCode::shortfall;
+    if (retrace.explain) write_explanation(*retrace.explain, result.hybrid, &result);
+    return result;
+}
+
+nlohmann::ordered_json plan_json(const AutoResult& r) {
+    nlohmann::ordered_json out{{"predicted_db", json_number(r.predicted_db)},
+                               {"met_share", r.met_share},
+                               {"mean_views", r.mean_views},
+                               {"tile_px", TileGrid::edge},
+                               {"columns", r.grid.columns()},
+                               {"tiles", nlohmann::ordered_json::array()}};
+    for (const TilePlan& t : r.tiles) {
+        out["tiles"].push_back({{"views", t.views},
+                                {"noise_mse", t.noise_mse},
+                                {"floor_mse", t.floor_mse},
+                                {"hidden_mse", t.hidden_mse},
+                                {"retraced_share", t.retraced}});
+    }
+    return out;
+}
+
+}  // namespace postlens

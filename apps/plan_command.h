@@ -1,0 +1,16 @@
+// What `focus`, `shoot` and `sweep` have in common where something decides pixel by pixel.
+#pragma once
+
+#include "apps/command.h"
+#include "planner/auto_picture.h"
+
+namespace postlens {
+
+/// `auto`, with the scene that `retrace` names; writes its picture of what was done, adds the scene's
+/// warnings, and sets the exit code for a target that is not met.
+[[nodiscard]] AutoResult run_auto(const SampleFileReader& file, AutoSettings settings,
+                                  const RetraceOptions& retrace, CommandResult& out);
+/// What `--json` says of a plan.
+[[nodiscard]] nlohmann::ordered_json plan_json(const AutoResult& result);
+
+}  // namespace postlens
