@@ -101,6 +101,12 @@ void add_trace(CLI::App& root, State& s) {
            "--overscan",
            "N");
     number(app, "--for-focus", t.for_focus_m, "Size the file for this focus distance", "M", true);
+    app.add_flag(
+        "--plan", o.plan,
+        "Choose subdivision, hidden layers, overscan and keys for the lens and shutter named and for "
+        "--target-db, from a look at a quarter of the size; says what size and time to expect");
+    number(app, "--target-db", o.target_db,
+           "With --plan: PSNR that pictures from the file are to reach, 10 to 80", "DB");
     choice(app, "--compression", t.compression, "Compression of the records",
            {{"none", RecordCompression::none},
             {"rle", RecordCompression::rle},
@@ -334,6 +340,33 @@ void add_compare(CLI::App& root, State& s) {
     app.add_option("--map", o.map, "Write where they differ, as colours with a legend")->type_name("PNG");
     app.add_option("--side-by-side", o.side_by_side, "Write both pictures, the map and the figures")
         ->type_name("PNG");
+    app.add_option("--map-causes", o.map_causes,
+                   "Write why each wrong pixel is wrong; needs --frame, and the lens or shutter of the image")
+        ->type_name("PNG");
+    app.add_option("--frame", o.frame, "With --map-causes: the sample file that the image was made from")
+        ->type_name("FRAME");
+    number(app, "--f-number", o.lens.f_number,
+           "With --map-causes: of the image [default: the frame's; with --shutter a pinhole]", "N", true);
+    number(app, "--focus", o.lens.focus_m, "With --map-causes: of the image [default: the frame's]", "M",
+           true);
+    number(app, "--focal-length", o.lens.focal_length_mm,
+           "With --map-causes: of the image [default: the frame's]", "MM");
+    app.add_option_function<std::string>(
+           "--shutter",
+           [&o](const std::string& text) {
+               const auto [open, close] = parse_span("--shutter", text);
+               o.shutter = TimeSpan{open, close};
+           },
+           "With --map-causes: of the image, s of the scene's clock [default: open for an instant]")
+        ->type_name("OPEN:CLOSE");
+    app.add_option_function<std::string>(
+           "--depths",
+           [&o](const std::string& text) {
+               o.depths = parse_whole("--depths", text);
+               o.method = FocusMethod::scatter;
+           },
+           "With --map-causes: K of the scatter that made the image, to tell what is due to that")
+        ->type_name("K");
     number(app, "--fail-psnr", o.limits.least_psnr_db, "Exit with 1 where the PSNR is less, 0 or more", "DB");
     number(app, "--fail-relmse", o.limits.greatest_relmse, "Exit with 1 where relMSE is more, 0 or more",
            "X");

@@ -36,6 +36,8 @@ struct TraceOptions {
     std::string scene, output;
     double metres_per_unit = 1;
     TraceSettings settings;
+    bool plan = false;  ///< levels, hidden layers, overscan and keys for `target_db`
+    double target_db = default_target_db;
 };
 
 /// Lens options shared by `focus` and `records`; absent: what the sample file names.
@@ -105,6 +107,11 @@ struct CompareCommandOptions {
     std::optional<std::string> map, side_by_side;  ///< pictures to write
     std::optional<double> flip_white;
     CompareLimits limits;
+    std::optional<std::string> map_causes, frame;  ///< a picture to write; the records that it takes
+    LensOptions lens;                              ///< of the image, for the causes
+    std::optional<TimeSpan> shutter;
+    std::optional<FocusMethod> method;
+    std::optional<int> depths;
 };
 
 [[nodiscard]] CommandResult run_trace(const TraceOptions& options);

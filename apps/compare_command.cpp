@@ -4,9 +4,12 @@
 
 #include "apps/command.h"
 #include "apps/numbers.h"
+#include "compare/cause_picture.h"
 #include "compare/comparison.h"
 #include "compare/comparison_text.h"
 #include "compare/error_map.h"
+#include "motionblur/paths_file.h"
+#include "planner/error_causes.h"
 
 namespace postlens {
 namespace {
@@ -189,6 +192,35 @@ std::string text_of(const Comparison& c, const CompareCommandOptions& o,
     return text;
 }
 
+// Writes the map, and says what share of the error each cause has.
+void map_causes(const CompareCommandOptions& o, CommandResult& out) {
+    const SampleFileReader file(*o.frame);
+    LensOptions lens = o.lens;
+    const SampleHeader& h = file.header();
+    if (o.shutter && !lens.f_number) lens.f_number = std::numeric_limits<double>::infinity();
+    if (lens.f_number && std::isinf(*lens.f_number) && !lens.focus_m) lens.focus_m = h.focus_m.value_or(1.0);
+    const ResolvedLens of = resolve_lens(lens, file);
+    const FrameMotion motion = motion_of(h, {});
+    CauseRequest request;
+    request.view.focus = {.lens = of.lens, .focus_distance_m = of.focus_m};
+    request.view.motion = &motion;
+    request.view.shutter = o.shutter;
+    request.method = o.method;
+    request.depths = o.depths;
+    const Image image = read_image(o.image), reference = read_image(o.reference);
+    FocusFrame frame(file, true);
+    const CauseMap map = find_error_causes(frame, image, reference, request);
+    write_image(*o.map_causes, cause_picture(map, reference));
+    Json shares = Json::object();
+    for (std::size_t c = 1; c < error_causes; ++c) {
+        shares[std::string(cause_name(static_cast<ErrorCause>(c)))] = map.error_share[c];
+        if (map.error_share[c] > 0)
+            out.text += fmt::format("{:5.1f} % of the error: {}\n", 100 * map.error_share[c],
+                                    cause_name(static_cast<ErrorCause>(c)));
+    }
+    out.json["cause_shares"] = shares;
+}
+
 CommandResult compare_files(const CompareCommandOptions& o) {
     check_files(o);
     CompareInput input;
@@ -218,6 +250,7 @@ CommandResult compare_files(const CompareCommandOptions& o) {
             write_image(*o.side_by_side, side_by_side(image, reference, figures_table(c), lines));
         }
     }
+    if (o.map_causes) map_causes(o, out);
     return out;
 }
 
@@ -226,7 +259,10 @@ CommandResult compare_files(const CompareCommandOptions& o) {
 CommandResult run_compare(const CompareCommandOptions& options) {
     check_limits(options.limits);
     if (options.flip_white) in_range("--flip-white", *options.flip_white, 0, false, "more than 0");
-    for (const auto* path : {&options.map, &options.side_by_side}) {
+    if (options.map_causes.has_value() != options.frame.has_value()) {
+        fail(ExitCode::wrong_arguments, "--map-causes: goes with --frame (got one of them; expected both)");
+    }
+    for (const auto* path : {&options.map, &options.side_by_side, &options.map_causes}) {
         if (*path) check_image_path(**path);
     }
     try {

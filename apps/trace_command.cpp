@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "planner/trace_plan.h"
 #include "tracer/recorded_motion.h"
 
 namespace postlens {
@@ -61,7 +62,23 @@ CommandResult run_trace(const TraceOptions& options) {
     for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
     warn_of_spread(scene, out);
     warn_of_motion(scene, out);
-    const TraceResult r = trace_to_file(scene, options.settings, options.output);
+    TraceSettings settings = options.settings;
+    nlohmann::ordered_json plan = nullptr;
+    if (options.plan) {
+        const TracePlan p = plan_trace(scene, settings, options.target_db);
+        settings = p.settings;
+        plan = {{"subdivide", p.levels}, {"floor_db", p.floor_db}, {"floors_db", p.floors_db},
+                {"records", p.records},  {"bytes", p.bytes},       {"seconds", p.seconds}};
+        out.text = p.text + "\n";
+        if (!p.met) {
+            out.warnings.push_back(
+                {"target", fmt::format("no subdivision leaves room for {:.1f} dB (expected {:.1f} "
+                                       "dB from the finest)",
+                                       options.target_db, p.floor_db)});
+            out.exit_code = ExitCode::shortfall;
+        }
+    }
+    const TraceResult r = trace_to_file(scene, settings, options.output);
     out.json = {{"records", r.records},
                 {"bytes", r.bytes},
                 {"rays", rays_json(r.rays)},
@@ -69,11 +86,12 @@ CommandResult run_trace(const TraceOptions& options) {
                 {"keys", r.keys},
                 {"instants_s", r.instants_s},
                 {"keys_sweep_degrees", r.keys_sweep_degrees ? json_number(*r.keys_sweep_degrees) : nullptr}};
+    if (options.plan) out.json["plan"] = plan;
     out.json["rays"]["hidden"] = r.rays.hidden;
     out.json["rays"]["lens"] = r.rays.lens;
-    out.text = fmt::format("{}: {} records, {:.1f} MB; {} eye, {} reflected, {} refracted, {} shadow rays",
-                           options.output, r.records, static_cast<double>(r.bytes) / 1e6, r.rays.eye,
-                           r.rays.reflect, r.rays.refract, r.rays.shadow);
+    out.text += fmt::format("{}: {} records, {:.1f} MB; {} eye, {} reflected, {} refracted, {} shadow rays",
+                            options.output, r.records, static_cast<double>(r.bytes) / 1e6, r.rays.eye,
+                            r.rays.reflect, r.rays.refract, r.rays.shadow);
     if (r.rays.hidden > 0) out.text += fmt::format(", {} behind surfaces", r.rays.hidden);
     if (r.keys_sweep_degrees) {
         out.text +=

@@ -1,4 +1,4 @@
-// An 8-bit sRGB picture to draw on with OpenCV. Used by error_map.cpp, side_by_side.cpp
+// An 8-bit sRGB picture to draw on with OpenCV. Used by cause_picture.cpp, error_map.cpp, side_by_side.cpp
 // and sweep/contact_sheet.cpp only.
 #pragma once
 

@@ -11,6 +11,7 @@
 #include "core/threads.h"
 #include "focus/bend_warning.h"
 #include "focus/field_focus.h"
+#include "planner/local_contrast.h"
 #include "planner/record_floor.h"
 #include "planner/retrace.h"
 #include "records/aperture_file.h"
@@ -25,8 +26,6 @@ constexpr int pilot_views = 8;
 constexpr std::array<int, 8> ladder{2 * pilot_views, 32, 64, 128, 256, 512, 1024, 2048};
 /// See noise_of_views.
 constexpr double noise_exponent = 1.15;
-/// Light from a hole is filled in with what is around it: off by about the contrast that is there.
-constexpr double hole_contrast = 1;
 
 /// Encoded values of a picture, three a pixel.
 std::vector<float> encoded(const Image& image) {
@@ -35,30 +34,6 @@ std::vector<float> encoded(const Image& image) {
         const std::size_t row = 3 * static_cast<std::size_t>(image.width);
         for (std::size_t i = y * row; i < (y + 1) * row; ++i) out[i] = srgb_from_linear(image.rgb[i]);
     });
-    return out;
-}
-
-/// Variance of the encoded values within each tile and its neighbours: how far off a guess is there.
-std::vector<double> contrasts(const TileGrid& grid, const std::vector<float>& picture) {
-    std::vector<double> sum(grid.count(), 0), squares(grid.count(), 0), pixels(grid.count(), 0);
-    for (int y = 0; y < grid.height; ++y) {
-        for (int x = 0; x < grid.width; ++x) {
-            const std::size_t t = grid.at(x, y);
-            const std::size_t k = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) +
-                                       static_cast<std::size_t>(x));
-            for (std::size_t c = 0; c < 3; ++c) {
-                const auto v = static_cast<double>(picture[k + c]);
-                sum[t] += v / 3;
-                squares[t] += v * v / 3;
-            }
-            ++pixels[t];
-        }
-    }
-    std::vector<double> out(grid.count());
-    for (std::size_t t = 0; t < out.size(); ++t) {
-        const double mean = sum[t] / pixels[t];
-        out[t] = std::max(0.0, squares[t] / pixels[t] - mean * mean);
-    }
     return out;
 }
 
@@ -109,17 +84,16 @@ class Planner {
         const std::vector<double> floor =
             grid.means([&](std::size_t k) { return static_cast<double>(floor_[k]); });
         const std::vector<float> misplaced = misplaced_light(frame_, geometry_);
-        const std::vector<double> contrast = contrasts(grid, ea);
+        const std::vector<float> contrast = local_contrast(a.image);
         hidden_.resize(a.unknown.size());
         for (std::size_t k = 0; k < hidden_.size(); ++k) {
-            const auto x = static_cast<int>(k % static_cast<std::size_t>(h_.width)),
-                       y = static_cast<int>(k / static_cast<std::size_t>(h_.width));
             const double unknown = (static_cast<double>(std::max(a.unknown[k], a.unknown_below[k])) +
                                     static_cast<double>(std::max(b.unknown[k], b.unknown_below[k]))) /
                                    2;
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));
-            hidden_[k] = static_cast<float>(hole_contrast * unknown * unknown * contrast[grid.at(x, y)] +
-                                            lost * lost * 0.25);
+            // Light from a hole is filled in with what is around it: off by about the contrast that is there.
+            hidden_[k] =
+                static_cast<float>(unknown * unknown * static_cast<double>(contrast[k]) + lost * lost * 0.25);
         }
         const std::vector<double> hidden =
             grid.means([&](std::size_t k) { return static_cast<double>(hidden_[k]); });

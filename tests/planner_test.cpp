@@ -1,0 +1,262 @@
+// What the planner expects, against what comes of it: the noise of views, the records' density, whole
+// pictures; and the traces that are planned.
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+
+#include "core/error.h"
+#include "core/threads.h"
+#include "planner/auto_picture.h"
+#include "planner/record_floor.h"
+#include "planner/trace_plan.h"
+#include "records/srgb.h"
+#include "tests/motion_frame.h"
+#include "tests/temporary_folder.h"
+#include "tracer/render.h"
+
+namespace postlens::test {
+namespace {
+
+using glm::dvec3;
+
+constexpr ThinLens wide{.focal_length_mm = 50, .f_number = 0.7};
+
+Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
+    return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
+}
+
+/// A striped wall and a near bar at the left.
+SceneBuilder bar_and_wall() {
+    SceneBuilder b;
+    b.add(board(-0.34, -0.27, -2, 2, 1), glowing({0.9, 0.2, 0.1}));
+    for (int i = -40; i < 40; ++i) {
+        b.add(board(i * 0.35, i * 0.35 + 0.35, -9, 9, 10),
+              glowing(i % 2 == 0 ? dvec3(0.9, 0.9, 0.9) : dvec3(0.15, 0.2, 0.4)))
+            .id = 2;
+    }
+    b.scene.sha256 = std::string(64, 'a');
+    return b;
+}
+
+TraceSettings traced(bool hidden, int levels = 4) {
+    TraceSettings s;
+    s.subdivision.levels = levels;
+    if (hidden) s.for_f_number = wide.f_number;
+    s.overscan_px = 24;
+    return s;
+}
+
+AutoSettings settings(double target_db, double focus_m = 3) {
+    AutoSettings s;
+    s.hybrid.focus = {.lens = wide, .focus_distance_m = focus_m};
+    s.target_db = target_db;
+    return s;
+}
+
+Image rays(const Scene& scene, const AutoSettings& a, int spp = 4096) {
+    RenderSettings s;
+    s.focal_length_mm = wide.focal_length_mm;
+    s.f_number = wide.f_number;
+    s.focus_m = a.hybrid.focus.focus_distance_m;
+    s.spp = spp;
+    return render_picture(scene, s).image;
+}
+
+double encoded_mse(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.rgb.size(); ++i) {
+        const double d =
+            static_cast<double>(srgb_from_linear(a.rgb[i])) - static_cast<double>(srgb_from_linear(b.rgb[i]));
+        sum += d * d;
+    }
+    return sum / static_cast<double>(a.rgb.size());
+}
+
+double psnr_db(const Image& a, const Image& b) {
+    return -10 * std::log10(encoded_mse(a, b));
+}
+
+// The number in record_floor.h: a straight edge of any direction and place that parts the corners of a
+// square.
+TEST(RecordFloor, VarianceOfAnEdgeInASquare) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> unit(0, 1);
+    constexpr int grid = 64;
+    double sum = 0;
+    int edges = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const double angle = unit(random) * 6.283185307179586, nx = std::cos(angle), ny = std::sin(angle),
+                     d = -1.5 + 4 * unit(random);
+        const auto inside = [&](double x, double y) { return nx * x + ny * y <= d; };
+        const int corners = inside(0, 0) + inside(1, 0) + inside(0, 1) + inside(1, 1);
+        if (corners == 0 || corners == 4) continue;
+        int covered = 0;
+        for (int y = 0; y < grid; ++y) {
+            for (int x = 0; x < grid; ++x) covered += inside((x + 0.5) / grid, (y + 0.5) / grid) ? 1 : 0;
+        }
+        const double e = static_cast<double>(covered) / (grid * grid) - corners / 4.0;
+        sum += e * e;
+        ++edges;
+    }
+    ASSERT_GT(edges, 1000);
+    // The squared error of one edge is below 1/9; a mean of over 1000 strays by less than 0.0388 / sqrt(1000)
+    // * 2.
+    EXPECT_NEAR(sum / edges, edge_cell_variance, 0.0025);
+}
+
+TEST(RecordFloor, IsWhatThePinholePictureErrsBy) {
+    const SceneBuilder b = bar_and_wall();
+    for (const int levels : {0, 2, 4}) {
+        const TracedFrame frame(b.scene, traced(false, levels));
+        RenderSettings s;
+        s.f_number = std::numeric_limits<double>::infinity();
+        s.spp = 4096;
+        const Image truth = render_picture(b.scene, s).image;
+        FocusFrame of(frame.file());
+        const std::vector<float> floor = record_floor(of, FocusGeometry{});
+        double expected = 0;
+        for (const float v : floor) expected += static_cast<double>(v) / static_cast<double>(floor.size());
+        const double is = encoded_mse(pinhole_picture(frame.file()), truth);
+        // All edges here stand upright, half of which lie in the worse half of their cells' places: within a
+        // factor of three either way, 5 dB, at levels that differ by 36 dB.
+        EXPECT_LT(std::abs(10 * std::log10(expected / is)), 5) << levels << ": " << expected << " " << is;
+    }
+}
+
+TEST(NoiseOfViews, HalvesForTwoSetsAndFallsAsAPower) {
+    EXPECT_DOUBLE_EQ(noise_of_views(0.01, 8, 8), 0.01);
+    EXPECT_DOUBLE_EQ(noise_of_views(0.01, 8, 16), 0.005);
+    EXPECT_NEAR(noise_of_views(0.01, 8, 64) / noise_of_views(0.01, 8, 128),
+                noise_of_views(0.01, 8, 128) / noise_of_views(0.01, 8, 256), 1e-12);
+    EXPECT_LT(noise_of_views(0.01, 8, 64), 0.01 * 8 / 64);
+}
+
+TEST(AutoPicture, ReachesItsTargetAndSaysWhatItWillReach) {
+    const SceneBuilder b = bar_and_wall();
+    const TracedFrame frame(b.scene, traced(true, 5));
+    for (const double target : {30.0, 40.0}) {
+        FocusFrame of(frame.file(), true);
+        const AutoSettings s = settings(target);
+        const AutoResult r = auto_picture(of, s);
+        const double is = psnr_db(r.hybrid.focus.image, rays(b.scene, s));
+        EXPECT_GE(is, target - 1);
+        EXPECT_TRUE(r.met(target)) << r.plan;
+        EXPECT_NEAR(r.predicted_db, is, 3) << r.plan;
+        EXPECT_EQ(r.hybrid.retraced_share, 0);
+    }
+}
+
+TEST(AutoPicture, MoreIsDrawnForMore) {
+    const SceneBuilder b = bar_and_wall();
+    const TracedFrame frame(b.scene, traced(true, 5));
+    FocusFrame of(frame.file(), true);
+    double views = 0;
+    for (const double target : {25.0, 35.0, 45.0}) {
+        const AutoResult r = auto_picture(of, settings(target));
+        EXPECT_GT(r.mean_views, views);
+        views = r.mean_views;
+    }
+}
+
+TEST(AutoPicture, SaysWhereNoMethodGetsThere) {
+    const SceneBuilder b = bar_and_wall();
+    // Too coarse for 60 dB, and nothing of what the bar hides is recorded.
+    const TracedFrame frame(b.scene, traced(false, 1));
+    FocusFrame of(frame.file(), true);
+    AutoSettings s = settings(60, 10);
+    const AutoResult poor = auto_picture(of, s);
+    EXPECT_FALSE(poor.met(60));
+    ASSERT_FALSE(poor.hybrid.focus.warnings.empty());
+    EXPECT_EQ(poor.hybrid.focus.warnings.back().code, "target");
+    EXPECT_GT(poor.hybrid.wanted_share, 0.01);
+    // With the scene at hand it may trace a tenth again.
+    s.hybrid.scene = &b.scene;
+    s.target_db = 38;
+    const AutoResult again = auto_picture(of, s);
+    EXPECT_GT(again.hybrid.retraced_share, 0.005);
+    EXPECT_LE(again.hybrid.retraced_share, 0.1);
+    EXPECT_GT(psnr_db(again.hybrid.focus.image, rays(b.scene, s)),
+              psnr_db(poor.hybrid.focus.image, rays(b.scene, s)) + 3);
+}
+
+TEST(AutoPicture, SameBitsForAnyNumberOfThreads) {
+    const SceneBuilder b = bar_and_wall();
+    const TracedFrame frame(b.scene, traced(true));
+    AutoSettings s = settings(36);
+    s.hybrid.scene = &b.scene;
+    const auto picture = [&](int threads) {
+        const ThreadLimit limit(threads);
+        FocusFrame of(frame.file(), true);
+        return auto_picture(of, s).hybrid.focus.image.rgb;
+    };
+    const std::vector<float> one = picture(1);
+    EXPECT_EQ(picture(2), one);
+    EXPECT_EQ(picture(5), one);
+}
+
+TEST(AutoPicture, RefusesWhatIsOutOfRange) {
+    const SceneBuilder b = bar_and_wall();
+    const TracedFrame frame(b.scene, traced(false, 1));
+    FocusFrame of(frame.file(), true);
+    for (const double target : {9.0, 81.0, std::nan("")})
+        EXPECT_THROW((void)auto_picture(of, settings(target)), Error) << target;
+    AutoSettings s = settings(30);
+    s.hybrid.focus.framing = Framing::lens;
+    EXPECT_THROW((void)auto_picture(of, s), Error);
+    s = settings(30);
+    s.hybrid.focus.impulse.kind = ImpulseKind::diffraction;
+    EXPECT_THROW((void)auto_picture(of, s), Error);
+}
+
+TEST(TracePlan, FindsTheLevelsThatATargetTakes) {
+    SceneBuilder b = bar_and_wall();
+    b.scene.cameras[0].width = 256;
+    b.scene.cameras[0].height = 192;
+    TraceSettings asked;
+    asked.for_f_number = 2.8;
+    asked.for_focus_m = 10;
+    int before = -1;
+    for (const double target : {25.0, 35.0, 45.0}) {
+        const TracePlan p = plan_trace(b.scene, asked, target);
+        EXPECT_TRUE(p.met);
+        EXPECT_GE(p.floor_db, target + 3);
+        EXPECT_GE(p.levels, before);
+        before = p.levels;
+        EXPECT_FALSE(p.settings.hidden_layers.has_value());
+
+        const TemporaryFolder folder;
+        const TraceResult r = trace_to_file(b.scene, p.settings, folder.path() / "frame.exr");
+        // A look at a sixteenth of the pixels: size within a third.
+        EXPECT_NEAR(p.records / static_cast<double>(r.records), 1, 0.33) << target;
+        EXPECT_NEAR(p.bytes / static_cast<double>(r.bytes), 1, 0.5) << target;
+        // What it says of the records is what the records say.
+        const SampleFileReader file(folder.path() / "frame.exr");
+        FocusFrame of(file);
+        const SampleHeader& h = file.header();
+        const std::vector<float> floor =
+            record_floor(of, focus_geometry({h.film_distance_mm, 2.8}, 10, Framing::keep,
+                                            {h.film_distance_mm, h.pixel_pitch_mm}));
+        double mean = 0;
+        for (const float v : floor) mean += static_cast<double>(v) / static_cast<double>(floor.size());
+        EXPECT_NEAR(-10 * std::log10(mean), p.floor_db, 4) << target;
+    }
+    EXPECT_GT(before, 1);
+}
+
+TEST(TracePlan, LeavesOutWhatIsNotNeeded) {
+    SceneBuilder b = bar_and_wall();
+    b.scene.cameras[0].width = 128;
+    b.scene.cameras[0].height = 96;
+    TraceSettings asked;
+    asked.for_f_number = 512;
+    asked.for_focus_m = 10;
+    EXPECT_EQ(plan_trace(b.scene, asked, 30).settings.hidden_layers, 0);
+    EXPECT_THROW((void)plan_trace(b.scene, {}, 30), Error);
+    EXPECT_THROW((void)plan_trace(b.scene, asked, 5), Error);
+    const TracePlan p = plan_trace(b.scene, asked, 80);
+    EXPECT_FALSE(p.met);
+    EXPECT_EQ(p.floors_db.size(), 7);
+}
+
+}  // namespace
+}  // namespace postlens::test
