@@ -79,7 +79,7 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
         const std::size_t before = insufficient.size();
         check_sufficient(h, {{.focal_length_mm = s.focal_length_mm, .f_number = s.f_number}, s.focus_m},
                          insufficient);
-        if (s.shutter) check_sufficient(h, {s.shutter->open_s, s.shutter->close_s}, insufficient);
+        if (s.shutter) check_sufficient(h, Exposure{s.shutter->open_s, s.shutter->close_s}, insufficient);
         pictures += insufficient.size() > before ? 1 : 0;
     }
     if (insufficient.empty()) return;

@@ -102,6 +102,12 @@ void check_format(const std::string& format) {
     fail(ExitCode::wrong_arguments, "--format: unknown (got {}; expected exr, png, tif or jpg)", format);
 }
 
+void check_range(const char* option, const std::optional<int>& value, int least, int most) {
+    if (!value || (*value >= least && *value <= most)) return;
+    fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected {} to {})", option, *value, least,
+         most);
+}
+
 /// One sweep on its way.
 class Sweep {
   public:
@@ -124,6 +130,7 @@ class Sweep {
         out_.table.at = points_of(settings, file_.header());
         out_.csv = folder / "sweep.csv";
         out_.json = folder / "sweep.json";
+        check_lenses();
         make_folder(folder);
         common_key_ = common_key(frame);
     }
@@ -165,6 +172,31 @@ class Sweep {
     }
 
   private:
+    /// Before hours of work find the one that no lens can be set to.
+    void check_lenses() const {
+        const SampleHeader& h = file_.header();
+        const PictureSettings& p = settings_.picture;
+        check_range("--depths", p.depths, 2, DepthLevels::most_depths);
+        check_range("--views", p.views, 1, most_lens_views);
+        const FocusMethod method = maker_.method();
+        const bool by_views = method == FocusMethod::lightfield || method == FocusMethod::hybrid;
+        for (const SweepSetting& s : grid_.pictures) {
+            if (std::isinf(s.f_number) || method == FocusMethod::pinhole) continue;
+            if (by_views) check_has_points(s.impulse);
+            if (h.projection == Projection::orthographic) {
+                fail(ExitCode::wrong_arguments,
+                     "--f-number: out of range for an orthographic file, which no lens can have taken (got "
+                     "{}; "
+                     "expected inf)",
+                     s.f_number);
+            }
+            if (s.impulse.kind == ImpulseKind::lens) continue;
+            static_cast<void>(focus_geometry({.focal_length_mm = s.focal_length_mm, .f_number = s.f_number},
+                                             s.focus_m, settings_.picture.framing,
+                                             {h.film_distance_mm, h.pixel_pitch_mm}));
+        }
+    }
+
     [[nodiscard]] std::string common_key(const std::filesystem::path& frame) const {
         const PictureSettings& p = settings_.picture;
         std::string key = fmt::format(
@@ -300,7 +332,7 @@ class Sweep {
     /// While something else has gone wrong, of which the user is to hear.
     void save_if_possible() noexcept {
         try {
-            if (out_.made + out_.kept > 0) save();
+            if (out_.made > 0) save();     // before, the earlier list is whole
         } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the first error is the one to tell
         }
     }
