@@ -101,7 +101,8 @@ FieldFocus field_focus(const SampleFileReader& file, const FieldFocusSettings& s
     std::vector<double> instants_s;
     sheets.reserve(instants);
     for (std::size_t i = 0; i < instants; ++i) {
-        sheets.push_back(tree_sheets(file, i, instants == 1 ? rule : HighlightRule{}));
+        sheets.push_back(tree_sheets(file, i, instants == 1 ? rule : HighlightRule{},
+                                     i == 0 ? settings.also : RecordsRead{}));
         instants_s.push_back(file.instant_s(i));
         primary.push_back(cut_patches(sheets[i].primary, lens));
         deeper.push_back(cut_patches(sheets[i].deeper, lens));

@@ -294,7 +294,8 @@ class Field {
     }
 
     void draw_view(const PatchView& v, const TilePlace& at, Workplace& w) const {
-        for (std::size_t u = 0; u < v.uses.size(); ++u) draw_primary(v, v.uses[u], at, w.primary[v.uses[u].instant], w.seen[u]);
+        for (std::size_t u = 0; u < v.uses.size(); ++u)
+            draw_primary(v, v.uses[u], at, w.primary[v.uses[u].instant], w.seen[u]);
         const bool trees = trees_ && w.trees.any();
         // Per use: a pixel counts with the use's share where both show one surface, else the nearer counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {

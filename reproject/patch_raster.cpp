@@ -96,8 +96,8 @@ struct Part {
     int x_end = 0, y_begin = 0, y_end = 0;
 };
 
-/// Calls draw(k, lanes, count) for the runs of samples of a tile's part that a patch may cover: pixel index of
-/// the first, and what is there.
+/// Calls draw(k, lanes, count) for the runs of samples of a tile's part that a patch may cover: pixel index
+/// of the first, and what is there.
 template <typename Draw>
 void for_each_run(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                   const Part& part, const SeenTile& out, const Draw& draw) {

@@ -18,7 +18,7 @@ constexpr double coarse_from_px = 6;
 template <std::size_t values>
 class Fit {
   public:
-    void add(int x, int y, const Plane* planes) {
+    void add(int x, int y, const CellPlane* planes) {
         each(x, y, planes, [&](double px, double py, const std::array<double, values>& v) {
             n_ += 1;
             x_ += px;
@@ -44,7 +44,7 @@ class Fit {
         }
     }
     /// The largest difference of any value from the cell's own.
-    [[nodiscard]] double error(int x, int y, const Plane* planes) const {
+    [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         each(x, y, planes, [&](double px, double py, const std::array<double, values>& v) {
             for (std::size_t i = first_moving; i < values; ++i)
@@ -55,7 +55,7 @@ class Fit {
     [[nodiscard]] double at(std::size_t i, double x, double y) const {
         return plane_[i][0] + plane_[i][1] * x + plane_[i][2] * y;
     }
-    [[nodiscard]] Plane plane(std::size_t i) const {
+    [[nodiscard]] CellPlane plane(std::size_t i) const {
         return {static_cast<float>(plane_[i][0]), static_cast<float>(plane_[i][1]),
                 static_cast<float>(plane_[i][2])};
     }
@@ -63,7 +63,7 @@ class Fit {
   private:
     static constexpr std::size_t first_moving = values == 1 ? 0 : 1;  ///< with W, z' only orders
     template <typename Visit>
-    void each(int x, int y, const Plane* planes, const Visit& visit) const {
+    void each(int x, int y, const CellPlane* planes, const Visit& visit) const {
         for (const double oy : {-0.25, 0.25}) {
             for (const double ox : {-0.25, 0.25}) {
                 std::array<double, values> v{};
@@ -107,7 +107,7 @@ class Cutter {
             }
         }
     }
-    [[nodiscard]] Mat2 w_of(const Plane* p) const {
+    [[nodiscard]] Mat2 w_of(const CellPlane* p) const {
         if constexpr (values == 5) {
             return {p[1].value, p[2].value, p[3].value, p[4].value};
         } else {
@@ -119,7 +119,7 @@ class Cutter {
         Fit<values> fit;
         double blur_px = HUGE_VAL;
         int cells = 0;
-        each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const Plane* p) {
+        each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const CellPlane* p) {
             fit.add(x, y, p);
             blur_px = std::min(blur_px, lens_.least_blur_px(w_of(p)));
             ++cells;
@@ -129,7 +129,7 @@ class Cutter {
         if (width > 1 || height > 1) {
             const double within = std::max(exact_px, exact_share * blur_px) / lens_.radius_px_m;
             double error = 0;
-            each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const Plane* p) {
+            each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const CellPlane* p) {
                 error = std::max(error, fit.error(x, y, p));
             });
             if (!(error <= within)) {
@@ -154,7 +154,7 @@ class Cutter {
         p.coarse = blur_px >= coarse_from_px;
         const std::vector<std::uint32_t>& roots = p.coarse ? sheets_.coarse : sheets_.fine;
         bool divided = false;
-        each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const Plane*) {
+        each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
         });
         p.depth = divided ? static_cast<std::uint8_t>(sheets_.sheets[sheet_].depth) : std::uint8_t{0};
@@ -209,7 +209,7 @@ PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens) {
 
 bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& motion, const LensShift& lens,
                  PatchPlace& out) {
-    const Plane* p = mesh.planes.data() + patch.first_plane;
+    const CellPlane* p = mesh.planes.data() + patch.first_plane;
     const glm::dvec2 corner = mesh.corner(patch);
     if (motion.identity()) {
         out.move = glm::dmat2(1);
@@ -242,13 +242,13 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
         out.move[1] -= out.inverse_z.z * q;
         return true;
     }
-    const auto moved = [&](float Plane::*part) {
+    const auto moved = [&](float CellPlane::*part) {
         return glm::dvec2(static_cast<double>(p[1].*part) * q.x + static_cast<double>(p[2].*part) * q.y,
                           static_cast<double>(p[3].*part) * q.x + static_cast<double>(p[4].*part) * q.y);
     };
-    out.from -= moved(&Plane::value);
-    out.move[0] -= moved(&Plane::x);
-    out.move[1] -= moved(&Plane::y);
+    out.from -= moved(&CellPlane::value);
+    out.move[0] -= moved(&CellPlane::x);
+    out.move[1] -= moved(&CellPlane::y);
     return true;
 }
 

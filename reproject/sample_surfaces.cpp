@@ -117,7 +117,8 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     const auto count = static_cast<std::uint32_t>(last - first);
     parents.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) {
-        const Record* parent = first[i].path.bits() == 0 ? nullptr : node_at(first, last, first[i].path.parent());
+        const Record* parent =
+            first[i].path.bits() == 0 ? nullptr : node_at(first, last, first[i].path.parent());
         parents[i] = parent == nullptr ? i : static_cast<std::uint32_t>(parent - first);
     }
 }

@@ -55,7 +55,7 @@ class SheetBuilder {
                            std::size_t end, float x, float y, float size, int depth);
     std::uint32_t add_texel(std::size_t sheet, const Piece& piece);
     template <std::size_t values>
-    void fit(std::span<const Piece* const> pieces, Plane* planes) const;
+    void fit(std::span<const Piece* const> pieces, CellPlane* planes) const;
     void take_highlight(const Piece& piece, std::array<float, 3>& rgb, std::array<float, 3>& excess) const;
     void emit();
     [[nodiscard]] bool continuous(float low, float high, float size) const;
@@ -65,7 +65,7 @@ class SheetBuilder {
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;
-        std::vector<Plane> planes;
+        std::vector<CellPlane> planes;
         int depth = 0;
         std::uint32_t number = 0;
     };
@@ -81,7 +81,8 @@ class SheetBuilder {
     std::vector<Piece> pieces_;
     std::vector<const Piece*> sorted_;      ///< by key, in each as they came
     std::vector<std::uint32_t> keys_used_;  ///< by pieces_; growing once sorted
-    /// By key: pieces, then where in sorted_ they end; and the first group of a leaf. 0 and `none` between uses.
+    /// By key: pieces, then where in sorted_ they end; and the first group of a leaf. 0 and `none` between
+    /// uses.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
     std::vector<Draft> drafts_;

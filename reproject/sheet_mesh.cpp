@@ -115,8 +115,10 @@ std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, in
 
 }  // namespace
 
-TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const HighlightRule& rule) {
-    constexpr std::size_t bytes_of_record = 2 * sizeof(Texel) + 2 * sizeof(std::uint32_t) + 2 * sizeof(Plane);
+TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const HighlightRule& rule,
+                       const RecordsRead& also) {
+    constexpr std::size_t bytes_of_record =
+        2 * sizeof(Texel) + 2 * sizeof(std::uint32_t) + 2 * sizeof(CellPlane);
     require_memory(file.record_count() * bytes_of_record, "the sheets of the light field");
     const SampleHeader& h = file.header();
     RecordBand band;
@@ -125,7 +127,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
     constexpr int squares_per_task = 8;
     const int width = file.x_end() - file.x_begin() - 1;
     const int squares = (width + edge - 1) / edge;
-    const auto tasks_per_strip = static_cast<std::size_t>((squares + squares_per_task - 1) / squares_per_task);
+    const auto tasks_per_strip =
+        static_cast<std::size_t>((squares + squares_per_task - 1) / squares_per_task);
     for (int y = file.y_begin(); y < file.y_end() - 1;) {
         const std::size_t count = strips_at_once(file, instant, y);
         if (strips.size() < count) strips.resize(count);
@@ -135,6 +138,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
+        // The last row holds no pixels, only their lower corners.
+        if (also) also(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) { strips[s].find(band); });
         const std::size_t first_part = parts.size();
         parts.resize(first_part + count * tasks_per_strip);
@@ -164,8 +169,10 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
     }
     TreeSheets out;
     out.deeper.values = 5;
-    join(parts.size(), [&](std::size_t t) -> SheetMesh& { return parts[t].primary; }, out.primary);
-    join(parts.size(), [&](std::size_t t) -> SheetMesh& { return parts[t].deeper; }, out.deeper);
+    join(
+        parts.size(), [&](std::size_t t) -> SheetMesh& { return parts[t].primary; }, out.primary);
+    join(
+        parts.size(), [&](std::size_t t) -> SheetMesh& { return parts[t].deeper; }, out.deeper);
     return out;
 }
 

@@ -53,9 +53,8 @@ void TreeSums::begin_use(const SheetMesh& primary_mesh, const SheetMesh* deeper_
 }
 
 std::uint32_t TreeSums::number_of(NodePath path) const {
-    const auto found = std::lower_bound(chains_.begin(), chains_.end(), path, [](const Chain& c, NodePath p) {
-        return c.path.bits() < p.bits();
-    });
+    const auto found = std::lower_bound(chains_.begin(), chains_.end(), path,
+                                        [](const Chain& c, NodePath p) { return c.path.bits() < p.bits(); });
     return found != chains_.end() && found->path == path ? static_cast<std::uint32_t>(found - chains_.begin())
                                                          : no_chain;
 }

@@ -21,8 +21,8 @@ class TreeSums {
 
     /// Before what is seen in `primary`, which a use shows, is drawn. Both must stay while it is added.
     void begin_use(const SheetMesh& primary_mesh, const SheetMesh* deeper_mesh, const SeenTile& primary);
-    /// Where a chain is drawn, once its parent is: made ready for the use, with where it is wanted in `wanted`.
-    /// Null where no pixel wants it, and for a chain that `begin` was not told of.
+    /// Where a chain is drawn, once its parent is: made ready for the use, with where it is wanted in
+    /// `wanted`. Null where no pixel wants it, and for a chain that `begin` was not told of.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Takes in pixel k.
     void add(std::size_t k, double weight);
@@ -52,8 +52,8 @@ class TreeSums {
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce
-    std::vector<Chain> chains_;  ///< by path, parents first
-    std::vector<Chain> spare_;   ///< memory of earlier tiles
+    std::vector<Chain> chains_;           ///< by path, parents first
+    std::vector<Chain> spare_;            ///< memory of earlier tiles
     const SheetMesh *primary_mesh_ = nullptr, *deeper_mesh_ = nullptr;
     const SeenTile* primary_ = nullptr;
 };
