@@ -38,53 +38,55 @@ double blur_px(const Record& r, const FocusGeometry& lens) {
 
 }  // namespace
 
-std::vector<float> misplaced_light(FocusFrame& frame, const FocusGeometry& lens) {
-    const SampleFileReader& file = frame.file();
-    const SampleHeader& h = file.header();
-    const Misplaced misplaced(lens);
-    if (!misplaced.possible(h)) return {};
-    // Squares as differences in both directions, which one pass over the picture then sums up.
-    const auto stride = static_cast<std::size_t>(h.width) + 1;
-    std::vector<double> sums(stride * (static_cast<std::size_t>(h.height) + 1), 0);
-    bool any = false;
-    frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
-        const RecordBand& band = *rows.band;
-        for (std::size_t k = band.pixel(band.x_begin, rows.y_begin),
-                         last_pixel = band.pixel(band.x_begin, rows.y_end);
-             k < last_pixel; ++k) {
-            const auto first = band.records.begin() + band.offsets[k],
-                       last = band.records.begin() + band.offsets[k + 1];
-            const auto samples = static_cast<double>(std::count_if(
-                first, last, [](const Record& r) { return r.layer == 0 && r.path.bits() == 0; }));
-            for (auto r = first; r != last; ++r) {
-                if (!misplaced(*r)) continue;
-                any = true;
-                const double half = std::clamp(blur_px(*r, lens), 0.5, 1e5),
-                             light = static_cast<double>(std::max({r->r, r->g, r->b})) / samples /
-                                     (4 * half * half);
-                const auto at = [](double v, int count) {
-                    return static_cast<std::size_t>(std::clamp(std::lround(v), 0L, static_cast<long>(count)));
-                };
-                const std::size_t x0 = at(static_cast<double>(r->x) - half, h.width),
-                                  x1 = at(static_cast<double>(r->x) + half, h.width),
-                                  y0 = at(static_cast<double>(r->y) - half, h.height),
-                                  y1 = at(static_cast<double>(r->y) + half, h.height);
-                sums[y0 * stride + x0] += light;
-                sums[y0 * stride + x1] -= light;
-                sums[y1 * stride + x0] -= light;
-                sums[y1 * stride + x1] += light;
-            }
+MisplacedLight::MisplacedLight(const SampleHeader& header, const FocusGeometry& lens)
+    : lens_(lens), width_(header.width), height_(header.height), possible_(Misplaced(lens).possible(header)) {
+    if (possible_)
+        sums_.assign((static_cast<std::size_t>(width_) + 1) * (static_cast<std::size_t>(height_) + 1), 0);
+}
+
+void MisplacedLight::add(const RecordBand& band, int y_begin, int y_end) {
+    if (!possible_) return;
+    const Misplaced misplaced(lens_);
+    const auto stride = static_cast<std::size_t>(width_) + 1;
+    const std::size_t end = band.pixel(band.x_begin, y_end);
+    for (std::size_t k = band.pixel(band.x_begin, y_begin); k < end; ++k) {
+        const auto first = band.records.begin() + band.offsets[k],
+                   last = band.records.begin() + band.offsets[k + 1];
+        const auto samples = static_cast<double>(
+            std::count_if(first, last, [](const Record& r) { return r.layer == 0 && r.path.bits() == 0; }));
+        for (auto r = first; r != last; ++r) {
+            if (!misplaced(*r)) continue;
+            any_ = true;
+            const double half = std::clamp(blur_px(*r, lens_), 0.5, 1e5),
+                         light =
+                             static_cast<double>(std::max({r->r, r->g, r->b})) / samples / (4 * half * half);
+            const auto at = [](double v, int count) {
+                return static_cast<std::size_t>(std::clamp(std::lround(v), 0L, static_cast<long>(count)));
+            };
+            const std::size_t x0 = at(static_cast<double>(r->x) - half, width_),
+                              x1 = at(static_cast<double>(r->x) + half, width_),
+                              y0 = at(static_cast<double>(r->y) - half, height_),
+                              y1 = at(static_cast<double>(r->y) + half, height_);
+            sums_[y0 * stride + x0] += light;
+            sums_[y0 * stride + x1] -= light;
+            sums_[y1 * stride + x0] -= light;
+            sums_[y1 * stride + x1] += light;
         }
-    });
-    if (!any) return {};
-    std::vector<float> out(static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height));
+    }
+}
+
+std::vector<float> MisplacedLight::picture() const {
+    if (!any_) return {};
+    const auto width = static_cast<std::size_t>(width_), height = static_cast<std::size_t>(height_),
+               stride = width + 1;
+    std::vector<float> out(width * height);
     std::vector<double> above(stride, 0);
-    for (std::size_t y = 0; y < static_cast<std::size_t>(h.height); ++y) {
+    for (std::size_t y = 0; y < height; ++y) {
         double row = 0;
-        for (std::size_t x = 0; x < static_cast<std::size_t>(h.width); ++x) {
-            row += sums[y * stride + x];
+        for (std::size_t x = 0; x < width; ++x) {
+            row += sums_[y * stride + x];
             above[x] += row;
-            out[y * static_cast<std::size_t>(h.width) + x] = static_cast<float>(std::max(0.0, above[x]));
+            out[y * width + x] = static_cast<float>(std::max(0.0, above[x]));
         }
     }
     return out;

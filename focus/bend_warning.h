@@ -18,7 +18,20 @@ namespace postlens {
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens);
 
 /// Where that light goes: by pixel of the picture, the radiance of such nodes, each spread over a square as
-/// wide as its blur. Empty where bend_warning has nothing to say.
-[[nodiscard]] std::vector<float> misplaced_light(FocusFrame& frame, const FocusGeometry& lens);
+/// wide as its blur.
+class MisplacedLight {
+  public:
+    MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
+    /// Takes in the records of rows [y_begin, y_end) of `band`: each row of the file once, in order.
+    void add(const RecordBand& band, int y_begin, int y_end);
+    /// Empty where bend_warning has nothing to say.
+    [[nodiscard]] std::vector<float> picture() const;
+
+  private:
+    FocusGeometry lens_;
+    int width_, height_;
+    bool possible_, any_ = false;
+    std::vector<double> sums_;  ///< squares as differences in both directions, summed up in the end
+};
 
 }  // namespace postlens

@@ -113,7 +113,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, const FieldFocusSettings& settings
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     p.sheets.reserve(instants);
     for (std::size_t i = 0; i < instants; ++i) {
-        p.sheets.push_back(frame.sheets(i, instants == 1 ? rule : HighlightRule{}));
+        p.sheets.push_back(
+            frame.sheets(i, instants == 1 ? rule : HighlightRule{}, i == 0 ? settings_.also : RecordsRead{}));
         p.instants_s.push_back(file.instant_s(i));
         p.primary.push_back(cut_patches(p.sheets[i]->primary, lens));
         p.deeper.push_back(cut_patches(p.sheets[i]->deeper, lens));

@@ -15,6 +15,7 @@
 #include "records/image.h"
 #include "records/sample_file.h"
 #include "reproject/raster_map.h"
+#include "reproject/sheet_mesh.h"
 
 namespace postlens {
 
@@ -34,6 +35,7 @@ struct FieldFocusSettings {
     /// Leave out where nothing moves and the picture shows one surface only (what is scattered is right
     /// there), if that is at least this share of the pixels; absent: nothing is left out.
     std::optional<double> leave_out_from_share;
+    RecordsRead also;  ///< told of the records of the frame's own instant; none: nobody is
 };
 
 struct FieldFocus {

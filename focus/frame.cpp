@@ -61,13 +61,18 @@ void FocusFrame::visit_rows(int y_begin, int y_end, const std::function<void(con
     }
 }
 
-std::shared_ptr<const TreeSheets> FocusFrame::sheets(std::size_t instant, const HighlightRule& rule) {
-    if (!many_) return std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule));
+std::shared_ptr<const TreeSheets> FocusFrame::sheets(std::size_t instant, const HighlightRule& rule,
+                                                     const RecordsRead& also) {
+    if (!many_) return std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, also));
     std::shared_ptr<TreeSheets>& kept = sheets_[instant];
     if (kept) {
         take_highlights(*kept, rule);
+        if (also && instant == 0) {
+            visit_rows(file_.y_begin(), file_.y_end(),
+                       [&](const FrameRows& rows) { also(*rows.band, rows.y_begin, rows.y_end); });
+        }
     } else {
-        kept = std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule));
+        kept = std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, also));
     }
     return kept;
 }

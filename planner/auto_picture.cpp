@@ -56,8 +56,12 @@ class Planner {
         const HybridSettings& s = settings_.hybrid;
         moves_ = s.motion != nullptr && s.shutter;
         if (moves_) by_field.shutter = {s.motion, s.shutter->open_s, s.shutter->close_s, s.curve};
+        MisplacedLight misplaced(h_, geometry_);
+        by_field.also = [&](const RecordBand& band, int y_begin, int y_end) {
+            misplaced.add(band, y_begin, y_end);
+        };
         const FieldFocuser focuser(frame_, by_field);
-        pilot(focuser);
+        pilot(focuser, misplaced.picture());
         choose_views();
         draw(focuser);
         trace_again();
@@ -66,7 +70,7 @@ class Planner {
     }
 
   private:
-    void pilot(const FieldFocuser& focuser) {
+    void pilot(const FieldFocuser& focuser, const std::vector<float>& misplaced) {
         FieldFocus a = focuser.draw({pilot_views, 0, {}, {}});
         const FieldFocus b = focuser.draw({pilot_views, 1, {}, {}});
         const std::vector<float> ea = encoded(a.image), eb = encoded(b.image);
@@ -83,7 +87,6 @@ class Planner {
         floor_ = record_floor(frame_, geometry_);
         const std::vector<double> floor =
             grid.means([&](std::size_t k) { return static_cast<double>(floor_[k]); });
-        const std::vector<float> misplaced = misplaced_light(frame_, geometry_);
         const std::vector<float> contrast = local_contrast(a.image);
         hidden_.resize(a.unknown.size());
         for (std::size_t k = 0; k < hidden_.size(); ++k) {

@@ -107,6 +107,10 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     FieldFocusSettings by_field{
         geometry, read_aperture(v.focus.impulse), {0, h.width, 0, h.height}, views, {}, {}};
     if (moves) by_field.shutter = {v.motion, v.shutter->open_s, v.shutter->close_s, v.curve};
+    MisplacedLight misplaced_light(h, geometry);
+    by_field.also = [&](const RecordBand& band, int y_begin, int y_end) {
+        misplaced_light.add(band, y_begin, y_end);
+    };
     const FieldFocus seen = field_focus(frame, by_field);
     std::optional<Image> finer;
     if (request.method == FocusMethod::scatter && request.depths) {
@@ -115,8 +119,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         s.depths = std::min(4 * *request.depths, DepthLevels::most_depths);
         finer = focus_picture(frame, s).image;
     }
-    const std::vector<float> floor = record_floor(frame, geometry),
-                             misplaced = misplaced_light(frame, geometry),
+    const std::vector<float> floor = record_floor(frame, geometry), misplaced = misplaced_light.picture(),
                              margin = beyond_margin(frame, geometry), contrast = local_contrast(seen.image);
 
     CauseMap out;

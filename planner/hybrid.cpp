@@ -66,7 +66,11 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
     const bool moves = settings.motion != nullptr && settings.shutter;
     HybridResult out;
     FieldFocusSettings by_field{
-        geometry, read_aperture(focus.impulse), {0, h.width, 0, h.height}, focus.views, {}, {}};
+        geometry, read_aperture(focus.impulse), {0, h.width, 0, h.height}, focus.views, {}, {}, {}};
+    MisplacedLight misplaced(h, geometry);
+    by_field.also = [&](const RecordBand& band, int y_begin, int y_end) {
+        misplaced.add(band, y_begin, y_end);
+    };
     if (!moves) by_field.leave_out_from_share = scatter_costs_views / std::max(focus.views, 1);
     if (moves)
         by_field.shutter = {settings.motion, settings.shutter->open_s, settings.shutter->close_s,
@@ -95,8 +99,7 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
     }
     out.focus.views = focus.views;
     out.focus.geometry = geometry;
-    std::vector<std::uint32_t> pixels =
-        insufficient(field, misplaced_light(frame, geometry), settings.tolerated);
+    std::vector<std::uint32_t> pixels = insufficient(field, misplaced.picture(), settings.tolerated);
     out.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
     if (settings.scene != nullptr) {
         retrace(*settings.scene, retrace_settings(h, settings, camera, by_field.aperture),

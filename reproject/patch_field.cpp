@@ -17,7 +17,13 @@ constexpr float same_depth = 0.02F;
 
 using Bins = std::vector<std::vector<std::uint32_t>>;  ///< by tile: patches that some view may have there
 
-/// A tile's patches of one chain of bounces: [begin, end) of its bin.
+/// The patches of a tile, in the order they are drawn in.
+struct TilePatches {
+    PatchMesh mesh;
+    std::vector<PatchReach> reach;
+};
+
+/// Those of one chain of bounces: [begin, end).
 struct Chain {
     NodePath path;
     std::size_t begin = 0, end = 0;
@@ -26,9 +32,8 @@ struct Chain {
 /// Everything that one thread draws with.
 struct Workplace {
     SeenTile seen[2];
-    /// By instant: bounds of the tile's patches, and their chains.
-    std::vector<std::vector<PatchReach>> primary_reach, deeper_reach;
-    std::vector<std::vector<Chain>> chains;
+    std::vector<TilePatches> primary, deeper;  ///< by instant
+    std::vector<std::vector<Chain>> chains;    ///< by instant: of `deeper`
     WantedPixels wanted;
     std::array<std::array<double, 4>, SeenTile::pixels> sum{};  ///< r, g, b and known
     TreeSums trees;
@@ -169,11 +174,11 @@ class Field {
             return;
         }
         w.sum.fill({});
-        w.primary_reach.resize(field_.instants.size());
-        w.deeper_reach.resize(field_.instants.size());
+        w.primary.resize(field_.instants.size());
+        w.deeper.resize(field_.instants.size());
         w.chains.assign(field_.instants.size(), {});
         for (std::size_t i = 0; i < field_.instants.size(); ++i)
-            find_reach(*field_.instants[i].primary, primary_[i][tile], w.primary_reach[i]);
+            gather(*field_.instants[i].primary, primary_[i][tile], w.primary[i]);
         if (trees_) begin_trees(tile, w);
         const bool lights = field_.lights != nullptr && field_.lights->reach(x0, y0, at.width, at.height);
         if (lights) {
@@ -186,7 +191,7 @@ class Field {
         }
         for (std::size_t i = 0; i < field_.views.size(); ++i) {
             at.sample = field_.views[i].sample;
-            draw_view(field_.views[i], at, tile, w);
+            draw_view(field_.views[i], at, w);
             if (!lights) continue;
             const auto to = static_cast<std::ptrdiff_t>(i * TileViews::view);
             std::copy(w.seen[0].inverse_z.begin(), w.seen[0].inverse_z.end(), w.views.inverse_z.begin() + to);
@@ -204,18 +209,17 @@ class Field {
         std::vector<NodePath> paths;
         for (std::size_t i = 0; i < field_.instants.size(); ++i) {
             if (field_.instants[i].deeper == nullptr) continue;
-            const PatchMesh& mesh = *field_.instants[i].deeper;
-            const std::vector<std::uint32_t>& patches = deeper_[i][tile];
+            gather(*field_.instants[i].deeper, deeper_[i][tile], w.deeper[i]);
+            const PatchMesh& mesh = w.deeper[i].mesh;
             std::vector<Chain>& chains = w.chains[i];
-            for (std::size_t p = 0; p < patches.size(); ++p) {
-                const NodePath path = mesh.sheet(mesh.patches[patches[p]]).key.path;
+            for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
+                const NodePath path = mesh.sheet(mesh.patches[p]).key.path;
                 if (chains.empty() || chains.back().path != path) {
                     paths.push_back(path);
                     chains.push_back({path, p, p});
                 }
                 chains.back().end = p + 1;
             }
-            find_reach(mesh, patches, w.deeper_reach[i]);
         }
         if (!paths.empty()) {
             paths.push_back(NodePath().child(NodePath::Bounce::reflected));
@@ -224,12 +228,21 @@ class Field {
         w.trees.begin(std::move(paths));
     }
 
-    /// Bounds of a tile's patches.
-    void find_reach(const PatchMesh& mesh, const std::vector<std::uint32_t>& patches,
-                    std::vector<PatchReach>& out) const {
-        out.clear();
-        for (const std::uint32_t p : patches)
-            out.push_back(patch_reach(mesh, mesh.patches[p], farthest_px_, farthest_shift_px_));
+    /// A tile's patches one after the other, for every view to go through.
+    void gather(const PatchMesh& mesh, const std::vector<std::uint32_t>& bin, TilePatches& out) const {
+        out.mesh.sheets = mesh.sheets;
+        out.mesh.patches.clear();
+        out.mesh.planes.clear();
+        out.reach.clear();
+        for (const std::uint32_t i : bin) {
+            Patch p = mesh.patches[i];
+            out.reach.push_back(patch_reach(mesh, p, farthest_px_, farthest_shift_px_));
+            const auto planes = mesh.planes.begin() + p.first_plane;
+            p.first_plane = static_cast<std::uint32_t>(out.mesh.planes.size());
+            out.mesh.planes.insert(out.mesh.planes.end(), planes,
+                                   planes + static_cast<std::ptrdiff_t>(mesh.sheets->values));
+            out.mesh.patches.push_back(p);
+        }
     }
 
     /// Whether a view has nothing of a patch in pixels [x0, x1) x [y0, y1) of the tile.
@@ -241,54 +254,52 @@ class Field {
                             static_cast<float>(at.y + y1));
     }
 
-    void draw_primary(const PatchView& v, const PatchView::Use& use, const TilePlace& at, std::size_t tile,
-                      const std::vector<PatchReach>& reach, SeenTile& seen) const {
-        const PatchMesh& mesh = *field_.instants[use.instant].primary;
+    void draw_primary(const PatchView& v, const PatchView::Use& use, const TilePlace& at,
+                      const TilePatches& patches, SeenTile& seen) const {
         const bool still = use.motions.empty();
         seen.clear();
         PatchPlace place;
-        const std::vector<std::uint32_t>& patches = primary_[use.instant][tile];
-        for (std::size_t i = 0; i < patches.size(); ++i) {
-            if (still && misses(reach[i], v.lens, at, 0, at.width, 0, at.height)) continue;
-            const Patch& patch = mesh.patches[patches[i]];
+        const PatchMesh& mesh = patches.mesh;
+        for (std::size_t i = 0; i < mesh.patches.size(); ++i) {
+            if (still && misses(patches.reach[i], v.lens, at, 0, at.width, 0, at.height)) continue;
+            const Patch& patch = mesh.patches[i];
             if (place_patch(mesh, patch, motion_of(mesh, patch, use), v.lens, place))
                 draw_patch(mesh, patch, place, at, seen);
         }
     }
 
-    void draw_deeper(const PatchView& v, const PatchView::Use& use, const TilePlace& at, std::size_t tile,
-                     const SeenTile& seen, Workplace& w) const {
+    void draw_deeper(const PatchView& v, const PatchView::Use& use, const TilePlace& at, const SeenTile& seen,
+                     Workplace& w) const {
         const PatchInstant& instant = field_.instants[use.instant];
         w.trees.begin_use(*instant.primary->sheets,
                           instant.deeper != nullptr ? instant.deeper->sheets : nullptr, seen);
         if (instant.deeper == nullptr) return;
-        const PatchMesh& mesh = *instant.deeper;
         const bool still = use.motions.empty();
-        const std::vector<PatchReach>& reach = w.deeper_reach[use.instant];
+        const TilePatches& patches = w.deeper[use.instant];
+        const PatchMesh& mesh = patches.mesh;
         const WantedPixels& wanted = w.wanted;
         PatchPlace place;
-        const std::vector<std::uint32_t>& patches = deeper_[use.instant][tile];
         for (const Chain& chain : w.chains[use.instant]) {
             SeenTile* out = w.trees.begin_chain(chain.path, w.wanted);
             if (out == nullptr) continue;
             for (std::size_t i = chain.begin; i < chain.end; ++i) {
-                if (still &&
-                    misses(reach[i], v.lens, at, wanted.x_begin, wanted.x_end, wanted.y_begin, wanted.y_end))
+                if (still && misses(patches.reach[i], v.lens, at, wanted.x_begin, wanted.x_end,
+                                    wanted.y_begin, wanted.y_end))
                     continue;
-                const Patch& patch = mesh.patches[patches[i]];
+                const Patch& patch = mesh.patches[i];
                 if (place_patch(mesh, patch, motion_of(mesh, patch, use), v.lens, place))
                     draw_patch_in(mesh, patch, place, at, wanted, *out);
             }
         }
     }
 
-    void draw_view(const PatchView& v, const TilePlace& at, std::size_t tile, Workplace& w) const {
+    void draw_view(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u)
-            draw_primary(v, v.uses[u], at, tile, w.primary_reach[v.uses[u].instant], w.seen[u]);
+            draw_primary(v, v.uses[u], at, w.primary[v.uses[u].instant], w.seen[u]);
         const bool trees = trees_ && w.trees.any();
         // Per use: a pixel counts with the use's share where both show one surface, else the nearer counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
-            if (trees) draw_deeper(v, v.uses[u], at, tile, w.seen[u], w);
+            if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
             const SheetMesh& mesh = *field_.instants[v.uses[u].instant].primary->sheets;
             for (int y = 0; y < at.height; ++y) {
                 for (int x = 0; x < at.width; ++x) {

@@ -4,19 +4,19 @@ namespace postlens {
 
 PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                        double shift_px) {
-    const Plane* p = mesh.planes.data() + patch.first_plane;
+    const CellPlane* p = mesh.planes.data() + patch.first_plane;
     const glm::dvec2 corner = mesh.corner(patch);
     const double half_x = patch.width / 2.0, half_y = patch.height / 2.0;
     const bool has_w = mesh.sheets->has_w();
     // Rows of W, entry by entry, with its slopes.
-    const Plane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
-                         &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
-    const auto middle = [&](const Plane& w) {
+    const CellPlane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
+                             &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
+    const auto middle = [&](const CellPlane& w) {
         return static_cast<double>(w.value) + static_cast<double>(w.x) * half_x +
                static_cast<double>(w.y) * half_y;
     };
     // |slopes by x and y| times how far they reach from the middle.
-    const auto stretch = [&](const Plane& w) {
+    const auto stretch = [&](const CellPlane& w) {
         return std::abs(static_cast<double>(w.x)) * half_x + std::abs(static_cast<double>(w.y)) * half_y;
     };
     PatchReach out;

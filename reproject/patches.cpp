@@ -15,18 +15,18 @@ constexpr double exact_px = 0.1, exact_share = 0.02;
 constexpr double coarse_from_px = 6;
 
 /// Least squares over the cells of a patch, around the patch's corner: four places within each cell.
+template <std::size_t values>
 class Fit {
   public:
-    explicit Fit(std::size_t values) : values_(values) {}
-    void add(int x, int y, const Plane* planes) {
-        each(x, y, planes, [&](double px, double py, const std::array<double, 5>& v) {
+    void add(int x, int y, const CellPlane* planes) {
+        each(x, y, planes, [&](double px, double py, const std::array<double, values>& v) {
             n_ += 1;
             x_ += px;
             y_ += py;
             xx_ += px * px;
             xy_ += px * py;
             yy_ += py * py;
-            for (std::size_t i = 0; i < values_; ++i) {
+            for (std::size_t i = 0; i < values; ++i) {
                 v_[i] += v[i];
                 vx_[i] += v[i] * px;
                 vy_[i] += v[i] * py;
@@ -37,17 +37,17 @@ class Fit {
         const double mx = x_ / n_, my = y_ / n_;
         const double xx = xx_ / n_ - mx * mx, xy = xy_ / n_ - mx * my, yy = yy_ / n_ - my * my;
         const double det = xx * yy - xy * xy;
-        for (std::size_t i = 0; i < values_; ++i) {
+        for (std::size_t i = 0; i < values; ++i) {
             const double mean = v_[i] / n_, cx = vx_[i] / n_ - mx * mean, cy = vy_[i] / n_ - my * mean;
             const double dx = (yy * cx - xy * cy) / det, dy = (xx * cy - xy * cx) / det;
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
     /// The largest difference of any value from the cell's own.
-    [[nodiscard]] double error(int x, int y, const Plane* planes) const {
+    [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
-        each(x, y, planes, [&](double px, double py, const std::array<double, 5>& v) {
-            for (std::size_t i = first_moving(); i < values_; ++i)
+        each(x, y, planes, [&](double px, double py, const std::array<double, values>& v) {
+            for (std::size_t i = first_moving; i < values; ++i)
                 worst = std::max(worst, std::abs(v[i] - at(i, px, py)));
         });
         return worst;
@@ -55,20 +55,19 @@ class Fit {
     [[nodiscard]] double at(std::size_t i, double x, double y) const {
         return plane_[i][0] + plane_[i][1] * x + plane_[i][2] * y;
     }
-    [[nodiscard]] Plane plane(std::size_t i) const {
+    [[nodiscard]] CellPlane plane(std::size_t i) const {
         return {static_cast<float>(plane_[i][0]), static_cast<float>(plane_[i][1]),
                 static_cast<float>(plane_[i][2])};
     }
 
   private:
-    /// With W, z' only orders.
-    [[nodiscard]] std::size_t first_moving() const { return values_ == 1 ? 0 : 1; }
+    static constexpr std::size_t first_moving = values == 1 ? 0 : 1;  ///< with W, z' only orders
     template <typename Visit>
-    void each(int x, int y, const Plane* planes, const Visit& visit) const {
+    void each(int x, int y, const CellPlane* planes, const Visit& visit) const {
         for (const double oy : {-0.25, 0.25}) {
             for (const double ox : {-0.25, 0.25}) {
-                std::array<double, 5> v{};
-                for (std::size_t i = 0; i < values_; ++i) {
+                std::array<double, values> v{};
+                for (std::size_t i = 0; i < values; ++i) {
                     v[i] = static_cast<double>(planes[i].value) + static_cast<double>(planes[i].x) * ox +
                            static_cast<double>(planes[i].y) * oy;
                 }
@@ -76,12 +75,12 @@ class Fit {
             }
         }
     }
-    std::size_t values_;
     double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0;
-    std::array<double, 5> v_{}, vx_{}, vy_{};
-    std::array<std::array<double, 3>, 5> plane_{};
+    std::array<double, values> v_{}, vx_{}, vy_{};
+    std::array<std::array<double, 3>, values> plane_{};
 };
 
+template <std::size_t values>
 class Cutter {
   public:
     Cutter(const SheetMesh& sheets, const PatchLens& lens, PatchMesh& out)
@@ -104,20 +103,23 @@ class Cutter {
             for (int x = x0; x < x0 + width; ++x) {
                 const std::size_t k = cell(x, y);
                 if (sheets_.fine[k] != SheetNode::none)
-                    visit(x - x0, y - y0, k, sheets_.planes.data() + k * sheets_.values);
+                    visit(x - x0, y - y0, k, sheets_.planes.data() + k * values);
             }
         }
     }
-    [[nodiscard]] Mat2 w_of(const Plane* p) const {
-        return sheets_.has_w() ? Mat2{p[1].value, p[2].value, p[3].value, p[4].value}
-                               : Mat2::isotropic(p[0].value);
+    [[nodiscard]] Mat2 w_of(const CellPlane* p) const {
+        if constexpr (values == 5) {
+            return {p[1].value, p[2].value, p[3].value, p[4].value};
+        } else {
+            return Mat2::isotropic(p[0].value);
+        }
     }
 
     void cut(int x0, int y0, int width, int height) {
-        Fit fit(sheets_.values);
+        Fit<values> fit;
         double blur_px = HUGE_VAL;
         int cells = 0;
-        each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const Plane* p) {
+        each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const CellPlane* p) {
             fit.add(x, y, p);
             blur_px = std::min(blur_px, lens_.least_blur_px(w_of(p)));
             ++cells;
@@ -127,7 +129,7 @@ class Cutter {
         if (width > 1 || height > 1) {
             const double within = std::max(exact_px, exact_share * blur_px) / lens_.radius_px_m;
             double error = 0;
-            each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const Plane* p) {
+            each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const CellPlane* p) {
                 error = std::max(error, fit.error(x, y, p));
             });
             if (!(error <= within)) {
@@ -142,7 +144,7 @@ class Cutter {
         add(x0, y0, width, height, fit, blur_px);
     }
 
-    void add(int x0, int y0, int width, int height, const Fit& fit, double blur_px) {
+    void add(int x0, int y0, int width, int height, const Fit<values>& fit, double blur_px) {
         Patch p;
         p.sheet = sheet_;
         p.x = static_cast<std::uint8_t>(x0);
@@ -152,12 +154,12 @@ class Cutter {
         p.coarse = blur_px >= coarse_from_px;
         const std::vector<std::uint32_t>& roots = p.coarse ? sheets_.coarse : sheets_.fine;
         bool divided = false;
-        each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const Plane*) {
+        each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
         });
         p.depth = divided ? static_cast<std::uint8_t>(sheets_.sheets[sheet_].depth) : std::uint8_t{0};
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
-        for (std::size_t i = 0; i < sheets_.values; ++i) out_.planes.push_back(fit.plane(i));
+        for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         out_.patches.push_back(p);
     }
 
@@ -184,9 +186,15 @@ PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens) {
     const std::size_t tasks = (sheets.sheets.size() + per_task - 1) / per_task;
     std::vector<PatchMesh> parts(tasks);
     parallel_for(tasks, [&](std::size_t t) {
-        Cutter cutter(sheets, lens, parts[t]);
-        for (std::size_t i = t * per_task; i < std::min((t + 1) * per_task, sheets.sheets.size()); ++i)
-            cutter.cut(static_cast<std::uint32_t>(i));
+        const auto cut = [&](auto&& cutter) {
+            for (std::size_t i = t * per_task; i < std::min((t + 1) * per_task, sheets.sheets.size()); ++i)
+                cutter.cut(static_cast<std::uint32_t>(i));
+        };
+        if (sheets.has_w()) {
+            cut(Cutter<5>(sheets, lens, parts[t]));
+        } else {
+            cut(Cutter<1>(sheets, lens, parts[t]));
+        }
     });
     for (const PatchMesh& part : parts) {
         const auto first = static_cast<std::uint32_t>(out.planes.size());
@@ -201,7 +209,7 @@ PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens) {
 
 bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& motion, const LensShift& lens,
                  PatchPlace& out) {
-    const Plane* p = mesh.planes.data() + patch.first_plane;
+    const CellPlane* p = mesh.planes.data() + patch.first_plane;
     const glm::dvec2 corner = mesh.corner(patch);
     if (motion.identity()) {
         out.move = glm::dmat2(1);
@@ -234,13 +242,13 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
         out.move[1] -= out.inverse_z.z * q;
         return true;
     }
-    const auto moved = [&](float Plane::*part) {
+    const auto moved = [&](float CellPlane::*part) {
         return glm::dvec2(static_cast<double>(p[1].*part) * q.x + static_cast<double>(p[2].*part) * q.y,
                           static_cast<double>(p[3].*part) * q.x + static_cast<double>(p[4].*part) * q.y);
     };
-    out.from -= moved(&Plane::value);
-    out.move[0] -= moved(&Plane::x);
-    out.move[1] -= moved(&Plane::y);
+    out.from -= moved(&CellPlane::value);
+    out.move[0] -= moved(&CellPlane::x);
+    out.move[1] -= moved(&CellPlane::y);
     return true;
 }
 

@@ -41,7 +41,7 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     std::vector<Patch> patches;
     /// By patch, `sheets->values` each, around the patch's corner: 1/z', xx, xy, yx, yy.
-    std::vector<Plane> planes;
+    std::vector<CellPlane> planes;
 
     [[nodiscard]] const Sheet& sheet(const Patch& p) const { return sheets->sheets[p.sheet]; }
     /// Raster px of its corner.

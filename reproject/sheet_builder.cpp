@@ -272,7 +272,7 @@ void SheetBuilder::add_cell(std::size_t sheet, std::span<const Piece* const> pie
         }
         draft.coarse.back() = SheetNode::leaf | static_cast<std::uint32_t>(out_.texels.size() - 1);
     }
-    std::array<Plane, 5> planes;
+    std::array<CellPlane, 5> planes;
     if (out_.values == 1) {
         fit<1>(pieces, planes.data());
     } else {
@@ -309,7 +309,7 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*
 }
 
 template <std::size_t values>
-void SheetBuilder::fit(std::span<const Piece* const> pieces, Plane* planes) const {
+void SheetBuilder::fit(std::span<const Piece* const> pieces, CellPlane* planes) const {
     // Least squares around the middle of the cell; slopes that little is known of stay small.
     double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
     std::array<double, values> mean{}, vx{}, vy{};

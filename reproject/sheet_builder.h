@@ -55,7 +55,7 @@ class SheetBuilder {
                            std::size_t end, float x, float y, float size, int depth);
     std::uint32_t add_texel(std::size_t sheet, const Piece& piece);
     template <std::size_t values>
-    void fit(std::span<const Piece* const> pieces, Plane* planes) const;
+    void fit(std::span<const Piece* const> pieces, CellPlane* planes) const;
     /// Notes that a texel of this area has the light that was added since there was so much.
     void note_bright(std::size_t first_light, float area);
     void emit();
@@ -66,7 +66,7 @@ class SheetBuilder {
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;
-        std::vector<Plane> planes;
+        std::vector<CellPlane> planes;
         int depth = 0;
         std::uint32_t number = 0;
     };

@@ -123,8 +123,10 @@ std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, in
 
 }  // namespace
 
-TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const HighlightRule& rule) {
-    constexpr std::size_t bytes_of_record = 2 * sizeof(Texel) + 2 * sizeof(std::uint32_t) + 2 * sizeof(Plane);
+TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const HighlightRule& rule,
+                       const RecordsRead& also) {
+    constexpr std::size_t bytes_of_record =
+        2 * sizeof(Texel) + 2 * sizeof(std::uint32_t) + 2 * sizeof(CellPlane);
     require_memory(file.record_count() * bytes_of_record, "the sheets of the light field");
     const SampleHeader& h = file.header();
     RecordBand band;
@@ -144,6 +146,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
+        // The last row holds no pixels, only their lower corners.
+        if (also) also(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) { strips[s].find(band); });
         const std::size_t first_part = parts.size();
         parts.resize(first_part + count * tasks_per_strip);

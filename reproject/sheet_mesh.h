@@ -24,7 +24,7 @@ struct SheetKey {
 };
 
 /// A function of the place: `value + x * dx + y * dy`, x and y in px from where its owner says.
-struct Plane {
+struct CellPlane {
     float value = 0, x = 0, y = 0;
 };
 
@@ -78,7 +78,7 @@ struct SheetMesh {
     /// cells that the sheet fills as a single square.
     std::vector<std::uint32_t> fine, coarse;
     /// By cell, `values` each, around the cell's middle: 1/z', then with W its xx, xy, yx, yy; 1/m.
-    std::vector<Plane> planes;
+    std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
@@ -105,10 +105,13 @@ struct HighlightRule {
                                                                  ///< node its own, else of what it is seen in
 };
 
+/// Told of the records that are read, each row once and in order: rows [y_begin, y_end) of `band`.
+using RecordsRead = std::function<void(const RecordBand& band, int y_begin, int y_end)>;
+
 /// Reads an instant of the file. Throws Error(out_of_memory) before it would take more than there is, and
-/// what the reader throws.
+/// what the reader and `also` throw.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
-                                     const HighlightRule& rule);
+                                     const HighlightRule& rule, const RecordsRead& also = {});
 
 /// Makes of sheets those of another rule with the same limit: bit for bit what `tree_sheets` gives for it.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);

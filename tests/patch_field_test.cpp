@@ -8,6 +8,7 @@
 #include "core/threads.h"
 #include "records/quadtree.h"
 #include "reproject/patch_raster.h"
+#include "reproject/patch_reach.h"
 #include "tests/random_records.h"
 #include "tests/temporary_folder.h"
 
@@ -92,6 +93,21 @@ TEST(Sheets, CoverEveryPixelOnceWithThePinholesColours) {
     }
 }
 
+TEST(Sheets, TellOfEveryRowOnceAndInOrder) {
+    const MadeSheets f({.levels = 2}, [](Record&) {});
+    int next = f.file->y_begin();
+    std::size_t records = 0;
+    const TreeSheets again = tree_sheets(*f.file, 0, {}, [&](const RecordBand& band, int y_begin, int y_end) {
+        EXPECT_EQ(y_begin, next);
+        next = y_end;
+        records +=
+            band.offsets[band.pixel(band.x_begin, y_end)] - band.offsets[band.pixel(band.x_begin, y_begin)];
+    });
+    EXPECT_EQ(next, f.file->y_end());
+    EXPECT_EQ(records, f.band.records.size());
+    EXPECT_EQ(again.primary.texels.size(), f.sheets.primary.texels.size());
+}
+
 /// Patches drawn one after the other and pixel by pixel, in double.
 void draw_slowly(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const glm::dvec2& sample,
                  std::vector<double>& z, std::vector<std::uint32_t>& texel) {
@@ -155,6 +171,39 @@ TEST(Patches, FastDrawingIsWhatSlowDrawingGives) {
         }
         EXPECT_GT(seen, 3 * width * height / 2);
         EXPECT_LT(static_cast<double>(different) / static_cast<double>(seen), 0.08) << radius_px;
+    }
+}
+
+// What a view is said to have nothing of in a tile, it draws nothing of; and that says much: the tile is a
+// tenth of the raster.
+TEST(Patches, AViewMissesOnlyWhatDrawsNothing) {
+    for (const bool has_w : {false, true}) {
+        const MadeSheets f({.levels = 2, .has_w = has_w}, [](Record& r) { r.id %= 3; });
+        const PatchLens lens{6, 0.3};
+        const PatchMesh mesh = cut_patches(has_w ? f.sheets.deeper : f.sheets.primary, lens);
+        ASSERT_FALSE(mesh.patches.empty());
+        std::size_t missed = 0;
+        for (const glm::dvec2 q : {glm::dvec2(6, 0), glm::dvec2(-4, -4), glm::dvec2(0)}) {
+            const LensShift shift{q, lens.inverse_focus_per_m, {0.5, -0.25}};
+            const glm::dvec2 all = shift.inverse_focus_per_m * q + shift.offset_px;
+            const TilePlace tile{5, 7, 12, 10, {0.1, 0.9}};
+            for (const Patch& p : mesh.patches) {
+                const PatchReach reach = patch_reach(mesh, p, {6, 4}, glm::length(all));
+                if (!reach.misses(static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(all.x),
+                                  static_cast<float>(all.y), 5, 5 + 12, 7, 7 + 10))
+                    continue;
+                ++missed;
+                PatchPlace place;
+                ASSERT_TRUE(place_patch(mesh, p, {}, shift, place));
+                const RasterRect r = covered(p, place);
+                EXPECT_TRUE(r.x_max < 5 || r.x_min > 5 + 12 || r.y_max < 7 || r.y_min > 7 + 10);
+                SeenTile seen;
+                seen.clear();
+                draw_patch(mesh, p, place, tile, seen);
+                for (const std::uint32_t t : seen.texel) ASSERT_EQ(t, SeenTile::no_texel);
+            }
+        }
+        EXPECT_GT(missed, mesh.patches.size());  // of three times as many
     }
 }
 
