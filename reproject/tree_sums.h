@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// Views of one tile, one after the other: begin_use, drawing into `seen`, add for the pixels; at the end
-/// sum_up. Of what views ask for and do not find, because it was never recorded, the others' mean stands in;
-/// where hardly any finds it, what the pinhole saw in the mirror's place.
+/// Views of one tile, one after the other: begin_use, begin_chain and drawing chain by chain, add for the
+/// pixels; at the end sum_up. Of what views ask for and do not find, because it was never recorded, the
+/// others' mean stands in; where hardly any finds it, what the pinhole saw in the mirror's place.
 class TreeSums {
   public:
     /// `paths`: the chains that may occur, in any order, also several times.
