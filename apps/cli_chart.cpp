@@ -1,5 +1,6 @@
 #include "apps/cli_chart.h"
 
+#include "apps/atlas_command.h"
 #include "apps/chart_command.h"
 #include "apps/numbers.h"
 
@@ -21,9 +22,20 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
     ChartRequest& r = o->request;
     auto scene = std::make_shared<std::string>();
     scene_options(app, *scene, r.metres_per_unit, r.camera, r.camera_name);
+    CLI::Option* scene_option = app.get_option("scene")->required(false);
+    auto atlas = std::make_shared<AtlasOptions>();
+    CLI::Option* atlas_option =
+        app.add_option("--atlas", atlas->cases,
+                       "Instead of a scene: the cases of this folder, each a scene that breaks a method "
+                       "[default: tests/stability]; exit code 1 where one is not as it says")
+            ->expected(0, 1)
+            ->default_str("tests/stability")
+            ->type_name("FOLDER")
+            ->excludes(scene_option);
     app.add_option(
            "-o,--output", o->output,
-           "Folder, made if it is not there: index.html, chart.csv, .json and .md, charts and pictures")
+           "Folder, made if it is not there: index.html, chart.csv, .json and .md, charts and pictures; with "
+           "--atlas index.html, failures.md and pictures")
         ->required()
         ->type_name("DIR");
     number(app, "--focal-length", r.focal_length_mm, "F, more than 0 [default: the camera's film distance]",
@@ -51,11 +63,19 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
     app.add_option("--noise", *noise, "With --reference: an independent render of it")->type_name("IMAGE");
     whole(app, "--rounds", r.rounds, "How often everything is measured, in turns, 1 to 100", "N");
     number(app, "--once-above", r.once_above_s, "Measure once what takes longer", "S");
-    app.add_flag("--restart", o->restart, "Begin anew in a folder that holds a chart");
+    app.add_flag("--restart", o->restart, "Begin anew in a folder that holds a chart or an atlas");
     app.add_flag("!--no-plots", r.plots, "No SVG and PNG: gnuplot is not needed");
     common_options(app, common);
-    app.callback([o, scene, reference, noise, &common] {
-        common.run = [o, scene, reference, noise, &common] {
+    app.callback([=, &common] {
+        common.run = [=, &common] {
+            if (atlas_option->count() > 0) {
+                atlas->output = o->output;
+                atlas->restart = o->restart;
+                atlas->quiet = common.quiet;
+                return run_atlas_command(*atlas);
+            }
+            if (scene->empty())
+                fail(ExitCode::wrong_arguments, "SCENE: missing (got nothing; expected a scene or --atlas)");
             o->request.scene = *scene;
             if (*reference) o->request.reference = **reference;
             if (*noise) o->request.second_reference = **noise;

@@ -3,6 +3,7 @@
 
 #include "apps/command.h"
 #include "planner/trace_plan.h"
+#include "tracer/point_shading.h"
 #include "tracer/recorded_motion.h"
 
 namespace postlens {
@@ -25,27 +26,6 @@ void warn_of_motion(const Scene& scene, CommandResult& out) {
                      ids)});
 }
 
-// What distributed rays would spread and point samples cannot.
-void warn_of_spread(const Scene& scene, CommandResult& out) {
-    const auto lights = std::count_if(scene.lights.begin(), scene.lights.end(),
-                                      [](const Light& l) { return l.has_extent(); });
-    if (lights > 0) {
-        out.warnings.push_back({"penumbra", fmt::format("lights with an extent are taken as points: {} of {} "
-                                                        "(penumbrae need `render`)",
-                                                        lights, scene.lights.size())});
-    }
-    const auto glossy = std::count_if(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-        return (m.reflection != glm::dvec3(0) && std::isfinite(m.reflection_exponent)) ||
-               (m.transmission != glm::dvec3(0) && std::isfinite(m.transmission_exponent));
-    });
-    if (glossy > 0) {
-        out.warnings.push_back(
-            {"gloss", fmt::format("glossy or translucent materials are taken as perfect: {} of {} "
-                                  "(the spread of their rays needs `render`)",
-                                  glossy, scene.materials.size())});
-    }
-}
-
 }  // namespace
 
 nlohmann::ordered_json rays_json(const RayCounts& rays) {
@@ -60,7 +40,7 @@ CommandResult run_trace(const TraceOptions& options) {
     const Scene scene = read_scene(options.scene, {.metres_per_unit = options.metres_per_unit});
     CommandResult out;
     for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
-    warn_of_spread(scene, out);
+    for (const ShadingNote& n : point_shading_notes(scene)) out.warnings.push_back({n.code, n.text});
     warn_of_motion(scene, out);
     TraceSettings settings = options.settings;
     nlohmann::ordered_json plan = nullptr;

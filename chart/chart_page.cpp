@@ -4,58 +4,15 @@
 #include <fmt/format.h>
 
 #include "chart/chart_runner.h"
+#include "chart/html_text.h"
 #include "chart/page_template.h"
 #include "chart/pareto.h"
-#include "core/text_file.h"
 
 namespace postlens {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-constexpr std::uintmax_t largest_picture_bytes = 256U << 20U;
-
-std::string base64(const std::string& bytes) {
-    constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        std::uint32_t three = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            three = three << 8U | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-        for (std::size_t k = 0; k < 4; ++k)
-            out += i + k <= bytes.size() ? digits[three >> (18 - 6 * k) & 63U] : '=';
-    }
-    return out;
-}
-
-std::string as_url(const fs::path& path, const char* type) {
-    return fmt::format("data:image/{};base64,{}", type, base64(read_text_file(path, largest_picture_bytes)));
-}
-
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '&':
-                out += "&amp;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                out += c;
-        }
-    }
-    return out;
-}
 
 // Inside a script element nothing may look like its end.
 std::string script_safe(const std::string& json) {
@@ -98,7 +55,7 @@ std::string chart_page(const ChartData& data, const fs::path& folder) {
     for (Json& p : json["points"]) p["on_frontier"] = false;
     for (const std::size_t i : pareto_frontier(costs)) json["points"][i]["on_frontier"] = true;
     json["what"] = what_text(data);
-    json["pictures"] = {{"reference", as_url(folder / "pictures" / "reference.png", "png")}};
+    json["pictures"] = {{"reference", picture_url(folder / "pictures" / "reference.png", "png")}};
     json["maps"] = Json::object();
     Json finished = Json::array();
     double best = -1;
@@ -108,8 +65,8 @@ std::string chart_page(const ChartData& data, const fs::path& folder) {
         if (!p.figures) continue;
         finished.push_back(json["points"][i]);
         const std::string file = point_file_name(p.name) + ".png";
-        json["pictures"][p.name] = as_url(folder / "pictures" / file, "png");
-        json["maps"][p.name] = as_url(folder / "maps" / file, "png");
+        json["pictures"][p.name] = picture_url(folder / "pictures" / file, "png");
+        json["maps"][p.name] = picture_url(folder / "maps" / file, "png");
         if (!p.is_rays() && p.figures->whole.psnr_db > best) {
             best = p.figures->whole.psnr_db;
             json["first"] = p.name;
@@ -123,11 +80,11 @@ std::string chart_page(const ChartData& data, const fs::path& folder) {
           std::pair{"cost", "cost of a picture where one trace serves 1, 10 and 100"}}) {
         const fs::path svg = folder / (std::string(name) + ".svg");
         if (fs::exists(svg))
-            charts += fmt::format("<img alt=\"{}\" src=\"{}\">\n", words, as_url(svg, "svg+xml"));
+            charts += fmt::format("<img alt=\"{}\" src=\"{}\">\n", words, picture_url(svg, "svg+xml"));
     }
     const std::string title = "Speed against accuracy: " + data.about.at("scene").get<std::string>();
     std::string out = page_template;
-    for (int k = 0; k < 2; ++k) out = replaced(out, "@TITLE@", escaped(title));
+    for (int k = 0; k < 2; ++k) out = replaced(out, "@TITLE@", html_escaped(title));
     out = replaced(out, "@FOOTER@",
                    "Made by <code>postlens chart</code>. Errors are those above the noise of the reference.");
     out = replaced(out, "@CHARTS@", charts);

@@ -12,25 +12,6 @@ constexpr const char* best_records = "records";
 constexpr const char* visible_records = "visible only";
 constexpr const char* coarse_records = "coarse";
 
-TraceSettings best_trace(const ChartRequest& request, const ChartView& view) {
-    TraceSettings out;
-    out.camera = request.camera;
-    out.camera_name = request.camera_name;
-    out.subdivide_for_lens = view.has_lens();
-    if (view.shutter) {
-        out.subdivision.levels = 4;
-        out.for_shutter = view.shutter;
-        out.keys.reset();
-    }
-    if (view.has_lens()) {
-        // The trace knows the lens by its diameter at the film distance of the view.
-        out.for_f_number = view.lens.f_number * view.film_distance_mm / view.lens.focal_length_mm;
-        out.for_focus_m = view.focus_m;
-    }
-    out.overscan_auto = true;
-    return out;
-}
-
 // Methods see the same records with one thing taken away.
 std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView& view) {
     const TraceSettings best = best_trace(request, view);
@@ -133,6 +114,25 @@ ChartView chart_view(const ChartRequest& request, const Scene& scene) {
              "--f-number: nothing blurs (got inf without --shutter; expected a "
              "finite f-number or a shutter)");
     }
+    return out;
+}
+
+TraceSettings best_trace(const ChartRequest& request, const ChartView& view) {
+    TraceSettings out;
+    out.camera = request.camera;
+    out.camera_name = request.camera_name;
+    out.subdivide_for_lens = view.has_lens();
+    if (view.shutter) {
+        out.subdivision.levels = 4;
+        out.for_shutter = view.shutter;
+        out.keys.reset();
+    }
+    if (view.has_lens()) {
+        // The trace knows the lens by its diameter at the film distance of the view.
+        out.for_f_number = view.lens.f_number * view.film_distance_mm / view.lens.focal_length_mm;
+        out.for_focus_m = view.focus_m;
+    }
+    out.overscan_auto = true;
     return out;
 }
 

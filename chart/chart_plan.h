@@ -48,6 +48,9 @@ struct ChartPlan {
 /// nor shutter blurs anything.
 [[nodiscard]] ChartView chart_view(const ChartRequest& request, const Scene& scene);
 
+/// A trace that records all that lens and shutter of this view may bring to light.
+[[nodiscard]] TraceSettings best_trace(const ChartRequest& request, const ChartView& view);
+
 [[nodiscard]] ChartPlan chart_plan(const ChartRequest& request, const ChartView& view);
 
 /// Rays of this view; spp, seed and halves are the caller's.

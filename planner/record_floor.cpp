@@ -11,6 +11,9 @@
 namespace postlens {
 namespace {
 
+/// Mean square of a step of the channels that no shading makes within a pixel: a tenth.
+constexpr double least_edge = 0.01;
+
 struct Corner {
     std::array<float, 3> encoded{};
     std::uint32_t id = 0;
@@ -52,7 +55,8 @@ double leaf_error(const std::array<Corner, 4>& corners, double size) {
     }
     const double area = size * size;
     // a x^2 + b y^2 is off by (a + b) / 6; a and b are taken to be half of what the corners tell of x y.
-    const double mse = !same_id || size < 1 ? edge_cell_variance * step : bend / 36;
+    const bool edge = !same_id || size < 1 || step > least_edge;
+    const double mse = edge ? edge_cell_variance * step : bend / 36;
     return area * area * mse;
 }
 

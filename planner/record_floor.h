@@ -15,8 +15,8 @@ namespace postlens {
 inline constexpr double edge_cell_variance = 0.0388;
 
 /// By pixel of the picture: the expected squared error (mean of the channels, encoded values) that comes of
-/// the size of the quadtrees' cells. A cell that was subdivided to the end, or whose corners show different
-/// ids, is taken to hold an edge as high as its corners differ; others to be smooth, with the error that half
+/// the size of the quadtrees' cells. A cell that was subdivided, whose corners show different ids or
+/// differ by a tenth or more, is taken to hold an edge as high as its corners differ; others to be smooth, with the error that half
 /// their curvature has. A circle of confusion wider than a pixel averages over its area. Reads the records of
 /// the picture once; same bits for any number of threads.
 [[nodiscard]] std::vector<float> record_floor(FocusFrame& frame, const FocusGeometry& geometry);

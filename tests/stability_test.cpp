@@ -1,0 +1,30 @@
+// Every case of tests/stability: the method on trial and its remedy, held to what the case file says.
+#include <cctype>
+#include <gtest/gtest.h>
+
+#include "chart/atlas_run.h"
+#include "temporary_folder.h"
+
+namespace postlens::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Stability : public testing::TestWithParam<fs::path> {};
+
+TEST_P(Stability, HoldsWhatTheCaseSays) {
+    const AtlasCase c = read_atlas_case(GetParam());
+    const fs::path work = fs::temp_directory_path() / fmt::format("postlens_{}_{}", c.name, ::getpid());
+    fs::create_directories(work);
+    const AtlasResult r = run_atlas_case(c, work);
+    fs::remove_all(work);
+    for (const std::string& line : broken_expectations(c, r)) ADD_FAILURE() << c.name << ": " << line;
+    RecordProperty("method_db", std::to_string(r.method.error.psnr_db));
+    RecordProperty("pinhole_db", std::to_string(r.pinhole_db));
+}
+
+INSTANTIATE_TEST_SUITE_P(Atlas, Stability, testing::ValuesIn(atlas_case_files(POSTLENS_STABILITY)),
+                         [](const auto& info) { return info.param.stem().string(); });
+
+}  // namespace
+}  // namespace postlens::test
