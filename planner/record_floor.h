@@ -9,16 +9,14 @@
 
 namespace postlens {
 
-/// Mean squared error of the share that a straight edge of any direction and place, which parts the corners
-/// of a square, takes of it, when the share is taken to be that of the corners: 200,000 random edges give
-/// 0.0388.
-inline constexpr double edge_cell_variance = 0.0388;
+/// What a circle of confusion divides the squared error of an edge by. One circle averages the errors of the
+/// cells in it, which is their number; those along an edge that runs along the cells are alike, and what is
+/// averaged then is the way across.
+[[nodiscard]] double averaged_by(double coc_diameter_px, bool aligned);
 
 /// By pixel of the picture: the expected squared error (mean of the channels, encoded values) that comes of
-/// the size of the quadtrees' cells. A cell that was subdivided, whose corners show different ids or
-/// differ by a tenth or more, is taken to hold an edge as high as its corners differ; others to be smooth, with the error that half
-/// their curvature has. A circle of confusion wider than a pixel averages over its area. Reads the records of
-/// the picture once; same bits for any number of threads.
+/// the size of the quadtrees' cells (edge_cells.h), less what circles of confusion average out. Reads the
+/// records of the picture once; same bits for any number of threads.
 [[nodiscard]] std::vector<float> record_floor(FocusFrame& frame, const FocusGeometry& geometry);
 
 }  // namespace postlens

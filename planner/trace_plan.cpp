@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
+#include <limits>
 #include <optional>
 #include <unistd.h>
 
@@ -13,10 +13,11 @@
 #include "focus/frame.h"
 #include "lens/focus_geometry.h"
 #include "planner/auto_picture.h"
+#include "planner/edge_cells.h"
 #include "planner/record_floor.h"
 #include "records/quadtree.h"
 #include "records/sample_file.h"
-#include "records/srgb.h"
+#include "tracer/lens_reach.h"
 
 namespace postlens {
 namespace {
@@ -51,10 +52,11 @@ class Scratch {
 };
 
 struct Look {
-    double edge_pixels = 0;  ///< pixels of the trace that an edge crosses, of the frame
-    double error = 0;        ///< sum over them of the squared error that a single cell of a pixel would have
-    double samples = 0;
-    double pixels = 0;  ///< of the frame, in pixels of the trace
+    double edge_pixels = 0;  ///< pixels of the trace that an edge crosses, beyond the frame too
+    /// Sums over them of the squared error that one cell as large as the pixel would have.
+    double aligned_error = 0, slanted_error = 0;
+    double samples = 0, records = 0, hidden = 0;  ///< records: those of what is visible
+    double pixels = 0;  ///< all that was looked at, in pixels of the trace
 };
 
 std::optional<FocusGeometry> geometry_of(const TraceSettings& s, const CameraModel& camera) {
@@ -67,46 +69,47 @@ std::optional<FocusGeometry> geometry_of(const TraceSettings& s, const CameraMod
 Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
     Look out;
     const SampleHeader& h = file.header();
-    out.pixels = static_cast<double>(h.width) * h.height * coarser * coarser;
+    out.pixels =
+        static_cast<double>(h.width + 2 * h.overscan_px) * (h.height + 2 * h.overscan_px) * coarser * coarser;
     FocusFrame frame(file);
     // Circles of confusion as wide as the trace will have them; a cell of a pixel there is a quarter here.
     constexpr double px = 1.0 / coarser;
-    frame.visit_rows(0, h.height + 1, [&](const FrameRows& rows) {
-        const int begin = std::max(rows.y_begin, 0), end = std::min(rows.y_end, h.height);
+    const int last = file.y_end() - 1;  // a row of corners has pixels below it, the last one has none
+    frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
+        const int begin = rows.y_begin, end = std::min(rows.y_end, last);
         if (begin >= end) return;
         PixelLeaves leaves;
         find_leaves(*rows.band, begin, end, leaves);
+        std::vector<CellCorner> corners;
+        corners.reserve(leaves.points.samples.size());
         for (const PointSample& s : leaves.points.samples) {
+            corners.push_back(cell_corner(*rows.band, s));
             if (s.record_count > 0) ++out.samples;
+            for (std::uint32_t k = s.first_record; k < s.first_record + s.record_count; ++k)
+                ++(rows.band->records[k].layer == 0 ? out.records : out.hidden);
         }
-        for (const Leaf& leaf : leaves.leaves) {
-            if (static_cast<double>(leaf.size) > px) continue;
-            std::array<float, 3> low{1, 1, 1}, high{0, 0, 0};
-            double coc_px = 1e30;
-            for (const std::uint32_t c : leaf.corner) {
-                const PointSample& s = leaves.points.samples[c];
-                std::array<float, 3> rgb{};
-                for (std::uint32_t k = s.first_record; k < s.first_record + s.record_count; ++k) {
-                    const Record& r = rows.band->records[k];
-                    if (r.layer != 0) continue;
-                    rgb[0] += r.r, rgb[1] += r.g, rgb[2] += r.b;
-                    if (r.path.bits() == 0) {
-                        const double inverse_z =
-                            std::isfinite(r.z) && r.z > 0 ? 1 / static_cast<double>(r.z) : 0;
-                        coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(inverse_z)));
-                    }
-                }
-                for (std::size_t i = 0; i < 3; ++i) {
-                    low[i] = std::min(low[i], srgb_from_linear(rgb[i]));
-                    high[i] = std::max(high[i], srgb_from_linear(rgb[i]));
-                }
+        for (std::size_t pixel = 0; pixel + 1 < leaves.leaf_offsets.size(); ++pixel) {
+            double squares = 0;
+            bool slants = false;
+            double coc_px = std::numeric_limits<double>::infinity();
+            for (std::uint32_t l = leaves.leaf_offsets[pixel]; l < leaves.leaf_offsets[pixel + 1]; ++l) {
+                const Leaf& leaf = leaves.leaves[l];
+                if (static_cast<double>(leaf.size) > px) continue;
+                std::array<const CellCorner*, 4> at{};
+                for (std::size_t i = 0; i < 4; ++i) at[i] = &corners[leaf.corner[i]];
+                const CellStep step = cell_step(at);
+                // Of the four quarters of a cell an edge crosses some.
+                if (step.split == CellStep::Split::none) continue;
+                ++out.edge_pixels;
+                squares += step.square;
+                slants = slants || step.split == CellStep::Split::slanted;
+                for (const CellCorner* c : at)
+                    coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
             }
-            double step = 0;
-            for (std::size_t i = 0; i < 3; ++i)
-                step += static_cast<double>(high[i] - low[i]) * static_cast<double>(high[i] - low[i]) / 3;
-            const double averaged = std::max(1.0, std::numbers::pi / 4 * coc_px * coc_px);
-            if (step > 0) ++out.edge_pixels;  // of the four quarters of a cell an edge crosses some
-            out.error += edge_cell_variance * step / averaged;
+            if (squares == 0) continue;
+            (slants ? out.slanted_error : out.aligned_error) +=
+                (slants ? edge_cell_variance : aligned_cell_variance) * squares /
+                averaged_by(coc_px, !slants);
         }
     });
     return out;
@@ -148,8 +151,11 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const double most_mse = std::pow(10.0, -target_db / 10) / 2;
     out.levels = -1;
     for (int level = 0; level <= most_levels; ++level) {
-        // An edge crosses 2^L cells of a pixel, each with an area of 4^-L whose square its error goes with.
-        const double mse = look.error / look.pixels * std::exp2(-3.0 * level);
+        // An edge crosses 2^L cells of a pixel, each with an area of 4^-L whose square its error goes with:
+        // those of one that runs along the cells add up, others do so as squares.
+        const double mse =
+            (look.aligned_error * std::exp2(-2.0 * level) + look.slanted_error * std::exp2(-3.0 * level)) /
+            look.pixels;
         out.floors_db.push_back(-10 * std::log10(std::max(mse, 1e-12)));
         if (out.levels < 0 && mse <= most_mse) out.levels = level;
     }
@@ -157,21 +163,22 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     if (!out.met) out.levels = most_levels;
     out.floor_db = out.floors_db[static_cast<std::size_t>(out.levels)];
     out.settings.subdivision.levels = out.levels;
+    // Beyond the frame the trace is as wide in its own pixels as the look found.
+    const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
+                          (camera.height + 2.0 * coarser * traced.overscan_px);
+    const double samples =
+        window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1));
+    // Hidden surfaces are recorded as far as the lens reaches and for a margin of a few pixels, which are wider here.
+    const DepthRange range = depth_range(file);
+    const double reach_px = range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
+    const double narrower = (reach_px + LensReach::margin_px) / (reach_px + coarser * LensReach::margin_px);
+    out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) / std::max(1.0, look.samples) *
+                  static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        const DepthRange range = depth_range(file);
-        // Whatever lies behind: infinitely far away at most.
-        const double parting_px =
-            range.nearest_m ? 2 * geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
-        if (parting_px < 0.5) out.settings.hidden_layers = 0;
+        // Whatever lies behind is infinitely far away at most.
+        if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 
-    const double frame = look.pixels,
-                 o = 2.0 * traced.overscan_px * coarser,  // the look's pixels are wider
-        window =
-            (camera.width + o) * (camera.height + o) / (static_cast<double>(camera.width) * camera.height);
-    const double samples =
-        window * (frame + look.edge_pixels * samples_per_split * (std::exp2(out.levels) - 1));
-    out.records = samples * static_cast<double>(traced.records) / std::max(1.0, look.samples * window);
     out.bytes = out.records * static_cast<double>(traced.bytes) /
                 std::max<double>(1, static_cast<double>(traced.records));
     out.seconds = took_s * out.records / std::max<double>(1, static_cast<double>(traced.records));

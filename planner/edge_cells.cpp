@@ -1,0 +1,82 @@
+#include "planner/edge_cells.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "records/srgb.h"
+
+namespace postlens {
+namespace {
+
+/// Mean square of a step of the channels that no shading makes within a pixel: a tenth.
+constexpr double least_edge = 0.01;
+/// Less is no step at all: a 255th.
+constexpr double least_step = 1.5e-5;
+
+}  // namespace
+
+CellCorner cell_corner(const RecordBand& band, const PointSample& s) {
+    CellCorner out;
+    std::array<float, 3> sum{};
+    for (std::uint32_t k = s.first_record; k < s.first_record + s.record_count; ++k) {
+        const Record& r = band.records[k];
+        if (r.layer != 0) continue;
+        sum[0] += r.r, sum[1] += r.g, sum[2] += r.b;
+        if (r.path.bits() == 0) {
+            out.id = r.id;
+            out.inverse_z = std::isfinite(r.z) && r.z > 0 ? 1 / static_cast<double>(r.z) : 0;
+        }
+    }
+    for (std::size_t c = 0; c < 3; ++c) out.encoded[c] = srgb_from_linear(sum[c]);
+    return out;
+}
+
+CellStep cell_step(const std::array<const CellCorner*, 4>& corners) {
+    CellStep out;
+    std::array<double, 4> grey{};
+    double widest = -1;
+    for (std::size_t k = 1; k < 4; ++k) out.same_id = out.same_id && corners[k]->id == corners[0]->id;
+    for (std::size_t c = 0; c < 3; ++c) {
+        std::array<double, 4> v{};
+        for (std::size_t k = 0; k < 4; ++k) v[k] = static_cast<double>(corners[k]->encoded[c]);
+        const auto [low, high] = std::minmax_element(v.begin(), v.end());
+        const double step = *high - *low, mixed = v[0] - v[1] - v[2] + v[3];
+        out.square += step * step / 3;
+        out.curvature_square += mixed * mixed / 3;
+        // The channel that differs most tells the sides apart.
+        if (step > widest) {
+            widest = step;
+            const double middle = (*low + *high) / 2;
+            for (std::size_t k = 0; k < 4; ++k) grey[k] = v[k] > middle ? 1 : 0;
+        }
+    }
+    if (out.square < least_step) return out;
+    const bool left_right = grey[0] == grey[2] && grey[1] == grey[3],
+               up_down = grey[0] == grey[1] && grey[2] == grey[3];
+    out.split = left_right ? CellStep::Split::upright
+                : up_down  ? CellStep::Split::level
+                           : CellStep::Split::slanted;
+    return out;
+}
+
+void PixelEdges::add(const CellStep& s, double size) {
+    const double area = size * size;
+    // Even, or shading: a x^2 + b y^2 is off by (a + b) / 6; a and b are taken to be half of what the corners
+    // tell of x y.
+    if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
+        independent_ += area * area * s.curvature_square / 36;
+        return;
+    }
+    sum_ += area * area * s.square;
+    const double step = area * std::sqrt(s.square);
+    if (s.split == CellStep::Split::upright) upright_ += step;
+    if (s.split == CellStep::Split::level) level_ += step;
+    if (s.split == CellStep::Split::slanted) ++slanted_;
+}
+
+double PixelEdges::mse() const {
+    if (slanted_ > 0) return independent_ + edge_cell_variance * sum_;
+    return independent_ + aligned_cell_variance * (upright_ * upright_ + level_ * level_);
+}
+
+}  // namespace postlens
