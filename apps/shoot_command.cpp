@@ -31,7 +31,7 @@ HybridResult run_hybrid(const SampleFileReader& file, HybridSettings settings, c
     }
     std::optional<Scene> scene;
     if (retrace.scene) {
-        scene = read_scene(*retrace.scene, {.metres_per_unit = retrace.metres_per_unit});
+        scene = read_scene(*retrace.scene, {.metres_per_unit = retrace.metres_per_unit.value_or(1)});
         for (const std::string& note : scene->notes) out.warnings.push_back({"scene", note});
         settings.scene = &*scene;
     }

@@ -11,6 +11,7 @@
 #include "focus/border_radii.h"
 #include "focus/kernel.h"
 #include "focus/node_response.h"
+#include "focus/pixel_light.h"
 #include "focus/splat_tables.h"
 #include "records/quadtree.h"
 #include "records/record.h"
@@ -82,6 +83,8 @@ class LayerSplats {
     /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
     /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
     void add_rows(const RecordBand& band, int y_begin, int y_end);
+    /// Takes in row y of pixels instead; safe for several rows at once.
+    void add_pixels(int y, std::span<const PixelLight> lights);
     /// Makes the kernels and sorts; after the last row.
     void finish();
 

@@ -11,6 +11,7 @@
 #include "focus/depth_levels.h"
 #include "focus/kernel.h"
 #include "focus/node_response.h"
+#include "focus/pixel_light.h"
 #include "focus/response_model.h"
 #include "records/quadtree.h"
 #include "records/record.h"
@@ -73,6 +74,9 @@ class SplatTables {
     /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
     /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
     void add_rows(const RecordBand& band, int y_begin, int y_end);
+    /// Takes in row y of pixels instead, by growing column; safe for several rows at once. What is hidden is
+    /// left out.
+    void add_pixels(int y, std::span<const PixelLight> lights);
     /// Makes the kernels; after the last row.
     void finish();
 
