@@ -264,7 +264,8 @@ void add_motionblur(CLI::App& root, State& s) {
            "What 1 in U and in V stands for, px to the right and px down; 1,-1 where V points up [default: "
            "as the channels' names say, 1,1 with --vectors]")
         ->type_name("X[,Y]");
-    app.add_option("--layer", o.layer, "Which part, view or layer of a picture, by its name [default: docs/inputs.md]")
+    app.add_option("--layer", o.layer,
+                   "Which part, view or layer of a picture, by its name [default: docs/inputs.md]")
         ->type_name("NAME");
     number(
         app, "--fit-paths", o.settings.fit_px,

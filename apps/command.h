@@ -150,8 +150,8 @@ struct ResolvedLens {
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
 
-/// A real lens has a focal length and a widest f-number of its own. Throws Error(wrong_arguments) where another
-/// focal length was asked for.
+/// A real lens has a focal length and a widest f-number of its own. Throws Error(wrong_arguments) where
+/// another focal length was asked for.
 void take_from_prescription(const Impulse& impulse, LensOptions& lens);
 
 /// What the shutter is for this file: asked for, else the file's exposure. Throws Error(wrong_arguments).

@@ -12,10 +12,12 @@ void add_warnings(const ForeignPicture& picture, bool with_camera, std::vector<W
     for (const std::string& text : picture.camera.assumed) out.push_back({"assumed", text, 0});
 }
 
-double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named, const char* option) {
+double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
+                      const char* option) {
     if (asked) return *asked;
     if (named) return *named;
-    fail(ExitCode::wrong_arguments, "{}: missing (got nothing; expected a value, as the picture names none)", option);
+    fail(ExitCode::wrong_arguments, "{}: missing (got nothing; expected a value, as the picture names none)",
+         option);
 }
 
 nlohmann::ordered_json channels_json(const ForeignChannels& c) {
@@ -53,12 +55,14 @@ bool is_foreign(const std::string& input) {
 void refuse_foreign_options(const ForeignOptions& options) {
     if (!options.given()) return;
     fail(ExitCode::wrong_arguments,
-         "--layer, --depth-channel, --film-width, --film-distance, --z: not for a sample file, which knows its camera "
+         "--layer, --depth-channel, --film-width, --film-distance, --z: not for a sample file, which knows "
+         "its camera "
          "(expected an OpenEXR picture of another program)");
 }
 
 CommandResult foreign_image(const ImageOptions& options) {
-    const ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, options.foreign.camera);
+    const ForeignPicture picture =
+        read_foreign_picture(options.input, options.foreign.choice, options.foreign.camera);
     const Image image = picture.flattened();
     write_image(options.output, image);
     CommandResult out;
@@ -83,20 +87,20 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool pinhole = options.method == FocusMethod::pinhole;
     const double f_number = pinhole ? std::numeric_limits<double>::infinity()
                                     : asked_or_named(lens.f_number, picture.camera.f_number, "--f-number");
-    const double focus_m =
-        lens.focus_at ? picture.depth_at(lens.focus_at->first, lens.focus_at->second)
-        : pinhole     ? lens.focus_m.value_or(1)
-                      : asked_or_named(lens.focus_m, picture.camera.focus_m, "--focus");
+    const double focus_m = lens.focus_at ? picture.depth_at(lens.focus_at->first, lens.focus_at->second)
+                           : pinhole     ? lens.focus_m.value_or(1)
+                                         : asked_or_named(lens.focus_m, picture.camera.focus_m, "--focus");
     const double focal_length_mm = lens.focal_length_mm.value_or(picture.camera.focal_length_mm);
-    const FocusResult result = focus_foreign(picture, {.lens = {.focal_length_mm = focal_length_mm, .f_number = f_number},
-                                                       .focus_distance_m = focus_m,
-                                                       .framing = lens.framing,
-                                                       .method = options.method,
-                                                       .spacing = options.spacing,
-                                                       .depth_model = options.depth_model,
-                                                       .impulse = options.impulse,
-                                                       .depths = options.depths,
-                                                       .views = options.views});
+    const FocusResult result =
+        focus_foreign(picture, {.lens = {.focal_length_mm = focal_length_mm, .f_number = f_number},
+                                .focus_distance_m = focus_m,
+                                .framing = lens.framing,
+                                .method = options.method,
+                                .spacing = options.spacing,
+                                .depth_model = options.depth_model,
+                                .impulse = options.impulse,
+                                .depths = options.depths,
+                                .views = options.views});
     write_image(options.output, result.image);
     CommandResult out;
     add_warnings(picture, true, out.warnings);
@@ -119,9 +123,10 @@ CommandResult focus_foreign(const FocusOptions& options) {
                 {"samples", picture.samples.size()},
                 {"has_alpha", !result.image.alpha.empty()},
                 {"channels", channels_json(picture.channels)}};
-    out.text = fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} depths, widest CoC {:.1f} px",
-                           options.output, result.image.width, result.image.height, method_name(result.method),
-                           focal_length_mm, f_number, focus_m, result.depths, result.largest_coc_px);
+    out.text = fmt::format(
+        "{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} depths, widest CoC {:.1f} px",
+        options.output, result.image.width, result.image.height, method_name(result.method), focal_length_mm,
+        f_number, focus_m, result.depths, result.largest_coc_px);
     return out;
 }
 
@@ -138,8 +143,8 @@ CommandResult foreign_info(const std::string& input) {
                 {"channels", first.channels},
                 {"deep", first.deep},
                 {"parts", parts}};
-    out.text = fmt::format("{}: openexr image, {}x{} px, {} channels{}{}", input, first.width(), first.height(),
-                           first.channels.size(), first.deep ? ", deep" : "",
+    out.text = fmt::format("{}: openexr image, {}x{} px, {} channels{}{}", input, first.width(),
+                           first.height(), first.channels.size(), first.deep ? ", deep" : "",
                            file.parts().size() > 1 ? fmt::format(", {} parts", file.parts().size()) : "");
     ForeignChannels channels;
     try {
@@ -153,9 +158,10 @@ CommandResult foreign_info(const std::string& input) {
     out.json["film_distance_mm"] = camera.film_distance_mm;
     out.json["film_width_mm"] = camera.film_width_mm;
     out.json["assumed"] = camera.assumed;
-    out.text += fmt::format("\ncolour {}, {}, {}, alpha {}, depth {}\nfilm {:.5g} mm wide, {:.5g} mm away", channels.r,
-                            channels.g, channels.b, channels.a.empty() ? "none" : channels.a,
-                            channels.z.empty() ? "none" : channels.z, camera.film_width_mm, camera.film_distance_mm);
+    out.text +=
+        fmt::format("\ncolour {}, {}, {}, alpha {}, depth {}\nfilm {:.5g} mm wide, {:.5g} mm away",
+                    channels.r, channels.g, channels.b, channels.a.empty() ? "none" : channels.a,
+                    channels.z.empty() ? "none" : channels.z, camera.film_width_mm, camera.film_distance_mm);
     for (const std::string& text : camera.assumed) out.text += "\n" + text;
     return out;
 }

@@ -147,7 +147,8 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     if (is_foreign(options.input)) return blur_by_vectors(options);
     if (options.vectors.channels || options.vectors.scale || !options.layer.empty()) {
         fail(ExitCode::wrong_arguments,
-             "--vectors, --layer: not for a sample file, which knows its motion (expected a flat OpenEXR picture)");
+             "--vectors, --layer: not for a sample file, which knows its motion (expected a flat OpenEXR "
+             "picture)");
     }
     MotionBlurSettings settings = options.settings;
     settings.curve = shutter_curve(options.curve);

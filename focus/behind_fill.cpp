@@ -30,8 +30,8 @@ class Search {
           last_px_(pixels()),
           opaque_(pixels()) {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
-            for (std::size_t i = y * static_cast<std::size_t>(width_); i < (y + 1) * static_cast<std::size_t>(width_);
-                 ++i) {
+            for (std::size_t i = y * static_cast<std::size_t>(width_);
+                 i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
                 double left = 1;
                 float last = nothing_px_;
                 for (std::uint64_t k = p_.offsets[i]; k < p_.offsets[i + 1] && left > opaque_within; ++k) {
@@ -60,9 +60,9 @@ class Search {
             if (const Find f = look(x, y, d, last_px_[here]); f.distance_px > 0) finds[count++] = f;
         }
         if (count == 0) return {};
-        const Find* nearest = std::min_element(
-            finds.data(), finds.data() + count,
-            [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
+        const Find* nearest =
+            std::min_element(finds.data(), finds.data() + count,
+                             [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
         std::array<double, 5> sum{};
         for (std::size_t i = 0; i < count; ++i) {
             if (std::abs(finds[i].radius_px - nearest->radius_px) >= least_step_px) continue;
@@ -74,7 +74,8 @@ class Search {
         }
         Behind out;
         out.known = true;
-        out.inverse_z = nearest->first != p_.offsets[nearest->pixel + 1] ? p_.samples[nearest->first].inverse_z : 0;
+        out.inverse_z =
+            nearest->first != p_.offsets[nearest->pixel + 1] ? p_.samples[nearest->first].inverse_z : 0;
         out.r = static_cast<float>(sum[0] / sum[4]);
         out.g = static_cast<float>(sum[1] / sum[4]);
         out.b = static_cast<float>(sum[2] / sum[4]);

@@ -17,10 +17,10 @@ struct Behind {
     bool known = false;
 };
 
-/// For each pixel stored, row by row. From an opaque pixel the picture is searched in eight directions, as far
-/// as the circles of both reach, for where something farther begins: a step of a pixel or more of signed
-/// radius. The nearest find gives the depth; finds of the same depth (within a pixel of radius) are averaged by
-/// one over their squared distances. Nothing counts as infinitely far. The same for any number of threads.
+/// For each pixel stored, row by row. From an opaque pixel the picture is searched in eight directions, as
+/// far as the circles of both reach, for where something farther begins: a step of a pixel or more of signed
+/// radius. The nearest find gives the depth; finds of the same depth (within a pixel of radius) are averaged
+/// by one over their squared distances. Nothing counts as infinitely far. The same for any number of threads.
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -56,7 +56,8 @@ Frame framed(const ForeignPicture& p, Framing framing, const FocusGeometry& geom
     if (w.x_begin < known.x_begin || w.y_begin < known.y_begin || w.x_end > known.x_end - 1 ||
         w.y_end > known.y_end - 1) {
         fail(ExitCode::wrong_arguments,
-             "the picture's field of view is too narrow for this framing (got a film at {:.6g} mm; expected {:.6g} "
+             "the picture's field of view is too narrow for this framing (got a film at {:.6g} mm; expected "
+             "{:.6g} "
              "mm or more, or the framing kept)",
              geometry.zoom * p.camera.film_distance_mm, p.camera.film_distance_mm);
     }
@@ -101,9 +102,10 @@ class Spread {
             const double share = static_cast<double>(known_behind_) / static_cast<double>(behind_.size());
             out.warnings.push_back(
                 {"uncovered", share,
-                 fmt::format("what stands behind {:.2g} % of the pixels may come to light and is not in the picture: "
-                             "filled in from around",
-                             100 * share)});
+                 fmt::format(
+                     "what stands behind {:.2g} % of the pixels may come to light and is not in the picture: "
+                     "filled in from around",
+                     100 * share)});
         }
         return out;
     }
@@ -202,7 +204,8 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& se
     const bool pinhole = settings.method == FocusMethod::pinhole || std::isinf(settings.lens.f_number);
     if (!pinhole && settings.method != FocusMethod::scatter && settings.method != FocusMethod::layers) {
         fail(ExitCode::wrong_arguments,
-             "--method: this one needs a sample file (got a picture of another program; expected pinhole, scatter or "
+             "--method: this one needs a sample file (got a picture of another program; expected pinhole, "
+             "scatter or "
              "layers)");
     }
     const Film film{picture.camera.film_distance_mm, picture.pixel_pitch_mm()};
@@ -219,8 +222,9 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& se
                                       .widest_tangent = std::hypot(corners.width(), corners.height()) / 2 *
                                                         film.pixel_pitch_mm / film.distance_mm});
     }
-    FocusGeometry geometry = view ? view->geometry()
-                                  : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
+    FocusGeometry geometry =
+        view ? view->geometry()
+             : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(picture, settings.framing, geometry);
     // Blur and magnification commute: everything is blurred in the picture's own pixels.
     geometry.gain_px /= geometry.zoom;

@@ -11,13 +11,13 @@ namespace postlens {
 /// Light of one depth in a pixel, taken to come from its middle: a pixel's value is a mean over its square,
 /// and a response's share in a pixel is one as well.
 struct PixelLight {
-    int x = 0;                    ///< column of the pixel
-    double inverse_depth = 0;     ///< 1/m
-    std::array<float, 3> rgb{};   ///< already times the weight
-    float weight = 1;             ///< share of the pixel that it fills
-    float covered = 0;            ///< of the weight, see LayerSplat; of what is hidden
-    std::uint32_t surface = 0;    ///< which accumulator of `layers`
-    bool hidden = false;          ///< behind something
+    int x = 0;                   ///< column of the pixel
+    double inverse_depth = 0;    ///< 1/m
+    std::array<float, 3> rgb{};  ///< already times the weight
+    float weight = 1;            ///< share of the pixel that it fills
+    float covered = 0;           ///< of the weight, see LayerSplat; of what is hidden
+    std::uint32_t surface = 0;   ///< which accumulator of `layers`
+    bool hidden = false;         ///< behind something
 };
 
 /// Where it stands, with weight one in that pixel.

@@ -63,8 +63,7 @@ void SplatTables::RowBuilder::add_splats(const PointSample& s, const NodeRespons
         key.phase_x = p.x;
         key.phase_y = p.y;
         splats_.push_back({static_cast<std::int32_t>(std::floor(s.x)), cache_.number_of(key),
-                           rgb[0] * p.weight, rgb[1] * p.weight, rgb[2] * p.weight,
-                           weight * p.weight});
+                           rgb[0] * p.weight, rgb[1] * p.weight, rgb[2] * p.weight, weight * p.weight});
     }
 }
 

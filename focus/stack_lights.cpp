@@ -16,8 +16,9 @@ constexpr double least_share = 1e-6;
 std::uint32_t StackLights::surface_of(double signed_radius_px) {
     constexpr double even_to_px = 16;
     const double size = std::abs(signed_radius_px);
-    const double steps =
-        size <= even_to_px ? std::floor(size + 0.5) : even_to_px + std::floor(even_to_px * std::log(size / even_to_px));
+    const double steps = size <= even_to_px
+                             ? std::floor(size + 0.5)
+                             : even_to_px + std::floor(even_to_px * std::log(size / even_to_px));
     constexpr double middle = 1 << 20;
     return static_cast<std::uint32_t>(middle + std::copysign(std::min(steps, middle / 2), signed_radius_px));
 }
@@ -58,9 +59,9 @@ void StackLights::add(int x, std::span<const StackSample> stack, const Behind* b
     met_.clear();
     sums_.clear();
     const auto rgb_of = [&](const auto& s, double alpha) {
-        return value == StackValue::alpha ? std::array{alpha, alpha, alpha}
-                                          : std::array{static_cast<double>(s.r), static_cast<double>(s.g),
-                                                       static_cast<double>(s.b)};
+        return value == StackValue::alpha
+                   ? std::array{alpha, alpha, alpha}
+                   : std::array{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b)};
     };
     for (const StackSample& s : stack) {
         const double alpha = std::max(static_cast<double>(s.alpha), least_alpha);
@@ -82,13 +83,14 @@ void StackLights::add(int x, std::span<const StackSample> stack, const Behind* b
         const auto store = [&](const std::array<double, 3>& rgb, double weight, double depth, double covered,
                                bool hidden) {
             if (!(weight > least_share * least_alpha)) return;
-            out.push_back({x,
-                           depth / weight,
-                           {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])},
-                           static_cast<float>(weight),
-                           static_cast<float>(covered),
-                           s.surface,
-                           hidden});
+            out.push_back(
+                {x,
+                 depth / weight,
+                 {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])},
+                 static_cast<float>(weight),
+                 static_cast<float>(covered),
+                 s.surface,
+                 hidden});
         };
         store(s.seen, s.seen_weight, s.seen_depth, 0, false);
         // Nothing of what moves along comes to light.

@@ -17,10 +17,10 @@ enum class StackValue { colour, alpha };
 /// Turns stacks into light, one after the other; keeps its buffers.
 ///
 /// Of a sample behind others of transparency T (the product of 1 - alpha before it) the share T alpha is seen
-/// and (1 - T) alpha hidden; its premultiplied colour is divided likewise. Nothing, infinitely far, fills what is
-/// left of a pixel and goes on behind what is translucent. So the lights of a pixel that are seen fill it exactly.
-/// Samples of similar circles are one surface, since they move together over the lens: within a pixel of signed
-/// radius, or a 16th of it beyond 16 px.
+/// and (1 - T) alpha hidden; its premultiplied colour is divided likewise. Nothing, infinitely far, fills
+/// what is left of a pixel and goes on behind what is translucent. So the lights of a pixel that are seen
+/// fill it exactly. Samples of similar circles are one surface, since they move together over the lens:
+/// within a pixel of signed radius, or a 16th of it beyond 16 px.
 class StackLights {
   public:
     explicit StackLights(const FocusGeometry& geometry) : geometry_(geometry) {}
@@ -37,8 +37,8 @@ class StackLights {
     struct Met {
         double radius_px, seen;
     };
-    void add_surface(std::uint32_t surface, double inverse_depth, const std::array<double, 3>& rgb, double alpha,
-                     bool behind_all);
+    void add_surface(std::uint32_t surface, double inverse_depth, const std::array<double, 3>& rgb,
+                     double alpha, bool behind_all);
 
     struct Sum {
         std::uint32_t surface = 0;

@@ -41,8 +41,7 @@ std::optional<VectorChannels> find_next_frame_pass(const Names& names) {
         const std::string layer = n.substr(0, n.size() - pass.size());
         if (!layer.empty() && layer.back() != '.') continue;
         // This frame's place minus the next one's, upwards.
-        if (has(names, layer + "Vector.W"))
-            return VectorChannels{n, layer + "Vector.W", {-1, 1}, layer};
+        if (has(names, layer + "Vector.W")) return VectorChannels{n, layer + "Vector.W", {-1, 1}, layer};
     }
     return std::nullopt;
 }
@@ -67,17 +66,19 @@ VectorChannels find_vector_channels(const Names& names, const std::string& hero_
         out.v = choice.channels->second;
         for (const std::string& name : {out.u, out.v}) {
             if (!has(names, name)) {
-                fail(ExitCode::invalid_input, "{}: no channel {} (got {}; expected what --vectors names)", source,
-                     name, listed(names));
+                fail(ExitCode::invalid_input, "{}: no channel {} (got {}; expected what --vectors names)",
+                     source, name, listed(names));
             }
         }
         // The passes of one layer belong together.
-        if (const auto dot = out.u.rfind(".Vector."); dot != std::string::npos) out.layer = out.u.substr(0, dot + 1);
+        if (const auto dot = out.u.rfind(".Vector."); dot != std::string::npos)
+            out.layer = out.u.substr(0, dot + 1);
     } else if (const auto known = find_by_names(names, hero_view)) {
         out = *known;
     } else {
         fail(ExitCode::invalid_input,
-             "{}: no motion vectors (got channels {}; expected forward.u and .v, Vector.Z and .W, motion.x and .y, "
+             "{}: no motion vectors (got channels {}; expected forward.u and .v, Vector.Z and .W, motion.x "
+             "and .y, "
              "velocity.x and .y, or --vectors U,V)",
              source, listed(names));
     }

@@ -25,7 +25,8 @@ struct VectorChannels {
 ///   forward.u/.v and forward.VIEW.u/.v, of the hero view where there is one: v upwards
 ///   [LAYER.]Vector.Z/.W: minus the way to the next frame, W upwards
 ///   motion.x/.y, velocity.x/.y: as `scale` 1,1
-/// Throws Error(invalid_input) where vectors are missing, and names what there is; `source` begins the message.
+/// Throws Error(invalid_input) where vectors are missing, and names what there is; `source` begins the
+/// message.
 [[nodiscard]] VectorChannels find_vector_channels(const std::vector<std::string>& names,
                                                   const std::string& hero_view, const VectorChoice& choice,
                                                   const std::string& source);

@@ -32,10 +32,12 @@ class Reader {
         out.y_begin = data.y_min - display.y_min;
         out.x_end = out.x_begin + part_->width();
         out.y_end = out.y_begin + part_->height();
-        const std::uint64_t stored = pixels(part_->width(), part_->height()), shown = pixels(out.width, out.height);
+        const std::uint64_t stored = pixels(part_->width(), part_->height()),
+                            shown = pixels(out.width, out.height);
         if (stored + shown > most_pixels) {
-            fail(ExitCode::invalid_input, "{}: windows are out of bounds (got {} px; expected 2^29 px together)",
-                 file_.name(), stored + shown);
+            fail(ExitCode::invalid_input,
+                 "{}: windows are out of bounds (got {} px; expected 2^29 px together)", file_.name(),
+                 stored + shown);
         }
         require_memory(stored * sizeof(VectorPixel) + shown * 3 * sizeof(float), "the picture");
         out.u_name = vectors_.u;
@@ -68,7 +70,8 @@ class Reader {
             return find_vector_channels(part.channels, hero, choice, file_.name());
         };
         if (file_.parts()[0].deep) {
-            fail(ExitCode::invalid_input, "{}: cannot read (got deep pixels; expected a flat picture)", file_.name());
+            fail(ExitCode::invalid_input, "{}: cannot read (got deep pixels; expected a flat picture)",
+                 file_.name());
         }
         if (file_.parts().size() == 1) vectors_ = of_part(file_.parts()[0]);
         // The passes of one layer belong together.
@@ -78,17 +81,19 @@ class Reader {
         colours_ = find_foreign_channels(file_, {own ? passes.substr(0, passes.size() - 1) : layer, ""});
         part_ = &file_.parts()[colours_.part];
         if (part_->deep) {
-            fail(ExitCode::invalid_input, "{}: cannot read (got deep pixels; expected a flat picture)", file_.name());
+            fail(ExitCode::invalid_input, "{}: cannot read (got deep pixels; expected a flat picture)",
+                 file_.name());
         }
         if (file_.parts().size() > 1) vectors_ = of_part(*part_);
         if (colours_.r.empty()) {
-            fail(ExitCode::invalid_input, "{}: no colours (got channels {}; expected R, G and B)", file_.name(),
-                 listed(part_->channels));
+            fail(ExitCode::invalid_input, "{}: no colours (got channels {}; expected R, G and B)",
+                 file_.name(), listed(part_->channels));
         }
         if (colours_.depth_part != colours_.part) colours_.z.clear();
     }
 
-    [[noreturn]] void refuse(const std::string& channel, int x, int y, float got, const char* expected) const {
+    [[noreturn]] void refuse(const std::string& channel, int x, int y, float got,
+                             const char* expected) const {
         fail(ExitCode::invalid_input, "{}: channel {} at pixel {},{} is unusable (got {}; expected {})",
              file_.name(), channel, part_->data.x_min + x, y, got, expected);
     }
@@ -103,7 +108,8 @@ class Reader {
         const auto vector_px = [&](std::size_t channel, double scale) {
             const float v = finite(channel);
             const double px = scale * static_cast<double>(v);
-            if (!(std::abs(px) <= longest_vector)) refuse(names[channel], x, y, v, "a vector of at most 1e6 px");
+            if (!(std::abs(px) <= longest_vector))
+                refuse(names[channel], x, y, v, "a vector of at most 1e6 px");
             return static_cast<float>(px);
         };
         VectorPixel out;

@@ -66,7 +66,8 @@ std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const 
 ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part, const ForeignCameraChoice& choice) {
     ForeignCamera out;
     const auto assume = [&](const char* what, double value, const char* unit, const char* option) {
-        out.assumed.push_back(fmt::format("{} is not in the file: {:g}{} is assumed ({})", what, value, unit, option));
+        out.assumed.push_back(
+            fmt::format("{} is not in the file: {:g}{} is assumed ({})", what, value, unit, option));
         return value;
     };
     const auto sensor = file.pair(part, "sensorOverallDimensions");

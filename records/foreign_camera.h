@@ -36,8 +36,8 @@ struct ForeignCamera {
 [[nodiscard]] ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part,
                                            const ForeignCameraChoice& choice);
 
-/// Half the width of the view over its distance, from OpenEXR's worldToCamera and worldToNDC; absent where they
-/// are no perspective. NDC may reach from 0 to 1 across the picture, as OpenEXR has it, or from -1 to 1.
+/// Half the width of the view over its distance, from OpenEXR's worldToCamera and worldToNDC; absent where
+/// they are no perspective. NDC may reach from 0 to 1 across the picture, as OpenEXR has it, or from -1 to 1.
 [[nodiscard]] std::optional<double> half_width_tangent(const Matrix44& world_to_camera,
                                                        const Matrix44& world_to_ndc);
 

@@ -70,8 +70,8 @@ std::string view_layer(const std::string& layer) {
 
 std::string depth_of(const ForeignPart& part, const std::string& layer) {
     const std::string own = view_layer(layer);
-    return first_of(part, {layer + "Z", own + "Depth.Z", own + "Depth.V", own + "Z", "Z", "depth.Z", "Depth.Z",
-                           "Depth.V", "depth.V", "depth.z", "z"});
+    return first_of(part, {layer + "Z", own + "Depth.Z", own + "Depth.V", own + "Z", "Z", "depth.Z",
+                           "Depth.Z", "Depth.V", "depth.V", "depth.z", "z"});
 }
 
 void find_depth(const ForeignFile& file, const ForeignChoice& choice, ForeignChannels& out) {
@@ -88,8 +88,8 @@ void find_depth(const ForeignFile& file, const ForeignChoice& choice, ForeignCha
     for (std::size_t i = 0; out.z.empty() && !own.deep && i < file.parts().size(); ++i) {
         const ForeignPart& part = file.parts()[i];
         if (part.deep || part.view != own.view) continue;
-        out.z = choice.depth_channel.empty() ? depth_of(part, out.layer)
-                                             : first_of(part, {choice.depth_channel});
+        out.z =
+            choice.depth_channel.empty() ? depth_of(part, out.layer) : first_of(part, {choice.depth_channel});
         out.depth_part = i;
     }
     if (out.z.empty() && !choice.depth_channel.empty()) {
@@ -133,14 +133,15 @@ ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoi
         std::optional<std::size_t> found;
         for (std::size_t i = 0; i < file.parts().size() && !found; ++i) {
             const ForeignPart& part = file.parts()[i];
-            if (is_asked(part, "", choice.layer) && (part.has("Y") || (part.has("A") && part.has("Z")))) found = i;
+            if (is_asked(part, "", choice.layer) && (part.has("Y") || (part.has("A") && part.has("Z"))))
+                found = i;
         }
         if (!found) {
             std::vector<std::string> names;
             for (const ForeignPart& part : file.parts())
                 names.insert(names.end(), part.channels.begin(), part.channels.end());
-            fail(ExitCode::invalid_input, "{}: no colours{} (got channels {}; expected R, G and B)", file.name(),
-                 choice.layer.empty() ? "" : " in " + choice.layer, listed(names));
+            fail(ExitCode::invalid_input, "{}: no colours{} (got channels {}; expected R, G and B)",
+                 file.name(), choice.layer.empty() ? "" : " in " + choice.layer, listed(names));
         }
         out.part = *found;
         const std::string grey = first_of(file.parts()[*found], {"Y"});

@@ -25,12 +25,12 @@ struct ForeignChoice {
 };
 
 /// Of the parts and layers that `choice.layer` allows (all where it is empty; a part by its name, a view by
-/// its name, a layer by what stands before the dot), the first of: R, G, B; LAYER.Combined.R, .G, .B (Blender);
-/// rgba., beauty. or color. likewise; any layer with R, G, B; Y alone (grey); A with Z alone (black). Names of
-/// colours may be small letters. Alpha is the layer's A. Depth is the layer's Z; for LAYER.Combined it is
-/// LAYER.Depth.Z, or .V; else the part's Z, depth.Z, Depth.Z, Depth.V or depth.V; else the same of another
-/// flat part of that view. Ids: id, objectid, ID, IndexOB.X of the layer or the part, LAYER.CryptoObject00.R.
-/// Throws Error(invalid_input) where nothing fits, and names what there is.
+/// its name, a layer by what stands before the dot), the first of: R, G, B; LAYER.Combined.R, .G, .B
+/// (Blender); rgba., beauty. or color. likewise; any layer with R, G, B; Y alone (grey); A with Z alone
+/// (black). Names of colours may be small letters. Alpha is the layer's A. Depth is the layer's Z; for
+/// LAYER.Combined it is LAYER.Depth.Z, or .V; else the part's Z, depth.Z, Depth.Z, Depth.V or depth.V; else
+/// the same of another flat part of that view. Ids: id, objectid, ID, IndexOB.X of the layer or the part,
+/// LAYER.CryptoObject00.R. Throws Error(invalid_input) where nothing fits, and names what there is.
 [[nodiscard]] ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoice& choice);
 
 /// The layers of a part that have colours, with their dots; the empty text for R, G, B without one.

@@ -67,8 +67,8 @@ Window checked_window(const ExrPart& part, const char* attribute, const std::str
                        height = std::int64_t{w->y_max} - w->y_min + 1;
     constexpr std::int64_t farthest = 1 << 20;
     if (width < 1 || height < 1 || width > longest_edge || height > longest_edge ||
-        static_cast<std::uint64_t>(width * height) > most_pixels || std::abs(std::int64_t{w->x_min}) > farthest ||
-        std::abs(std::int64_t{w->y_min}) > farthest) {
+        static_cast<std::uint64_t>(width * height) > most_pixels ||
+        std::abs(std::int64_t{w->x_min}) > farthest || std::abs(std::int64_t{w->y_min}) > farthest) {
         fail(ExitCode::invalid_input,
              "{}: {} is out of bounds (got {}x{} px at {},{}; expected edges of 1 to {} px and at most 2^29 "
              "px)",
@@ -128,30 +128,33 @@ void check_chunks(const ForeignPart& part, const Imf::Header& h, std::uint64_t f
         const Imf::TileDescription& tiles = h.tileDescription();
         constexpr unsigned largest_tile = 1U << 14U;
         if (tiles.xSize < 1 || tiles.ySize < 1 || tiles.xSize > largest_tile || tiles.ySize > largest_tile) {
-            fail(ExitCode::invalid_input, "{}: header is damaged (got tiles of {}x{} px; expected 1 to {})", name,
-                 tiles.xSize, tiles.ySize, largest_tile);
+            fail(ExitCode::invalid_input, "{}: header is damaged (got tiles of {}x{} px; expected 1 to {})",
+                 name, tiles.xSize, tiles.ySize, largest_tile);
         }
         chunk_pixels = std::uint64_t{tiles.xSize} * tiles.ySize;
     }
     // What is shown but not stored costs memory, too.
     const std::uint64_t shown = (static_cast<std::uint64_t>(part.display.x_max - part.display.x_min) + 1) *
-                                (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1) * 12;
+                                (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1) *
+                                12;
     const std::int64_t shift_x = std::int64_t{part.data.x_min} - part.display.x_min,
                        shift_y = std::int64_t{part.data.y_min} - part.display.y_min;
     constexpr std::uint64_t unquestioned_shown = 256U << 20U;
     if (std::abs(shift_x) > longest_edge || std::abs(shift_y) > longest_edge ||
         (shown > unquestioned_shown && shown / densest > file_bytes)) {
         fail(ExitCode::invalid_input,
-             "{}: displayWindow is out of bounds (got {}x{} px at {},{} with data at {},{} in a file of {} bytes)", name,
-             part.display.x_max - part.display.x_min + 1, part.display.y_max - part.display.y_min + 1,
+             "{}: displayWindow is out of bounds (got {}x{} px at {},{} with data at {},{} in a file of {} "
+             "bytes)",
+             name, part.display.x_max - part.display.x_min + 1, part.display.y_max - part.display.y_min + 1,
              part.display.x_min, part.display.y_min, part.data.x_min, part.data.y_min, file_bytes);
     }
     const std::uint64_t pixel_bytes = part.deep ? 4 : bytes_of_pixel(h);
     const std::uint64_t whole = width * static_cast<std::uint64_t>(part.height()) * pixel_bytes;
     if (chunk_pixels * pixel_bytes > most_chunk_bytes ||
         (whole > unquestioned_bytes && whole / densest > file_bytes)) {
-        fail(ExitCode::invalid_input, "{}: header is damaged (got {}x{} pixels of {} bytes in a file of {} bytes)",
-             name, part.width(), part.height(), pixel_bytes, file_bytes);
+        fail(ExitCode::invalid_input,
+             "{}: header is damaged (got {}x{} pixels of {} bytes in a file of {} bytes)", name, part.width(),
+             part.height(), pixel_bytes, file_bytes);
     }
 }
 
@@ -244,8 +247,9 @@ Imf::PixelType read_as(const Imf::Header& h, const std::string& channel, const s
     const Imf::Channel* c = h.channels().findChannel(channel.c_str());
     if (c == nullptr) fail(ExitCode::invalid_input, "{}: no channel {}", name, channel);
     if (c->xSampling != 1 || c->ySampling != 1) {
-        fail(ExitCode::invalid_input, "{}: channel {} is subsampled (got {}x{}; expected a value for each pixel)",
-             name, channel, c->xSampling, c->ySampling);
+        fail(ExitCode::invalid_input,
+             "{}: channel {} is subsampled (got {}x{}; expected a value for each pixel)", name, channel,
+             c->xSampling, c->ySampling);
     }
     return c->type == Imf::UINT ? Imf::UINT : Imf::FLOAT;
 }
@@ -271,20 +275,22 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
             Imf::FrameBuffer frame;
             for (std::size_t c = 0; c < channels.size(); ++c) {
                 // The library counts from the file's origin.
-                const std::ptrdiff_t origin = -(static_cast<std::ptrdiff_t>(y) * static_cast<std::ptrdiff_t>(width) +
-                                                p.data.x_min);
-                auto* base = reinterpret_cast<char*>(buffer.data() + c * width * static_cast<std::size_t>(rows));
+                const std::ptrdiff_t origin =
+                    -(static_cast<std::ptrdiff_t>(y) * static_cast<std::ptrdiff_t>(width) + p.data.x_min);
+                auto* base =
+                    reinterpret_cast<char*>(buffer.data() + c * width * static_cast<std::size_t>(rows));
                 frame.insert(channels[c],
                              Imf::Slice(read_as(h, channels[c], name_),
-                                        base + origin * static_cast<std::ptrdiff_t>(sizeof(float)), sizeof(float),
-                                        sizeof(float) * width));
+                                        base + origin * static_cast<std::ptrdiff_t>(sizeof(float)),
+                                        sizeof(float), sizeof(float) * width));
             }
             in.setFrameBuffer(frame);
             in.readPixels(y, last);
             for (int row = y; row <= last; ++row) {
                 for (std::size_t c = 0; c < channels.size(); ++c) {
-                    values[c] = buffer.data() + (c * static_cast<std::size_t>(rows) +
-                                                 static_cast<std::size_t>(row - y)) * width;
+                    values[c] =
+                        buffer.data() +
+                        (c * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row - y)) * width;
                 }
                 take(row, values);
             }
@@ -308,7 +314,8 @@ class DeepBand {
               const std::function<void(const DeepRows&)>& take) {
         const auto width = static_cast<std::size_t>(part_.width());
         const std::size_t count = width * static_cast<std::size_t>(y_end - y_begin);
-        require_memory(count * (sizeof(std::uint32_t) + channels_.size() * sizeof(float*)), "a band of pixels");
+        require_memory(count * (sizeof(std::uint32_t) + channels_.size() * sizeof(float*)),
+                       "a band of pixels");
         counts_.assign(count, 0);
         pointers_.assign(channels_.size(), std::vector<float*>(count, nullptr));
         in.setFrameBuffer(frame(y_begin, width));
@@ -326,16 +333,15 @@ class DeepBand {
         const std::ptrdiff_t origin =
             -(static_cast<std::ptrdiff_t>(y_begin) * static_cast<std::ptrdiff_t>(width) + part_.data.x_min);
         Imf::DeepFrameBuffer out;
-        out.insertSampleCountSlice(Imf::Slice(
-            Imf::UINT,
-            reinterpret_cast<char*>(counts_.data()) + origin * static_cast<std::ptrdiff_t>(sizeof(std::uint32_t)),
-            sizeof(std::uint32_t), sizeof(std::uint32_t) * width));
+        out.insertSampleCountSlice(Imf::Slice(Imf::UINT,
+                                              reinterpret_cast<char*>(counts_.data()) +
+                                                  origin * static_cast<std::ptrdiff_t>(sizeof(std::uint32_t)),
+                                              sizeof(std::uint32_t), sizeof(std::uint32_t) * width));
         for (std::size_t c = 0; c < channels_.size(); ++c) {
-            out.insert(channels_[c],
-                       Imf::DeepSlice(types_[c],
-                                      reinterpret_cast<char*>(pointers_[c].data()) +
-                                          origin * static_cast<std::ptrdiff_t>(sizeof(float*)),
-                                      sizeof(float*), sizeof(float*) * width, sizeof(float)));
+            out.insert(channels_[c], Imf::DeepSlice(types_[c],
+                                                    reinterpret_cast<char*>(pointers_[c].data()) +
+                                                        origin * static_cast<std::ptrdiff_t>(sizeof(float*)),
+                                                    sizeof(float*), sizeof(float*) * width, sizeof(float)));
         }
         return out;
     }
@@ -344,8 +350,8 @@ class DeepBand {
         for (const std::uint32_t n : counts_) total += n;
         const std::uint64_t bytes = total * channels_.size() * sizeof(float);
         if (bytes > unquestioned_bytes && bytes / densest > file_bytes_) {
-            fail(ExitCode::invalid_input, "{}: sample counts are damaged (got {} samples in {} bytes)", name_, total,
-                 file_bytes_);
+            fail(ExitCode::invalid_input, "{}: sample counts are damaged (got {} samples in {} bytes)", name_,
+                 total, file_bytes_);
         }
         require_memory(bytes, "a band of samples");
         total_ = total;

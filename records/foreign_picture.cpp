@@ -46,13 +46,17 @@ class Reader {
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
         // Pixels that are shown and those that are stored lie in one raster.
-        const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) - std::min(0, out_.x_begin)),
-                   rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) - std::min(0, out_.y_begin));
+        const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
+                                                        std::min(0, out_.x_begin)),
+                   rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
+                                                     std::min(0, out_.y_begin));
         constexpr std::uint64_t unquestioned = std::uint64_t{1} << 25U;
-        const std::uint64_t windows = 2 * (static_cast<std::uint64_t>(out_.width) * static_cast<std::uint64_t>(out_.height) + pixels());
+        const std::uint64_t windows =
+            2 * (static_cast<std::uint64_t>(out_.width) * static_cast<std::uint64_t>(out_.height) + pixels());
         if (columns * rows > std::max(unquestioned, windows)) {
             fail(ExitCode::invalid_input,
-                 "{}: windows are out of bounds (got {}x{} px around dataWindow and displayWindow; expected them close "
+                 "{}: windows are out of bounds (got {}x{} px around dataWindow and displayWindow; expected "
+                 "them close "
                  "to each other)",
                  file_.name(), columns, rows);
         }
@@ -68,7 +72,8 @@ class Reader {
         const auto aspect = file_.number(c.part, "pixelAspectRatio");
         if (aspect && std::abs(*aspect - 1) > 1e-4) {
             out_.repairs.push_back(
-                {"assumed", fmt::format("pixels are {:g} times as wide as tall in the file: taken as square", *aspect),
+                {"assumed",
+                 fmt::format("pixels are {:g} times as wide as tall in the file: taken as square", *aspect),
                  0});
         }
     }
@@ -150,7 +155,8 @@ class Reader {
         if (apart) plane = depths_of_another_part();
         if (out_.channels.z.empty()) {
             out_.repairs.push_back(
-                {"assumed", "no depth is in the file: all is taken to be infinitely far (--depth-channel)", 1});
+                {"assumed", "no depth is in the file: all is taken to be infinitely far (--depth-channel)",
+                 1});
         }
         const auto width = static_cast<std::size_t>(part_->width());
         file_.read_flat(out_.channels.part, wanted_.names, [&](int y, std::span<const float* const> values) {
@@ -179,8 +185,9 @@ class Reader {
                     const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
                         return channel ? rows.values[*channel][at] : otherwise;
                     };
-                    const StackSample s{inverse(value(z_, 0), x, y), value(r_, 0), value(g_, 0), value(b_, 0),
-                                        checked_alpha(value(a_, 1)), id_of(value(id_, 0))};
+                    const StackSample s{
+                        inverse(value(z_, 0), x, y), value(r_, 0),        value(g_, 0), value(b_, 0),
+                        checked_alpha(value(a_, 1)), id_of(value(id_, 0))};
                     add_volume(s, value(z_, 0), value(z_back_, 0));
                 }
                 out_.offsets.push_back(out_.samples.size());
@@ -193,7 +200,8 @@ class Reader {
         const double ratio = static_cast<double>(z_back) / static_cast<double>(z);
         int slices = 1;
         if (z > 0 && ratio > slice_ratio && z_back < nothing_z && s.alpha < 1)
-            slices = std::min(most_slices, static_cast<int>(std::ceil(std::log(ratio) / std::log(slice_ratio))));
+            slices =
+                std::min(most_slices, static_cast<int>(std::ceil(std::log(ratio) / std::log(slice_ratio))));
         make_room(static_cast<std::size_t>(slices));
         if (slices == 1) {
             add(s);
@@ -204,8 +212,8 @@ class Reader {
         const auto share = static_cast<float>(s.alpha > 0 ? alpha / static_cast<double>(s.alpha) : step);
         for (int i = 0; i < slices; ++i) {
             StackSample slice = s;
-            slice.inverse_z = static_cast<float>(1 / (static_cast<double>(z) +
-                                                      (i + 0.5) * step * static_cast<double>(z_back - z)));
+            slice.inverse_z = static_cast<float>(
+                1 / (static_cast<double>(z) + (i + 0.5) * step * static_cast<double>(z_back - z)));
             slice.r *= share;
             slice.g *= share;
             slice.b *= share;
@@ -218,7 +226,8 @@ class Reader {
     void finish_depths() {
         if (negative_ > 0 && positive_ > 0) {
             fail(ExitCode::invalid_input,
-                 "{}: channel {} at pixel {},{} is unusable (got {}; expected a depth of 0 or more, or none such)",
+                 "{}: channel {} at pixel {},{} is unusable (got {}; expected a depth of 0 or more, or none "
+                 "such)",
                  file_.name(), out_.channels.z, first_negative_.x, first_negative_.y, first_negative_.z);
         }
         if (negative_ > 0) {
@@ -232,12 +241,13 @@ class Reader {
         parallel_for(static_cast<std::size_t>(part_->height()), [&](std::size_t row) {
             const double v = (out_.y_begin + static_cast<double>(row) + 0.5 - out_.height / 2.0) * pitch;
             for (std::size_t column = 0; column < width; ++column) {
-                const double u = (out_.x_begin + static_cast<double>(column) + 0.5 - out_.width / 2.0) * pitch;
+                const double u =
+                    (out_.x_begin + static_cast<double>(column) + 0.5 - out_.width / 2.0) * pitch;
                 const auto scale = static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) /
                                                       camera.metres_per_unit);
                 const std::size_t i = row * width + column;
-                const auto stack = std::span(out_.samples)
-                                       .subspan(out_.offsets[i], out_.offsets[i + 1] - out_.offsets[i]);
+                const auto stack =
+                    std::span(out_.samples).subspan(out_.offsets[i], out_.offsets[i + 1] - out_.offsets[i]);
                 for (StackSample& s : stack) {
                     s.inverse_z = std::abs(s.inverse_z) * scale;
                     if (!std::isfinite(s.inverse_z)) s.inverse_z = std::numeric_limits<float>::max();
@@ -262,7 +272,8 @@ class Reader {
                 if (finite(out_.samples[k])) continue;
                 StackSample s = out_.samples[k];
                 s.r = s.g = s.b = 0;
-                if (!out_.deep) s = mean_around(s, static_cast<int>(i) % width, static_cast<int>(i) / width, height);
+                if (!out_.deep)
+                    s = mean_around(s, static_cast<int>(i) % width, static_cast<int>(i) / width, height);
                 mended.emplace_back(k, s);
             }
         }
@@ -293,17 +304,20 @@ class Reader {
 
     void report() {
         const auto share = [&](std::size_t count) {
-            return std::min(1.0, static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(pixels(), 1)));
+            return std::min(
+                1.0, static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(pixels(), 1)));
         };
         if (bad_colours_ > 0) {
-            out_.repairs.push_back({"repaired",
-                                    fmt::format("{} samples have colours that are not finite: {}", bad_colours_,
-                                                out_.deep ? "taken as black" : "they get the mean of those around"),
-                                    share(bad_colours_)});
+            out_.repairs.push_back(
+                {"repaired",
+                 fmt::format("{} samples have colours that are not finite: {}", bad_colours_,
+                             out_.deep ? "taken as black" : "they get the mean of those around"),
+                 share(bad_colours_)});
         }
         if (bad_alphas_ > 0) {
             out_.repairs.push_back(
-                {"repaired", fmt::format("{} samples have an alpha beyond 0 to 1: it is cut off", bad_alphas_),
+                {"repaired",
+                 fmt::format("{} samples have an alpha beyond 0 to 1: it is cut off", bad_alphas_),
                  share(bad_alphas_)});
         }
     }
@@ -339,7 +353,8 @@ Image ForeignPicture::flattened() const {
                 left *= 1 - static_cast<double>(s.alpha);
             }
             for (std::size_t c = 0; c < 3; ++c) out.pixel(x, y)[c] = static_cast<float>(rgb[c]);
-            alpha[row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] = static_cast<float>(1 - left);
+            alpha[row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] =
+                static_cast<float>(1 - left);
         }
     });
     if (std::any_of(alpha.begin(), alpha.end(), [](float a) { return a < 1; })) out.alpha = std::move(alpha);
@@ -349,15 +364,16 @@ Image ForeignPicture::flattened() const {
 double ForeignPicture::depth_at(double x, double y) const {
     const double column = std::floor(x), row = std::floor(y);
     if (!(column >= x_begin && column < x_end && row >= y_begin && row < y_end)) {
-        fail(ExitCode::wrong_arguments, "--focus-at: out of range (got {},{}; expected 0 to {}, 0 to {})", x, y,
-             width, height);
+        fail(ExitCode::wrong_arguments, "--focus-at: out of range (got {},{}; expected 0 to {}, 0 to {})", x,
+             y, width, height);
     }
     double left = 1;
     // What covers half of the pixel is what one looks at.
     for (const StackSample& s : stack(static_cast<int>(column), static_cast<int>(row))) {
         left *= 1 - static_cast<double>(s.alpha);
         if (left <= 0.5)
-            return s.inverse_z > 0 ? 1 / static_cast<double>(s.inverse_z) : std::numeric_limits<double>::infinity();
+            return s.inverse_z > 0 ? 1 / static_cast<double>(s.inverse_z)
+                                   : std::numeric_limits<double>::infinity();
     }
     return std::numeric_limits<double>::infinity();
 }

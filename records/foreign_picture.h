@@ -41,8 +41,9 @@ struct ForeignPicture {
 
     [[nodiscard]] double pixel_pitch_mm() const { return camera.film_width_mm / width; }
     [[nodiscard]] std::span<const StackSample> stack(int x, int y) const {
-        const std::size_t i = static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
-                              static_cast<std::size_t>(x - x_begin);
+        const std::size_t i =
+            static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
+            static_cast<std::size_t>(x - x_begin);
         return std::span(samples).subspan(offsets[i], offsets[i + 1] - offsets[i]);
     }
     [[nodiscard]] bool stores(int x, int y) const {
@@ -50,18 +51,19 @@ struct ForeignPicture {
     }
     /// The display window's picture: every stack laid together. `alpha` is absent where all is opaque.
     [[nodiscard]] Image flattened() const;
-    /// Depth at which half of the light at a place of the raster is held back, m; infinity where none is. Throws
-    /// Error(wrong_arguments) outside of what is stored.
+    /// Depth at which half of the light at a place of the raster is held back, m; infinity where none is.
+    /// Throws Error(wrong_arguments) outside of what is stored.
     [[nodiscard]] double depth_at(double x, double y) const;
 };
 
 /// Reads what `choice` picks out, in bands. A depth of 0, of 1e9 units and more, infinity and NaN are nothing
 /// hit, as are flat pixels without a depth channel (warned of as "assumed"). Negative depths, where all that
 /// are finite are, are taken as distances (warned of); else they are refused with their place. Colours that
-/// are not finite get the mean of the finite ones around them (deep samples: black), alphas beyond 0..1 are cut
-/// off; both are warned of as "repaired". Deep samples from Z to ZBack become slices whose circles differ by
-/// little. Throws Error(invalid_input), Error(out_of_memory).
-[[nodiscard]] ForeignPicture read_foreign_picture(const std::filesystem::path& path, const ForeignChoice& choice,
+/// are not finite get the mean of the finite ones around them (deep samples: black), alphas beyond 0..1 are
+/// cut off; both are warned of as "repaired". Deep samples from Z to ZBack become slices whose circles differ
+/// by little. Throws Error(invalid_input), Error(out_of_memory).
+[[nodiscard]] ForeignPicture read_foreign_picture(const std::filesystem::path& path,
+                                                  const ForeignChoice& choice,
                                                   const ForeignCameraChoice& camera);
 
 }  // namespace postlens

@@ -16,8 +16,8 @@ namespace {
 
 using Stack = std::vector<StackSample>;
 
-/// A raster of 36 mm width before a film distance that makes `gain_px` 1000 px, and a lens of 2 m diameter, so
-/// that what has the inverse depth 1/s - k/1000 has a signed radius of k px.
+/// A raster of 36 mm width before a film distance that makes `gain_px` 1000 px, and a lens of 2 m diameter,
+/// so that what has the inverse depth 1/s - k/1000 has a signed radius of k px.
 struct Bench {
     int width = 64, height = 8;
     int margin_px = 0;  ///< stored beyond the raster
@@ -177,7 +177,9 @@ TEST(ForeignFocus, AnEvenTransparencyOfOneDepthStaysEven) {
     const Bench bench{.width = 40, .height = 20, .margin_px = 0};
     for (const double near_px : {-9.0, 0.0, 4.0}) {
         const float near_z = bench.inverse_z(near_px), far_z = bench.inverse_z(15);
-        const ForeignPicture alone = bench.picture([&](int, int) { return Stack{{near_z, 0.3F, 0.2F, 0.1F, 0.5F}}; });
+        const ForeignPicture alone = bench.picture([&](int, int) {
+            return Stack{{near_z, 0.3F, 0.2F, 0.1F, 0.5F}};
+        });
         const ForeignPicture wall = bench.picture([&](int, int) {
             return Stack{{near_z, 0.3F, 0.2F, 0.1F, 0.5F}, {far_z, 0, 1, 0, 1}};
         });
@@ -208,7 +210,8 @@ TEST(ForeignFocus, VanishingCirclesGiveTheFlattenedPicture) {
         Stack stack;
         for (int k = depth(random); k > 0; --k) {
             const float a = unit(random) < 0.3F ? 1.0F : unit(random);
-            stack.push_back({1 - 1e-6F * unit(random), a * unit(random), a * unit(random), a * unit(random), a});
+            stack.push_back(
+                {1 - 1e-6F * unit(random), a * unit(random), a * unit(random), a * unit(random), a});
         }
         std::sort(stack.begin(), stack.end(),
                   [](const StackSample& l, const StackSample& r) { return l.inverse_z > r.inverse_z; });
@@ -222,7 +225,8 @@ TEST(ForeignFocus, VanishingCirclesGiveTheFlattenedPicture) {
         settings.method = method;
         const Image image = focus_foreign(p, settings).image;
         for (std::size_t i = 0; i < flat.rgb.size(); ++i) ASSERT_NEAR(image.rgb[i], flat.rgb[i], 2e-5) << i;
-        for (std::size_t i = 0; i < flat.alpha.size(); ++i) ASSERT_NEAR(image.alpha[i], flat.alpha[i], 2e-5) << i;
+        for (std::size_t i = 0; i < flat.alpha.size(); ++i)
+            ASSERT_NEAR(image.alpha[i], flat.alpha[i], 2e-5) << i;
     }
 }
 
@@ -253,7 +257,8 @@ TEST(ForeignFocus, SameBitsForAnyNumberOfThreads) {
     std::uniform_real_distribution<float> unit(0, 1);
     const Bench bench{.width = 90, .height = 70, .margin_px = 0};
     const ForeignPicture p = bench.picture([&](int x, int) {
-        return Stack{{bench.inverse_z(x / 9 * 5.0 - 22), unit(random), unit(random), 0, x % 5 == 0 ? 0.6F : 1.0F}};
+        return Stack{
+            {bench.inverse_z(x / 9 * 5.0 - 22), unit(random), unit(random), 0, x % 5 == 0 ? 0.6F : 1.0F}};
     });
     for (const FocusMethod method : both) {
         const auto with = [&](int threads) {

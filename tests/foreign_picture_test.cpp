@@ -53,8 +53,9 @@ void write_parts(const std::string& path, const std::vector<Part>& parts) {
     for (std::size_t i = 0; i < parts.size(); ++i) {
         Imf::FrameBuffer frame;
         for (const auto& [name, plane] : parts[i].channels) {
-            frame.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(plane.data())),
-                                          sizeof(float), sizeof(float) * width));
+            frame.insert(name,
+                         Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(plane.data())),
+                                    sizeof(float), sizeof(float) * width));
         }
         Imf::OutputPart out(file, static_cast<int>(i));
         out.setFrameBuffer(frame);
@@ -74,12 +75,13 @@ void write_deep_pixel(const std::string& path, const std::vector<std::array<floa
     std::array<Plane, 6> values;
     std::array<float*, 6> pointers{};
     Imf::DeepFrameBuffer frame;
-    frame.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(&count), sizeof(unsigned), sizeof(unsigned)));
+    frame.insertSampleCountSlice(
+        Imf::Slice(Imf::UINT, reinterpret_cast<char*>(&count), sizeof(unsigned), sizeof(unsigned)));
     for (std::size_t c = 0; c < 6; ++c) {
         for (const auto& s : samples) values[c].push_back(s[c]);
         pointers[c] = values[c].data();
-        frame.insert(names[c], Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(&pointers[c]), sizeof(float*),
-                                              sizeof(float*), sizeof(float)));
+        frame.insert(names[c], Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(&pointers[c]),
+                                              sizeof(float*), sizeof(float*), sizeof(float)));
     }
     out.setFrameBuffer(frame);
     out.writePixels(1);
@@ -108,11 +110,15 @@ class ForeignPictureTest : public testing::Test {
 };
 
 std::map<std::string, Plane> rgbz(float r, float z, const std::string& layer = "") {
-    return {{layer + "R", even(r)}, {layer + "G", even(0.5F)}, {layer + "B", even(0.25F)}, {layer + "Z", even(z)}};
+    return {{layer + "R", even(r)},
+            {layer + "G", even(0.5F)},
+            {layer + "B", even(0.25F)},
+            {layer + "Z", even(z)}};
 }
 
 bool warns(const ForeignPicture& p, const std::string& code) {
-    return std::any_of(p.repairs.begin(), p.repairs.end(), [&](const ForeignRepair& r) { return r.code == code; });
+    return std::any_of(p.repairs.begin(), p.repairs.end(),
+                       [&](const ForeignRepair& r) { return r.code == code; });
 }
 
 // --- channels
@@ -176,7 +182,8 @@ TEST_F(ForeignPictureTest, ADepthOfAnyNameCanBeAskedFor) {
     Part part{rgbz(1, 2)};
     part.channels["camera.distance"] = even(4);
     EXPECT_EQ(read({part}, {.depth_channel = "camera.distance"}).stack(0, 0)[0].inverse_z, 0.25F);
-    EXPECT_NE(refusal([&] { (void)read({part}, {.depth_channel = "W"}); }).find("no channel W"), std::string::npos);
+    EXPECT_NE(refusal([&] { (void)read({part}, {.depth_channel = "W"}); }).find("no channel W"),
+              std::string::npos);
     part.channels.erase("Z");
     EXPECT_TRUE(warns(read({part}), "assumed"));
 }
@@ -218,7 +225,8 @@ TEST_F(ForeignPictureTest, DepthsAlongTheRayBecomeDepthsAlongTheAxis) {
         .film_width_mm = 36, .film_distance_mm = 36, .metres_per_unit = 0.01, .depth_along = DepthAlong::ray};
     const ForeignPicture p = read({{rgbz(1, 300)}}, {}, camera);
     EXPECT_TRUE(p.camera.assumed.empty());
-    // The pixel's middle is 2.5 px of 6 mm to the left of the axis and 1.5 px above it, 36 mm before the pinhole.
+    // The pixel's middle is 2.5 px of 6 mm to the left of the axis and 1.5 px above it, 36 mm before the
+    // pinhole.
     const double u = -15.0 / 36, v = -9.0 / 36;
     EXPECT_NEAR(p.depth_at(0.5, 0.5), 3 / std::sqrt(1 + u * u + v * v), 1e-6);
 }
@@ -238,7 +246,8 @@ TEST_F(ForeignPictureTest, StandardAttributesNameTheCamera) {
     EXPECT_EQ(p.camera.focus_m, 3);
     EXPECT_EQ(p.camera.assumed.size(), 2U);  // unit and direction of depth
     // What the user says goes before; what makes no sense is left aside.
-    const ForeignPicture asked = read({{rgbz(1, 2), "", "", [](Imf::Header& h) {
+    const ForeignPicture asked = read({{rgbz(1, 2), "", "",
+                                        [](Imf::Header& h) {
                                             h.insert("pinholeFocalLength", Imf::FloatAttribute(-1));
                                             h.insert("sensorOverallDimensions", Imf::V2fAttribute({0, 0}));
                                         }}},
@@ -284,7 +293,8 @@ TEST_F(ForeignPictureTest, MatricesNameTheView) {
 // ----------------------------------------------------------------------------------------------
 
 void expect_equal(const std::string& deep, const std::string& flat, double tolerance) {
-    const ForeignPicture p = read_foreign_picture(deep, {}, {}), reference = read_foreign_picture(flat, {}, {});
+    const ForeignPicture p = read_foreign_picture(deep, {}, {}),
+                         reference = read_foreign_picture(flat, {}, {});
     EXPECT_TRUE(p.deep);
     const Image mine = p.flattened(), theirs = reference.flattened();
     ASSERT_EQ(mine.rgb.size(), theirs.rgb.size());
@@ -305,7 +315,8 @@ TEST_F(ForeignPictureTest, FlattensAsAnotherProgramDoes) {
 }
 
 TEST_F(ForeignPictureTest, SamplesAreSortedAndVolumesSliced) {
-    write_deep_pixel(in("deep.exr"), {{0.2F, 0, 0, 1, 9, 9}, {0, 0.75F, 0, 0.75F, 2, 4}, {0.5F, 0, 0, 0.5F, 1, 1}});
+    write_deep_pixel(in("deep.exr"),
+                     {{0.2F, 0, 0, 1, 9, 9}, {0, 0.75F, 0, 0.75F, 2, 4}, {0.5F, 0, 0, 0.5F, 1, 1}});
     const ForeignPicture p = read_foreign_picture(in("deep.exr"), {}, {.metres_per_unit = 2});
     const auto stack = p.stack(0, 0);
     // log 2 / log 1.02 = 35.003: more than the most slices there are.
@@ -340,8 +351,9 @@ TEST_F(ForeignPictureTest, WindowsAreKept) {
 
 TEST_F(ForeignPictureTest, ColoursThatAreNoNumbersGetTheMeanOfThoseAround) {
     Part part{rgbz(1, 2)};
-    part.channels["R"] = {1, 2, 3, 4, 5, 6, 1, std::numeric_limits<float>::quiet_NaN(), 3, 4, 5, 6,
-                          1, 2, 3, 4, 5, 6, 1, 2, 3, 4, 5, std::numeric_limits<float>::infinity()};
+    part.channels["R"] = {1, 2, 3, 4, 5, 6, 1, std::numeric_limits<float>::quiet_NaN(),
+                          3, 4, 5, 6, 1, 2, 3, 4,
+                          5, 6, 1, 2, 3, 4, 5, std::numeric_limits<float>::infinity()};
     const ForeignPicture p = read({part});
     EXPECT_TRUE(warns(p, "repaired"));
     EXPECT_EQ(p.stack(1, 1)[0].r, 2);
@@ -377,8 +389,9 @@ TEST_F(ForeignPictureTest, RefusesWhatIsNoWholeFile) {
         const std::size_t at = absurd.find(window) + std::string(window).size() + 1 + sizeof("box2i") + 4;
         absurd.replace(at + 8, 8, std::string("\xff\xff\x00\x00\xff\xff\x00\x00", 8));
         std::ofstream(in("absurd.exr"), std::ios::binary) << absurd;
-        EXPECT_NE(refusal([&] { (void)read_foreign_picture(in("absurd.exr"), {}, {}); }).find("out of bounds"),
-                  std::string::npos);
+        EXPECT_NE(
+            refusal([&] { (void)read_foreign_picture(in("absurd.exr"), {}, {}); }).find("out of bounds"),
+            std::string::npos);
     }
 }
 
