@@ -26,7 +26,7 @@ class Search {
           geometry_(geometry),
           width_(picture.x_end - picture.x_begin),
           height_(picture.y_end - picture.y_begin),
-          nothing_px_(radius_px(0)),
+          nothing_px_(std::numeric_limits<float>::infinity()),
           last_px_(pixels()),
           opaque_(pixels()) {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -42,7 +42,9 @@ class Search {
                 last_px_[i] = opaque_[i] != 0 ? last : nothing_px_;
             }
         });
-        for (const float r : last_px_) widest_px_ = std::max(widest_px_, std::abs(r));
+        for (const float r : last_px_) {
+            if (std::isfinite(r)) widest_px_ = std::max(widest_px_, std::abs(r));
+        }
     }
 
     [[nodiscard]] std::size_t pixels() const {
@@ -117,7 +119,9 @@ class Search {
             before_px = last_px;
             if (!begins) continue;
             const float distance_px = static_cast<float>(s) * step_px;
-            if (distance_px > std::abs(own_px) + std::abs(last_px) + 1) continue;
+            // Nothing is spread by no circle.
+            const float other_px = std::isfinite(last_px) ? std::abs(last_px) : 0;
+            if (distance_px > std::abs(own_px) + other_px + 1) continue;
             std::uint64_t k = p_.offsets[at];
             while (k < p_.offsets[at + 1] && radius_px(p_.samples[k].inverse_z) - own_px < least_step_px) ++k;
             const float found_px = k < p_.offsets[at + 1] ? radius_px(p_.samples[k].inverse_z) : nothing_px_;
@@ -161,6 +165,74 @@ std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeomet
                 search.behind(x, static_cast<int>(y));
     });
     return out;
+}
+
+namespace {
+
+/// Spreads the value of what is nearer: two passes over a raster, eight neighbours.
+class Nearest {
+  public:
+    Nearest(int width, int height)
+        : width_(width),
+          height_(height),
+          distance_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                    std::numeric_limits<float>::infinity()),
+          value_(distance_.size(), 0.0F) {}
+
+    void set(int x, int y, float value) {
+        distance_[index(x, y)] = 0;
+        value_[index(x, y)] = value;
+    }
+    std::vector<float> spread() && {
+        for (int y = 0; y < height_; ++y) {
+            for (int x = 0; x < width_; ++x) {
+                take(x, y, -1, 0);
+                for (int dx = -1; dx <= 1; ++dx) take(x, y, dx, -1);
+            }
+            for (int x = width_; x-- > 0;) take(x, y, 1, 0);
+        }
+        for (int y = height_; y-- > 0;) {
+            for (int x = width_; x-- > 0;) {
+                take(x, y, 1, 0);
+                for (int dx = -1; dx <= 1; ++dx) take(x, y, dx, 1);
+            }
+            for (int x = 0; x < width_; ++x) take(x, y, -1, 0);
+        }
+        return std::move(value_);
+    }
+
+  private:
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
+    void take(int x, int y, int dx, int dy) {
+        const int u = x + dx, v = y + dy;
+        if (u < 0 || u >= width_ || v < 0 || v >= height_) return;
+        const float distance = distance_[index(u, v)] + (dx != 0 && dy != 0 ? 1.41421356F : 1);
+        if (distance >= distance_[index(x, y)]) return;
+        distance_[index(x, y)] = distance;
+        value_[index(x, y)] = value_[index(u, v)];
+    }
+
+    int width_, height_;
+    std::vector<float> distance_, value_;
+};
+
+}  // namespace
+
+std::vector<float> depth_around_nothing(const ForeignPicture& picture, const RasterWindow& window) {
+    require_memory(
+        static_cast<std::uint64_t>(window.width()) * static_cast<std::uint64_t>(window.height()) * 8,
+        "the depths around what is nothing");
+    Nearest nearest(window.width(), window.height());
+    for (int y = std::max(window.y_begin, picture.y_begin); y < std::min(window.y_end, picture.y_end); ++y) {
+        for (int x = std::max(window.x_begin, picture.x_begin); x < std::min(window.x_end, picture.x_end);
+             ++x) {
+            const auto stack = picture.stack(x, y);
+            if (!stack.empty()) nearest.set(x - window.x_begin, y - window.y_begin, stack.back().inverse_z);
+        }
+    }
+    return std::move(nearest).spread();
 }
 
 }  // namespace postlens

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "core/error.h"
 #include "core/threads.h"
@@ -82,7 +83,12 @@ class Spread {
                                      1 / nearest.value_or(std::numeric_limits<double>::infinity()))
                         : std::shared_ptr<const ResponseModel>(response_model(
                               settings.impulse, geometry, std::hypot(window.width(), window.height()) / 2.0));
-        if (method_ == FocusMethod::layers) behind_ = behind_fill(picture, geometry);
+        if (method_ == FocusMethod::layers) {
+            behind_ = behind_fill(picture, geometry);
+        } else {
+            around_nothing_ = depth_around_nothing(
+                picture, {corners_.x_begin, corners_.x_end - 1, corners_.y_begin, corners_.y_end - 1});
+        }
         known_behind_ = static_cast<std::size_t>(
             std::count_if(behind_.begin(), behind_.end(), [](const Behind& b) { return b.known; }));
     }
@@ -132,7 +138,8 @@ class Spread {
                 for (int x = corners_.x_begin; x < corners_.x_end - 1; ++x) {
                     const bool stored = picture_.stores(x, y);
                     lights.add(x, stored ? picture_.stack(x, y) : std::span<const StackSample>(),
-                               stored && !behind_.empty() ? &behind_at(x, y) : nullptr, value, row);
+                               stored && !behind_.empty() ? &behind_at(x, y) : nullptr, nothing_spread(x, y),
+                               value, row);
                 }
                 splats.add_pixels(y, row);
             }
@@ -146,8 +153,18 @@ class Spread {
                        static_cast<std::size_t>(x - picture_.x_begin)];
     }
 
+    /// `layers` lays nothing behind all else as it is; `scatter` only averages.
+    [[nodiscard]] double nothing_spread(int x, int y) const {
+        if (around_nothing_.empty()) return geometry_.inverse_focus_per_m;
+        const std::size_t i =
+            static_cast<std::size_t>(y - corners_.y_begin) * static_cast<std::size_t>(corners_.width() - 1) +
+            static_cast<std::size_t>(x - corners_.x_begin);
+        return static_cast<double>(around_nothing_[i]);
+    }
+
     void spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
+            if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) splats.take_pixels();
             take_in(splats, value);
             method(splats, image);
             if (report == nullptr) return;
@@ -171,6 +188,7 @@ class Spread {
     DepthLevels levels_;
     std::shared_ptr<const ResponseModel> response_;
     std::vector<Behind> behind_;
+    std::vector<float> around_nothing_;  ///< of scatter
     std::size_t known_behind_ = 0;
 };
 

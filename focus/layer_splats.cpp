@@ -360,7 +360,7 @@ void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
     place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
                  static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
     const NodeResponses& responses = t_.responses_;
-    const NodeResponse response = responses.to_depth(light.inverse_depth, place_px_);
+    const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
     if (!light.hidden) {
         row_->largest_radius_px = std::max(row_->largest_radius_px, response.exact_radius_px);
         t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
@@ -372,7 +372,7 @@ void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
         row_->colours.include(
             {light.rgb[0] / light.weight, light.rgb[1] / light.weight, light.rgb[2] / light.weight});
     }
-    const float share = responses.passing(response, light.inverse_depth, place_px_);
+    const float share = responses.passing(response, light.spread_depth, place_px_);
     const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};
     if (responses.weighs_as_it_shines(response)) {
         place(s, response, rgb, light.weight, light.inverse_depth, part);

@@ -83,7 +83,9 @@ class LayerSplats {
     /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
     /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
     void add_rows(const RecordBand& band, int y_begin, int y_end);
-    /// Takes in row y of pixels instead; safe for several rows at once.
+    /// From now on rows of pixels are taken in instead.
+    void take_pixels() { from_anchor_px_ = 0.5; }
+    /// Takes in row y of pixels; safe for several rows at once.
     void add_pixels(int y, std::span<const PixelLight> lights);
     /// Makes the kernels and sorts; after the last row.
     void finish();
@@ -101,6 +103,8 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
+    /// Where samples stand from their anchors, px: those of pixels in the middle, others around the anchor.
+    [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     /// No picture is darker or brighter than what was recorded.
     [[nodiscard]] const ColourRange& colours() const { return colours_; }
 
@@ -128,6 +132,7 @@ class LayerSplats {
     std::vector<LayerCell> cells_;
     std::vector<LayerSplat> splats_;
     double largest_radius_px_ = 0;
+    double from_anchor_px_ = 0;
     ColourRange colours_;
 };
 

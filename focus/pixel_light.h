@@ -12,7 +12,8 @@ namespace postlens {
 /// and a response's share in a pixel is one as well.
 struct PixelLight {
     int x = 0;                   ///< column of the pixel
-    double inverse_depth = 0;    ///< 1/m
+    double inverse_depth = 0;    ///< 1/m; what covers what
+    double spread_depth = 0;     ///< 1/m; whose circle of confusion it is spread by
     std::array<float, 3> rgb{};  ///< already times the weight
     float weight = 1;            ///< share of the pixel that it fills
     float covered = 0;           ///< of the weight, see LayerSplat; of what is hidden

@@ -117,10 +117,10 @@ void SplatTables::RowBuilder::add_light(const PixelLight& light) {
     place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
                  static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
     const NodeResponses& responses = t_.responses_;
-    const NodeResponse response = responses.to_depth(light.inverse_depth, place_px_);
+    const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
     largest_radius_px_ = std::max(largest_radius_px_, response.exact_radius_px);
     t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
-    const float share = responses.passing(response, light.inverse_depth, place_px_);
+    const float share = responses.passing(response, light.spread_depth, place_px_);
     const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
     if (responses.weighs_as_it_shines(response)) {

@@ -35,7 +35,7 @@ void StackLights::add_surface(std::uint32_t surface, double inverse_depth, const
     // What stays hidden, since what hides it moves along over the lens.
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
-        covered += m.seen * (1 - std::min(1.0, std::abs(radius_px - m.radius_px)));
+        covered += m.seen * (m.surface == surface ? 1 : 1 - std::min(1.0, std::abs(radius_px - m.radius_px)));
         covering += m.seen;
     }
     if (covering > 0) covered *= hidden / covering;
@@ -49,12 +49,12 @@ void StackLights::add_surface(std::uint32_t surface, double inverse_depth, const
     sum->seen_depth += seen * alpha * inverse_depth;
     sum->hidden_depth += hidden * alpha * inverse_depth;
     if (behind_all) return;
-    met_.push_back({radius_px, left_ * alpha});
+    met_.push_back({surface, radius_px, left_ * alpha});
     left_ *= 1 - alpha;
 }
 
-void StackLights::add(int x, std::span<const StackSample> stack, const Behind* behind, StackValue value,
-                      std::vector<PixelLight>& out) {
+void StackLights::add(int x, std::span<const StackSample> stack, const Behind* behind, double nothing_spread,
+                      StackValue value, std::vector<PixelLight>& out) {
     left_ = 1;
     met_.clear();
     sums_.clear();
@@ -86,6 +86,7 @@ void StackLights::add(int x, std::span<const StackSample> stack, const Behind* b
             out.push_back(
                 {x,
                  depth / weight,
+                 s.surface == nothing ? nothing_spread : depth / weight,
                  {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])},
                  static_cast<float>(weight),
                  static_cast<float>(covered),

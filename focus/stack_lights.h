@@ -25,9 +25,10 @@ class StackLights {
   public:
     explicit StackLights(const FocusGeometry& geometry) : geometry_(geometry) {}
 
-    /// Appends to `out`. `behind` may be null.
-    void add(int x, std::span<const StackSample> stack, const Behind* behind, StackValue value,
-             std::vector<PixelLight>& out);
+    /// Appends to `out`. `behind` may be null. `nothing_spread`: one over the depth whose circle spreads
+    /// nothing.
+    void add(int x, std::span<const StackSample> stack, const Behind* behind, double nothing_spread,
+             StackValue value, std::vector<PixelLight>& out);
 
     /// The surface that something of this signed radius belongs to.
     [[nodiscard]] static std::uint32_t surface_of(double signed_radius_px);
@@ -35,6 +36,7 @@ class StackLights {
 
   private:
     struct Met {
+        std::uint32_t surface;
         double radius_px, seen;
     };
     void add_surface(std::uint32_t surface, double inverse_depth, const std::array<double, 3>& rgb,

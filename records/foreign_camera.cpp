@@ -29,9 +29,9 @@ std::optional<double> attribute(const ForeignFile& file, std::size_t part, const
 /// Row vectors: p' = p M. glm's columns are then our rows.
 glm::dmat4 transposed(const Matrix44& m) {
     glm::dmat4 out;
+    std::size_t i = 0;
     for (int row = 0; row < 4; ++row) {
-        for (int column = 0; column < 4; ++column)
-            out[row][column] = m[static_cast<std::size_t>(4 * row + column)];
+        for (int column = 0; column < 4; ++column) out[row][column] = m[i++];
     }
     return out;
 }

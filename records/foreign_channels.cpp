@@ -11,8 +11,10 @@ namespace {
 /// "R" or "r" behind the layer's name.
 std::string colour(const ForeignPart& part, const std::string& layer, char letter) {
     const std::string upper = layer + letter, lower = layer + static_cast<char>(letter - 'A' + 'a');
-    if (part.has(upper)) return upper;
-    return part.has(lower) ? lower : "";
+    for (const std::string& name : {upper, lower}) {
+        if (part.has(name)) return name;
+    }
+    return "";
 }
 
 std::string first_of(const ForeignPart& part, const std::vector<std::string>& names) {

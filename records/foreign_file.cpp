@@ -223,9 +223,9 @@ std::optional<Matrix44> ForeignFile::matrix(std::size_t part, const char* name) 
     const auto* a = impl_->find<Imf::M44fAttribute>(part, name);
     if (a == nullptr) return std::nullopt;
     Matrix44 m{};
+    std::size_t i = 0;
     for (int row = 0; row < 4; ++row) {
-        for (int column = 0; column < 4; ++column)
-            m[static_cast<std::size_t>(4 * row + column)] = static_cast<double>(a->value()[row][column]);
+        for (int column = 0; column < 4; ++column) m[i++] = static_cast<double>(a->value()[row][column]);
     }
     return m;
 }

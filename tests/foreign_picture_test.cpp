@@ -305,7 +305,7 @@ void expect_equal(const std::string& deep, const std::string& flat, double toler
         ASSERT_NEAR(mine.alpha[i], theirs.alpha[i], tolerance) << i;
         brightest = std::max(brightest, static_cast<double>(mine.alpha[i]));
     }
-    EXPECT_GT(brightest, 0.5);
+    EXPECT_GT(brightest, 0.4);  // not all nothing
 }
 
 TEST_F(ForeignPictureTest, FlattensAsAnotherProgramDoes) {
