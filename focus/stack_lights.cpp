@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "focus/visibility.h"
+
 namespace postlens {
 namespace {
 
@@ -32,10 +34,15 @@ void StackLights::add_surface(std::uint32_t surface, double inverse_depth, const
     }
     const double radius_px = geometry_.coc_diameter_px(inverse_depth) / 2;
     const double seen = behind_all ? 0 : left_, hidden = 1 - seen;
-    // What stays hidden, since what hides it moves along over the lens.
+    // What stays hidden, since what hides it moves along over the lens. Behind something translucent a part is
+    // seen as well, of which `composite` lets through more, by the same measure.
+    const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
-        covered += m.seen * (m.surface == surface ? 1 : 1 - std::min(1.0, std::abs(radius_px - m.radius_px)));
+        const double apart = m.surface == surface ? 0
+                             : opaque             ? std::min(1.0, std::abs(radius_px - m.radius_px))
+                                                  : independence(radius_px, m.radius_px);
+        covered += m.seen * (1 - apart);
         covering += m.seen;
     }
     if (covering > 0) covered *= hidden / covering;
