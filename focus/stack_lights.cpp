@@ -34,8 +34,8 @@ void StackLights::add_surface(std::uint32_t surface, double inverse_depth, const
     }
     const double radius_px = geometry_.coc_diameter_px(inverse_depth) / 2;
     const double seen = behind_all ? 0 : left_, hidden = 1 - seen;
-    // What stays hidden, since what hides it moves along over the lens. Behind something translucent a part is
-    // seen as well, of which `composite` lets through more, by the same measure.
+    // What stays hidden, since what hides it moves along over the lens. Behind something translucent a part
+    // is seen as well, of which `composite` lets through more, by the same measure.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
