@@ -26,7 +26,8 @@ struct State {
     ShootOptions shoot;
     RecordsOptions records;
     CompareCommandOptions compare;
-    std::string input, output;
+    ImageOptions image;
+    std::string input;
 };
 
 void shutter_trace_options(CLI::App& app, TraceSettings& t) {
@@ -158,10 +159,14 @@ void add_render(CLI::App& root, State& s) {
 
 void add_image(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("image", "The pinhole picture, from the records alone");
-    app.add_option("frame", s.input, "Sample file")->required()->type_name("FRAME");
-    output_option(app, s.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    ImageOptions& o = s.image;
+    app.add_option("frame", o.input, "Sample file, or an OpenEXR picture of another program, flat or deep")
+        ->required()
+        ->type_name("FRAME");
+    output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    foreign_channel_options(app, o.foreign.choice);
     common_options(app, s.common);
-    app.callback([&s] { s.common.run = [&s] { return run_image(s.input, s.output); }; });
+    app.callback([&s] { s.common.run = [&s] { return run_image(s.image); }; });
 }
 
 void add_records(CLI::App& root, State& s) {
@@ -186,7 +191,8 @@ void retrace_options(CLI::App& app, RetraceOptions& o) {
            "The scene that the frame was traced from: hybrid traces again what no record shows [default: "
            "nothing is]")
         ->type_name("SCENE");
-    number(app, "--metres-per-unit", o.metres_per_unit, "Size of the scene's unit", "X");
+    number(app, "--metres-per-unit", o.metres_per_unit,
+           "Size of the unit of the scene, or of another program's depths, m [default: 1]", "X");
     whole(app, "--retrace-spp", o.spp, "Rays for each such pixel, 1 or more", "N");
     app.add_option(
            "--explain", o.explain,
@@ -202,7 +208,11 @@ void target_option(CLI::App& app, double& to) {
 void add_focus(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("focus", "The picture through a lens, from the records alone");
     FocusOptions& o = s.focus;
-    app.add_option("frame", o.input, "Sample file")->required()->type_name("FRAME");
+    app.add_option("frame", o.input,
+                   "Sample file; or an OpenEXR picture of another program with depth, flat or deep "
+                   "(docs/inputs.md)")
+        ->required()
+        ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     lens_options(app, o.lens);
     impulse_options(app, o.impulse);
@@ -223,6 +233,8 @@ void add_focus(CLI::App& root, State& s) {
         ->type_name("M");
     target_option(app, o.target_db);
     retrace_options(app, o.retrace);
+    foreign_channel_options(app, o.foreign.choice);
+    foreign_camera_options(app, o.foreign.camera);
     choice(app, "--spacing", o.spacing, "Spacing of the K depths: equal steps in z' or in 1/z'",
            {{"linear", DepthSpacing::linear}, {"inverse", DepthSpacing::inverse}});
     choice(app, "--depth-model", o.depth_model,
@@ -267,6 +279,9 @@ void add_motionblur(CLI::App& root, State& s) {
            "What 1 in U and in V stands for, px to the right and px down; 1,-1 where V points up [default: "
            "as the channels' names say, 1,1 with --vectors]")
         ->type_name("X[,Y]");
+    app.add_option("--layer", o.layer,
+                   "Which part, view or layer of a picture, by its name [default: docs/inputs.md]")
+        ->type_name("NAME");
     number(
         app, "--fit-paths", o.settings.fit_px,
         "Replace the paths of convolve by splines of few knots within so much, more than 0 [default: paths "

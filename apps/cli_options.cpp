@@ -109,6 +109,37 @@ void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, C
            "Width of the film, more than 0 [default: the camera's]", "MM");
 }
 
+void foreign_channel_options(CLI::App& app, ForeignChoice& to) {
+    app.add_option(
+           "--layer", to.layer,
+           "Of another program's picture: which part, view or layer, by its name [default: docs/inputs.md]")
+        ->type_name("NAME");
+    app.add_option(
+           "--depth-channel", to.depth_channel,
+           "Of another program's picture: the channel of the depths [default: Z, Depth.Z and the like]")
+        ->type_name("NAME");
+}
+
+void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to) {
+    number(app, "--film-width", to.film_width_mm,
+           "Of another program's picture: width of the film [default: the file's, else 36]", "MM");
+    number(app, "--film-distance", to.film_distance_mm,
+           "Of another program's picture: from pinhole to film; with the width: the view [default: the "
+           "file's, else "
+           "--focal-length, else 50]",
+           "MM");
+    app.add_option_function<std::string>(
+           "--z",
+           [&to](const std::string& text) {
+               if (text != "axial" && text != "ray")
+                   fail(ExitCode::wrong_arguments, "--z: unknown (got {}; expected axial or ray)", text);
+               to.depth_along = text == "ray" ? DepthAlong::ray : DepthAlong::axis;
+           },
+           "Of another program's picture: depths are along the axis, or from the camera's centre [default: "
+           "axial]")
+        ->type_name("axial|ray");
+}
+
 void tree_options(CLI::App& app, int& max_depth, double& min_contribution) {
     whole(app, "--max-depth", max_depth, "Nodes along a path, 1 to 17; the eye ray's is the first", "N");
     number(app, "--min-contribution", min_contribution,

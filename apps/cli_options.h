@@ -27,6 +27,9 @@ void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "t
 void impulse_options(CLI::App& app, Impulse& to);
 void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
                    std::string& camera_name);
+/// Of pictures of other programs.
+void foreign_channel_options(CLI::App& app, ForeignChoice& to);
+void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to);
 void tree_options(CLI::App& app, int& max_depth, double& min_contribution);
 void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve,
                      const std::string& absent = "open for an instant");

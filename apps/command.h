@@ -13,6 +13,7 @@
 #include "motionblur/vector_channels.h"
 #include "planner/auto_picture.h"
 #include "planner/hybrid.h"
+#include "records/foreign_picture.h"
 #include "tracer/render.h"
 #include "tracer/trace.h"
 
@@ -50,8 +51,18 @@ struct LensOptions {
 /// What `hybrid` may trace again.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
-    double metres_per_unit = 1;
+    std::optional<double> metres_per_unit;  ///< absent: 1
     int spp = 128;
+};
+
+/// How a picture of another program is to be read.
+struct ForeignOptions {
+    ForeignChoice choice;
+    ForeignCameraChoice camera;
+    [[nodiscard]] bool given() const {
+        return !choice.layer.empty() || !choice.depth_channel.empty() || camera.film_width_mm ||
+               camera.film_distance_mm || camera.depth_along;
+    }
 };
 
 struct FocusOptions {
@@ -65,7 +76,13 @@ struct FocusOptions {
     int views = default_lens_views;
     double target_db = default_target_db;  ///< of `auto`
     RetraceOptions retrace;
+    ForeignOptions foreign;
     bool strict = false;
+};
+
+struct ImageOptions {
+    std::string input, output;
+    ForeignOptions foreign;
 };
 
 struct ShootOptions {
@@ -90,6 +107,7 @@ struct MotionBlurOptions {
     std::string curve = "box";        ///< box, triangle or a file
     std::optional<std::string> paths;
     VectorChoice vectors;  ///< of pictures of other programs
+    std::string layer;     ///< likewise
     MotionBlurSettings settings;
     bool strict = false;
 };
@@ -116,13 +134,22 @@ struct CompareCommandOptions {
 
 [[nodiscard]] CommandResult run_trace(const TraceOptions& options);
 [[nodiscard]] CommandResult run_render(const RenderOptions& options);
-[[nodiscard]] CommandResult run_image(const std::string& input, const std::string& output);
+[[nodiscard]] CommandResult run_image(const ImageOptions& options);
 [[nodiscard]] CommandResult run_focus(const FocusOptions& options);
 [[nodiscard]] CommandResult run_shoot(const ShootOptions& options);
 [[nodiscard]] CommandResult run_motionblur(const MotionBlurOptions& options);
 [[nodiscard]] CommandResult run_records(const RecordsOptions& options);
 [[nodiscard]] CommandResult run_compare(const CompareCommandOptions& options);
 [[nodiscard]] CommandResult run_info(const std::string& input);
+
+/// An OpenEXR file that is none of ours.
+[[nodiscard]] bool is_foreign(const std::string& input);
+/// `focus`, `image` and `info` of such a file.
+[[nodiscard]] CommandResult focus_foreign(const FocusOptions& options);
+[[nodiscard]] CommandResult foreign_image(const ImageOptions& options);
+[[nodiscard]] CommandResult foreign_info(const std::string& input);
+/// Throws Error(wrong_arguments) where options were given that only such a file takes.
+void refuse_foreign_options(const ForeignOptions& options);
 
 /// Settings of the lens for this file: what was asked for, else what the file names. Throws
 /// Error(wrong_arguments) where neither says.
@@ -131,6 +158,10 @@ struct ResolvedLens {
     double focus_m = 1;
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
+
+/// A real lens has a focal length and a widest f-number of its own. Throws Error(wrong_arguments) where
+/// another focal length was asked for.
+void take_from_prescription(const Impulse& impulse, LensOptions& lens);
 
 /// What the shutter is for this file: asked for, else the file's exposure. Throws Error(wrong_arguments).
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header);
@@ -147,6 +178,9 @@ void check_sufficient(const SampleHeader& header, const Exposure& exposure, std:
 
 /// "box", "triangle" or a file. Throws Error(invalid_input).
 [[nodiscard]] ShutterCurve shutter_curve(const std::string& word);
+
+/// "scatter" and so on.
+[[nodiscard]] const char* method_name(FocusMethod method);
 
 /// The rays of a tracer, as `--json` lists them.
 [[nodiscard]] nlohmann::ordered_json rays_json(const RayCounts& rays);

@@ -8,9 +8,8 @@
 #include "records/pixel_samples.h"
 
 namespace postlens {
-namespace {
 
-const char* name(FocusMethod method) {
+const char* method_name(FocusMethod method) {
     switch (method) {
         case FocusMethod::pinhole:
             return "pinhole";
@@ -28,6 +27,8 @@ const char* name(FocusMethod method) {
     return "auto";
 }
 
+namespace {
+
 double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
                       const char* option) {
     if (asked) return *asked;
@@ -36,7 +37,8 @@ double asked_or_named(const std::optional<double>& asked, const std::optional<do
          "{}: missing (got nothing; expected a value, as the sample file names none)", option);
 }
 
-// A real lens has a focal length and a widest f-number of its own.
+}  // namespace
+
 void take_from_prescription(const Impulse& impulse, LensOptions& lens) {
     check_impulse(impulse);
     const Prescription prescription = read_prescription(impulse.file);
@@ -49,8 +51,6 @@ void take_from_prescription(const Impulse& impulse, LensOptions& lens) {
     lens.focal_length_mm = first.efl_mm;
     if (!lens.f_number) lens.f_number = first.f_number;
 }
-
-}  // namespace
 
 nlohmann::ordered_json json_number(double value) {
     return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
@@ -88,6 +88,8 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
 
 CommandResult run_focus(const FocusOptions& options) {
     check_image_path(options.output);
+    if (is_foreign(options.input)) return focus_foreign(options);
+    refuse_foreign_options(options.foreign);
     const SampleFileReader file(options.input);
     LensOptions lens_options = options.lens;
     if (options.method == FocusMethod::pinhole) {
@@ -138,7 +140,7 @@ CommandResult run_focus(const FocusOptions& options) {
         if (bends) out.warnings.push_back({bends->code, bends->text, bends->share});
     }
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
-    out.json = {{"method", name(result.method)},
+    out.json = {{"method", method_name(result.method)},
                 {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
                 {"depths", result.depths},
                 {"predicted_db", plan.is_null() ? nlohmann::ordered_json(nullptr) : plan.at("predicted_db")},
@@ -152,7 +154,7 @@ CommandResult run_focus(const FocusOptions& options) {
     if (!plan.is_null()) out.json["plan"] = plan;
     out.text +=
         fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} {}, widest CoC {:.1f} px",
-                    options.output, result.image.width, result.image.height, name(result.method),
+                    options.output, result.image.width, result.image.height, method_name(result.method),
                     lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m,
                     result.views > 0 ? result.views : result.depths, result.views > 0 ? "views" : "depths",
                     result.largest_coc_px);

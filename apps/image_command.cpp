@@ -2,9 +2,12 @@
 
 namespace postlens {
 
-CommandResult run_image(const std::string& input, const std::string& output) {
+CommandResult run_image(const ImageOptions& options) {
+    const std::string& output = options.output;
     check_image_path(output);
-    const SampleFileReader file(input);
+    if (is_foreign(options.input)) return foreign_image(options);
+    refuse_foreign_options(options.foreign);
+    const SampleFileReader file(options.input);
     const Image image = pinhole_picture(file);
     write_image(output, image);
     CommandResult out;

@@ -178,6 +178,7 @@ CommandResult run_info(const std::string& input) {
     if (is_prescription(input)) return lens_info(input);
     if (ending == ".toml" || ending == ".nff") return scene_info(input);
     if (SampleFileReader::is_sample_file(input)) return sample_file_info(input);
+    if (is_foreign(input)) return foreign_info(input);
     return image_info(input);
 }
 

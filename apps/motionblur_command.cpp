@@ -100,7 +100,7 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
              "--shutter: missing (got nothing; expected OPEN:CLOSE in frames, 0 this picture, 1 the next)");
     }
     const Exposure exposure{options.shutter->open_s, options.shutter->close_s};
-    const VectorFrame frame = read_vector_frame(options.input, options.vectors);
+    const VectorFrame frame = read_vector_frame(options.input, options.vectors, options.layer);
     const MotionBlurResult result = vector_blur(
         frame,
         {.exposure = exposure, .curve = shutter_curve(options.curve), .views = options.settings.views});
@@ -144,11 +144,11 @@ void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warn
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_image_path(options.output);
-    if (is_openexr(options.input) && !SampleFileReader::is_sample_file(options.input))
-        return blur_by_vectors(options);
-    if (options.vectors.channels || options.vectors.scale) {
+    if (is_foreign(options.input)) return blur_by_vectors(options);
+    if (options.vectors.channels || options.vectors.scale || !options.layer.empty()) {
         fail(ExitCode::wrong_arguments,
-             "--vectors: not for a sample file, which knows its motion (expected a flat OpenEXR picture)");
+             "--vectors, --layer: not for a sample file, which knows its motion (expected a flat OpenEXR "
+             "picture)");
     }
     MotionBlurSettings settings = options.settings;
     settings.curve = shutter_curve(options.curve);

@@ -35,7 +35,7 @@ std::optional<Scene> scene_of(const RetraceOptions& retrace, CommandResult& out)
              retrace.spp);
     }
     if (!retrace.scene) return std::nullopt;
-    Scene scene = read_scene(*retrace.scene, {.metres_per_unit = retrace.metres_per_unit});
+    Scene scene = read_scene(*retrace.scene, {.metres_per_unit = retrace.metres_per_unit.value_or(1)});
     for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
     return scene;
 }

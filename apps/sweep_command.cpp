@@ -111,7 +111,7 @@ CommandResult run_sweep(const SweepOptions& o) {
              o.retrace.spp);
     }
     if (o.retrace.scene) {
-        scene = read_scene(*o.retrace.scene, {.metres_per_unit = o.retrace.metres_per_unit});
+        scene = read_scene(*o.retrace.scene, {.metres_per_unit = o.retrace.metres_per_unit.value_or(1)});
         for (const std::string& note : scene->notes) out.warnings.push_back({"scene", note});
         settings.picture.scene = &*scene;
         settings.picture.retrace_spp = o.retrace.spp;

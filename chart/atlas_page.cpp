@@ -88,7 +88,7 @@ constexpr const char* heading = "# An atlas of failure\n\n";
 std::string html_of(const std::string& markdown) {
     std::string out, paragraph;
     const auto flush = [&] {
-        if (!paragraph.empty()) out += "<p>" + html_escaped(paragraph) + "</p>\n";
+        if (!paragraph.empty()) out += fmt::format("<p>{}</p>\n", html_escaped(paragraph));
         paragraph.clear();
     };
     std::size_t begin = 0;
@@ -98,7 +98,7 @@ std::string html_of(const std::string& markdown) {
         begin = end + 1;
         if (line.empty() || line.starts_with("- ") || line.starts_with("#")) flush();
         if (line.starts_with("## ")) {
-            out += "<h2>" + html_escaped(line.substr(3)) + "</h2>\n";
+            out += fmt::format("<h2>{}</h2>\n", html_escaped(line.substr(3)));
         } else if (!line.empty()) {
             if (!paragraph.empty()) paragraph += ' ';
             paragraph += line;
@@ -145,7 +145,7 @@ std::string atlas_markdown(const AtlasRun& run) {
             for (const Row& r : rows(e, "`"))
                 text += fmt::format("| {} | {} | {} | {} | {} | {} |\n", r.method, r.whole, r.affected,
                                     r.energy, r.retraced, r.warnings);
-            text += "\n" + noise_text(e.result) + "\n\n";
+            text += fmt::format("\n{}\n\n", noise_text(e.result));
         });
         if (!text.empty()) out += fmt::format("\n## {}\n\n{}\n\n{}", cause.word, cause.meaning, text);
     }
@@ -183,7 +183,7 @@ std::string atlas_html(const AtlasRun& run, const std::filesystem::path& folder)
             for (const Row& r : rows(e, ""))
                 out += fmt::format("<tr><td>{}<td>{}<td>{}<td>{}<td>{}<td>{}</tr>\n", html_escaped(r.method),
                                    r.whole, r.affected, r.energy, r.retraced, html_escaped(r.warnings));
-            out += "</table>\n<p>" + noise_text(e.result) + "</p>\n";
+            out += fmt::format("</table>\n<p>{}</p>\n", noise_text(e.result));
         }
     }
     return out + "</body></html>\n";

@@ -81,7 +81,8 @@ class Maker {
         const SampleHeader& h = file.header();
         const FocusGeometry g =
             focus_geometry(view_.lens, view_.focus_m, Framing::keep, {h.film_distance_mm, h.pixel_pitch_mm});
-        if (const auto w = bend_warning(file, g)) out_.warnings.push_back(w->code);
+        FocusFrame frame(file);
+        if (const auto w = bend_warning(frame, g)) out_.warnings.push_back(w->code);
     }
 
     [[nodiscard]] MotionBlurSettings shutter_settings(MotionMethod method) const {

@@ -26,4 +26,13 @@ void BorderRadii::note(const RasterWindow& source, const PointSample& s, int y, 
     if (y == source.y_end - 1) raise(bottom[column]);
 }
 
+void BorderRadii::note_pixel(const RasterWindow& source, int x, int y, double radius_px) {
+    // Rows of corners below belong to the pixels below, but for the last.
+    const int last_y = y == source.y_end - 2 ? y + 1 : y;
+    for (int v = y; v <= last_y; ++v) {
+        for (const int u : {x, x + 1})
+            note(source, {.x = static_cast<float>(u), .y = static_cast<float>(v)}, v, radius_px);
+    }
+}
+
 }  // namespace postlens

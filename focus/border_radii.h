@@ -17,6 +17,8 @@ struct BorderRadii {
     explicit BorderRadii(const RasterWindow& source);
     /// Takes in the CoC of a sample in pixel row y of the source. Different rows at the same time are safe.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
+    /// The same of pixel (x, y), for all of its corners.
+    void note_pixel(const RasterWindow& source, int x, int y, double radius_px);
 };
 
 }  // namespace postlens

@@ -66,8 +66,11 @@ class LayerSplats::RowBuilder {
     explicit RowBuilder(LayerSplats& splats) : t_(splats), cache_(splats.kernels_) {}
 
     void build(const RecordBand& band, const PointSamples& samples, std::size_t first_pixel, int y);
+    void build(std::span<const PixelLight> lights, int y);
 
   private:
+    void begin_row(int y);
+    void add_light(const PixelLight& light);
     /// Nodes of one layer at one place.
     struct Nodes {
         float x, y;
@@ -341,13 +344,56 @@ void LayerSplats::RowBuilder::find_hidden(const RecordBand& band, std::size_t pi
                      [](const Nodes& a, const Nodes& b) { return std::tie(a.y, a.x) < std::tie(b.y, b.x); });
 }
 
-void LayerSplats::RowBuilder::build(const RecordBand& band, const PointSamples& samples,
-                                    std::size_t first_pixel, int y) {
+void LayerSplats::RowBuilder::begin_row(int y) {
     y_ = y;
     row_ = &t_.rows_[static_cast<std::size_t>(y - t_.source_.y_begin)];
     number_.clear();
     last_number_ = ~std::uint32_t{0};
     std::fill(slots_.begin(), slots_.end(), Slot{0, ~std::size_t{0}});
+}
+
+void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
+    const PointSample s = middle_of_pixel(light.x, y_);
+    const RasterWindow& p = t_.picture_;
+    place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
+                 static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
+    const NodeResponses& responses = t_.responses_;
+    const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
+    if (!light.hidden) {
+        row_->largest_radius_px = std::max(row_->largest_radius_px, response.exact_radius_px);
+        t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
+    }
+    const LayerPart part{.surface = {light.surface, 0},
+                         .kind = light.hidden ? LayerPart::Kind::hidden : LayerPart::Kind::seen};
+    covered_ = light.weight > 0 ? light.covered / light.weight : 0;
+    if (light.weight > 0) {
+        row_->colours.include(
+            {light.rgb[0] / light.weight, light.rgb[1] / light.weight, light.rgb[2] / light.weight});
+    }
+    const float share = responses.passing(response, light.spread_depth, place_px_);
+    const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};
+    if (responses.weighs_as_it_shines(response)) {
+        place(s, response, rgb, light.weight, light.inverse_depth, part);
+    } else {
+        place(s, response, rgb, 0, 0, part);
+        place(s, NodeResponses::whole(response), {0, 0, 0}, light.weight, light.inverse_depth, part);
+    }
+    covered_ = 0;
+}
+
+void LayerSplats::RowBuilder::build(std::span<const PixelLight> lights, int y) {
+    begin_row(y);
+    alone_ = true;
+    for (const PixelLight& light : lights) add_light(light);
+}
+
+void LayerSplats::add_pixels(int y, std::span<const PixelLight> lights) {
+    RowBuilder(*this).build(lights, y);
+}
+
+void LayerSplats::RowBuilder::build(const RecordBand& band, const PointSamples& samples,
+                                    std::size_t first_pixel, int y) {
+    begin_row(y);
     const std::size_t band_pixel = band.pixel(band.x_begin, y);
     for (std::size_t k = 0; k < static_cast<std::size_t>(band.width()); ++k) {
         find_hidden(band, band_pixel + k);

@@ -12,6 +12,7 @@
 #include "focus/frame.h"
 #include "focus/kernel.h"
 #include "focus/node_response.h"
+#include "focus/pixel_light.h"
 #include "focus/splat_tables.h"
 #include "records/quadtree.h"
 #include "records/record.h"
@@ -85,6 +86,10 @@ class LayerSplats {
     void add_rows(const RecordBand& band, int y_begin, int y_end) { add_rows({&band, y_begin, y_end, {}}); }
     /// The same for rows whose point samples may be known.
     void add_rows(const FrameRows& rows);
+    /// From now on rows of pixels are taken in instead.
+    void take_pixels() { from_anchor_px_ = 0.5; }
+    /// Takes in row y of pixels; safe for several rows at once.
+    void add_pixels(int y, std::span<const PixelLight> lights);
     /// Makes the kernels and sorts; after the last row.
     void finish();
 
@@ -101,6 +106,8 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
+    /// Where samples stand from their anchors, px: those of pixels in the middle, others around the anchor.
+    [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     /// No picture is darker or brighter than what was recorded.
     [[nodiscard]] const ColourRange& colours() const { return colours_; }
 
@@ -128,6 +135,7 @@ class LayerSplats {
     std::vector<LayerCell> cells_;
     std::vector<LayerSplat> splats_;
     double largest_radius_px_ = 0;
+    double from_anchor_px_ = 0;
     ColourRange colours_;
 };
 

@@ -112,8 +112,9 @@ void sum_row(double* sum, const double* change, std::size_t width) {
 
 }  // namespace
 
-void LayerSums::begin(const RasterWindow& rows, bool with_lens) {
+void LayerSums::begin(const RasterWindow& rows, bool with_lens, double from_anchor_px) {
     rows_ = rows;
+    from_anchor_px_ = from_anchor_px;
     with_lens_ = with_lens;
     width_ = static_cast<std::size_t>(rows.width()) + 1;
     stride_ = with_lens ? 16 : 4;
@@ -156,7 +157,8 @@ std::array<LensMoment, 4> LayerSums::lens_at(int x, int y) const {
     std::array<LensMoment, 4> out{};
     if (!with_lens_) return out;
     const double* sums = at(x, y);
-    const double px = x - rows_.x_begin + 0.5, py = y - rows_.y_begin + 0.5;
+    const double px = x - rows_.x_begin + 0.5 - from_anchor_px_,
+                 py = y - rows_.y_begin + 0.5 - from_anchor_px_;
     for (std::size_t c = 0; c < 4; ++c) {
         out[c] = {px * sums[4 + c] - sums[8 + c], py * sums[4 + c] - sums[12 + c]};
     }

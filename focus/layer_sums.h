@@ -17,7 +17,8 @@ class LayerSums {
   public:
     /// Nothing over the pixels of `rows`. `with_lens`: lens points are summed up, too. Buffers are kept from
     /// call to call.
-    void begin(const RasterWindow& rows, bool with_lens);
+    /// `from_anchor_px`: where samples stand, right of and below their anchors.
+    void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     /// Adds splats by the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
     /// Makes sums of the differences; after the last splat.
@@ -39,6 +40,7 @@ class LayerSums {
 
     RasterWindow rows_;
     bool with_lens_ = false;
+    double from_anchor_px_ = 0;
     std::size_t width_ = 0;   ///< pixels from row to row: one more than there are, for what ends there
     std::size_t stride_ = 4;  ///< numbers from pixel to pixel
     /// By pixel: red, green, blue, weight; with lens points these also times lens_per_px, and that times x

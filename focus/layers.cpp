@@ -127,7 +127,7 @@ void BlockLayers::add_surface(std::span<const PartCells> parts, std::span<const 
             all = any ? around(all, reach) : reach;
             any = true;
         }
-        sums_[i].begin(reach, with_lens && wants_lens(*part.part));
+        sums_[i].begin(reach, with_lens && wants_lens(*part.part), splats_.from_anchor_px());
         for (std::size_t k = part.begin; k < part.end; ++k) {
             const LayerCell& cell = splats_.cells()[cells[k]];
             if (meet(cell.reach, rows_)) sums_[i].add(splats_.splats(cell), splats_.kernels(), channel);
@@ -273,8 +273,9 @@ void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPa
                 sums[static_cast<std::size_t>(y - p.y_begin) * static_cast<std::size_t>(p.width()) +
                      static_cast<std::size_t>(x - p.x_begin)];
             const std::array<float, 4> value{s.r, s.g, s.b, s.weight};
-            const LensMoment lens{(dx + 0.5) * static_cast<double>(s.lens_per_px),
-                                  (y + 0.5 - s.y) * static_cast<double>(s.lens_per_px)};
+            const double to_middle = 0.5 - splats.from_anchor_px();
+            const LensMoment lens{(dx + to_middle) * static_cast<double>(s.lens_per_px),
+                                  (y - s.y + to_middle) * static_cast<double>(s.lens_per_px)};
             for (std::size_t c = 0; c < 4; ++c) {
                 const double light = share * static_cast<double>(value[c]);
                 (c < 3 ? sum.rgb[c] : sum.weight) += light;

@@ -27,11 +27,16 @@ class SplatTables::RowBuilder {
 
     void build(const RecordBand& band, const PointSamples& samples, std::uint32_t begin, std::uint32_t end,
                int y);
+    void build(std::span<const PixelLight> lights, int y);
 
   private:
+    void begin_row(int y);
+    void store_row();
     void add_sample(const PointSample& s, std::span<const Record> nodes);
+    void add_light(const PixelLight& light);
+    /// `weight`: of the point sample, 0 for what the normalisation does not count.
     void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
-                    bool primary);
+                    float weight);
     void split_runs();
 
     SplatTables& t_;
@@ -48,7 +53,7 @@ class SplatTables::RowBuilder {
 };
 
 void SplatTables::RowBuilder::add_splats(const PointSample& s, const NodeResponse& response,
-                                         const std::array<float, 3>& rgb, bool primary) {
+                                         const std::array<float, 3>& rgb, float weight) {
     const Phases phases = t_.responses_.phases(s, response);
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
@@ -56,8 +61,7 @@ void SplatTables::RowBuilder::add_splats(const PointSample& s, const NodeRespons
         key.phase_x = p.x;
         key.phase_y = p.y;
         splats_.push_back({static_cast<std::int32_t>(std::floor(s.x)), cache_.number_of(key),
-                           rgb[0] * p.weight, rgb[1] * p.weight, rgb[2] * p.weight,
-                           primary ? p.weight : 0.0F});
+                           rgb[0] * p.weight, rgb[1] * p.weight, rgb[2] * p.weight, weight * p.weight});
     }
 }
 
@@ -82,7 +86,7 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
         }
         const double w = (static_cast<double>(node.w.xx) + static_cast<double>(node.w.yy)) / 2;
         const float share = responses.passing(response, w, place_px_);
-        add_splats(s, response, {share * node.r, share * node.g, share * node.b}, false);
+        add_splats(s, response, {share * node.r, share * node.g, share * node.b}, 0);
     }
     for (float& channel : rgb) channel *= responses.passing(primary, depth, place_px_);
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
@@ -96,12 +100,33 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     }
     if (!(s.total_weight() > 0)) return;
     if (responses.weighs_as_it_shines(primary)) {
-        add_splats(s, primary, rgb, true);
+        add_splats(s, primary, rgb, 1);
         return;
     }
     // What the lens holds back is missing from the light, not from what it is divided by.
-    add_splats(s, primary, rgb, false);
-    add_splats(s, NodeResponses::whole(primary), {0, 0, 0}, true);
+    add_splats(s, primary, rgb, 0);
+    add_splats(s, NodeResponses::whole(primary), {0, 0, 0}, 1);
+}
+
+void SplatTables::RowBuilder::add_light(const PixelLight& light) {
+    if (light.hidden) return;
+    const PointSample s = middle_of_pixel(light.x, y_);
+    const RasterWindow& p = t_.picture_;
+    place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
+                 static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
+    const NodeResponses& responses = t_.responses_;
+    const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
+    largest_radius_px_ = std::max(largest_radius_px_, response.exact_radius_px);
+    t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
+    const float share = responses.passing(response, light.spread_depth, place_px_);
+    const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};
+    negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
+    if (responses.weighs_as_it_shines(response)) {
+        add_splats(s, response, rgb, light.weight);
+        return;
+    }
+    add_splats(s, response, rgb, 0);
+    add_splats(s, NodeResponses::whole(response), {0, 0, 0}, light.weight);
 }
 
 void SplatTables::RowBuilder::split_runs() {
@@ -128,8 +153,7 @@ void SplatTables::RowBuilder::split_runs() {
                        [](const Splat& a, const Splat& b) { return a.x < b.x; });
 }
 
-void SplatTables::RowBuilder::build(const RecordBand& band, const PointSamples& samples, std::uint32_t begin,
-                                    std::uint32_t end, int y) {
+void SplatTables::RowBuilder::begin_row(int y) {
     const auto row = static_cast<std::size_t>(y - t_.source_.y_begin);
     const auto width = static_cast<std::size_t>(t_.source_.width());
     y_ = y;
@@ -139,16 +163,36 @@ void SplatTables::RowBuilder::build(const RecordBand& band, const PointSamples& 
     splats_.clear();
     runs_.clear();
     for (std::size_t c = 0; c < 3; ++c) raster_[c] = t_.raster_[c].data() + row * width;
-    for (std::uint32_t i = begin; i < end; ++i) {
-        const PointSample& s = samples.samples[i];
-        add_sample(s, std::span(band.records).subspan(s.first_record, s.record_count));
-    }
-    split_runs();
+}
+
+void SplatTables::RowBuilder::store_row() {
+    const auto row = static_cast<std::size_t>(y_ - t_.source_.y_begin);
     SplatRow& out = t_.rows_[row];
     out.runs.assign(runs_.begin(), runs_.end());
     out.splats.assign(splats_.begin(), splats_.end());
     t_.row_largest_radius_px_[row] = largest_radius_px_;
     t_.row_negative_[row] = negative_ ? 1 : 0;
+}
+
+void SplatTables::RowBuilder::build(const RecordBand& band, const PointSamples& samples, std::uint32_t begin,
+                                    std::uint32_t end, int y) {
+    begin_row(y);
+    for (std::uint32_t i = begin; i < end; ++i) {
+        const PointSample& s = samples.samples[i];
+        add_sample(s, std::span(band.records).subspan(s.first_record, s.record_count));
+    }
+    split_runs();
+    store_row();
+}
+
+void SplatTables::RowBuilder::build(std::span<const PixelLight> lights, int y) {
+    begin_row(y);
+    for (const PixelLight& light : lights) add_light(light);
+    store_row();
+}
+
+void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
+    RowBuilder(*this).build(lights, y);
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {

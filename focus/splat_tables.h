@@ -12,6 +12,7 @@
 #include "focus/frame.h"
 #include "focus/kernel.h"
 #include "focus/node_response.h"
+#include "focus/pixel_light.h"
 #include "focus/response_model.h"
 #include "records/quadtree.h"
 #include "records/record.h"
@@ -76,6 +77,9 @@ class SplatTables {
     void add_rows(const RecordBand& band, int y_begin, int y_end) { add_rows({&band, y_begin, y_end, {}}); }
     /// The same for rows whose point samples may be known.
     void add_rows(const FrameRows& rows);
+    /// Takes in row y of pixels instead, by growing column; safe for several rows at once. What is hidden is
+    /// left out.
+    void add_pixels(int y, std::span<const PixelLight> lights);
     /// Makes the kernels; after the last row.
     void finish();
 

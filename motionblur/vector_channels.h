@@ -1,4 +1,4 @@
-// Which channels of a picture of another program hold its motion vectors, its colour and its depth.
+// Which channels of a picture of another program hold its motion vectors.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -13,13 +13,11 @@ struct VectorChoice {
     std::optional<glm::dvec2> scale;  ///< px to the right and px down that 1 stands for; absent: by the names
 };
 
-/// Indices into the file's channels.
+/// Names of channels.
 struct VectorChannels {
-    std::size_t u = 0, v = 0;
+    std::string u, v;
     glm::dvec2 scale{1, 1};  ///< px to the right and px down, in the time from this frame to the next
-    std::size_t r = 0, g = 0, b = 0;
-    std::optional<std::size_t> a, z;
-    std::string u_name, v_name;
+    std::string layer;       ///< what the names begin with, where they belong to a layer's passes; else empty
 };
 
 /// `hero_view`: whose colours have names without a view in a stereo file; empty: none is named. The names
@@ -27,9 +25,8 @@ struct VectorChannels {
 ///   forward.u/.v and forward.VIEW.u/.v, of the hero view where there is one: v upwards
 ///   [LAYER.]Vector.Z/.W: minus the way to the next frame, W upwards
 ///   motion.x/.y, velocity.x/.y: as `scale` 1,1
-/// Colour and depth: R, G, B, A, Z, else [LAYER.]Combined.R, .G, .B, .A and [LAYER.]Depth.Z or .V of the
-/// vectors' layer. Throws Error(invalid_input) where vectors or colours are missing, and names what there is;
-/// `source` begins the message.
+/// Throws Error(invalid_input) where vectors are missing, and names what there is; `source` begins the
+/// message.
 [[nodiscard]] VectorChannels find_vector_channels(const std::vector<std::string>& names,
                                                   const std::string& hero_view, const VectorChoice& choice,
                                                   const std::string& source);

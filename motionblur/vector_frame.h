@@ -39,14 +39,14 @@ struct VectorFrame {
     [[nodiscard]] Image picture() const;
 };
 
-/// An OpenEXR file, whatever is in it.
-[[nodiscard]] bool is_openexr(const std::filesystem::path& path);
-
-/// Reads the first part. Depth grows with the distance; pixels of depth 0 or of at least 1e9 and, where there
-/// is an alpha, those of alpha 0 are the background, infinitely far. Without a depth, what moves faster on
-/// the raster is taken to be nearer. Throws Error(invalid_input) for what is no such file, for windows out of
-/// bounds (65536 px an edge, 65536 px between the windows), for colours and vectors that are not finite or
-/// longer than 1e6 px and for negative depths, with their place; Error(out_of_memory) before memory is taken.
-[[nodiscard]] VectorFrame read_vector_frame(const std::filesystem::path& path, const VectorChoice& choice);
+/// Reads the part that has the colours (records/foreign_channels.h; of a stereo file's views the hero), in
+/// which vectors, alpha and depth lie as well; `layer` as there. Depth grows with the distance; pixels of
+/// depth 0 or of at least 1e9 and, where there is an alpha, those of alpha 0 are the background, infinitely
+/// far. Without a depth, what moves faster on the raster is taken to be nearer. Throws Error(invalid_input)
+/// for what is no such file, for windows out of bounds (65536 px an edge, 65536 px between the windows), for
+/// colours and vectors that are not finite or longer than 1e6 px and for negative depths, with their place;
+/// Error(out_of_memory) before memory is taken.
+[[nodiscard]] VectorFrame read_vector_frame(const std::filesystem::path& path, const VectorChoice& choice,
+                                            const std::string& layer = "");
 
 }  // namespace postlens

@@ -22,35 +22,40 @@ std::vector<float> record_floor(FocusFrame& frame, const FocusGeometry& geometry
         const int begin = std::max(rows.y_begin, 0), end = std::min(rows.y_end, h.height);
         if (begin >= end) return;
         constexpr int rows_per_task = 8;
-        parallel_for(static_cast<std::size_t>((end - begin + rows_per_task - 1) / rows_per_task), [&](std::size_t task) {
-            const int y0 = begin + static_cast<int>(task) * rows_per_task, y1 = std::min(y0 + rows_per_task, end);
-            PixelLeaves leaves;
-            find_leaves(*rows.band, y0, y1, leaves);
-            std::vector<CellCorner> corners;
-            corners.reserve(leaves.points.samples.size());
-            for (const PointSample& s : leaves.points.samples) corners.push_back(cell_corner(*rows.band, s));
-            for (int y = y0; y < y1; ++y) {
-                for (int x = 0; x < h.width; ++x) {
-                    const std::size_t k = rows.band->pixel(x, y) - rows.band->pixel(rows.band->x_begin, y0);
-                    PixelEdges edges;
-                    double coc_px = std::numeric_limits<double>::infinity();
-                    for (std::uint32_t l = leaves.leaf_offsets[k]; l < leaves.leaf_offsets[k + 1]; ++l) {
-                        const Leaf& leaf = leaves.leaves[l];
-                        std::array<const CellCorner*, 4> at{};
-                        for (std::size_t i = 0; i < 4; ++i) at[i] = &corners[leaf.corner[i]];
-                        const CellStep step = cell_step(at);
-                        edges.add(step, static_cast<double>(leaf.size));
-                        if (step.split == CellStep::Split::none) continue;
-                        for (const CellCorner* c : at)
-                            coc_px = std::min(coc_px, std::abs(geometry.coc_diameter_px(c->inverse_z)));
+        parallel_for(
+            static_cast<std::size_t>((end - begin + rows_per_task - 1) / rows_per_task),
+            [&](std::size_t task) {
+                const int y0 = begin + static_cast<int>(task) * rows_per_task,
+                          y1 = std::min(y0 + rows_per_task, end);
+                PixelLeaves leaves;
+                find_leaves(*rows.band, y0, y1, leaves);
+                std::vector<CellCorner> corners;
+                corners.reserve(leaves.points.samples.size());
+                for (const PointSample& s : leaves.points.samples)
+                    corners.push_back(cell_corner(*rows.band, s));
+                for (int y = y0; y < y1; ++y) {
+                    for (int x = 0; x < h.width; ++x) {
+                        const std::size_t k =
+                            rows.band->pixel(x, y) - rows.band->pixel(rows.band->x_begin, y0);
+                        PixelEdges edges;
+                        double coc_px = std::numeric_limits<double>::infinity();
+                        for (std::uint32_t l = leaves.leaf_offsets[k]; l < leaves.leaf_offsets[k + 1]; ++l) {
+                            const Leaf& leaf = leaves.leaves[l];
+                            std::array<const CellCorner*, 4> at{};
+                            for (std::size_t i = 0; i < 4; ++i) at[i] = &corners[leaf.corner[i]];
+                            const CellStep step = cell_step(at);
+                            edges.add(step, static_cast<double>(leaf.size));
+                            if (step.split == CellStep::Split::none) continue;
+                            for (const CellCorner* c : at)
+                                coc_px = std::min(coc_px, std::abs(geometry.coc_diameter_px(c->inverse_z)));
+                        }
+                        double mse = edges.mse();
+                        if (mse > 0 && std::isfinite(coc_px)) mse /= averaged_by(coc_px, edges.aligned());
+                        out[static_cast<std::size_t>(y) * static_cast<std::size_t>(h.width) +
+                            static_cast<std::size_t>(x)] = static_cast<float>(mse);
                     }
-                    double mse = edges.mse();
-                    if (mse > 0 && std::isfinite(coc_px)) mse /= averaged_by(coc_px, edges.aligned());
-                    out[static_cast<std::size_t>(y) * static_cast<std::size_t>(h.width) +
-                        static_cast<std::size_t>(x)] = static_cast<float>(mse);
                 }
-            }
-        });
+            });
     });
     return out;
 }

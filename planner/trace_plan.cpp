@@ -56,7 +56,7 @@ struct Look {
     /// Sums over them of the squared error that one cell as large as the pixel would have.
     double aligned_error = 0, slanted_error = 0;
     double samples = 0, records = 0, hidden = 0;  ///< records: those of what is visible
-    double pixels = 0;  ///< all that was looked at, in pixels of the trace
+    double pixels = 0;                            ///< all that was looked at, in pixels of the trace
 };
 
 std::optional<FocusGeometry> geometry_of(const TraceSettings& s, const CameraModel& camera) {
@@ -168,12 +168,14 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
                           (camera.height + 2.0 * coarser * traced.overscan_px);
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1));
-    // Hidden surfaces are recorded as far as the lens reaches and for a margin of a few pixels, which are wider here.
+    // Hidden surfaces are recorded as far as the lens reaches and for a margin of a few pixels, which are
+    // wider here.
     const DepthRange range = depth_range(file);
-    const double reach_px = range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
+    const double reach_px =
+        range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
     const double narrower = (reach_px + LensReach::margin_px) / (reach_px + coarser * LensReach::margin_px);
-    out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) / std::max(1.0, look.samples) *
-                  static_cast<double>(traced.instants_s.size());
+    out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
+                  std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
         // Whatever lies behind is infinitely far away at most.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;

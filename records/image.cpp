@@ -42,13 +42,13 @@ std::string one_line(std::string text) {
     return text.empty() ? "no reason given" : text;
 }
 
-/// RGB with alpha 1, as OpenEXR pictures are expected to have.
+/// RGB with the picture's alpha, or 1, as OpenEXR pictures are expected to have.
 std::vector<float> with_alpha(const Image& image) {
     std::vector<float> rgba(image.rgb.size() / 3 * 4);
     for (std::size_t i = 0; i < image.rgb.size() / 3; ++i) {
         std::copy_n(image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
                     rgba.begin() + static_cast<std::ptrdiff_t>(4 * i));
-        rgba[4 * i + 3] = 1;
+        rgba[4 * i + 3] = image.alpha.empty() ? 1 : image.alpha[i];
     }
     return rgba;
 }

@@ -8,10 +8,12 @@
 
 namespace postlens {
 
-/// Row-major, top row first, three floats a pixel, Rec.709 primaries, not clamped.
+/// Row-major, top row first, three floats a pixel, Rec.709 primaries, not clamped. Where there is an alpha
+/// the colours are premultiplied by it.
 struct Image {
     int width = 0, height = 0;
     std::vector<float> rgb;
+    std::vector<float> alpha;  ///< one a pixel; empty: opaque
 
     Image() = default;
     Image(int w, int h)
@@ -24,9 +26,10 @@ struct Image {
     [[nodiscard]] const float* pixel(int x, int y) const { return const_cast<Image*>(this)->pixel(x, y); }
 };
 
-/// Writes by the target's ending: .exr float and scene-linear; .png (8 bit), .tif, .jpg with the sRGB
-/// transfer curve, clamped to 0..1. The file appears whole or not at all. Throws Error(cannot_write) on any
-/// failure and Error(wrong_arguments) for an ending that no writer knows.
+/// Writes by the target's ending: .exr float and scene-linear, with alpha; .png (8 bit), .tif, .jpg with the
+/// sRGB transfer curve, clamped to 0..1, without alpha (premultiplied colours are those over black). The file
+/// appears whole or not at all. Throws Error(cannot_write) on any failure and Error(wrong_arguments) for an
+/// ending that no writer knows.
 void write_image(const std::filesystem::path& path, const Image& image);
 
 /// Throws Error(wrong_arguments) where `write_image` would refuse the path, before any work is done.

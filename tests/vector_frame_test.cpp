@@ -373,7 +373,7 @@ TEST_F(VectorFrameTest, RefusesPixelsThatAreNoNumbersWithTheirPlace) {
 TEST_F(VectorFrameTest, RefusesMissingChannelsAndNamesThoseThereAre) {
     FlatPicture p = plate();
     p.channels[4] = "speed.x";
-    EXPECT_NE(refusal(p).find("no motion vectors (got channels R, G, B, Z, "), std::string::npos)
+    EXPECT_NE(refusal(p).find("no motion vectors (got channels B, G, R, Z, "), std::string::npos)
         << refusal(p);
     p = plate();
     p.channels[0] = "red";

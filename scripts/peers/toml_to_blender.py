@@ -439,7 +439,9 @@ def settings(scene, arguments, moves):
     scene.view_settings.view_transform, scene.view_settings.look = "Raw", "None"
     scene.view_settings.exposure, scene.view_settings.gamma, render.dither_intensity = 0, 1, 0
     image = render.image_settings
-    image.file_format, image.color_mode, image.color_depth, image.exr_codec = "OPEN_EXR", "RGB", "32", "ZIP"
+    image.file_format = "OPEN_EXR_MULTILAYER" if arguments.passes else "OPEN_EXR"
+    image.color_mode, image.color_depth, image.exr_codec = "RGBA" if arguments.passes else "RGB", "32", "ZIP"
+    scene.view_layers[0].use_pass_z = arguments.passes
     render.filepath = os.path.abspath(arguments.out)
 
 
@@ -465,6 +467,7 @@ def parse(words):
     parser.add_argument("--whole-frame", action="store_true", help="do not make up for SHUTTER_COVERED")
     # Cycles' own default, pmj, needs more samples than Sobol points until its pictures are without a bias (README.md).
     parser.add_argument("--sampler", choices=["sobol", "pmj"], default="sobol")
+    parser.add_argument("--passes", action="store_true", help="a multi-layer file, with the pass Depth")
     parser.add_argument("--threads", type=int, default=0)
     return parser.parse_args(words)
 

@@ -1,0 +1,169 @@
+#include <cmath>
+
+#include "apps/command.h"
+#include "focus/foreign_focus.h"
+
+namespace postlens {
+namespace {
+
+void add_warnings(const ForeignPicture& picture, bool with_camera, std::vector<Warning>& out) {
+    for (const ForeignRepair& r : picture.repairs) out.push_back({r.code, r.text, r.share});
+    if (!with_camera) return;
+    for (const std::string& text : picture.camera.assumed) out.push_back({"assumed", text, 0});
+}
+
+double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
+                      const char* option) {
+    if (asked) return *asked;
+    if (named) return *named;
+    fail(ExitCode::wrong_arguments, "{}: missing (got nothing; expected a value, as the picture names none)",
+         option);
+}
+
+nlohmann::ordered_json channels_json(const ForeignChannels& c) {
+    nlohmann::ordered_json out = nlohmann::ordered_json::object();
+    const auto add = [&](const char* key, const std::string& name) {
+        out[key] = name.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(name);
+    };
+    add("red", c.r);
+    add("green", c.g);
+    add("blue", c.b);
+    add("alpha", c.a);
+    add("depth", c.z);
+    add("depth_back", c.z_back);
+    add("id", c.id);
+    return out;
+}
+
+/// What `info` says of how a part would be read.
+nlohmann::ordered_json part_json(const ForeignPart& part) {
+    return {{"name", part.name},
+            {"view", part.view},
+            {"deep", part.deep},
+            {"width", part.width()},
+            {"height", part.height()},
+            {"channels", part.channels},
+            {"layers", colour_layers(part)}};
+}
+
+}  // namespace
+
+bool is_foreign(const std::string& input) {
+    return is_openexr(input) && !SampleFileReader::is_sample_file(input);
+}
+
+void refuse_foreign_options(const ForeignOptions& options) {
+    if (!options.given()) return;
+    fail(ExitCode::wrong_arguments,
+         "--layer, --depth-channel, --film-width, --film-distance, --z: not for a sample file, which knows "
+         "its camera "
+         "(expected an OpenEXR picture of another program)");
+}
+
+CommandResult foreign_image(const ImageOptions& options) {
+    const ForeignPicture picture =
+        read_foreign_picture(options.input, options.foreign.choice, options.foreign.camera);
+    const Image image = picture.flattened();
+    write_image(options.output, image);
+    CommandResult out;
+    add_warnings(picture, false, out.warnings);
+    out.json = {{"width", image.width},
+                {"height", image.height},
+                {"records", picture.samples.size()},
+                {"has_alpha", !image.alpha.empty()},
+                {"channels", channels_json(picture.channels)}};
+    out.text = fmt::format("{}: {}x{} px, flattened", options.output, image.width, image.height);
+    return out;
+}
+
+CommandResult focus_foreign(const FocusOptions& options) {
+    LensOptions lens = options.lens;
+    if (options.impulse.kind == ImpulseKind::lens) take_from_prescription(options.impulse, lens);
+    ForeignCameraChoice choice = options.foreign.camera;
+    // A real lens has a focal length of its own, which says nothing about how the picture was taken.
+    if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
+    choice.metres_per_unit = options.retrace.metres_per_unit;
+    const ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, choice);
+    const bool pinhole = options.method == FocusMethod::pinhole;
+    const double f_number = pinhole ? std::numeric_limits<double>::infinity()
+                                    : asked_or_named(lens.f_number, picture.camera.f_number, "--f-number");
+    const double focus_m = lens.focus_at ? picture.depth_at(lens.focus_at->first, lens.focus_at->second)
+                           : pinhole     ? lens.focus_m.value_or(1)
+                                         : asked_or_named(lens.focus_m, picture.camera.focus_m, "--focus");
+    const double focal_length_mm = lens.focal_length_mm.value_or(picture.camera.focal_length_mm);
+    const FocusResult result =
+        focus_foreign(picture, {.lens = {.focal_length_mm = focal_length_mm, .f_number = f_number},
+                                .focus_distance_m = focus_m,
+                                .framing = lens.framing,
+                                .method = options.method,
+                                .spacing = options.spacing,
+                                .depth_model = options.depth_model,
+                                .impulse = options.impulse,
+                                .depths = options.depths,
+                                .views = options.views});
+    write_image(options.output, result.image);
+    CommandResult out;
+    add_warnings(picture, true, out.warnings);
+    for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
+    if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
+    out.json = {{"method", method_name(result.method)},
+                {"views", nullptr},
+                {"depths", result.depths},
+                {"predicted_db", nullptr},
+                {"retraced_share", 0.0},
+                {"focus_m", json_number(focus_m)},
+                {"focal_length_mm", focal_length_mm},
+                {"f_number", json_number(f_number)},
+                {"impulse", impulse_text(options.impulse)},
+                {"largest_coc_px", json_number(result.largest_coc_px)},
+                {"film_width_mm", picture.camera.film_width_mm},
+                {"film_distance_mm", picture.camera.film_distance_mm},
+                {"metres_per_unit", picture.camera.metres_per_unit},
+                {"z", picture.camera.depth_along == DepthAlong::ray ? "ray" : "axial"},
+                {"samples", picture.samples.size()},
+                {"has_alpha", !result.image.alpha.empty()},
+                {"channels", channels_json(picture.channels)}};
+    out.text = fmt::format(
+        "{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} depths, widest CoC {:.1f} px",
+        options.output, result.image.width, result.image.height, method_name(result.method), focal_length_mm,
+        f_number, focus_m, result.depths, result.largest_coc_px);
+    return out;
+}
+
+CommandResult foreign_info(const std::string& input) {
+    const ForeignFile file(input);
+    const ForeignPart& first = file.parts()[0];
+    CommandResult out;
+    nlohmann::ordered_json parts = nlohmann::ordered_json::array();
+    for (const ForeignPart& part : file.parts()) parts.push_back(part_json(part));
+    out.json = {{"kind", "image"},
+                {"width", first.display.x_max - first.display.x_min + 1},
+                {"height", first.display.y_max - first.display.y_min + 1},
+                {"format", "openexr"},
+                {"channels", first.channels},
+                {"deep", first.deep},
+                {"parts", parts}};
+    out.text = fmt::format("{}: openexr image, {}x{} px, {} channels{}{}", input, first.width(),
+                           first.height(), first.channels.size(), first.deep ? ", deep" : "",
+                           file.parts().size() > 1 ? fmt::format(", {} parts", file.parts().size()) : "");
+    ForeignChannels channels;
+    try {
+        channels = find_foreign_channels(file, {});
+    } catch (const Error&) {
+        return out;  // a picture of numbers that are no colours is a picture too
+    }
+    const ForeignCamera camera = foreign_camera(file, channels.part, {});
+    out.json["colour"] = channels_json(channels);
+    out.json["focal_length_mm"] = camera.focal_length_mm;
+    out.json["film_distance_mm"] = camera.film_distance_mm;
+    out.json["film_width_mm"] = camera.film_width_mm;
+    out.json["assumed"] = camera.assumed;
+    out.text +=
+        fmt::format("\ncolour {}, {}, {}, alpha {}, depth {}\nfilm {:.5g} mm wide, {:.5g} mm away",
+                    channels.r, channels.g, channels.b, channels.a.empty() ? "none" : channels.a,
+                    channels.z.empty() ? "none" : channels.z, camera.film_width_mm, camera.film_distance_mm);
+    for (const std::string& text : camera.assumed) out.text += "\n" + text;
+    return out;
+}
+
+}  // namespace postlens

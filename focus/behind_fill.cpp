@@ -1,0 +1,238 @@
+#include "focus/behind_fill.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/memory.h"
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+/// What is left below this is nothing: sums of rounded alphas.
+constexpr double opaque_within = 1e-3;
+/// Of signed radius, px: less is one surface, or moves along.
+constexpr float least_step_px = 1;
+/// No farther is searched, px.
+constexpr float farthest_px = 512;
+
+/// Radii are looked up many times: of the last sample of each stack, or of nothing behind it.
+class Search {
+  public:
+    Search(const ForeignPicture& picture, const FocusGeometry& geometry)
+        : p_(picture),
+          geometry_(geometry),
+          width_(picture.x_end - picture.x_begin),
+          height_(picture.y_end - picture.y_begin),
+          nothing_px_(std::numeric_limits<float>::infinity()),
+          last_px_(pixels()),
+          opaque_(pixels()) {
+        parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
+            for (std::size_t i = y * static_cast<std::size_t>(width_);
+                 i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
+                double left = 1;
+                float last = nothing_px_;
+                for (std::uint64_t k = p_.offsets[i]; k < p_.offsets[i + 1] && left > opaque_within; ++k) {
+                    left *= 1 - static_cast<double>(p_.samples[k].alpha);
+                    last = radius_px(p_.samples[k].inverse_z);
+                }
+                opaque_[i] = left <= opaque_within ? 1 : 0;
+                last_px_[i] = opaque_[i] != 0 ? last : nothing_px_;
+            }
+        });
+        for (const float r : last_px_) {
+            if (std::isfinite(r)) widest_px_ = std::max(widest_px_, std::abs(r));
+        }
+    }
+
+    [[nodiscard]] std::size_t pixels() const {
+        return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+    }
+    [[nodiscard]] int width() const { return width_; }
+    [[nodiscard]] int height() const { return height_; }
+
+    [[nodiscard]] Behind behind(int x, int y) const {
+        const std::size_t here = index(x, y);
+        if (opaque_[here] == 0) return {};
+        std::array<Find, directions.size()> finds{};
+        std::size_t count = 0;
+        for (const Direction& d : directions) {
+            if (const Find f = look(x, y, d, last_px_[here]); f.distance_px > 0) finds[count++] = f;
+        }
+        if (count == 0) return {};
+        const Find* nearest =
+            std::min_element(finds.data(), finds.data() + count,
+                             [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
+        std::array<double, 5> sum{};
+        for (std::size_t i = 0; i < count; ++i) {
+            if (std::abs(finds[i].radius_px - nearest->radius_px) >= least_step_px) continue;
+            const double weight =
+                1 / (static_cast<double>(finds[i].distance_px) * static_cast<double>(finds[i].distance_px));
+            const std::array<double, 4> colour = flattened(finds[i]);
+            for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * colour[c];
+            sum[4] += weight;
+        }
+        Behind out;
+        out.known = true;
+        out.inverse_z =
+            nearest->first != p_.offsets[nearest->pixel + 1] ? p_.samples[nearest->first].inverse_z : 0;
+        out.r = static_cast<float>(sum[0] / sum[4]);
+        out.g = static_cast<float>(sum[1] / sum[4]);
+        out.b = static_cast<float>(sum[2] / sum[4]);
+        out.alpha = static_cast<float>(sum[3] / sum[4]);
+        return out;
+    }
+
+  private:
+    struct Direction {
+        int dx, dy;
+    };
+    static constexpr std::array<Direction, 8> directions{
+        {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
+    struct Find {
+        float distance_px = 0;  ///< 0: none
+        float radius_px = 0;
+        std::size_t pixel = 0;
+        std::uint64_t first = 0;  ///< of its samples, the first that is far enough; the stack's end: nothing
+    };
+
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
+    [[nodiscard]] float radius_px(float inverse_z) const {
+        return static_cast<float>(geometry_.coc_diameter_px(static_cast<double>(inverse_z)) / 2);
+    }
+
+    [[nodiscard]] Find look(int x, int y, const Direction& d, float own_px) const {
+        const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
+        const float limit_px = std::min(farthest_px, std::abs(own_px) + widest_px_ + 1);
+        float before_px = own_px;
+        for (int s = 1; static_cast<float>(s) * step_px <= limit_px; ++s) {
+            x += d.dx;
+            y += d.dy;
+            if (x < 0 || x >= width_ || y < 0 || y >= height_) return {};
+            const std::size_t at = index(x, y);
+            const float last_px = last_px_[at];
+            const bool begins = last_px - before_px >= least_step_px && last_px - own_px >= least_step_px;
+            before_px = last_px;
+            if (!begins) continue;
+            const float distance_px = static_cast<float>(s) * step_px;
+            // Nothing is spread by no circle.
+            const float other_px = std::isfinite(last_px) ? std::abs(last_px) : 0;
+            if (distance_px > std::abs(own_px) + other_px + 1) continue;
+            std::uint64_t k = p_.offsets[at];
+            while (k < p_.offsets[at + 1] && radius_px(p_.samples[k].inverse_z) - own_px < least_step_px) ++k;
+            const float found_px = k < p_.offsets[at + 1] ? radius_px(p_.samples[k].inverse_z) : nothing_px_;
+            return {distance_px, found_px, at, k};
+        }
+        return {};
+    }
+
+    [[nodiscard]] std::array<double, 4> flattened(const Find& f) const {
+        std::array<double, 4> out{};
+        double left = 1;
+        for (std::uint64_t k = f.first; k < p_.offsets[f.pixel + 1]; ++k) {
+            const StackSample& s = p_.samples[k];
+            out[0] += left * static_cast<double>(s.r);
+            out[1] += left * static_cast<double>(s.g);
+            out[2] += left * static_cast<double>(s.b);
+            left *= 1 - static_cast<double>(s.alpha);
+        }
+        out[3] = 1 - left;
+        return out;
+    }
+
+    const ForeignPicture& p_;
+    const FocusGeometry& geometry_;
+    int width_, height_;
+    float nothing_px_;
+    std::vector<float> last_px_;
+    std::vector<std::uint8_t> opaque_;
+    float widest_px_ = 0;
+};
+
+}  // namespace
+
+std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry) {
+    const Search search(picture, geometry);
+    require_memory(search.pixels() * sizeof(Behind), "what is hidden in the picture");
+    std::vector<Behind> out(search.pixels());
+    parallel_for(static_cast<std::size_t>(search.height()), [&](std::size_t y) {
+        for (int x = 0; x < search.width(); ++x)
+            out[y * static_cast<std::size_t>(search.width()) + static_cast<std::size_t>(x)] =
+                search.behind(x, static_cast<int>(y));
+    });
+    return out;
+}
+
+namespace {
+
+/// Spreads the value of what is nearer: two passes over a raster, eight neighbours.
+class Nearest {
+  public:
+    Nearest(int width, int height)
+        : width_(width),
+          height_(height),
+          distance_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                    std::numeric_limits<float>::infinity()),
+          value_(distance_.size(), 0.0F) {}
+
+    void set(int x, int y, float value) {
+        distance_[index(x, y)] = 0;
+        value_[index(x, y)] = value;
+    }
+    std::vector<float> spread() && {
+        for (int y = 0; y < height_; ++y) {
+            for (int x = 0; x < width_; ++x) {
+                take(x, y, -1, 0);
+                for (int dx = -1; dx <= 1; ++dx) take(x, y, dx, -1);
+            }
+            for (int x = width_; x-- > 0;) take(x, y, 1, 0);
+        }
+        for (int y = height_; y-- > 0;) {
+            for (int x = width_; x-- > 0;) {
+                take(x, y, 1, 0);
+                for (int dx = -1; dx <= 1; ++dx) take(x, y, dx, 1);
+            }
+            for (int x = 0; x < width_; ++x) take(x, y, -1, 0);
+        }
+        return std::move(value_);
+    }
+
+  private:
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
+    void take(int x, int y, int dx, int dy) {
+        const int u = x + dx, v = y + dy;
+        if (u < 0 || u >= width_ || v < 0 || v >= height_) return;
+        const float distance = distance_[index(u, v)] + (dx != 0 && dy != 0 ? 1.41421356F : 1);
+        if (distance >= distance_[index(x, y)]) return;
+        distance_[index(x, y)] = distance;
+        value_[index(x, y)] = value_[index(u, v)];
+    }
+
+    int width_, height_;
+    std::vector<float> distance_, value_;
+};
+
+}  // namespace
+
+std::vector<float> depth_around_nothing(const ForeignPicture& picture, const RasterWindow& window) {
+    require_memory(
+        static_cast<std::uint64_t>(window.width()) * static_cast<std::uint64_t>(window.height()) * 8,
+        "the depths around what is nothing");
+    Nearest nearest(window.width(), window.height());
+    for (int y = std::max(window.y_begin, picture.y_begin); y < std::min(window.y_end, picture.y_end); ++y) {
+        for (int x = std::max(window.x_begin, picture.x_begin); x < std::min(window.x_end, picture.x_end);
+             ++x) {
+            const auto stack = picture.stack(x, y);
+            if (!stack.empty()) nearest.set(x - window.x_begin, y - window.y_begin, stack.back().inverse_z);
+        }
+    }
+    return std::move(nearest).spread();
+}
+
+}  // namespace postlens

@@ -1,0 +1,35 @@
+// Guesses: what stands behind the edges of a picture that only has what is in front, and how nothing is
+// blurred.
+#pragma once
+
+#include <vector>
+
+#include "focus/node_response.h"
+#include "lens/focus_geometry.h"
+#include "records/foreign_picture.h"
+
+namespace postlens {
+
+/// A guess of what an opaque pixel hides; `known` is false where nothing farther is near enough to come to
+/// light.
+struct Behind {
+    float inverse_z = 0;
+    float r = 0, g = 0, b = 0;  ///< premultiplied
+    float alpha = 0;            ///< the rest is nothing
+    bool known = false;
+};
+
+/// For each pixel stored, row by row. From an opaque pixel the picture is searched in eight directions, as
+/// far as the circles of both reach, for where something farther begins: a step of a pixel or more of signed
+/// radius. The nearest find gives the depth; finds of the same depth (within a pixel of radius) are averaged
+/// by one over their squared distances. Nothing counts as farther than all, and spreads by no circle. The
+/// same for any number of threads.
+[[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry);
+
+/// For each pixel of a window, row by row: one over the depth of the last sample of its own stack, else of
+/// the nearest stack that has any, 1/m; 0 without any. By the circle of these depths nothing is spread by
+/// methods without visibility: so an edge before nothing is that of its own circle.
+[[nodiscard]] std::vector<float> depth_around_nothing(const ForeignPicture& picture,
+                                                      const RasterWindow& window);
+
+}  // namespace postlens

@@ -1,0 +1,262 @@
+#include "focus/foreign_focus.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <type_traits>
+
+#include "core/error.h"
+#include "core/threads.h"
+#include "focus/behind_fill.h"
+#include "focus/layers.h"
+#include "focus/lens_model.h"
+#include "focus/overscan.h"
+#include "focus/reframe.h"
+#include "focus/scatter.h"
+#include "focus/stack_lights.h"
+#include "lens/prescription/read_prescription.h"
+
+namespace postlens {
+namespace {
+
+/// Rows that one task turns into light.
+constexpr std::size_t rows_per_task = 4;
+
+DepthRange depth_range(const ForeignPicture& picture) {
+    float nearest = 0, farthest = std::numeric_limits<float>::infinity();  // as inverses
+    for (const StackSample& s : picture.samples) {
+        if (s.inverse_z == 0) continue;
+        nearest = std::max(nearest, s.inverse_z);
+        farthest = std::min(farthest, s.inverse_z);
+    }
+    DepthRange out;
+    if (nearest > 0) {
+        out.nearest_m = 1 / static_cast<double>(nearest);
+        out.farthest_m = 1 / static_cast<double>(farthest);
+    }
+    return out;
+}
+
+/// Corners of all pixels that are known of: stored ones, and those of the raster, where nothing is.
+RasterWindow known_corners(const ForeignPicture& p) {
+    return {std::min(0, p.x_begin), std::max(p.width, p.x_end) + 1, std::min(0, p.y_begin),
+            std::max(p.height, p.y_end) + 1};
+}
+
+struct Frame {
+    RasterWindow window;
+    double zoom = 1;
+};
+
+Frame framed(const ForeignPicture& p, Framing framing, const FocusGeometry& geometry) {
+    if (framing == Framing::keep) return {{0, p.width, 0, p.height}, 1};
+    const Frame out{window_for_zoom(p.width, p.height, geometry.zoom), geometry.zoom};
+    const RasterWindow known = known_corners(p);
+    const RasterWindow& w = out.window;
+    if (w.x_begin < known.x_begin || w.y_begin < known.y_begin || w.x_end > known.x_end - 1 ||
+        w.y_end > known.y_end - 1) {
+        fail(ExitCode::wrong_arguments,
+             "the picture's field of view is too narrow for this framing (got a film at {:.6g} mm; expected "
+             "{:.6g} "
+             "mm or more, or the framing kept)",
+             geometry.zoom * p.camera.film_distance_mm, p.camera.film_distance_mm);
+    }
+    return out;
+}
+
+/// One way of focusing one picture: everything but which values are spread.
+class Spread {
+  public:
+    Spread(const ForeignPicture& picture, const FocusSettings& settings, const FocusGeometry& geometry,
+           const LensView* view, const RasterWindow& window)
+        : picture_(picture),
+          method_(settings.method),
+          geometry_(geometry),
+          window_(window),
+          corners_(known_corners(picture)),
+          levels_(geometry, depth_range(picture), settings.spacing, settings.depths) {
+        const double half_diagonal_px = std::hypot(corners_.width(), corners_.height()) / 2.0;
+        const auto nearest = depth_range(picture).nearest_m;
+        response_ = view != nullptr
+                        ? lens_model(*view, geometry, half_diagonal_px,
+                                     1 / nearest.value_or(std::numeric_limits<double>::infinity()))
+                        : std::shared_ptr<const ResponseModel>(response_model(
+                              settings.impulse, geometry, std::hypot(window.width(), window.height()) / 2.0));
+        if (method_ == FocusMethod::layers) {
+            behind_ = behind_fill(picture, geometry);
+        } else {
+            around_nothing_ = depth_around_nothing(
+                picture, {corners_.x_begin, corners_.x_end - 1, corners_.y_begin, corners_.y_end - 1});
+        }
+        known_behind_ = static_cast<std::size_t>(
+            std::count_if(behind_.begin(), behind_.end(), [](const Behind& b) { return b.known; }));
+    }
+
+    [[nodiscard]] FocusResult picture() {
+        FocusResult out;
+        out.method = method_;
+        spread(StackValue::colour, out.image, &out);
+        if (see_through()) {
+            Image alpha;
+            spread(StackValue::alpha, alpha, nullptr);
+            out.image.alpha.resize(alpha.rgb.size() / 3);
+            for (std::size_t i = 0; i < out.image.alpha.size(); ++i)
+                out.image.alpha[i] = std::clamp(alpha.rgb[3 * i + 1], 0.0F, 1.0F);
+        }
+        if (known_behind_ > 0) {
+            const double share = static_cast<double>(known_behind_) / static_cast<double>(behind_.size());
+            out.warnings.push_back(
+                {"uncovered", share,
+                 fmt::format(
+                     "what stands behind {:.2g} % of the pixels may come to light and is not in the picture: "
+                     "filled in from around",
+                     100 * share)});
+        }
+        return out;
+    }
+
+  private:
+    /// Whether there is anything but opaque pixels.
+    [[nodiscard]] bool see_through() const {
+        const Image flat = picture_.flattened();
+        if (!flat.alpha.empty()) return true;
+        return std::any_of(behind_.begin(), behind_.end(),
+                           [](const Behind& b) { return b.known && b.alpha < 1; });
+    }
+
+    template <typename Splats>
+    void take_in(Splats& splats, StackValue value) const {
+        const auto rows = static_cast<std::size_t>(corners_.height() - 1);
+        parallel_for((rows + rows_per_task - 1) / rows_per_task, [&](std::size_t task) {
+            StackLights lights(geometry_);
+            std::vector<PixelLight> row;
+            const std::size_t end = std::min(rows, (task + 1) * rows_per_task);
+            for (std::size_t i = task * rows_per_task; i < end; ++i) {
+                const int y = corners_.y_begin + static_cast<int>(i);
+                row.clear();
+                for (int x = corners_.x_begin; x < corners_.x_end - 1; ++x) {
+                    const bool stored = picture_.stores(x, y);
+                    lights.add(x, stored ? picture_.stack(x, y) : std::span<const StackSample>(),
+                               stored && !behind_.empty() ? &behind_at(x, y) : nullptr, nothing_spread(x, y),
+                               value, row);
+                }
+                splats.add_pixels(y, row);
+            }
+        });
+        splats.finish();
+    }
+
+    [[nodiscard]] const Behind& behind_at(int x, int y) const {
+        return behind_[static_cast<std::size_t>(y - picture_.y_begin) *
+                           static_cast<std::size_t>(picture_.x_end - picture_.x_begin) +
+                       static_cast<std::size_t>(x - picture_.x_begin)];
+    }
+
+    /// `layers` lays nothing behind all else as it is; `scatter` only averages.
+    [[nodiscard]] double nothing_spread(int x, int y) const {
+        if (around_nothing_.empty()) return geometry_.inverse_focus_per_m;
+        const std::size_t i =
+            static_cast<std::size_t>(y - corners_.y_begin) * static_cast<std::size_t>(corners_.width() - 1) +
+            static_cast<std::size_t>(x - corners_.x_begin);
+        return static_cast<double>(around_nothing_[i]);
+    }
+
+    void spread(StackValue value, Image& image, FocusResult* report) const {
+        const auto finish = [&](auto&& splats, const auto& method) {
+            if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) splats.take_pixels();
+            take_in(splats, value);
+            method(splats, image);
+            if (report == nullptr) return;
+            report->depths = levels_.depths().value_or(splats.levels_used());
+            report->largest_coc_px = splats.largest_coc_px();
+            if (auto warning = overscan_warning(splats.border(), corners_, window_))
+                report->warnings.push_back(*std::move(warning));
+        };
+        // What mirrors and glass show has no depth of its own here, so the depth model does not count.
+        if (method_ == FocusMethod::layers) {
+            finish(LayerSplats(corners_, window_, geometry_, levels_, DepthModel::path, response_), layers);
+        } else {
+            finish(SplatTables(corners_, window_, geometry_, levels_, DepthModel::path, response_), scatter);
+        }
+    }
+
+    const ForeignPicture& picture_;
+    FocusMethod method_;
+    FocusGeometry geometry_;
+    RasterWindow window_, corners_;
+    DepthLevels levels_;
+    std::shared_ptr<const ResponseModel> response_;
+    std::vector<Behind> behind_;
+    std::vector<float> around_nothing_;  ///< of scatter
+    std::size_t known_behind_ = 0;
+};
+
+/// The part of a picture that a window of its raster shows.
+Image cut(const ForeignPicture& p, const RasterWindow& window) {
+    ForeignPicture moved = p;
+    moved.x_begin -= window.x_begin;
+    moved.x_end -= window.x_begin;
+    moved.y_begin -= window.y_begin;
+    moved.y_end -= window.y_begin;
+    moved.width = window.width();
+    moved.height = window.height();
+    return moved.flattened();
+}
+
+void reframe_all(Image& image, const RasterWindow& window, const ForeignPicture& p, double zoom) {
+    Image alpha;
+    if (!image.alpha.empty()) {
+        alpha = Image(image.width, image.height);
+        for (std::size_t i = 0; i < alpha.rgb.size(); ++i) alpha.rgb[i] = image.alpha[i / 3];
+        alpha = reframe(alpha, window, p.width, p.height, zoom);
+    }
+    image = reframe(image, window, p.width, p.height, zoom);
+    image.alpha.resize(alpha.rgb.size() / 3);
+    for (std::size_t i = 0; i < image.alpha.size(); ++i) image.alpha[i] = alpha.rgb[3 * i];
+}
+
+}  // namespace
+
+FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& settings) {
+    const bool pinhole = settings.method == FocusMethod::pinhole || std::isinf(settings.lens.f_number);
+    if (!pinhole && settings.method != FocusMethod::scatter && settings.method != FocusMethod::layers) {
+        fail(ExitCode::wrong_arguments,
+             "--method: this one needs a sample file (got a picture of another program; expected pinhole, "
+             "scatter or "
+             "layers)");
+    }
+    const Film film{picture.camera.film_distance_mm, picture.pixel_pitch_mm()};
+    std::optional<LensView> view;
+    if (!pinhole && settings.impulse.kind == ImpulseKind::lens) {
+        check_impulse(settings.impulse);
+        const RasterWindow corners = known_corners(picture);
+        view.emplace(read_prescription(settings.impulse.file),
+                     LensViewSettings{.focus_distance_m = settings.focus_distance_m,
+                                      .f_number = settings.lens.f_number,
+                                      .framing = settings.framing,
+                                      .film = film,
+                                      .half_diagonal_px = std::hypot(picture.width, picture.height) / 2.0,
+                                      .widest_tangent = std::hypot(corners.width(), corners.height()) / 2 *
+                                                        film.pixel_pitch_mm / film.distance_mm});
+    }
+    FocusGeometry geometry =
+        view ? view->geometry()
+             : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
+    const Frame frame = framed(picture, settings.framing, geometry);
+    // Blur and magnification commute: everything is blurred in the picture's own pixels.
+    geometry.gain_px /= geometry.zoom;
+    geometry.zoom = 1;
+    FocusResult out;
+    if (pinhole) {
+        out.method = FocusMethod::pinhole;
+        out.image = cut(picture, frame.window);
+    } else {
+        out = Spread(picture, settings, geometry, view ? &*view : nullptr, frame.window).picture();
+        out.largest_coc_px *= frame.zoom;
+    }
+    if (frame.zoom != 1) reframe_all(out.image, frame.window, picture, frame.zoom);
+    return out;
+}
+
+}  // namespace postlens

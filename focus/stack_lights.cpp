@@ -1,0 +1,110 @@
+#include "focus/stack_lights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "focus/visibility.h"
+
+namespace postlens {
+namespace {
+
+/// What shines without covering anything needs a weight to be carried by.
+constexpr double least_alpha = 1e-4;
+/// Shares of a pixel below this are rounding.
+constexpr double least_share = 1e-6;
+
+}  // namespace
+
+std::uint32_t StackLights::surface_of(double signed_radius_px) {
+    constexpr double even_to_px = 16;
+    const double size = std::abs(signed_radius_px);
+    const double steps = size <= even_to_px
+                             ? std::floor(size + 0.5)
+                             : even_to_px + std::floor(even_to_px * std::log(size / even_to_px));
+    constexpr double middle = 1 << 20;
+    return static_cast<std::uint32_t>(middle + std::copysign(std::min(steps, middle / 2), signed_radius_px));
+}
+
+void StackLights::add_surface(std::uint32_t surface, double inverse_depth, const std::array<double, 3>& rgb,
+                              double alpha, bool behind_all) {
+    auto sum = std::find_if(sums_.begin(), sums_.end(), [&](const Sum& s) { return s.surface == surface; });
+    if (sum == sums_.end()) {
+        sums_.emplace_back().surface = surface;
+        sum = sums_.end() - 1;
+    }
+    const double radius_px = geometry_.coc_diameter_px(inverse_depth) / 2;
+    const double seen = behind_all ? 0 : left_, hidden = 1 - seen;
+    // What stays hidden, since what hides it moves along over the lens. Behind something translucent a part
+    // is seen as well, of which `composite` lets through more, by the same measure.
+    const bool opaque = behind_all || left_ <= least_share;
+    double covered = 0, covering = 0;
+    for (const Met& m : met_) {
+        const double apart = m.surface == surface ? 0
+                             : opaque             ? std::min(1.0, std::abs(radius_px - m.radius_px))
+                                                  : independence(radius_px, m.radius_px);
+        covered += m.seen * (1 - apart);
+        covering += m.seen;
+    }
+    if (covering > 0) covered *= hidden / covering;
+    for (std::size_t c = 0; c < 3; ++c) {
+        sum->seen[c] += seen * rgb[c];
+        sum->hidden[c] += hidden * rgb[c];
+    }
+    sum->seen_weight += seen * alpha;
+    sum->hidden_weight += hidden * alpha;
+    sum->covered += covered * alpha;
+    sum->seen_depth += seen * alpha * inverse_depth;
+    sum->hidden_depth += hidden * alpha * inverse_depth;
+    if (behind_all) return;
+    met_.push_back({surface, radius_px, left_ * alpha});
+    left_ *= 1 - alpha;
+}
+
+void StackLights::add(int x, std::span<const StackSample> stack, const Behind* behind, double nothing_spread,
+                      StackValue value, std::vector<PixelLight>& out) {
+    left_ = 1;
+    met_.clear();
+    sums_.clear();
+    const auto rgb_of = [&](const auto& s, double alpha) {
+        return value == StackValue::alpha
+                   ? std::array{alpha, alpha, alpha}
+                   : std::array{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b)};
+    };
+    for (const StackSample& s : stack) {
+        const double alpha = std::max(static_cast<double>(s.alpha), least_alpha);
+        const auto inverse_depth = static_cast<double>(s.inverse_z);
+        add_surface(surface_of(geometry_.coc_diameter_px(inverse_depth) / 2), inverse_depth,
+                    rgb_of(s, static_cast<double>(s.alpha)), alpha, false);
+    }
+    if (left_ > least_share) {
+        add_surface(nothing, 0, {}, 1, false);
+    } else if (behind != nullptr && behind->known) {
+        const auto inverse_depth = static_cast<double>(behind->inverse_z);
+        const auto alpha = static_cast<double>(behind->alpha);
+        if (alpha > least_share)
+            add_surface(surface_of(geometry_.coc_diameter_px(inverse_depth) / 2), inverse_depth,
+                        rgb_of(*behind, alpha), alpha, true);
+        if (alpha < 1 - least_share) add_surface(nothing, 0, {}, 1 - alpha, true);
+    }
+    for (const Sum& s : sums_) {
+        const auto store = [&](const std::array<double, 3>& rgb, double weight, double depth, double covered,
+                               bool hidden) {
+            if (!(weight > least_share * least_alpha)) return;
+            out.push_back(
+                {x,
+                 depth / weight,
+                 s.surface == nothing ? nothing_spread : depth / weight,
+                 {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])},
+                 static_cast<float>(weight),
+                 static_cast<float>(covered),
+                 s.surface,
+                 hidden});
+        };
+        store(s.seen, s.seen_weight, s.seen_depth, 0, false);
+        // Nothing of what moves along comes to light.
+        if (s.covered < s.hidden_weight * (1 - least_share))
+            store(s.hidden, s.hidden_weight, s.hidden_depth, s.covered, true);
+    }
+}
+
+}  // namespace postlens

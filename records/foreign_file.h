@@ -1,0 +1,81 @@
+// An OpenEXR file of another program, flat or deep, opened with every size checked before memory is taken.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "records/exr_input.h"
+
+namespace postlens {
+
+/// What one part of the file says of itself.
+struct ForeignPart {
+    std::string name, view;          ///< empty where the part has none
+    std::vector<std::string> views;  ///< `multiView`, the hero first; empty where the part has none
+    Window data, display;            ///< inclusive corners; both hold at least one pixel
+    bool deep = false, tiled = false;
+    std::vector<std::string> channels;  ///< in file order
+
+    [[nodiscard]] int width() const { return data.x_max - data.x_min + 1; }
+    [[nodiscard]] int height() const { return data.y_max - data.y_min + 1; }
+    [[nodiscard]] bool has(const std::string& channel) const;
+};
+
+/// A band of rows of a deep part.
+struct DeepRows {
+    int y_begin = 0, y_end = 0;            ///< file coordinates
+    std::span<const std::uint32_t> count;  ///< samples of each pixel, row by row
+    /// By channel, pixel by pixel, sample by sample: as many numbers as the counts add up to. Of channels of
+    /// whole numbers, their bits; see `bits`.
+    std::vector<std::span<const float>> values;
+};
+
+/// Throws Error(invalid_input), one line that names the file, for whatever is no whole OpenEXR file: windows
+/// beyond 65536 px an edge or 2^29 px, chunks beyond 256 MB, sizes that the file cannot hold, damaged data;
+/// Error(out_of_memory) before memory is taken.
+class ForeignFile {
+  public:
+    explicit ForeignFile(const std::filesystem::path& path);
+    ~ForeignFile();
+    ForeignFile(const ForeignFile&) = delete;
+    ForeignFile& operator=(const ForeignFile&) = delete;
+    ForeignFile(ForeignFile&&) = delete;
+    ForeignFile& operator=(ForeignFile&&) = delete;
+
+    [[nodiscard]] const std::string& name() const { return name_; }
+    [[nodiscard]] std::span<const ForeignPart> parts() const { return parts_; }
+
+    /// Attributes of a part; absent where it has none of that name and type.
+    [[nodiscard]] std::optional<double> number(std::size_t part, const char* name) const;
+    [[nodiscard]] std::optional<std::array<double, 2>> pair(std::size_t part, const char* name) const;
+    [[nodiscard]] std::optional<Matrix44> matrix(std::size_t part, const char* name) const;
+    [[nodiscard]] std::optional<std::string> text(std::size_t part, const char* name) const;
+
+    /// The rows of a flat part from the top down, a band at a time: `take(y, values)` gets one row, channel
+    /// by channel, each of the part's width. Channels of whole numbers come as the bits of floats.
+    void read_flat(std::size_t part, std::span<const std::string> channels,
+                   const std::function<void(int y, std::span<const float* const> values)>& take) const;
+    /// The same of a deep part.
+    void read_deep(std::size_t part, std::span<const std::string> channels,
+                   const std::function<void(const DeepRows&)>& take) const;
+    /// Whether a channel holds whole numbers.
+    [[nodiscard]] bool is_whole(std::size_t part, const std::string& channel) const;
+
+  private:
+    struct Impl;
+    std::string name_;
+    std::vector<ForeignPart> parts_;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// An OpenEXR file, whatever is in it.
+[[nodiscard]] bool is_openexr(const std::filesystem::path& path);
+
+}  // namespace postlens

@@ -1,0 +1,386 @@
+#include "records/foreign_picture.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "core/memory.h"
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+constexpr float nothing_z = 1e9F;  ///< renderers write 1e9, 1e10 or infinity where a ray hits nothing
+/// A volume is cut into slices that reach so much farther than they begin, and into no more than so many.
+constexpr double slice_ratio = 1.02;
+constexpr int most_slices = 32;
+
+/// Names of channels that are read, each once, and which of them is what.
+class Wanted {
+  public:
+    /// Number of a channel among those that are read; absent for one without a name.
+    std::optional<std::size_t> add(const std::string& name) {
+        if (name.empty()) return std::nullopt;
+        const auto found = std::find(names.begin(), names.end(), name);
+        if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+        names.push_back(name);
+        return names.size() - 1;
+    }
+    std::vector<std::string> names;
+};
+
+/// Takes numbers as they stand in the file and makes stacks of them.
+class Reader {
+  public:
+    Reader(const std::filesystem::path& path, const ForeignChoice& choice, const ForeignCameraChoice& camera)
+        : file_(path) {
+        out_.channels = find_foreign_channels(file_, choice);
+        part_ = &file_.parts()[out_.channels.part];
+        out_.deep = part_->deep;
+        out_.width = part_->display.x_max - part_->display.x_min + 1;
+        out_.height = part_->display.y_max - part_->display.y_min + 1;
+        out_.x_begin = part_->data.x_min - part_->display.x_min;
+        out_.y_begin = part_->data.y_min - part_->display.y_min;
+        out_.x_end = out_.x_begin + part_->width();
+        out_.y_end = out_.y_begin + part_->height();
+        // Pixels that are shown and those that are stored lie in one raster.
+        const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
+                                                        std::min(0, out_.x_begin)),
+                   rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
+                                                     std::min(0, out_.y_begin));
+        constexpr std::uint64_t unquestioned = std::uint64_t{1} << 25U;
+        const std::uint64_t windows =
+            2 * (static_cast<std::uint64_t>(out_.width) * static_cast<std::uint64_t>(out_.height) + pixels());
+        if (columns * rows > std::max(unquestioned, windows)) {
+            fail(ExitCode::invalid_input,
+                 "{}: windows are out of bounds (got {}x{} px around dataWindow and displayWindow; expected "
+                 "them close "
+                 "to each other)",
+                 file_.name(), columns, rows);
+        }
+        out_.camera = foreign_camera(file_, out_.channels.part, camera);
+        const ForeignChannels& c = out_.channels;
+        r_ = wanted_.add(c.r);
+        g_ = wanted_.add(c.g);
+        b_ = wanted_.add(c.b);
+        a_ = wanted_.add(c.a);
+        if (c.depth_part == c.part) z_ = wanted_.add(c.z);
+        z_back_ = wanted_.add(c.z_back);
+        id_ = wanted_.add(c.id);
+        const auto aspect = file_.number(c.part, "pixelAspectRatio");
+        if (aspect && std::abs(*aspect - 1) > 1e-4) {
+            out_.repairs.push_back(
+                {"assumed",
+                 fmt::format("pixels are {:g} times as wide as tall in the file: taken as square", *aspect),
+                 0});
+        }
+    }
+
+    ForeignPicture read() {
+        if (part_->deep) {
+            read_deep();
+        } else {
+            read_flat();
+        }
+        finish_depths();
+        mend_colours();
+        report();
+        return std::move(out_);
+    }
+
+  private:
+    [[nodiscard]] std::size_t pixels() const {
+        return static_cast<std::size_t>(part_->width()) * static_cast<std::size_t>(part_->height());
+    }
+    void make_room(std::size_t more) {
+        if (out_.samples.capacity() - out_.samples.size() >= more) return;
+        const std::size_t next = std::max(out_.samples.size() + more, out_.samples.capacity() * 3 / 2);
+        require_memory(next * sizeof(StackSample), "the picture's samples");
+        out_.samples.reserve(next);
+    }
+
+    /// Depths of another part, of the pixels of the colours' part; infinity where that one has none.
+    std::vector<float> depths_of_another_part() const {
+        const ForeignChannels& c = out_.channels;
+        const ForeignPart& from = file_.parts()[c.depth_part];
+        require_memory(pixels() * sizeof(float), "the depths");
+        std::vector<float> plane(pixels(), std::numeric_limits<float>::infinity());
+        const int x_begin = std::max(from.data.x_min, part_->data.x_min),
+                  x_last = std::min(from.data.x_max, part_->data.x_max);
+        file_.read_flat(c.depth_part, std::span(&c.z, 1), [&](int y, std::span<const float* const> values) {
+            if (y < part_->data.y_min || y > part_->data.y_max || x_begin > x_last) return;
+            std::copy(values[0] + (x_begin - from.data.x_min), values[0] + (x_last + 1 - from.data.x_min),
+                      plane.begin() + (std::ptrdiff_t{y - part_->data.y_min} * part_->width() +
+                                       (x_begin - part_->data.x_min)));
+        });
+        return plane;
+    }
+
+    std::uint32_t id_of(float value) const {
+        // Hashes of names and whole numbers alike tell surfaces apart by their bits.
+        return std::bit_cast<std::uint32_t>(value);
+    }
+
+    /// One over a depth as the file has it, its sign kept.
+    float inverse(float z, int x, int y) {
+        if (!(std::abs(z) < nothing_z) || z == 0) return 0;  // NaN as well
+        if (z < 0) {
+            if (negative_ == 0) first_negative_ = {x, y, z};
+            ++negative_;
+        } else {
+            ++positive_;
+        }
+        return 1 / z;
+    }
+
+    void add(const StackSample& s) {
+        // What neither shines nor covers has nothing to say. NaN is looked at later.
+        if (s.alpha == 0 && s.r == 0 && s.g == 0 && s.b == 0) return;
+        out_.samples.push_back(s);
+    }
+
+    float checked_alpha(float a) {
+        if (a >= 0 && a <= 1) return a;
+        // Sums of rounded numbers.
+        constexpr float rounding = 2e-3F;
+        if (!(a >= -rounding && a <= 1 + rounding)) ++bad_alphas_;
+        return std::isnan(a) ? 1 : std::clamp(a, 0.0F, 1.0F);
+    }
+
+    void read_flat() {
+        const bool apart = out_.channels.depth_part != out_.channels.part && !out_.channels.z.empty();
+        std::vector<float> plane;
+        if (apart) plane = depths_of_another_part();
+        if (out_.channels.z.empty()) {
+            out_.repairs.push_back(
+                {"assumed", "no depth is in the file: all is taken to be infinitely far (--depth-channel)",
+                 1});
+        }
+        const auto width = static_cast<std::size_t>(part_->width());
+        file_.read_flat(out_.channels.part, wanted_.names, [&](int y, std::span<const float* const> values) {
+            make_room(width);
+            const std::size_t row = static_cast<std::size_t>(y - part_->data.y_min) * width;
+            for (std::size_t x = 0; x < width; ++x) {
+                const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
+                    return channel ? values[*channel][x] : otherwise;
+                };
+                const float z = apart ? plane[row + x] : value(z_, std::numeric_limits<float>::infinity());
+                add({inverse(z, part_->data.x_min + static_cast<int>(x), y), value(r_, 0), value(g_, 0),
+                     value(b_, 0), checked_alpha(value(a_, 1)), id_of(value(id_, 0))});
+                out_.offsets.push_back(out_.samples.size());
+            }
+        });
+    }
+
+    void read_deep() {
+        const auto width = static_cast<std::size_t>(part_->width());
+        file_.read_deep(out_.channels.part, wanted_.names, [&](const DeepRows& rows) {
+            std::size_t at = 0;
+            for (std::size_t i = 0; i < rows.count.size(); ++i) {
+                const int x = part_->data.x_min + static_cast<int>(i % width),
+                          y = rows.y_begin + static_cast<int>(i / width);
+                for (std::uint32_t k = 0; k < rows.count[i]; ++k, ++at) {
+                    const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
+                        return channel ? rows.values[*channel][at] : otherwise;
+                    };
+                    const StackSample s{
+                        inverse(value(z_, 0), x, y), value(r_, 0),        value(g_, 0), value(b_, 0),
+                        checked_alpha(value(a_, 1)), id_of(value(id_, 0))};
+                    add_volume(s, value(z_, 0), value(z_back_, 0));
+                }
+                out_.offsets.push_back(out_.samples.size());
+            }
+        });
+    }
+
+    /// A sample that reaches from z to z_back lets through by the same share over every equal way.
+    void add_volume(const StackSample& s, float z, float z_back) {
+        const double ratio = static_cast<double>(z_back) / static_cast<double>(z);
+        int slices = 1;
+        if (z > 0 && ratio > slice_ratio && z_back < nothing_z && s.alpha < 1)
+            slices =
+                std::min(most_slices, static_cast<int>(std::ceil(std::log(ratio) / std::log(slice_ratio))));
+        make_room(static_cast<std::size_t>(slices));
+        if (slices == 1) {
+            add(s);
+            return;
+        }
+        const double step = 1.0 / slices;
+        const double alpha = -std::expm1(step * std::log1p(-static_cast<double>(s.alpha)));
+        const auto share = static_cast<float>(s.alpha > 0 ? alpha / static_cast<double>(s.alpha) : step);
+        for (int i = 0; i < slices; ++i) {
+            StackSample slice = s;
+            slice.inverse_z = static_cast<float>(
+                1 / (static_cast<double>(z) + (i + 0.5) * step * static_cast<double>(z_back - z)));
+            slice.r *= share;
+            slice.g *= share;
+            slice.b *= share;
+            slice.alpha = static_cast<float>(alpha);
+            add(slice);
+        }
+    }
+
+    /// To metres along the axis, nearest first.
+    void finish_depths() {
+        if (negative_ > 0 && positive_ > 0) {
+            fail(ExitCode::invalid_input,
+                 "{}: channel {} at pixel {},{} is unusable (got {}; expected a depth of 0 or more, or none "
+                 "such)",
+                 file_.name(), out_.channels.z, first_negative_.x, first_negative_.y, first_negative_.z);
+        }
+        if (negative_ > 0) {
+            out_.repairs.push_back(
+                {"assumed", "all depths are negative: their size is taken as the distance", 1});
+        }
+        const ForeignCamera& camera = out_.camera;
+        const double pitch = out_.pixel_pitch_mm() / camera.film_distance_mm;
+        const bool along_ray = camera.depth_along == DepthAlong::ray;
+        const auto width = static_cast<std::size_t>(part_->width());
+        parallel_for(static_cast<std::size_t>(part_->height()), [&](std::size_t row) {
+            const double v = (out_.y_begin + static_cast<double>(row) + 0.5 - out_.height / 2.0) * pitch;
+            for (std::size_t column = 0; column < width; ++column) {
+                const double u =
+                    (out_.x_begin + static_cast<double>(column) + 0.5 - out_.width / 2.0) * pitch;
+                const auto scale = static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) /
+                                                      camera.metres_per_unit);
+                const std::size_t i = row * width + column;
+                const auto stack =
+                    std::span(out_.samples).subspan(out_.offsets[i], out_.offsets[i + 1] - out_.offsets[i]);
+                for (StackSample& s : stack) {
+                    s.inverse_z = std::abs(s.inverse_z) * scale;
+                    if (!std::isfinite(s.inverse_z)) s.inverse_z = std::numeric_limits<float>::max();
+                }
+                std::stable_sort(stack.begin(), stack.end(), [](const StackSample& a, const StackSample& b) {
+                    return a.inverse_z > b.inverse_z;
+                });
+            }
+        });
+    }
+
+    static bool finite(const StackSample& s) {
+        return std::isfinite(s.r) && std::isfinite(s.g) && std::isfinite(s.b);
+    }
+
+    /// From the colours as they came, so that the order of mending does not count.
+    void mend_colours() {
+        std::vector<std::pair<std::size_t, StackSample>> mended;
+        const int width = part_->width(), height = part_->height();
+        for (std::size_t i = 0; i < pixels(); ++i) {
+            for (std::uint64_t k = out_.offsets[i]; k < out_.offsets[i + 1]; ++k) {
+                if (finite(out_.samples[k])) continue;
+                StackSample s = out_.samples[k];
+                s.r = s.g = s.b = 0;
+                if (!out_.deep)
+                    s = mean_around(s, static_cast<int>(i) % width, static_cast<int>(i) / width, height);
+                mended.emplace_back(k, s);
+            }
+        }
+        for (const auto& [k, s] : mended) out_.samples[k] = s;
+        bad_colours_ = mended.size();
+    }
+
+    StackSample mean_around(StackSample s, int x, int y, int height) const {
+        const int width = part_->width();
+        std::array<double, 3> sum{};
+        int count = 0;
+        for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v) {
+            for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u) {
+                const auto around = out_.stack(out_.x_begin + u, out_.y_begin + v);
+                if (around.empty() || !finite(around[0])) continue;
+                sum[0] += static_cast<double>(around[0].r);
+                sum[1] += static_cast<double>(around[0].g);
+                sum[2] += static_cast<double>(around[0].b);
+                ++count;
+            }
+        }
+        if (count == 0) return s;
+        s.r = static_cast<float>(sum[0] / count);
+        s.g = static_cast<float>(sum[1] / count);
+        s.b = static_cast<float>(sum[2] / count);
+        return s;
+    }
+
+    void report() {
+        const auto share = [&](std::size_t count) {
+            return std::min(
+                1.0, static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(pixels(), 1)));
+        };
+        if (bad_colours_ > 0) {
+            out_.repairs.push_back(
+                {"repaired",
+                 fmt::format("{} samples have colours that are not finite: {}", bad_colours_,
+                             out_.deep ? "taken as black" : "they get the mean of those around"),
+                 share(bad_colours_)});
+        }
+        if (bad_alphas_ > 0) {
+            out_.repairs.push_back(
+                {"repaired",
+                 fmt::format("{} samples have an alpha beyond 0 to 1: it is cut off", bad_alphas_),
+                 share(bad_alphas_)});
+        }
+    }
+
+    struct Place {
+        int x = 0, y = 0;
+        float z = 0;
+    };
+    ForeignFile file_;
+    const ForeignPart* part_ = nullptr;
+    Wanted wanted_;
+    std::optional<std::size_t> r_, g_, b_, a_, z_, z_back_, id_;
+    ForeignPicture out_;
+    std::size_t negative_ = 0, positive_ = 0, bad_alphas_ = 0, bad_colours_ = 0;
+    Place first_negative_;
+};
+
+}  // namespace
+
+Image ForeignPicture::flattened() const {
+    Image out(width, height);
+    std::vector<float> alpha(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0.0F);
+    parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < width; ++x) {
+            if (!stores(x, y)) continue;
+            double left = 1;
+            std::array<double, 3> rgb{};
+            for (const StackSample& s : stack(x, y)) {
+                rgb[0] += left * static_cast<double>(s.r);
+                rgb[1] += left * static_cast<double>(s.g);
+                rgb[2] += left * static_cast<double>(s.b);
+                left *= 1 - static_cast<double>(s.alpha);
+            }
+            for (std::size_t c = 0; c < 3; ++c) out.pixel(x, y)[c] = static_cast<float>(rgb[c]);
+            alpha[row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] =
+                static_cast<float>(1 - left);
+        }
+    });
+    if (std::any_of(alpha.begin(), alpha.end(), [](float a) { return a < 1; })) out.alpha = std::move(alpha);
+    return out;
+}
+
+double ForeignPicture::depth_at(double x, double y) const {
+    const double column = std::floor(x), row = std::floor(y);
+    if (!(column >= x_begin && column < x_end && row >= y_begin && row < y_end)) {
+        fail(ExitCode::wrong_arguments, "--focus-at: out of range (got {},{}; expected 0 to {}, 0 to {})", x,
+             y, width, height);
+    }
+    double left = 1;
+    // What covers half of the pixel is what one looks at.
+    for (const StackSample& s : stack(static_cast<int>(column), static_cast<int>(row))) {
+        left *= 1 - static_cast<double>(s.alpha);
+        if (left <= 0.5)
+            return s.inverse_z > 0 ? 1 / static_cast<double>(s.inverse_z)
+                                   : std::numeric_limits<double>::infinity();
+    }
+    return std::numeric_limits<double>::infinity();
+}
+
+ForeignPicture read_foreign_picture(const std::filesystem::path& path, const ForeignChoice& choice,
+                                    const ForeignCameraChoice& camera) {
+    return Reader(path, choice, camera).read();
+}
+
+}  // namespace postlens

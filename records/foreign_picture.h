@@ -1,0 +1,69 @@
+// Another program's picture as stacks of samples, one stack for each pixel: colour, alpha and depth.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "records/foreign_camera.h"
+#include "records/foreign_channels.h"
+#include "records/image.h"
+
+namespace postlens {
+
+/// Lies over what follows it in its stack ("over" [porter1984]); colours are premultiplied.
+struct StackSample {
+    float inverse_z = 0;  ///< one over the depth along the axis, 1/m; 0: infinitely far
+    float r = 0, g = 0, b = 0;
+    float alpha = 1;       ///< 0..1
+    std::uint32_t id = 0;  ///< 0 where the file has none
+};
+
+/// Something that was changed so that the picture could be used at all.
+struct ForeignRepair {
+    std::string code, text;
+    double share = 0;  ///< of the pixels stored
+};
+
+struct ForeignPicture {
+    int width = 0, height = 0;  ///< of the display window, px: the raster
+    /// Pixels stored: [x_begin, x_end) by [y_begin, y_end), on the raster, which they may leave on any side.
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+    std::vector<std::uint64_t> offsets{0};  ///< of each pixel's stack, row by row; one more at the end
+    std::vector<StackSample> samples;       ///< each stack nearest first
+    ForeignCamera camera;
+    ForeignChannels channels;
+    bool deep = false;
+    std::vector<ForeignRepair> repairs;
+
+    [[nodiscard]] double pixel_pitch_mm() const { return camera.film_width_mm / width; }
+    [[nodiscard]] std::span<const StackSample> stack(int x, int y) const {
+        const std::size_t i =
+            static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
+            static_cast<std::size_t>(x - x_begin);
+        return std::span(samples).subspan(offsets[i], offsets[i + 1] - offsets[i]);
+    }
+    [[nodiscard]] bool stores(int x, int y) const {
+        return x >= x_begin && x < x_end && y >= y_begin && y < y_end;
+    }
+    /// The display window's picture: every stack laid together. `alpha` is absent where all is opaque.
+    [[nodiscard]] Image flattened() const;
+    /// Depth at which half of the light at a place of the raster is held back, m; infinity where none is.
+    /// Throws Error(wrong_arguments) outside of what is stored.
+    [[nodiscard]] double depth_at(double x, double y) const;
+};
+
+/// Reads what `choice` picks out, in bands. A depth of 0, of 1e9 units and more, infinity and NaN are nothing
+/// hit, as are flat pixels without a depth channel (warned of as "assumed"). Negative depths, where all that
+/// are finite are, are taken as distances (warned of); else they are refused with their place. Colours that
+/// are not finite get the mean of the finite ones around them (deep samples: black), alphas beyond 0..1 are
+/// cut off; both are warned of as "repaired". Deep samples from Z to ZBack become slices whose circles differ
+/// by little. Throws Error(invalid_input), Error(out_of_memory).
+[[nodiscard]] ForeignPicture read_foreign_picture(const std::filesystem::path& path,
+                                                  const ForeignChoice& choice,
+                                                  const ForeignCameraChoice& camera);
+
+}  // namespace postlens

@@ -1,0 +1,180 @@
+// Pictures of other programs on the command line: focus, image, info, and whatever is damaged.
+#include <OpenImageIO/imageio.h>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "records/foreign_picture.h"
+#include "tests/command_test.h"
+
+namespace postlens {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::CommandTest;
+using test::Outcome;
+
+const std::string data_folder = std::string(POSTLENS_TEST_DATA) + "/exr/";
+
+/// A picture with a depth: a half-plane at 1 m before a wall at 4 m.
+void write_half_plane(const std::string& path, bool with_depth = true) {
+    OIIO::ImageSpec spec(48, 24, with_depth ? 4 : 3, OIIO::TypeDesc::FLOAT);
+    spec.channelnames = {"R", "G", "B"};
+    if (with_depth) spec.channelnames.emplace_back("Z");
+    std::vector<float> values;
+    for (int i = 0; i < 48 * 24; ++i) {
+        const bool near = i % 48 >= 24;
+        for (const float v : {near ? 0.8F : 0.1F, 0.5F, near ? 0.1F : 0.8F}) values.push_back(v);
+        if (with_depth) values.push_back(near ? 1 : 4);
+    }
+    const auto out = OIIO::ImageOutput::create(path);
+    ASSERT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::FLOAT, values.data()) &&
+                out->close())
+        << OIIO::geterror();
+}
+
+class ForeignCommand : public CommandTest {
+  protected:
+    json done(const std::vector<std::string>& words) {
+        std::vector<std::string> all = words;
+        all.emplace_back("--json");
+        const Outcome r = run(all);
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        return r.exit_code == 0 ? json::parse(r.out) : json();
+    }
+    static int warnings(const json& said, const std::string& code) {
+        int count = 0;
+        for (const json& w : said.at("warnings")) count += w.at("code") == code ? 1 : 0;
+        return count;
+    }
+};
+
+TEST_F(ForeignCommand, DeepPicturesAreFlattenedAsAnotherProgramDoes) {
+    for (const std::string name : {"deep_object_ids", "deep_alpha"}) {
+        const ForeignPicture theirs = read_foreign_picture(data_folder + name + ".flattened.exr", {}, {});
+        const Image wanted = theirs.flattened();
+        done({"image", data_folder + name + ".exr", "-o", in("image.exr")});
+        done({"focus", data_folder + name + ".exr", "-o", in("focus.exr"), "--method", "pinhole"});
+        for (const char* made : {"image.exr", "focus.exr"}) {
+            const Image mine = read_foreign_picture(in(made), {}, {}).flattened();
+            ASSERT_EQ(mine.alpha.size(), wanted.alpha.size()) << name << " " << made;
+            // What is written is float; the samples are half.
+            for (std::size_t i = 0; i < mine.alpha.size(); ++i) {
+                ASSERT_NEAR(mine.alpha[i], wanted.alpha[i], 1e-3);
+                for (std::size_t c = 0; c < 3; ++c)
+                    ASSERT_NEAR(mine.rgb[3 * i + c], wanted.rgb[3 * i + c], 1e-3);
+            }
+        }
+    }
+}
+
+TEST_F(ForeignCommand, EveryDefaultIsSaidAloud) {
+    write_half_plane(in("a.exr"));
+    const std::vector<std::string> bare{"focus",      in("a.exr"), "-o",      in("o.exr"),
+                                        "--f-number", "2",         "--focus", "4"};
+    const json said = done(bare);
+    EXPECT_EQ(warnings(said, "assumed"), 4);  // film's width and distance, unit of depth, what it is along
+    EXPECT_EQ(said.at("film_distance_mm"), 50);
+    std::vector<std::string> full = bare;
+    for (const char* word :
+         {"--film-width", "24", "--focal-length", "35", "--metres-per-unit", "0.5", "--z", "axial"})
+        full.emplace_back(word);
+    const json told = done(full);
+    EXPECT_EQ(warnings(told, "assumed"), 0);
+    EXPECT_EQ(told.at("film_distance_mm"), 35);
+    EXPECT_EQ(told.at("focal_length_mm"), 35);
+    // 2 r = (d / pitch) (F / n) |1/s - 1/z'|, at half a metre.
+    EXPECT_NEAR(told.at("largest_coc_px").get<double>(), 35 / (24.0 / 48) * (0.035 / 2) * (1 / 0.5 - 1 / 4.0),
+                1e-5);
+    full.emplace_back("--strict");
+    EXPECT_EQ(run(full).exit_code, 0);
+    std::vector<std::string> strict = bare;
+    strict.emplace_back("--strict");
+    EXPECT_EQ(run(strict).exit_code, 6);
+    // Where one looks.
+    EXPECT_EQ(done({"focus", in("a.exr"), "-o", in("o.exr"), "--f-number", "2", "--focus-at", "40,10"})
+                  .at("focus_m"),
+              1);
+    // Without a depth all is infinitely far, and said to be.
+    write_half_plane(in("flat.exr"), false);
+    EXPECT_EQ(warnings(done({"focus", in("flat.exr"), "-o", in("o.exr"), "--f-number", "2", "--focus", "4"}),
+                       "assumed"),
+              5);
+}
+
+TEST_F(ForeignCommand, ScatterAndLayersBlurWithAnyAperture) {
+    write_half_plane(in("a.exr"));
+    for (const std::string method : {"scatter", "layers"}) {
+        for (const std::string impulse : {"disc", "polygon:5", "diffraction:550"}) {
+            const json said = done({"focus", in("a.exr"), "-o", in("o.exr"), "--f-number", "2", "--focus",
+                                    "4", "--method", method, "--impulse", impulse});
+            EXPECT_EQ(said.at("method"), method);
+            const Image image = read_image(in("o.exr"));
+            EXPECT_NEAR(image.pixel(2, 12)[0], 0.1F, 2e-3) << impulse;   // far from the edge
+            EXPECT_NEAR(image.pixel(24, 12)[1], 0.5F, 2e-3) << impulse;  // even, so it stays even
+            EXPECT_GT(image.pixel(23, 12)[0], 0.12F) << impulse;         // the edge is soft
+        }
+    }
+}
+
+TEST_F(ForeignCommand, SaysWhatIsInAFile) {
+    const json said = done({"info", data_folder + "deep_alpha.exr"});
+    EXPECT_EQ(said.at("kind"), "image");
+    EXPECT_EQ(said.at("deep"), true);
+    EXPECT_EQ(said.at("width"), 160);
+    EXPECT_EQ(said.at("colour").at("depth"), "Z");
+    EXPECT_NEAR(said.at("film_distance_mm").get<double>(), 43.4558, 1e-3);
+}
+
+TEST_F(ForeignCommand, RefusesInOneLine) {
+    write_half_plane(in("a.exr"));
+    const std::string a = in("a.exr"), o = in("o.exr");
+    const auto two = ExitCode::wrong_arguments;
+    for (const std::string method : {"lightfield", "hybrid"})
+        refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--method", method}, two,
+                "--method");
+    refused({"focus", a, "-o", o, "--focus", "4"}, two, "--f-number");
+    refused({"focus", a, "-o", o, "--f-number", "2"}, two, "--focus");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--z", "x"}, two, "--z");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus-at", "480,10"}, two, "--focus-at");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--film-width", "0"}, two,
+            "--film-width");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--layer", "x"}, ExitCode::invalid_input,
+            "no colours in x");
+    const std::string frame = in("frame.exr");
+    ASSERT_EQ(
+        run({"trace", std::string(POSTLENS_SAMPLES) + "/scenes/ruler.toml", "-o", frame, "--size", "16x9"})
+            .exit_code,
+        0);
+    refused({"focus", frame, "-o", o, "--f-number", "2", "--focus", "4", "--film-width", "24"}, two,
+            "--film-width");
+    refused({"image", frame, "-o", o, "--layer", "x"}, two, "--layer");
+    refused({"motionblur", frame, "-o", o, "--shutter", "0:1", "--layer", "x"}, two, "--layer");
+}
+
+TEST_F(ForeignCommand, DamagedFilesAreRefusedQuicklyAndWithLittleMemory) {
+    const fs::path folder = fs::path(POSTLENS_SHARED_DATA) / "exr-damaged";
+    if (!fs::is_directory(folder)) GTEST_SKIP() << "no damaged files here";
+    int refusals = 0;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const std::string file = entry.path().string();
+        for (const std::vector<std::string>& words :
+             {std::vector<std::string>{"focus", file, "-o", in("o.exr"), "--f-number", "2", "--focus", "4"},
+              {"image", file, "-o", in("o.exr")},
+              {"motionblur", file, "-o", in("o.exr"), "--shutter", "0:1"}}) {
+            // 10 s and 1 GiB; 124 is timeout's word for too long.
+            std::vector<std::string> all = words;
+            for (const char* word : {"--threads", "1", "--quiet"}) all.emplace_back(word);
+            const Outcome r = run(all, "ulimit -v 1048576; timeout 10 ");
+            if (r.exit_code == 0) continue;
+            EXPECT_EQ(r.exit_code, 3) << file << " " << words[0] << ": " << r.err;
+            EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
+            ++refusals;
+        }
+    }
+    EXPECT_GT(refusals, 100);
+}
+
+}  // namespace
+}  // namespace postlens

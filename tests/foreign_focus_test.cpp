@@ -1,0 +1,300 @@
+// Pictures of other programs through a lens: closed forms, conservation, what the flat picture hides.
+#include "focus/foreign_focus.h"
+
+#include <cmath>
+#include <functional>
+#include <gtest/gtest.h>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "core/error.h"
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+using Stack = std::vector<StackSample>;
+
+/// A raster of 36 mm width before a film distance that makes `gain_px` 1000 px, and a lens of 2 m diameter,
+/// so that what has the inverse depth 1/s - k/1000 has a signed radius of k px.
+struct Bench {
+    int width = 64, height = 8;
+    int margin_px = 0;  ///< stored beyond the raster
+    double inverse_focus_per_m = 1;
+    FocusSettings settings;
+
+    [[nodiscard]] ForeignPicture picture(const std::function<Stack(int x, int y)>& stack_at) const {
+        ForeignPicture p;
+        p.width = width;
+        p.height = height;
+        p.x_begin = p.y_begin = -margin_px;
+        p.x_end = width + margin_px;
+        p.y_end = height + margin_px;
+        p.camera.film_width_mm = 36;
+        p.camera.film_distance_mm = 1000 * 36.0 / width;
+        for (int y = p.y_begin; y < p.y_end; ++y) {
+            for (int x = p.x_begin; x < p.x_end; ++x) {
+                for (const StackSample& s : stack_at(x, y)) p.samples.push_back(s);
+                p.offsets.push_back(p.samples.size());
+            }
+        }
+        return p;
+    }
+    [[nodiscard]] float inverse_z(double signed_radius_px) const {
+        return static_cast<float>(inverse_focus_per_m - signed_radius_px / 1000);
+    }
+    [[nodiscard]] FocusResult focus(const ForeignPicture& p, FocusMethod method) const {
+        FocusSettings s = settings;
+        s.method = method;
+        s.lens = {.focal_length_mm = 2000, .f_number = 1};
+        s.focus_distance_m = 1 / inverse_focus_per_m;
+        return focus_foreign(p, s);
+    }
+};
+
+double edge_response(double t) {
+    if (t <= -1) return 0;
+    if (t >= 1) return 1;
+    return 0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / std::numbers::pi;
+}
+
+/// The radius that the levels give (DepthLevels): steps of 0.99 px of diameter.
+double level_radius(double radius_px) {
+    return std::max(std::round(2 * std::abs(radius_px) / 0.99) * 0.99 / 2, 1e-4);
+}
+
+float value(const Image& image, int x, int y, std::size_t c) {
+    return image.pixel(x, y)[c];
+}
+
+float alpha(const Image& image, int x, int y) {
+    return image.alpha[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                       static_cast<std::size_t>(x)];
+}
+
+constexpr FocusMethod both[] = {FocusMethod::scatter, FocusMethod::layers};
+
+TEST(ForeignFocus, HalfPlaneBeforeADeepBackgroundIsItsOwnEdge) {
+    // The background goes on behind the half-plane, as a deep picture says. Samples stand in the middles of
+    // pixels, so the edge of a sum of pixels is the disc's own at the middle of a pixel.
+    const Bench bench{.width = 80, .height = 4, .margin_px = 40};
+    constexpr int x0 = 40;
+    for (const double near_px : {-0.5, -3.3, -12.0}) {
+        for (const double far_px : {0.0, 0.4, 3.0, 11.0, 25.0}) {
+            const ForeignPicture p = bench.picture([&](int x, int) {
+                const StackSample far{bench.inverse_z(far_px), 0, 0.25F, 1};
+                if (x < x0) return Stack{far};
+                return Stack{{bench.inverse_z(near_px), 1, 0.5F, 0}, far};
+            });
+            const FocusResult r = bench.focus(p, FocusMethod::layers);
+            EXPECT_TRUE(r.image.alpha.empty());
+            for (int x = 0; x < 80; ++x) {
+                const double front = edge_response((x + 0.5 - x0) / level_radius(near_px));
+                // Circles that differ by a share of the larger one and a pixel move along by the rest.
+                ASSERT_NEAR(value(r.image, x, 1, 0), front, 2e-6) << near_px << " " << far_px << " " << x;
+                ASSERT_NEAR(value(r.image, x, 1, 2), 1 - front, 2e-6) << near_px << " " << far_px << " " << x;
+            }
+        }
+    }
+}
+
+TEST(ForeignFocus, HalfPlaneBeforeAnEvenBackgroundIsTheSameFromAFlatPicture) {
+    // What the flat picture does not have is filled in from around.
+    const Bench bench{.width = 80, .height = 24, .margin_px = 40};
+    constexpr int x0 = 40;
+    for (const double near_px : {-3.3, -12.0}) {
+        for (const double far_px : {0.0, 3.0, 25.0}) {
+            const ForeignPicture p = bench.picture([&](int x, int) {
+                if (x < x0) return Stack{{bench.inverse_z(far_px), 0, 0.25F, 1}};
+                return Stack{{bench.inverse_z(near_px), 1, 0.5F, 0}};
+            });
+            const FocusResult r = bench.focus(p, FocusMethod::layers);
+            EXPECT_TRUE(r.image.alpha.empty());
+            ASSERT_FALSE(r.warnings.empty());
+            EXPECT_EQ(r.warnings.back().code, "uncovered");
+            for (int x = 0; x < 80; ++x) {
+                const double front = edge_response((x + 0.5 - x0) / level_radius(near_px));
+                ASSERT_NEAR(value(r.image, x, 12, 0), front, 2e-6) << near_px << " " << far_px << " " << x;
+            }
+        }
+    }
+}
+
+TEST(ForeignFocus, AlphaOfAHalfPlaneBeforeNothingIsItsEdge) {
+    const Bench bench{.width = 80, .height = 24, .margin_px = 40};
+    constexpr int x0 = 40;
+    for (const double near_px : {-12.0, -3.3, 0.0, 7.0}) {
+        const ForeignPicture p = bench.picture([&](int x, int) {
+            if (x < x0) return Stack{};
+            return Stack{{bench.inverse_z(near_px), 0.8F, 0.5F, 0}};
+        });
+        for (const FocusMethod method : both) {
+            const FocusResult r = bench.focus(p, method);
+            ASSERT_FALSE(r.image.alpha.empty());
+            for (int x = 0; x < 80; ++x) {
+                const double front = edge_response((x + 0.5 - x0) / level_radius(near_px));
+                // Premultiplied. Both: layers lay nothing behind it, scatter spreads nothing by its circle.
+                ASSERT_NEAR(alpha(r.image, x, 12), front, 3e-6) << near_px << " " << x;
+                ASSERT_NEAR(value(r.image, x, 12, 0), 0.8 * front, 3e-6) << near_px << " " << x;
+            }
+        }
+    }
+}
+
+TEST(ForeignFocus, EvenPicturesOfAnyDepthsStayEven) {
+    // The same colour and alpha everywhere, at depths of every kind.
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> radius_px(-20, 20);
+    for (const float a : {1.0F, 0.5F}) {
+        const Bench bench{.width = 60, .height = 40, .margin_px = 0};
+        const ForeignPicture p = bench.picture([&](int, int) {
+            return Stack{{bench.inverse_z(radius_px(random)), 0.25F * a, 0.5F * a, a, a}};
+        });
+        for (const FocusMethod method : both) {
+            const FocusResult r = bench.focus(p, method);
+            EXPECT_EQ(r.image.alpha.empty(), a == 1) << static_cast<double>(a);
+            for (int y = 0; y < 40; ++y) {
+                for (int x = 0; x < 60; ++x) {
+                    // Of equal colours the mean is the colour, whatever the weights; alphas of one half are
+                    // a mean of what is and nothing.
+                    const double here = a == 1 ? 1 : static_cast<double>(alpha(r.image, x, y));
+                    ASSERT_NEAR(value(r.image, x, y, 0), 0.25 * here, 2e-6);
+                    ASSERT_NEAR(value(r.image, x, y, 2), here, 2e-6);
+                }
+            }
+        }
+    }
+}
+
+TEST(ForeignFocus, AnEvenTransparencyOfOneDepthStaysEven) {
+    // A half-transparent sheet before nothing, before a wall, and behind another sheet.
+    // Beyond the border more is missing of the wider circles; stored pixels reach farther than those.
+    const Bench bench{.width = 40, .height = 20, .margin_px = 20};
+    for (const double near_px : {-9.0, 0.0, 4.0}) {
+        const float near_z = bench.inverse_z(near_px), far_z = bench.inverse_z(15);
+        const ForeignPicture alone = bench.picture([&](int, int) {
+            return Stack{{near_z, 0.3F, 0.2F, 0.1F, 0.5F}};
+        });
+        const ForeignPicture wall = bench.picture([&](int, int) {
+            return Stack{{near_z, 0.3F, 0.2F, 0.1F, 0.5F}, {far_z, 0, 1, 0, 1}};
+        });
+        const ForeignPicture two = bench.picture([&](int, int) {
+            return Stack{{near_z, 0.3F, 0.2F, 0.1F, 0.5F}, {far_z, 0, 0.5F, 0, 0.75F}};
+        });
+        for (const FocusMethod method : both) {
+            const Image a = bench.focus(alone, method).image, w = bench.focus(wall, method).image,
+                        t = bench.focus(two, method).image;
+            EXPECT_TRUE(w.alpha.empty());
+            for (int x = 0; x < 40; ++x) {
+                ASSERT_NEAR(alpha(a, x, 9), 0.5, 2e-6) << near_px;
+                ASSERT_NEAR(value(a, x, 9, 0), 0.3, 2e-6);
+                ASSERT_NEAR(value(w, x, 9, 1), 0.2 + 0.5, 2e-6);
+                ASSERT_NEAR(alpha(t, x, 9), 0.5 + 0.5 * 0.75, 2e-6) << near_px;
+                ASSERT_NEAR(value(t, x, 9, 1), 0.2 + 0.5 * 0.5, 2e-6);
+            }
+        }
+    }
+}
+
+TEST(ForeignFocus, VanishingCirclesGiveTheFlattenedPicture) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> unit(0, 1);
+    std::uniform_int_distribution<int> depth(0, 4);
+    const Bench bench{.width = 30, .height = 20, .margin_px = 3};
+    const ForeignPicture p = bench.picture([&](int, int) {
+        Stack stack;
+        for (int k = depth(random); k > 0; --k) {
+            const float a = unit(random) < 0.3F ? 1.0F : unit(random);
+            stack.push_back(
+                {1 - 1e-6F * unit(random), a * unit(random), a * unit(random), a * unit(random), a});
+        }
+        std::sort(stack.begin(), stack.end(),
+                  [](const StackSample& l, const StackSample& r) { return l.inverse_z > r.inverse_z; });
+        return stack;
+    });
+    const Image flat = p.flattened();
+    FocusSettings settings{.lens = {.focal_length_mm = 50, .f_number = 4000}, .focus_distance_m = 1};
+    settings.method = FocusMethod::pinhole;
+    EXPECT_EQ(focus_foreign(p, settings).image.rgb, flat.rgb);
+    for (const FocusMethod method : both) {
+        settings.method = method;
+        const Image image = focus_foreign(p, settings).image;
+        for (std::size_t i = 0; i < flat.rgb.size(); ++i) ASSERT_NEAR(image.rgb[i], flat.rgb[i], 2e-5) << i;
+        for (std::size_t i = 0; i < flat.alpha.size(); ++i)
+            ASSERT_NEAR(image.alpha[i], flat.alpha[i], 2e-5) << i;
+    }
+}
+
+TEST(ForeignFocus, APointKeepsItsLight) {
+    // A bright opaque pixel in a dark wall of its own depth: the sum over the picture stays.
+    const Bench bench{.width = 61, .height = 61, .margin_px = 0};
+    for (const double px : {-14.0, -5.0, 8.0}) {
+        const ForeignPicture p = bench.picture([&](int x, int y) {
+            return Stack{{bench.inverse_z(px), x == 30 && y == 30 ? 100.0F : 0.0F, 0, 0}};
+        });
+        for (const FocusMethod method : both) {
+            const Image image = bench.focus(p, method).image;
+            double sum = 0, moment = 0;
+            for (int y = 0; y < 61; ++y) {
+                for (int x = 0; x < 61; ++x) {
+                    sum += static_cast<double>(value(image, x, y, 0));
+                    moment += static_cast<double>(value(image, x, y, 0)) * (x - 30);
+                }
+            }
+            EXPECT_NEAR(sum, 100, 1e-3) << px;
+            EXPECT_NEAR(moment / sum, 0, 0.01) << px;
+        }
+    }
+}
+
+TEST(ForeignFocus, SameBitsForAnyNumberOfThreads) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> unit(0, 1);
+    const Bench bench{.width = 90, .height = 70, .margin_px = 0};
+    const ForeignPicture p = bench.picture([&](int x, int) {
+        return Stack{
+            {bench.inverse_z(x / 9 * 5.0 - 22), unit(random), unit(random), 0, x % 5 == 0 ? 0.6F : 1.0F}};
+    });
+    for (const FocusMethod method : both) {
+        const auto with = [&](int threads) {
+            const ThreadLimit limit(threads);
+            return bench.focus(p, method).image;
+        };
+        const Image one = with(1), four = with(4);
+        EXPECT_EQ(one.rgb, four.rgb);
+        EXPECT_EQ(one.alpha, four.alpha);
+    }
+}
+
+TEST(ForeignFocus, OtherMethodsAreRefused) {
+    const Bench bench;
+    const ForeignPicture p = bench.picture([](int, int) { return Stack{}; });
+    try {
+        (void)bench.focus(p, FocusMethod::lightfield);
+        FAIL();
+    } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ExitCode::wrong_arguments);
+    }
+}
+
+TEST(ForeignFocus, AZoomedFrameKeepsColourAndAlpha) {
+    // A film at F = 2 d shows the middle twice as large.
+    Bench bench{.width = 40, .height = 40, .margin_px = 0};
+    const ForeignPicture p = bench.picture([](int x, int) {
+        return x < 20 ? Stack{{0, 0.5F, 0.5F, 0.5F, 0.5F}} : Stack{{0, 1, 1, 1, 1}};
+    });
+    FocusSettings settings{.lens = {.focal_length_mm = 2 * p.camera.film_distance_mm,
+                                    .f_number = std::numeric_limits<double>::infinity()},
+                           .focus_distance_m = std::numeric_limits<double>::infinity(),
+                           .framing = Framing::lens,
+                           .method = FocusMethod::pinhole};
+    const Image image = focus_foreign(p, settings).image;
+    EXPECT_EQ(image.width, 40);
+    EXPECT_NEAR(alpha(image, 5, 20), 0.5, 1e-6);
+    EXPECT_NEAR(alpha(image, 35, 20), 1, 1e-6);
+    EXPECT_NEAR(value(image, 35, 20, 1), 1, 1e-6);
+}
+
+}  // namespace
+}  // namespace postlens

@@ -1,0 +1,413 @@
+// Reading other programs' OpenEXR files: which channels, which camera, what is repaired, what is refused.
+#include "records/foreign_picture.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDeepFrameBuffer.h>
+#include <OpenEXR/ImfDeepScanLineOutputFile.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringVectorAttribute.h>
+#include <cmath>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <limits>
+#include <map>
+
+#include "core/error.h"
+#include "tests/temporary_folder.h"
+
+namespace postlens {
+namespace {
+
+constexpr int width = 6, height = 4;
+const std::string data_folder = std::string(POSTLENS_TEST_DATA) + "/exr/";
+
+using Plane = std::vector<float>;
+/// A part: its channels, each of one value or of a value for each pixel.
+struct Part {
+    std::map<std::string, Plane> channels;
+    std::string name, view;
+    std::function<void(Imf::Header&)> more = [](Imf::Header&) {};
+};
+
+Plane even(float v) {
+    return Plane(static_cast<std::size_t>(width * height), v);
+}
+
+void write_parts(const std::string& path, const std::vector<Part>& parts) {
+    std::vector<Imf::Header> headers;
+    for (const Part& p : parts) {
+        Imf::Header h(width, height);
+        h.setType(Imf::SCANLINEIMAGE);
+        if (!p.name.empty()) h.setName(p.name);
+        if (!p.view.empty()) h.setView(p.view);
+        for (const auto& [name, plane] : p.channels) h.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        p.more(h);
+        headers.push_back(h);
+    }
+    Imf::MultiPartOutputFile file(path.c_str(), headers.data(), static_cast<int>(headers.size()));
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        Imf::FrameBuffer frame;
+        for (const auto& [name, plane] : parts[i].channels) {
+            frame.insert(name,
+                         Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(plane.data())),
+                                    sizeof(float), sizeof(float) * width));
+        }
+        Imf::OutputPart out(file, static_cast<int>(i));
+        out.setFrameBuffer(frame);
+        out.writePixels(height);
+    }
+}
+
+/// One deep pixel of R, G, B, A, Z, ZBack.
+void write_deep_pixel(const std::string& path, const std::vector<std::array<float, 6>>& samples) {
+    const std::array<const char*, 6> names{"R", "G", "B", "A", "Z", "ZBack"};
+    Imf::Header h(1, 1);
+    h.setType(Imf::DEEPSCANLINE);
+    h.compression() = Imf::ZIPS_COMPRESSION;
+    for (const char* n : names) h.channels().insert(n, Imf::Channel(Imf::FLOAT));
+    Imf::DeepScanLineOutputFile out(path.c_str(), h);
+    unsigned count = static_cast<unsigned>(samples.size());
+    std::array<Plane, 6> values;
+    std::array<float*, 6> pointers{};
+    Imf::DeepFrameBuffer frame;
+    frame.insertSampleCountSlice(
+        Imf::Slice(Imf::UINT, reinterpret_cast<char*>(&count), sizeof(unsigned), sizeof(unsigned)));
+    for (std::size_t c = 0; c < 6; ++c) {
+        for (const auto& s : samples) values[c].push_back(s[c]);
+        pointers[c] = values[c].data();
+        frame.insert(names[c], Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(&pointers[c]),
+                                              sizeof(float*), sizeof(float*), sizeof(float)));
+    }
+    out.setFrameBuffer(frame);
+    out.writePixels(1);
+}
+
+class ForeignPictureTest : public testing::Test {
+  protected:
+    std::string in(const std::string& name) { return (folder_.path() / name).string(); }
+    ForeignPicture read(const std::vector<Part>& parts, const ForeignChoice& choice = {},
+                        const ForeignCameraChoice& camera = {}) {
+        write_parts(in("a.exr"), parts);
+        return read_foreign_picture(in("a.exr"), choice, camera);
+    }
+    static std::string refusal(const std::function<void()>& call) {
+        try {
+            call();
+        } catch (const Error& e) {
+            EXPECT_EQ(e.code(), ExitCode::invalid_input) << e.what();
+            EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
+            return e.what();
+        }
+        ADD_FAILURE() << "nothing was refused";
+        return "";
+    }
+    test::TemporaryFolder folder_;
+};
+
+std::map<std::string, Plane> rgbz(float r, float z, const std::string& layer = "") {
+    return {{layer + "R", even(r)},
+            {layer + "G", even(0.5F)},
+            {layer + "B", even(0.25F)},
+            {layer + "Z", even(z)}};
+}
+
+bool warns(const ForeignPicture& p, const std::string& code) {
+    return std::any_of(p.repairs.begin(), p.repairs.end(),
+                       [&](const ForeignRepair& r) { return r.code == code; });
+}
+
+// --- channels
+// ---------------------------------------------------------------------------------------------------
+
+TEST_F(ForeignPictureTest, PlainColourAndDepth) {
+    const ForeignPicture p = read({{rgbz(0.75F, 4)}});
+    EXPECT_EQ(p.width, width);
+    EXPECT_FALSE(p.deep);
+    ASSERT_EQ(p.stack(2, 1).size(), 1U);
+    const StackSample& s = p.stack(2, 1)[0];
+    EXPECT_EQ(s.r, 0.75F);
+    EXPECT_EQ(s.alpha, 1);
+    EXPECT_EQ(s.inverse_z, 0.25F);
+    EXPECT_EQ(p.depth_at(2.5, 1.5), 4);
+}
+
+TEST_F(ForeignPictureTest, BlendersLayersBelongTogether) {
+    std::map<std::string, Plane> channels;
+    for (const auto& [layer, r, z] : {std::tuple("Room", 0.1F, 2.0F), {"Ball", 0.9F, 5.0F}}) {
+        const std::string l = layer;
+        channels[l + ".Combined.R"] = even(r);
+        for (const char* c : {"G", "B", "A"}) channels[l + ".Combined." + c] = even(1);
+        channels[l + ".Depth.Z"] = even(z);
+    }
+    const ForeignPicture first = read({{channels}});
+    EXPECT_EQ(first.channels.r, "Ball.Combined.R");  // the first of the file, whose channels are sorted
+    EXPECT_EQ(first.channels.z, "Ball.Depth.Z");
+    const ForeignPicture room = read({{channels}}, {.layer = "Room"});
+    EXPECT_EQ(room.stack(0, 0)[0].r, 0.1F);
+    EXPECT_EQ(room.stack(0, 0)[0].inverse_z, 0.5F);
+    EXPECT_EQ(room.channels.a, "Room.Combined.A");
+}
+
+TEST_F(ForeignPictureTest, ViewsAndPartsAreChosenByName) {
+    // A stereo file of several parts, the depth of each view in a part of its own.
+    const std::vector<Part> parts{
+        {{{"R", even(1)}, {"G", even(1)}, {"B", even(1)}}, "rgba.right", "right"},
+        {{{"R", even(2)}, {"G", even(2)}, {"B", even(2)}}, "rgba.left", "left"},
+        {{{"Z", even(8)}}, "depth.right", "right"},
+        {{{"Z", even(16)}}, "depth.left", "left"},
+    };
+    EXPECT_EQ(read(parts).stack(0, 0)[0].r, 1);
+    EXPECT_EQ(read(parts).stack(0, 0)[0].inverse_z, 1.0F / 8);
+    for (const char* name : {"left", "rgba.left"}) {
+        EXPECT_EQ(read(parts, {.layer = name}).stack(0, 0)[0].r, 2) << name;
+        EXPECT_EQ(read(parts, {.layer = name}).stack(0, 0)[0].inverse_z, 1.0F / 16) << name;
+    }
+    // The single part of the same: the hero's names have no view.
+    Part single{rgbz(3, 2), "", "", [](Imf::Header& h) { Imf::addMultiView(h, {"right", "left"}); }};
+    single.channels.merge(rgbz(4, 5, "left."));
+    EXPECT_EQ(read({single}).stack(0, 0)[0].r, 3);
+    EXPECT_EQ(read({single}, {.layer = "right"}).stack(0, 0)[0].r, 3);
+    EXPECT_EQ(read({single}, {.layer = "left"}).stack(0, 0)[0].r, 4);
+    EXPECT_EQ(read({single}, {.layer = "left"}).stack(0, 0)[0].inverse_z, 0.2F);
+    EXPECT_NE(refusal([&] { (void)read({single}, {.layer = "middle"}); }).find("no colours in middle"),
+              std::string::npos);
+}
+
+TEST_F(ForeignPictureTest, ADepthOfAnyNameCanBeAskedFor) {
+    Part part{rgbz(1, 2)};
+    part.channels["camera.distance"] = even(4);
+    EXPECT_EQ(read({part}, {.depth_channel = "camera.distance"}).stack(0, 0)[0].inverse_z, 0.25F);
+    EXPECT_NE(refusal([&] { (void)read({part}, {.depth_channel = "W"}); }).find("no channel W"),
+              std::string::npos);
+    part.channels.erase("Z");
+    EXPECT_TRUE(warns(read({part}), "assumed"));
+}
+
+TEST_F(ForeignPictureTest, GreyAndNothingButAlpha) {
+    EXPECT_EQ(read({{{{"Y", even(0.5F)}, {"Z", even(2)}}}}).stack(1, 1)[0].g, 0.5F);
+    const ForeignPicture p = read({{{{"A", even(0.5F)}, {"Z", even(2)}}}});
+    EXPECT_EQ(p.stack(1, 1)[0].g, 0);
+    EXPECT_EQ(p.stack(1, 1)[0].alpha, 0.5F);
+    EXPECT_NE(refusal([&] { (void)read({{{{"U", even(1)}}}}); }).find("got channels U"), std::string::npos);
+}
+
+// --- depth and camera
+// -------------------------------------------------------------------------------------------
+
+TEST_F(ForeignPictureTest, NothingHitIsInfinitelyFar) {
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    for (const float z : {0.0F, 1e9F, 1e10F, inf, -inf, nan}) {
+        Part part{rgbz(1, 2)};
+        part.channels["Z"][0] = z;
+        const ForeignPicture p = read({part});
+        EXPECT_EQ(p.stack(0, 0)[0].inverse_z, 0) << static_cast<double>(z);
+        EXPECT_EQ(p.stack(1, 0)[0].inverse_z, 0.5F);
+        EXPECT_TRUE(std::isinf(p.depth_at(0.5, 0.5)));
+    }
+}
+
+TEST_F(ForeignPictureTest, DepthsOfOneSignAreDistancesOfBothRefused) {
+    Part part{rgbz(1, -4)};
+    const ForeignPicture p = read({part});
+    EXPECT_EQ(p.stack(0, 0)[0].inverse_z, 0.25F);
+    EXPECT_TRUE(warns(p, "assumed"));
+    part.channels["Z"][0] = 2;
+    EXPECT_NE(refusal([&] { (void)read({part}); }).find("channel Z at pixel 1,0"), std::string::npos);
+}
+
+TEST_F(ForeignPictureTest, DepthsAlongTheRayBecomeDepthsAlongTheAxis) {
+    const ForeignCameraChoice camera{
+        .film_width_mm = 36, .film_distance_mm = 36, .metres_per_unit = 0.01, .depth_along = DepthAlong::ray};
+    const ForeignPicture p = read({{rgbz(1, 300)}}, {}, camera);
+    EXPECT_TRUE(p.camera.assumed.empty());
+    // The pixel's middle is 2.5 px of 6 mm to the left of the axis and 1.5 px above it, 36 mm before the
+    // pinhole.
+    const double u = -15.0 / 36, v = -9.0 / 36;
+    EXPECT_NEAR(p.depth_at(0.5, 0.5), 3 / std::sqrt(1 + u * u + v * v), 1e-6);
+}
+
+TEST_F(ForeignPictureTest, StandardAttributesNameTheCamera) {
+    const ForeignPicture p = read({{rgbz(1, 2), "", "", [](Imf::Header& h) {
+                                        h.insert("nominalFocalLength", Imf::FloatAttribute(35));
+                                        h.insert("pinholeFocalLength", Imf::FloatAttribute(36.5F));
+                                        h.insert("sensorOverallDimensions", Imf::V2fAttribute({24.5F, 14}));
+                                        h.insert("aperture", Imf::FloatAttribute(2.5F));
+                                        h.insert("focus", Imf::FloatAttribute(3));
+                                    }}});
+    EXPECT_EQ(p.camera.focal_length_mm, 35);
+    EXPECT_EQ(p.camera.film_distance_mm, 36.5);
+    EXPECT_EQ(p.camera.film_width_mm, 24.5);
+    EXPECT_EQ(p.camera.f_number, 2.5);
+    EXPECT_EQ(p.camera.focus_m, 3);
+    EXPECT_EQ(p.camera.assumed.size(), 2U);  // unit and direction of depth
+    // What the user says goes before; what makes no sense is left aside.
+    const ForeignPicture asked = read({{rgbz(1, 2), "", "",
+                                        [](Imf::Header& h) {
+                                            h.insert("pinholeFocalLength", Imf::FloatAttribute(-1));
+                                            h.insert("sensorOverallDimensions", Imf::V2fAttribute({0, 0}));
+                                        }}},
+                                      {}, {.focal_length_mm = 80});
+    EXPECT_EQ(asked.camera.focal_length_mm, 80);
+    EXPECT_EQ(asked.camera.film_distance_mm, 80);
+    EXPECT_EQ(asked.camera.film_width_mm, 36);
+    EXPECT_EQ(asked.camera.assumed.size(), 3U);
+}
+
+TEST_F(ForeignPictureTest, MatricesNameTheView) {
+    // Row vectors, the camera looking along -z of its own space, 4 units up the axis and turned by an angle.
+    const double c = std::cos(0.4), s = std::sin(0.4);
+    const Matrix44 camera{c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0, 1.5, -2, 4, 1};
+    const auto product = [](const Matrix44& a, const Matrix44& b) {
+        Matrix44 out{};
+        for (std::size_t i = 0; i < 4; ++i) {
+            for (std::size_t j = 0; j < 4; ++j) {
+                for (std::size_t k = 0; k < 4; ++k) out[4 * i + j] += a[4 * i + k] * b[4 * k + j];
+            }
+        }
+        return out;
+    };
+    const double tangent = 0.3;
+    // From -1 to 1, and from 0 to 1 with y downwards; w is the distance -z.
+    const Matrix44 centred{1 / tangent, 0, 0, 0, 0, 1 / tangent, 0, 0, 0, 0, 1, -1, 0, 0, 0, 0};
+    const Matrix44 from_zero{0.5 / tangent, 0, 0, 0, 0, -0.5 / tangent, 0, 0, -0.5, -0.5, 1, -1, 0, 0, 0, 0};
+    for (const Matrix44& projection : {centred, from_zero}) {
+        const auto found = half_width_tangent(camera, product(camera, projection));
+        ASSERT_TRUE(found.has_value());
+        EXPECT_NEAR(*found, tangent, 1e-12);
+    }
+    const Matrix44 orthographic{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    EXPECT_FALSE(half_width_tangent(camera, product(camera, orthographic)).has_value());
+    EXPECT_FALSE(half_width_tangent(Matrix44{}, centred).has_value());
+    // A real one: 45 degrees wide, by its renderer's own matrices.
+    const ForeignPicture p = read_foreign_picture(data_folder + "deep_alpha.exr", {}, {});
+    EXPECT_NEAR(p.camera.film_distance_mm, 18 / std::tan(std::acos(-1.0) / 8), 1e-3);
+    EXPECT_EQ(p.camera.assumed.size(), 3U);  // the film's width, unit and direction of depth
+}
+
+// --- deep pictures
+// ----------------------------------------------------------------------------------------------
+
+void expect_equal(const std::string& deep, const std::string& flat, double tolerance) {
+    const ForeignPicture p = read_foreign_picture(deep, {}, {}),
+                         reference = read_foreign_picture(flat, {}, {});
+    EXPECT_TRUE(p.deep);
+    const Image mine = p.flattened(), theirs = reference.flattened();
+    ASSERT_EQ(mine.rgb.size(), theirs.rgb.size());
+    ASSERT_EQ(mine.alpha.size(), theirs.alpha.size());
+    double brightest = 0;
+    for (std::size_t i = 0; i < mine.rgb.size(); ++i) ASSERT_NEAR(mine.rgb[i], theirs.rgb[i], tolerance) << i;
+    for (std::size_t i = 0; i < mine.alpha.size(); ++i) {
+        ASSERT_NEAR(mine.alpha[i], theirs.alpha[i], tolerance) << i;
+        brightest = std::max(brightest, static_cast<double>(mine.alpha[i]));
+    }
+    EXPECT_GT(brightest, 0.4);  // not all nothing
+}
+
+TEST_F(ForeignPictureTest, FlattensAsAnotherProgramDoes) {
+    // Stored as half: 2^-11 of the value at most; ours and theirs multiply in another order.
+    expect_equal(data_folder + "deep_object_ids.exr", data_folder + "deep_object_ids.flattened.exr", 1e-6);
+    expect_equal(data_folder + "deep_alpha.exr", data_folder + "deep_alpha.flattened.exr", 1e-6);
+}
+
+TEST_F(ForeignPictureTest, SamplesAreSortedAndVolumesSliced) {
+    write_deep_pixel(in("deep.exr"),
+                     {{0.2F, 0, 0, 1, 9, 9}, {0, 0.75F, 0, 0.75F, 2, 4}, {0.5F, 0, 0, 0.5F, 1, 1}});
+    const ForeignPicture p = read_foreign_picture(in("deep.exr"), {}, {.metres_per_unit = 2});
+    const auto stack = p.stack(0, 0);
+    // log 2 / log 1.02 = 35.003: more than the most slices there are.
+    ASSERT_EQ(stack.size(), 34U);
+    EXPECT_EQ(stack[0].inverse_z, 0.5F);
+    double left = 1, light = 0;
+    for (const StackSample& s : stack.subspan(1, 32)) {
+        EXPECT_LT(s.inverse_z, 0.25F);
+        EXPECT_GT(s.inverse_z, 0.125F);
+        light += left * static_cast<double>(s.g);
+        left *= 1 - static_cast<double>(s.alpha);
+    }
+    EXPECT_NEAR(1 - left, 0.75, 1e-5);
+    EXPECT_NEAR(light, 0.75, 1e-5);
+    const Image flat = p.flattened();
+    EXPECT_TRUE(flat.alpha.empty());
+    EXPECT_NEAR(flat.pixel(0, 0)[0], 0.5 + 0.5 * 0.25 * 0.2, 1e-5);
+    EXPECT_NEAR(flat.pixel(0, 0)[1], 0.5 * 0.75, 1e-5);
+}
+
+TEST_F(ForeignPictureTest, WindowsAreKept) {
+    const ForeignPicture p = read_foreign_picture(data_folder + "rgbaz.exr", {}, {});
+    EXPECT_EQ(p.width, 40);
+    EXPECT_EQ(p.x_end - p.x_begin, 38);
+    const Image image = p.flattened();
+    EXPECT_EQ(image.width, 40);
+    EXPECT_EQ(image.alpha[39], 0);  // nothing is stored there
+}
+
+// --- repairs and refusals
+// ---------------------------------------------------------------------------------------
+
+TEST_F(ForeignPictureTest, ColoursThatAreNoNumbersGetTheMeanOfThoseAround) {
+    Part part{rgbz(1, 2)};
+    part.channels["R"] = {1, 2, 3, 4, 5, 6, 1, std::numeric_limits<float>::quiet_NaN(),
+                          3, 4, 5, 6, 1, 2, 3, 4,
+                          5, 6, 1, 2, 3, 4, 5, std::numeric_limits<float>::infinity()};
+    const ForeignPicture p = read({part});
+    EXPECT_TRUE(warns(p, "repaired"));
+    EXPECT_EQ(p.stack(1, 1)[0].r, 2);
+    EXPECT_NEAR(p.stack(5, 3)[0].r, (5 + 6 + 5) / 3.0, 1e-6);
+    const ForeignPicture other = read_foreign_picture(data_folder + "nan_inf.exr", {}, {});
+    EXPECT_TRUE(warns(other, "repaired"));
+    for (const StackSample& s : other.samples) EXPECT_TRUE(std::isfinite(s.r + s.g + s.b));
+}
+
+TEST_F(ForeignPictureTest, AlphasBeyondOneAreCutOff) {
+    Part part{rgbz(1, 2)};
+    part.channels["A"] = even(1);
+    part.channels["A"][3] = 1.5F;
+    part.channels["A"][4] = std::numeric_limits<float>::quiet_NaN();
+    const ForeignPicture p = read({part});
+    EXPECT_TRUE(warns(p, "repaired"));
+    for (const StackSample& s : p.samples) EXPECT_EQ(s.alpha, 1);
+}
+
+TEST_F(ForeignPictureTest, RefusesWhatIsNoWholeFile) {
+    write_parts(in("whole.exr"), {{rgbz(1, 2)}});
+    std::ifstream file(in("whole.exr"), std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    for (std::size_t length = 0; length < bytes.size(); length += 7) {
+        std::ofstream(in("cut.exr"), std::ios::binary) << bytes.substr(0, length);
+        (void)refusal([&] { (void)read_foreign_picture(in("cut.exr"), {}, {}); });
+    }
+    (void)refusal([&] { (void)read_foreign_picture(in("none.exr"), {}, {}); });
+    (void)refusal([&] { (void)read_foreign_picture(folder_.path(), {}, {}); });
+    // Windows of 65536 x 65536 px, or far from each other, in a file of a few hundred bytes.
+    for (const char* window : {"dataWindow", "displayWindow"}) {
+        std::string absurd = bytes;
+        const std::size_t at = absurd.find(window) + std::string(window).size() + 1 + sizeof("box2i") + 4;
+        absurd.replace(at + 8, 8, std::string("\xff\xff\x00\x00\xff\xff\x00\x00", 8));
+        std::ofstream(in("absurd.exr"), std::ios::binary) << absurd;
+        EXPECT_NE(
+            refusal([&] { (void)read_foreign_picture(in("absurd.exr"), {}, {}); }).find("out of bounds"),
+            std::string::npos);
+    }
+}
+
+TEST_F(ForeignPictureTest, CameraOptionsOutOfRangeAreRefused) {
+    write_parts(in("a.exr"), {{rgbz(1, 2)}});
+    for (const ForeignCameraChoice& choice :
+         {ForeignCameraChoice{.film_width_mm = 0}, ForeignCameraChoice{.film_distance_mm = -1},
+          ForeignCameraChoice{.metres_per_unit = std::numeric_limits<double>::infinity()}}) {
+        try {
+            (void)read_foreign_picture(in("a.exr"), {}, choice);
+            ADD_FAILURE();
+        } catch (const Error& e) {
+            EXPECT_EQ(e.code(), ExitCode::wrong_arguments);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace postlens
