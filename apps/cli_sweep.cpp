@@ -38,9 +38,10 @@ void method_options(CLI::App& app, SweepOptions& o) {
     app.add_option_function<std::string>(
            "--method",
            [&p](const std::string& text) {
-               constexpr const char* words = "scatter|layers|lightfield|hybrid|pinhole";
-               for (const FocusMethod m : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
-                                           FocusMethod::hybrid, FocusMethod::pinhole}) {
+               constexpr const char* words = "scatter|layers|lightfield|hybrid|auto|pinhole";
+               for (const FocusMethod m :
+                    {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield, FocusMethod::hybrid,
+                     FocusMethod::automatic, FocusMethod::pinhole}) {
                    if (text == method_name(m)) {
                        p.method = m;
                        return;
@@ -49,7 +50,9 @@ void method_options(CLI::App& app, SweepOptions& o) {
                fail(ExitCode::wrong_arguments, "--method: unknown (got {}; expected {})", text, words);
            },
            "How, as for focus [default: scatter; with --shutter lightfield]")
-        ->type_name("scatter|layers|lightfield|hybrid|pinhole");
+        ->type_name("scatter|layers|lightfield|hybrid|auto|pinhole");
+    number(app, "--target-db", p.target_db,
+           "With --method auto: PSNR wanted of every tile of 64 px, 10 to 80", "DB");
     app.add_option_function<std::string>(
            "--depths", [&p](const std::string& text) { p.depths = parse_whole("--depths", text); },
            "Number K of impulse responses, 2 or more [default: CoC right to half a pixel]")

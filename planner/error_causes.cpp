@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-constexpr int views = 64;
+constexpr int views = 256;
 /// An error that is at most half as large without it is there because of it.
 constexpr double explained = 0.25;
 /// Expected errors are good to an order of magnitude.
@@ -78,6 +78,14 @@ std::vector<float> beyond_margin(FocusFrame& frame, const FocusGeometry& geometr
     return out;
 }
 
+/// What it means that the light field is right where a picture is wrong.
+ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
+    if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
+        return ErrorCause::record_density;  // its own views were too few
+    if (request.view.focus.depth_model != DepthModel::ray_differentials) return ErrorCause::curvature_of_w;
+    return moves ? ErrorCause::path_and_depth_correlated : ErrorCause::visibility;
+}
+
 }  // namespace
 
 std::string_view cause_name(ErrorCause cause) {
@@ -116,6 +124,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     if (request.method == FocusMethod::scatter && request.depths) {
         FocusSettings s = v.focus;
         s.method = FocusMethod::scatter;
+        s.spacing = DepthSpacing::inverse;
         s.depths = std::min(4 * *request.depths, DepthLevels::most_depths);
         finer = focus_picture(frame, s).image;
     }
@@ -134,12 +143,13 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         if (finer && squared_difference(*finer, reference, k) <= explained * error) {
             cause = ErrorCause::kernel_truncation;
         } else if (squared_difference(seen.image, reference, k) <= explained * error) {
-            cause = moves ? ErrorCause::path_and_depth_correlated : ErrorCause::visibility;
+            cause = explained_by_views(request, moves);
         } else {
-            const double spread = static_cast<double>(contrast[k]);
-            const double unknown = static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k]));
+            const double spread = static_cast<double>(contrast[k]), beyond = static_cast<double>(margin[k]);
+            // What lies beyond the margin is unknown to the views as well.
+            const double unknown =
+                std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));
-            const double beyond = static_cast<double>(margin[k]);
             const std::array<std::pair<double, ErrorCause>, 4> expected{
                 {{unknown * unknown * spread, ErrorCause::hidden_surface},
                  {lost * lost / 4, ErrorCause::curvature_of_w},

@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "motionblur/motion_blur.h"
-#include "planner/hybrid.h"
+#include "planner/auto_picture.h"
 
 namespace postlens {
 namespace {
@@ -14,16 +14,17 @@ constexpr int shutter_views = 128;  // as `shoot`
 
 FocusMethod method_for(const std::optional<FocusMethod>& asked, bool with_shutter) {
     if (!asked) return with_shutter ? FocusMethod::lightfield : FocusMethod::scatter;
-    if (with_shutter && *asked != FocusMethod::lightfield && *asked != FocusMethod::hybrid) {
+    if (with_shutter && *asked != FocusMethod::lightfield && *asked != FocusMethod::hybrid &&
+        *asked != FocusMethod::automatic) {
         fail(ExitCode::wrong_arguments,
-             "--method: not with a shutter (got {}; expected lightfield or hybrid, or no --shutter)",
+             "--method: not with a shutter (got {}; expected lightfield, hybrid or auto, or no --shutter)",
              method_name(*asked));
     }
     return *asked;
 }
 
 MadePicture made(FocusResult&& r, const char* method) {
-    return {std::move(r.image), method, r.depths, r.views, r.geometry, std::move(r.warnings)};
+    return {std::move(r.image), method, r.depths, r.views, r.geometry, std::move(r.warnings), {}};
 }
 
 }  // namespace
@@ -66,6 +67,7 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
         .depths = settings_.depths,
         .views = settings_.views.value_or(s.shutter ? shutter_views : default_lens_views)};
     if (s.shutter) return moving(s, focus);
+    if (method_ == FocusMethod::automatic && std::isfinite(s.f_number)) return planned({.focus = focus});
     if (method_ == FocusMethod::hybrid && std::isfinite(s.f_number)) {
         return made(
             hybrid_picture(frame_,
@@ -78,7 +80,17 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
     return made(std::move(r), name);
 }
 
+MadePicture PictureMaker::planned(HybridSettings settings) {
+    settings.scene = settings_.scene;
+    AutoResult r = auto_picture(frame_, {.hybrid = settings, .target_db = settings_.target_db});
+    MadePicture out = made(std::move(r.hybrid.focus), method_name(FocusMethod::automatic));
+    out.predicted_db = r.predicted_db;
+    return out;
+}
+
 MadePicture PictureMaker::moving(const SweepSetting& s, const FocusSettings& focus) {
+    if (std::isfinite(s.f_number) && method_ == FocusMethod::automatic)
+        return planned({.focus = focus, .motion = &*motion_, .shutter = s.shutter, .curve = settings_.curve});
     if (std::isfinite(s.f_number)) {
         return made(hybrid_picture(frame_, {.focus = focus,
                                             .motion = &*motion_,

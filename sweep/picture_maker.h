@@ -10,6 +10,7 @@
 #include "focus/frame.h"
 #include "lens/shutter_curve.h"
 #include "motionblur/paths_file.h"
+#include "planner/auto_picture.h"
 #include "sweep/grid.h"
 #include "tracer/scene.h"
 
@@ -18,7 +19,7 @@ namespace postlens {
 /// How every picture of a sweep is made. Names and defaults are those of `focus`; with a shutter those of
 /// `shoot`.
 struct PictureSettings {
-    /// Absent: scatter, with a shutter lightfield. With a shutter lightfield and hybrid only.
+    /// Absent: scatter, with a shutter lightfield. With a shutter lightfield, hybrid and automatic only.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -27,8 +28,9 @@ struct PictureSettings {
     std::optional<int> views;  ///< absent: 64, with a shutter 128
     ShutterCurve curve = ShutterCurve::box();
     std::vector<ObjectPath> paths;  ///< in place of the file's motion
-    const Scene* scene = nullptr;   ///< for hybrid
+    const Scene* scene = nullptr;   ///< for hybrid and automatic
     int retrace_spp = 128;
+    double target_db = default_target_db;  ///< of `automatic`
 };
 
 struct MadePicture {
@@ -37,10 +39,11 @@ struct MadePicture {
     int depths = 0, views = 0;
     std::optional<FocusGeometry> geometry;  ///< of the image; absent for an orthographic file
     std::vector<FocusWarning> warnings;
+    std::optional<double> predicted_db{};  ///< by `automatic`
 };
 
-/// Makes one picture after the other; each has the bits that focus_picture, hybrid_picture or, for f/inf with
-/// a shutter, motion_blur gives for the same settings.
+/// Makes one picture after the other; each has the bits that focus_picture, hybrid_picture, auto_picture or,
+/// for f/inf with a shutter, motion_blur gives for the same settings.
 class PictureMaker {
   public:
     /// Keeps a reference to `file`. Throws Error(wrong_arguments) for a method that a shutter does not go
@@ -60,6 +63,7 @@ class PictureMaker {
     [[nodiscard]] FocusFrame& frame() { return frame_; }
 
   private:
+    [[nodiscard]] MadePicture planned(HybridSettings settings);
     [[nodiscard]] MadePicture moving(const SweepSetting& setting, const FocusSettings& focus);
 
     const SampleFileReader& file_;

@@ -204,6 +204,7 @@ class Sweep {
             static_cast<int>(p.framing), static_cast<int>(p.spacing), static_cast<int>(p.depth_model),
             p.depths.value_or(0), p.views.value_or(0), settings_.coc_limit_px, p.curve.fingerprint(),
             p.scene != nullptr ? fmt::format("{} {}", p.scene->sha256, p.retrace_spp) : "");
+        if (maker_.method() == FocusMethod::automatic) key += fmt::format(" {}", p.target_db);
         for (const glm::dvec2& at : out_.table.at) key += fmt::format(" {},{}", at.x, at.y);
         for (const auto& path : settings_.depends_on) key.append(" ").append(checksum_text(path));
         return key;
@@ -249,6 +250,7 @@ class Sweep {
         SweepRow row{.setting = s, .file = names_[i], .method = made.method};
         row.depths = made.depths;
         row.views = made.views;
+        row.predicted_db = made.predicted_db;
         const auto coc_px = [&](double inverse_z) {
             return made.geometry ? made.geometry->coc_diameter_px(inverse_z) : 0.0;
         };

@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. Under 30 minutes on two cores.
+#
+#   scripts/charts.sh [--build BUILD] [--out DIR] [--charts-only | --atlas-only]
+#
+#   BUILD  a built folder (default: build/release)
+#   DIR    where the pages and pictures go (default: build/charts); what is finished there is not measured again
+#
+# Nothing else should run on the machine meanwhile: the charts are of seconds.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+build=build/release
+out=build/charts
+charts=true
+atlas=true
+while (($# > 0)); do
+    case $1 in
+        --build) build=${2:?} && shift ;;
+        --out) out=${2:?} && shift ;;
+        --charts-only) atlas=false ;;
+        --atlas-only) charts=false ;;
+        -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0" && exit 0 ;;
+        *) echo "charts.sh: unknown argument (got $1; expected --build, --out, --charts-only or --atlas-only)" >&2 && exit 2 ;;
+    esac
+    shift
+done
+postlens=$build/apps/postlens
+[[ -x $postlens ]] || { echo "charts.sh: $postlens is missing; build with scripts/build.sh" >&2 && exit 1; }
+mkdir -p "$out"
+
+# chart NAME SCENE OPTIONS...
+chart() {
+    local name=$1 scene=$2
+    shift 2
+    echo "== $name"
+    "$postlens" chart "samples/scenes/$scene" -o "$out/$name" "$@" --quiet >"$out/$name.md"
+    for kind in speed_accuracy cost; do
+        cp "$out/$name/$kind.svg" "docs/images/chart_${name}_$kind.svg"
+        cp "$out/$name/$kind.png" "docs/images/chart_${name}_$kind.png"
+    done
+    scripts/splice.py docs/accuracy.md "chart $name" "$out/$name/chart.md"
+}
+
+if $charts; then
+    # Cheap shading: everything shines by itself, so that rays cost next to nothing.
+    chart cheap bars.toml --size 960x540 --f-number 1.4 --focus 5 --reference-spp 1024 --rays 1,4,16,64,256,1024
+    # Costly shading: shadows of three lights, a mirror ball, a glass ball, a polished table.
+    chart costly still_life.toml --size 640x360 --f-number 1.4 --focus 1.2 --reference-spp 256 --rays 1,4,16,64,256 \
+        --once-above 15
+    # Lens and motion together.
+    chart both motion.toml --size 480x270 --f-number 1.4 --focus 4 --shutter 0:1 --reference-spp 1024 \
+        --rays 1,4,16,64,256,1024
+fi
+if $atlas; then
+    echo "== atlas"
+    "$postlens" chart --atlas tests/stability -o "$out/atlas" --quiet >"$out/atlas.txt"
+    cp "$out/atlas/failures.md" docs/failures.md
+    mkdir -p docs/images/failures
+    cp "$out"/atlas/*.png docs/images/failures/ 2>/dev/null || true
+fi
