@@ -9,24 +9,6 @@
 
 namespace postlens {
 
-const char* method_name(FocusMethod method) {
-    switch (method) {
-        case FocusMethod::pinhole:
-            return "pinhole";
-        case FocusMethod::scatter:
-            return "scatter";
-        case FocusMethod::layers:
-            return "layers";
-        case FocusMethod::lightfield:
-            return "lightfield";
-        case FocusMethod::hybrid:
-            return "hybrid";
-        case FocusMethod::automatic:
-            break;
-    }
-    return "auto";
-}
-
 namespace {
 
 double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,

