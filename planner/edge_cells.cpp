@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "records/srgb.h"
 
@@ -27,6 +29,7 @@ CellCorner cell_corner(const RecordBand& band, const PointSample& s) {
             out.inverse_z = std::isfinite(r.z) && r.z > 0 ? 1 / static_cast<double>(r.z) : 0;
         }
     }
+    out.linear = sum;
     for (std::size_t c = 0; c < 3; ++c) out.encoded[c] = srgb_from_linear(sum[c]);
     return out;
 }
@@ -50,6 +53,14 @@ CellStep cell_step(const std::array<const CellCorner*, 4>& corners) {
             for (std::size_t k = 0; k < 4; ++k) grey[k] = v[k] > middle ? 1 : 0;
         }
     }
+    for (std::size_t c = 0; c < 3; ++c) {
+        double low = std::numeric_limits<double>::infinity(), high = 0;
+        for (const CellCorner* corner : corners) {
+            low = std::min(low, static_cast<double>(corner->linear[c]));
+            high = std::max(high, static_cast<double>(corner->linear[c]));
+        }
+        if (high > out.high) out.high = high, out.low = low;
+    }
     if (out.square < least_step) return out;
     const bool left_right = grey[0] == grey[2] && grey[1] == grey[3],
                up_down = grey[0] == grey[1] && grey[2] == grey[3];
@@ -57,6 +68,16 @@ CellStep cell_step(const std::array<const CellCorner*, 4>& corners) {
                 : up_down  ? CellStep::Split::level
                            : CellStep::Split::slanted;
     return out;
+}
+
+double spread_light_error(const CellStep& s, double size, double coc_px) {
+    const double pixels = std::numbers::pi / 4 * coc_px * coc_px;
+    if (s.high <= 1 || pixels <= 1) return 0;
+    const double light = std::sqrt(edge_cell_variance) * (s.high - s.low) * size * size / pixels;
+    const double ground = std::min(s.low, 1.0);
+    const double e = static_cast<double>(srgb_from_linear(static_cast<float>(ground + light)) -
+                                         srgb_from_linear(static_cast<float>(ground)));
+    return pixels * e * e;
 }
 
 void PixelEdges::add(const CellStep& s, double size) {

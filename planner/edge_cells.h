@@ -18,7 +18,7 @@ inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// A corner's colour, encoded, with what else is wanted of it.
 struct CellCorner {
-    std::array<float, 3> encoded{};
+    std::array<float, 3> encoded{}, linear{};
     std::uint32_t id = 0;  ///< of the primary node
     double inverse_z = 0;  ///< of the primary node, 1/m
 };
@@ -32,7 +32,13 @@ struct CellStep {
     double square = 0;  ///< of the step, mean of the channels
     bool same_id = true;
     double curvature_square = 0;  ///< of the corners' mixed difference, mean of the channels
+    /// Scene-linear, of the channel with the highest corner: that corner and the lowest one.
+    double high = 0, low = 0;
 };
+
+/// The squared error, summed over pixels and encoded, that a cell with light above 1 makes where a circle of
+/// confusion spreads it: encoding clips the light in the cell itself, but not what is left of it out there.
+[[nodiscard]] double spread_light_error(const CellStep& step, double size_px, double coc_diameter_px);
 /// Corners up-left, up-right, down-left, down-right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 

@@ -1,5 +1,6 @@
 #include "planner/record_floor.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -38,7 +39,7 @@ std::vector<float> record_floor(FocusFrame& frame, const FocusGeometry& geometry
                         const std::size_t k =
                             rows.band->pixel(x, y) - rows.band->pixel(rows.band->x_begin, y0);
                         PixelEdges edges;
-                        double coc_px = std::numeric_limits<double>::infinity();
+                        double coc_px = std::numeric_limits<double>::infinity(), bright = 0;
                         for (std::uint32_t l = leaves.leaf_offsets[k]; l < leaves.leaf_offsets[k + 1]; ++l) {
                             const Leaf& leaf = leaves.leaves[l];
                             std::array<const CellCorner*, 4> at{};
@@ -48,9 +49,18 @@ std::vector<float> record_floor(FocusFrame& frame, const FocusGeometry& geometry
                             if (step.split == CellStep::Split::none) continue;
                             for (const CellCorner* c : at)
                                 coc_px = std::min(coc_px, std::abs(geometry.coc_diameter_px(c->inverse_z)));
+                            const CellCorner* brightest = *std::max_element(
+                                at.begin(), at.end(), [](const CellCorner* a, const CellCorner* b) {
+                                    return std::max({a->linear[0], a->linear[1], a->linear[2]}) <
+                                           std::max({b->linear[0], b->linear[1], b->linear[2]});
+                                });
+                            bright +=
+                                spread_light_error(step, static_cast<double>(leaf.size),
+                                                   std::abs(geometry.coc_diameter_px(brightest->inverse_z)));
                         }
                         double mse = edges.mse();
                         if (mse > 0 && std::isfinite(coc_px)) mse /= averaged_by(coc_px, edges.aligned());
+                        mse += bright;
                         out[static_cast<std::size_t>(y) * static_cast<std::size_t>(h.width) +
                             static_cast<std::size_t>(x)] = static_cast<float>(mse);
                     }

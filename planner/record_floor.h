@@ -16,7 +16,7 @@ namespace postlens {
 
 /// What cells that no edge is seen in hide, since all of their corners miss it, adds to the error of those
 /// where one is seen: fitted (docs/planner.md).
-inline constexpr double floor_unseen = 1.8;
+inline constexpr double floor_unseen = 1.4;
 
 /// By pixel of the picture: the expected squared error (mean of the channels, encoded values) that comes of
 /// the size of the quadtrees' cells (edge_cells.h), less what circles of confusion average out. Reads the

@@ -181,12 +181,13 @@ TEST(AutoPicture, SaysWhereNoMethodGetsThere) {
     ASSERT_FALSE(poor.hybrid.focus.warnings.empty());
     EXPECT_EQ(poor.hybrid.focus.warnings.back().code, "target");
     EXPECT_GT(poor.hybrid.wanted_share, 0.01);
-    // With the scene at hand it may trace a tenth again.
+    // With the scene at hand it traces again as much as it may.
     s.hybrid.scene = &b.scene;
+    s.hybrid.most_retraced = 0.5;
     s.target_db = 38;
     const AutoResult again = auto_picture(of, s);
     EXPECT_GT(again.hybrid.retraced_share, 0.005);
-    EXPECT_LE(again.hybrid.retraced_share, 0.1);
+    EXPECT_LE(again.hybrid.retraced_share, 0.5);
     EXPECT_GT(psnr_db(again.hybrid.focus.image, rays(b.scene, s)),
               psnr_db(poor.hybrid.focus.image, rays(b.scene, s)) + 3);
 }
@@ -238,11 +239,12 @@ TEST(TracePlan, FindsTheLevelsThatATargetTakes) {
 
         const TemporaryFolder folder;
         const TraceResult r = trace_to_file(b.scene, p.settings, folder.path() / "frame.exr");
-        // A look at a sixteenth of the pixels, which makes margins wider: size within a factor of two.
+        // A look at a sixteenth of the pixels, which makes margins wider: records within a factor of two,
+        // bytes, which pack the better the denser they lie, of three.
         EXPECT_GT(p.records / static_cast<double>(r.records), 0.5) << target;
         EXPECT_LT(p.records / static_cast<double>(r.records), 2) << target;
         EXPECT_GT(p.bytes / static_cast<double>(r.bytes), 0.5) << target;
-        EXPECT_LT(p.bytes / static_cast<double>(r.bytes), 2) << target;
+        EXPECT_LT(p.bytes / static_cast<double>(r.bytes), 3) << target;
         // What it says of the records is what the records say.
         const SampleFileReader file(folder.path() / "frame.exr");
         FocusFrame of(file);
