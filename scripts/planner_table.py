@@ -39,7 +39,6 @@ CASES = [
     ("night", "night.toml", ["--f-number", "1.4", "--focus", "3"], "calibrate"),
     ("ruler", "ruler.toml", ["--f-number", "1.4", "--focus", "1"], "check"),
 ]
-TARGETS = [30, 35, 40, 45]
 FIXED = ([("scatter", []), ("layers", [])] + [("lightfield", ["--views", str(m)]) for m in (16, 32, 64, 128, 256, 512, 1024, 2048)])
 
 
@@ -101,10 +100,13 @@ def main():
     parser.add_argument("--spp", type=int, default=1024)
     parser.add_argument("--only", help="one case by name")
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--targets", default="30,35,40,45")
+    parser.add_argument("--most-views", type=int, default=2048, help="of the fixed settings")
     parser.add_argument("--no-fixed", action="store_true", help="do not look for the cheapest fixed setting")
     o = parser.parse_args()
     os.makedirs(o.out, exist_ok=True)
     postlens = os.path.join(o.build, "apps", "postlens")
+    targets = [int(t) for t in o.targets.split(",")]
     common = ["--quiet", "--json"]
     size = tuple(map(int, o.size.split("x")))
     tiles, pictures = [], []
@@ -120,10 +122,12 @@ def main():
                 "--seed", "1", *common)
         a, b = pixels(at + ".ref.a.exr", size), pixels(at + ".ref.b.exr", size)
         commands = {}
-        for target in TARGETS:
+        for target in targets:
             commands[("auto", target)] = ["--method", "auto", "--target-db", str(target), "--scene", scene]
         if not o.no_fixed:
             for method, more in FIXED:
+                if more and int(more[1]) > o.most_views:
+                    continue
                 commands[(method, more[1] if more else "")] = ["--method", method, *more]
         seconds, found = {}, {}
         for _ in range(o.rounds):
@@ -136,7 +140,7 @@ def main():
         for key, (result, picture) in found.items():
             errors, counts = tile_errors(pixels(picture, size), a, b)
             measured[key] = (errors, sum(e * n for e, n in zip(errors, counts)) / sum(counts))
-        for target in TARGETS:
+        for target in targets:
             result = found[("auto", target)][0]
             errors, whole = measured[("auto", target)]
             plan = result["plan"]
