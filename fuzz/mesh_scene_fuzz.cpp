@@ -6,7 +6,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size == 0) return 0;
     try {
-        (void)postlens::read_scene(postlens::fuzz_file(data + 1, size - 1, data[0] % 2 == 0 ? ".obj" : ".ply"));
+        (void)postlens::read_scene(
+            postlens::fuzz_file(data + 1, size - 1, data[0] % 2 == 0 ? ".obj" : ".ply"));
     } catch (const postlens::Error&) {
         // Refused, as it may be.
     }

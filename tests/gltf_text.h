@@ -40,24 +40,25 @@ class GltfText {
                         values.size() / per, type);
     }
     int accessor(std::string_view raw, int component, std::size_t count, const std::string& type,
-                 const std::string& more = "") {
+                 const std::string& members = "") {
         const int view = bytes(raw);
         accessors_ += fmt::format(R"({}{{"bufferView":{},"componentType":{},"count":{},"type":"{}"{}}})",
-                                  accessors_.empty() ? "" : ",", view, component, count, type, more);
+                                  accessors_.empty() ? "" : ",", view, component, count, type, members);
         return count_++;
     }
     /// Adds a buffer view; gives its index.
     int bytes(std::string_view raw) {
         while (buffer_.size() % 4 != 0) buffer_.push_back('\0');
-        views_ += fmt::format(R"({}{{"buffer":0,"byteOffset":{},"byteLength":{}}})", views_.empty() ? "" : ",",
-                              buffer_.size(), raw.size());
+        views_ += fmt::format(R"({}{{"buffer":0,"byteOffset":{},"byteLength":{}}})",
+                              views_.empty() ? "" : ",", buffer_.size(), raw.size());
         buffer_ += raw;
         return view_count_++;
     }
     /// Adds an animation of one curve.
     void animate(int node, const std::string& path, const std::string& interpolation,
                  const std::vector<float>& times, const std::vector<float>& values) {
-        const int input = floats(times, "SCALAR"), output = floats(values, path == "rotation" ? "VEC4" : "VEC3");
+        const int input = floats(times, "SCALAR"),
+                  output = floats(values, path == "rotation" ? "VEC4" : "VEC3");
         animations_ += fmt::format(
             R"({}{{"channels":[{{"sampler":0,"target":{{"node":{},"path":"{}"}}}}],"samplers":[{{"input":{},"output":{},"interpolation":"{}"}}]}})",
             animations_.empty() ? "" : ",", node, path, input, output, interpolation);

@@ -17,7 +17,14 @@ constexpr std::size_t most_numbers = std::size_t{1} << 28;
 // Elements of zeros that no buffer stands behind.
 constexpr std::size_t most_zeros = std::size_t{1} << 24;
 
-enum Component : unsigned { int8 = 5120, uint8 = 5121, int16 = 5122, uint16 = 5123, uint32 = 5125, float32 = 5126 };
+enum Component : unsigned {
+    int8 = 5120,
+    uint8 = 5121,
+    int16 = 5122,
+    uint16 = 5123,
+    uint32 = 5125,
+    float32 = 5126
+};
 
 std::size_t bytes_of(unsigned component) {
     switch (component) {
@@ -93,8 +100,8 @@ struct GltfAccessors::Layout {
 namespace {
 
 unsigned component_type(const JsonPlace& place) {
-    const auto type = static_cast<unsigned>(
-        place.required(place.whole("componentType", 0, 65535), "componentType"));
+    const auto type =
+        static_cast<unsigned>(place.required(place.whole("componentType", 0, 65535), "componentType"));
     if (bytes_of(type) == 0) place.fail_here("has an unknown componentType (got {})", type);
     return type;
 }
@@ -131,8 +138,8 @@ GltfAccessors::Layout GltfAccessors::layout(std::size_t index, const JsonPlace& 
         const JsonPlace v = document_.item("bufferViews", *view);
         out.stride = v.whole("byteStride", 4, 252).value_or(size);
         if (out.stride < size) {
-            v.fail_here("has elements that overlap (got a byteStride of {}; expected at least {})", out.stride,
-                        size);
+            v.fail_here("has elements that overlap (got a byteStride of {}; expected at least {})",
+                        out.stride, size);
         }
         out.bytes = elements(document_, a, *view, out.count, size, out.stride);
     } else if (out.count > most_zeros) {
@@ -155,8 +162,8 @@ GltfValues GltfAccessors::floats(std::size_t index, std::initializer_list<std::s
     const Layout l = layout(index, place);
     const JsonPlace a = document_.item("accessors", index);
     if (std::find(components.begin(), components.end(), l.components) == components.end()) {
-        place.fail_here("refers to {} of a type that does not fit (got {} components; expected {})", a.where(),
-                        l.components, fmt::join(components, " or "));
+        place.fail_here("refers to {} of a type that does not fit (got {} components; expected {})",
+                        a.where(), l.components, fmt::join(components, " or "));
     }
     spend(l.count * l.components, place);
     GltfValues out{l.count, l.components, std::vector<float>(l.count * l.components, 0.0F)};
@@ -170,7 +177,8 @@ GltfValues GltfAccessors::floats(std::size_t index, std::initializer_list<std::s
         }
     }
     fill_sparse(a, l, out);
-    const auto bad = std::find_if(out.values.begin(), out.values.end(), [](float v) { return !std::isfinite(v); });
+    const auto bad =
+        std::find_if(out.values.begin(), out.values.end(), [](float v) { return !std::isfinite(v); });
     if (bad != out.values.end()) {
         a.fail_here("holds a number that is not finite (got {} in element {})", *bad,
                     static_cast<std::size_t>(bad - out.values.begin()) / l.components);
@@ -193,9 +201,9 @@ void GltfAccessors::fill_sparse(const JsonPlace& accessor, const Layout& l, Gltf
     const std::string_view where =
         elements(document_, at, at.required(at.index("bufferView", views), "bufferView"), count, index_size,
                  index_size);
-    const std::string_view what = elements(
-        document_, values, values.required(values.index("bufferView", views), "bufferView"), count,
-        size * l.components, size * l.components);
+    const std::string_view what =
+        elements(document_, values, values.required(values.index("bufferView", views), "bufferView"), count,
+                 size * l.components, size * l.components);
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t element = whole(where.data() + i * index_size, index_type);
         if (element >= l.count) {
@@ -215,14 +223,15 @@ std::vector<std::uint32_t> GltfAccessors::indices(std::size_t index, std::size_t
     if (l.components != 1 || (l.component != uint8 && l.component != uint16 && l.component != uint32)) {
         place.fail_here("refers to {} that holds no indices (expected SCALAR unsigned integers)", a.where());
     }
-    if (!l.bytes || a.has("sparse")) a.fail_here("has indices without a buffer (expected a bufferView alone)");
+    if (!l.bytes || a.has("sparse"))
+        a.fail_here("has indices without a buffer (expected a bufferView alone)");
     spend(l.count, place);
     std::vector<std::uint32_t> out(l.count);
     for (std::size_t i = 0; i < l.count; ++i) {
         out[i] = whole(l.bytes->data() + i * l.stride, l.component);
         if (out[i] >= limit) {
-            a.fail_here("holds an index out of range (got {} in element {}; expected less than {})", out[i], i,
-                        limit);
+            a.fail_here("holds an index out of range (got {} in element {}; expected less than {})", out[i],
+                        i, limit);
         }
     }
     return out;

@@ -20,9 +20,9 @@ class GltfAccessors {
   public:
     explicit GltfAccessors(const GltfDocument& document) : document_(document) {}
 
-    /// The elements of an accessor (its index is in range), which must have one of these numbers of components, be
-    /// within its buffer view and hold finite numbers only; sparse ones are filled in. `place` is who asks. Throws
-    /// Error(invalid_input).
+    /// The elements of an accessor (its index is in range), which must have one of these numbers of
+    /// components, be within its buffer view and hold finite numbers only; sparse ones are filled in. `place`
+    /// is who asks. Throws Error(invalid_input).
     [[nodiscard]] GltfValues floats(std::size_t index, std::initializer_list<std::size_t> components,
                                     const JsonPlace& place);
     /// Unsigned integers of a SCALAR accessor, each less than `limit`.

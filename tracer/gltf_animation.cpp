@@ -47,12 +47,14 @@ class AnimationReader {
         const std::string path = target.required(target.text("path"), "path");
         const auto node = target.index("node", d_.count("nodes"));
         if (path == "weights") return notes_.add("the motion of morph targets is left out");
-        if (path == "pointer") return notes_.add("the motion of something else than a node's place is left out");
+        if (path == "pointer")
+            return notes_.add("the motion of something else than a node's place is left out");
         if (!node) return;
-        std::optional<GltfCurve> GltfNodeCurves::*member = path == "translation" ? &GltfNodeCurves::translation
-                                                           : path == "rotation"  ? &GltfNodeCurves::rotation
-                                                           : path == "scale"     ? &GltfNodeCurves::scale
-                                                                                 : nullptr;
+        std::optional<GltfCurve> GltfNodeCurves::*member = path == "translation"
+                                                               ? &GltfNodeCurves::translation
+                                                           : path == "rotation" ? &GltfNodeCurves::rotation
+                                                           : path == "scale"    ? &GltfNodeCurves::scale
+                                                                                : nullptr;
         if (!member) {
             target.fail_here("has an unknown path (got {}; expected translation, rotation, scale or weights)",
                              excerpt(path));
@@ -86,11 +88,12 @@ class AnimationReader {
         for (std::size_t i = 0; i < curve.times_s.size(); ++i) {
             const double t = curve.times_s[i];
             if (std::abs(t) > latest_s || (i > 0 && !(t > curve.times_s[i - 1]))) {
-                sampler.fail_here("has times that do not grow, or beyond {} s (got {} s as number {})", latest_s, t, i);
+                sampler.fail_here("has times that do not grow, or beyond {} s (got {} s as number {})",
+                                  latest_s, t, i);
             }
         }
-        const GltfValues values =
-            accessors_.floats(sampler.required(sampler.index("output", count), "output"), {components}, sampler);
+        const GltfValues values = accessors_.floats(
+            sampler.required(sampler.index("output", count), "output"), {components}, sampler);
         const std::size_t per_key = curve.kind == GltfCurve::Kind::cubic_spline ? 3 : 1;
         if (values.count != per_key * times.count) {
             sampler.fail_here("has the wrong number of values (got {}; expected {})", values.count,
@@ -146,8 +149,8 @@ std::array<double, 4> GltfCurve::at(double time_s) const {
     const auto leaving = value(k, 2), arriving = value(k + 1, 0);
     const double t2 = t * t, t3 = t2 * t;
     for (std::size_t i = 0; i < components; ++i) {
-        v[i] = (2 * t3 - 3 * t2 + 1) * a[i] + gap * (t3 - 2 * t2 + t) * leaving[i] + (3 * t2 - 2 * t3) * b[i] +
-               gap * (t3 - t2) * arriving[i];
+        v[i] = (2 * t3 - 3 * t2 + 1) * a[i] + gap * (t3 - 2 * t2 + t) * leaving[i] +
+               (3 * t2 - 2 * t3) * b[i] + gap * (t3 - t2) * arriving[i];
     }
     return finished(v);
 }

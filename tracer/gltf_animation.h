@@ -16,11 +16,12 @@ namespace postlens {
 struct GltfCurve {
     enum class Kind { step, linear, cubic_spline };
     Kind kind = Kind::linear;
-    std::vector<double> times_s;     ///< growing
-    std::size_t components = 3;      ///< 4: a rotation x, y, z, w
-    std::vector<double> values;      ///< per key; cubic_spline: tangent in, value, tangent out
+    std::vector<double> times_s;  ///< growing
+    std::size_t components = 3;   ///< 4: a rotation x, y, z, w
+    std::vector<double> values;   ///< per key; cubic_spline: tangent in, value, tangent out
 
-    /// The value at an instant; rotations are of unit length (linear: slerp, the short way; cubic: normalised).
+    /// The value at an instant; rotations are of unit length (linear: slerp, the short way; cubic:
+    /// normalised).
     [[nodiscard]] std::array<double, 4> at(double time_s) const;
 };
 
@@ -33,9 +34,9 @@ struct GltfNodeCurves {
     [[nodiscard]] std::vector<double> times_s() const;
 };
 
-/// By node. All animations of the document play at once; where two move the same of a node the first counts, with a
-/// note. Morph weights and pointers are left out with a note. Translations are multiplied by `metres_per_unit`. Throws
-/// Error(invalid_input).
+/// By node. All animations of the document play at once; where two move the same of a node the first counts,
+/// with a note. Morph weights and pointers are left out with a note. Translations are multiplied by
+/// `metres_per_unit`. Throws Error(invalid_input).
 [[nodiscard]] std::map<std::size_t, GltfNodeCurves> read_gltf_animations(const GltfDocument& document,
                                                                          GltfAccessors& accessors,
                                                                          double metres_per_unit,

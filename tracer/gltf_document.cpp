@@ -36,7 +36,8 @@ Parts parts_of(std::string_view all, const std::string& file) {
     }
     const std::size_t length = word(all, 8);
     if (length > all.size() || length < header + chunk_header) {
-        fail(ExitCode::invalid_input, "{}: is cut short (got {} bytes; expected {})", file, all.size(), length);
+        fail(ExitCode::invalid_input, "{}: is cut short (got {} bytes; expected {})", file, all.size(),
+             length);
     }
     Parts parts;
     for (std::size_t at = header; at + chunk_header <= length;) {
@@ -114,7 +115,8 @@ bool has_scheme(const std::string& uri) {
 
 void check_head(const GltfDocument& d) {
     const JsonPlace root = d.root();
-    if (!d.json.is_object()) fail(ExitCode::invalid_input, "{}: holds no object (expected a glTF document)", d.file);
+    if (!d.json.is_object())
+        fail(ExitCode::invalid_input, "{}: holds no object (expected a glTF document)", d.file);
     const JsonPlace asset = root.required(root.object("asset"), "asset");
     const std::string version = asset.required(asset.text("version"), "version");
     if (!version.starts_with("2.")) {
@@ -135,8 +137,7 @@ void check_head(const GltfDocument& d) {
 void read_buffers(GltfDocument& d, const std::optional<std::string_view>& binary) {
     std::uintmax_t total = 0;
     for (const JsonPlace& b : d.root().objects("buffers")) {
-        const std::size_t length =
-            b.required(b.whole("byteLength", 1, largest_gltf_bytes), "byteLength");
+        const std::size_t length = b.required(b.whole("byteLength", 1, largest_gltf_bytes), "byteLength");
         const auto uri = b.text("uri");
         std::string_view bytes;
         if (uri) {
@@ -162,11 +163,10 @@ void check_views(const GltfDocument& d) {
     for (const JsonPlace& v : d.root().objects("bufferViews")) {
         const std::size_t buffer = v.required(v.index("buffer", d.buffers.size()), "buffer");
         const std::size_t offset = v.whole("byteOffset", 0, largest_gltf_bytes).value_or(0);
-        const std::size_t length =
-            v.required(v.whole("byteLength", 1, largest_gltf_bytes), "byteLength");
+        const std::size_t length = v.required(v.whole("byteLength", 1, largest_gltf_bytes), "byteLength");
         if (offset + length > d.buffers[buffer].size()) {
-            v.fail_here("runs over its buffer's end (got bytes up to {}; expected at most {})", offset + length,
-                        d.buffers[buffer].size());
+            v.fail_here("runs over its buffer's end (got bytes up to {}; expected at most {})",
+                        offset + length, d.buffers[buffer].size());
         }
     }
 }
@@ -176,7 +176,8 @@ void check_views(const GltfDocument& d) {
 std::string_view GltfDocument::view(std::size_t index) const {
     const nlohmann::json& v = json["bufferViews"][index];
     return buffers[v["buffer"].get<std::size_t>()].substr(
-        static_cast<std::size_t>(v.value("byteOffset", 0.0)), static_cast<std::size_t>(v["byteLength"].get<double>()));
+        static_cast<std::size_t>(v.value("byteOffset", 0.0)),
+        static_cast<std::size_t>(v["byteLength"].get<double>()));
 }
 
 std::size_t GltfDocument::count(const char* array) const {

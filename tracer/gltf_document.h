@@ -36,18 +36,18 @@ struct GltfDocument {
     /// Number `index` of such an array; it exists.
     [[nodiscard]] JsonPlace item(const char* array, std::size_t index) const;
 
-    /// What a URI stands for: the bytes of a data URI, or of a file in the scene's folder or below, which is then one of
-    /// `files`. `place` is who refers to it. Throws Error(invalid_input) for every other URI, a file that leads out of
-    /// the folder or cannot be read.
+    /// What a URI stands for: the bytes of a data URI, or of a file in the scene's folder or below, which is
+    /// then one of `files`. `place` is who refers to it. Throws Error(invalid_input) for every other URI, a
+    /// file that leads out of the folder or cannot be read.
     [[nodiscard]] std::string_view resolve(const std::string& uri, const JsonPlace& place);
 };
 
 /// Largest file, or sum of what it refers to, that is read, bytes.
 inline constexpr std::uintmax_t largest_gltf_bytes = std::uintmax_t{1} << 31;
 
-/// Reads `path` into the empty `out`: by its first bytes a .glb, else JSON. Every buffer is there and as long as it
-/// says. Throws Error(invalid_input) "FILE: PLACE ...", also for a version other than 2 and for a required extension
-/// that is not known.
+/// Reads `path` into the empty `out`: by its first bytes a .glb, else JSON. Every buffer is there and as long
+/// as it says. Throws Error(invalid_input) "FILE: PLACE ...", also for a version other than 2 and for a
+/// required extension that is not known.
 void read_gltf_document(const std::filesystem::path& path, GltfDocument& out);
 
 }  // namespace postlens

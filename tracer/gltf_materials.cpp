@@ -19,8 +19,10 @@ constexpr std::size_t clamp_to_edge = 33071, mirrored_repeat = 33648, nearest_fi
 
 // What the extensions that are read change; the others are noted.
 constexpr std::array<std::string_view, 7> known_extensions{
-    "KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior",   "KHR_materials_emissive_strength",
-    "KHR_materials_specular",     "KHR_materials_unlit",  "KHR_texture_transform"};
+    "KHR_materials_transmission", "KHR_materials_volume",
+    "KHR_materials_ior",          "KHR_materials_emissive_strength",
+    "KHR_materials_specular",     "KHR_materials_unlit",
+    "KHR_texture_transform"};
 
 dvec3 colour_of(const JsonPlace& place, const char* key, const dvec3& otherwise, double most) {
     const auto v = place.numbers(key, 3, 0, most);
@@ -73,14 +75,17 @@ class MaterialReader {
             out.colour_texture = picture(*base_picture, uv);
             has_uv = out.colour_texture != nullptr;
             if (has_uv && s.metallic > 0) {
-                notes_.add("the picture of a metal's base colour tints its diffuse light, not its mirror image");
+                notes_.add(
+                    "the picture of a metal's base colour tints its diffuse light, not its mirror image");
             }
         }
         if (const auto t = m.object("emissiveTexture")) {
             UvSource own;
             auto texture = picture(*t, own);
             if (has_uv && !(own == uv)) {
-                notes_.add("an emissiveTexture lies otherwise on the mesh than the baseColorTexture and is left out");
+                notes_.add(
+                    "an emissiveTexture lies otherwise on the mesh than the baseColorTexture and is left "
+                    "out");
             } else {
                 uv = own;
                 out.emission_texture = std::move(texture);
@@ -133,8 +138,10 @@ class MaterialReader {
         s.unlit = m.extension("KHR_materials_unlit").has_value();
         if (const auto all = m.object("extensions")) {
             for (const auto& [name, value] : all->value().items()) {
-                if (std::find(known_extensions.begin(), known_extensions.end(), name) == known_extensions.end()) {
-                    notes_.add(fmt::format("the extension {} of a material is left out", printable_name(name, "''")));
+                if (std::find(known_extensions.begin(), known_extensions.end(), name) ==
+                    known_extensions.end()) {
+                    notes_.add(fmt::format("the extension {} of a material is left out",
+                                           printable_name(name, "''")));
                 }
             }
         }

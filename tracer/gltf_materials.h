@@ -15,8 +15,9 @@ struct GltfMaterials {
     std::vector<UvSource> uvs;        ///< where the pictures of each look
 };
 
-/// Every material as Whitted's model has it (metallic_roughness.h). Pictures stand for colour and emission; of those for
-/// metallic, roughness and transmission the mean counts. What is left out is noted. Throws Error(invalid_input).
+/// Every material as Whitted's model has it (metallic_roughness.h). Pictures stand for colour and emission;
+/// of those for metallic, roughness and transmission the mean counts. What is left out is noted. Throws
+/// Error(invalid_input).
 [[nodiscard]] GltfMaterials read_gltf_materials(GltfDocument& document, SceneNotes& notes);
 
 }  // namespace postlens

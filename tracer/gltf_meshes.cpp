@@ -70,8 +70,9 @@ class PrimitiveReader {
         for (std::size_t i = 0; i < p.count; ++i) {
             const dvec3 at = unit * dvec3(p.values[3 * i], p.values[3 * i + 1], p.values[3 * i + 2]);
             if (!(std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) <= largest_length_m)) {
-                attributes_.fail_here("has a position out of range (got ({}, {}, {}) m; expected at most {} m)",
-                                      at.x, at.y, at.z, largest_length_m);
+                attributes_.fail_here(
+                    "has a position out of range (got ({}, {}, {}) m; expected at most {} m)", at.x, at.y,
+                    at.z, largest_length_m);
             }
             mesh_.positions.emplace_back(at);
         }
@@ -89,10 +90,11 @@ class PrimitiveReader {
             place_.fail_here("has corners left over (got {}; expected a multiple of 3)", corners.size());
         }
         mesh_.triangles = assemble(mode, corners);
-        const auto kept = std::remove_if(mesh_.triangles.begin(), mesh_.triangles.end(), [&](const glm::uvec3& t) {
-            const dvec3 a(mesh_.positions[t.x]), b(mesh_.positions[t.y]), c(mesh_.positions[t.z]);
-            return glm::cross(b - a, c - a) == dvec3(0);
-        });
+        const auto kept =
+            std::remove_if(mesh_.triangles.begin(), mesh_.triangles.end(), [&](const glm::uvec3& t) {
+                const dvec3 a(mesh_.positions[t.x]), b(mesh_.positions[t.y]), c(mesh_.positions[t.z]);
+                return glm::cross(b - a, c - a) == dvec3(0);
+            });
         const auto dropped = mesh_.triangles.end() - kept;
         mesh_.triangles.erase(kept, mesh_.triangles.end());
         // Strips are stitched together by such triangles.
@@ -143,9 +145,9 @@ class PrimitiveReader {
 
 }  // namespace
 
-std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index, GltfAccessors& accessors,
-                                     const std::vector<UvSource>& uvs, double metres_per_unit,
-                                     SceneNotes& notes) {
+std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
+                                     GltfAccessors& accessors, const std::vector<UvSource>& uvs,
+                                     double metres_per_unit, SceneNotes& notes) {
     const JsonPlace mesh = document.item("meshes", index);
     if (!mesh.has("primitives")) mesh.fail_here("has no 'primitives' (expected at least one)");
     std::vector<GltfPart> parts;

@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Which (u, v) of its mesh a material reads, and how they are changed: KHR_texture_transform's matrix, with v running
-/// downwards.
+/// Which (u, v) of its mesh a material reads, and how they are changed: KHR_texture_transform's matrix, with
+/// v running downwards.
 struct UvSource {
     std::size_t set = 0;  ///< TEXCOORD_set
     glm::dvec2 offset{0}, scale{1};
@@ -26,9 +26,9 @@ struct GltfPart {
     std::optional<std::size_t> material;  ///< index in the document
 };
 
-/// The primitives of mesh `index` that have triangles, in metres. Points and lines, triangles without area, skins'
-/// weights and morph targets are left out with a note. `uvs`: by material of the document, where its textures look.
-/// Throws Error(invalid_input).
+/// The primitives of mesh `index` that have triangles, in metres. Points and lines, triangles without area,
+/// skins' weights and morph targets are left out with a note. `uvs`: by material of the document, where its
+/// textures look. Throws Error(invalid_input).
 [[nodiscard]] std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
                                                    GltfAccessors& accessors, const std::vector<UvSource>& uvs,
                                                    double metres_per_unit, SceneNotes& notes);

@@ -48,7 +48,8 @@ Local local_of(const JsonPlace& node, double unit) {
         if (!(glm::length(q) > 1e-9)) node.fail_here("has a 'rotation' of no length");
         out.placement.rotation = glm::normalize(q);
     }
-    if (const auto s = node.numbers("scale", 3, -largest_scale, largest_scale)) out.placement.scale = vector(*s);
+    if (const auto s = node.numbers("scale", 3, -largest_scale, largest_scale))
+        out.placement.scale = vector(*s);
     out.matrix = matrix_of(out.placement);
     return out;
 }
@@ -81,7 +82,8 @@ GltfNodes::GltfNodes(const GltfDocument& document, std::map<std::size_t, GltfNod
     const auto parents = parents_of(d_);
     const JsonPlace scene = d_.item("scenes", shown);
     // With one node above each at most and none above the roots, what hangs below them has no rings.
-    std::vector<std::pair<std::size_t, std::optional<std::size_t>>> open;  // node, place of its parent in nodes_
+    std::vector<std::pair<std::size_t, std::optional<std::size_t>>>
+        open;  // node, place of its parent in nodes_
     std::vector<bool> seen(parents.size(), false);
     for (const std::size_t root : scene.indices("nodes", parents.size())) {
         if (parents[root]) {
@@ -113,7 +115,8 @@ void GltfNodes::add(std::size_t index, const GltfNode* parent, double unit) {
     for (int column = 0; column < 4; ++column) {
         for (int row = 0; row < 3; ++row) {
             if (!(std::abs(node.world_from_node[column][row]) <= largest_length_m)) {
-                place.fail_here("stands out of range (expected at most {} m from the origin)", largest_length_m);
+                place.fail_here("stands out of range (expected at most {} m from the origin)",
+                                largest_length_m);
             }
         }
     }

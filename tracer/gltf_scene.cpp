@@ -41,7 +41,8 @@ class GltfReader {
         add_views(nodes);
         notes_.append_to(scene_.notes, d_.path);
         scene_.sha256 = sha256_of_scene(d_.bytes.front(), d_.files);
-        // A file with lights says what is lit; else a little of the light from everywhere, as scenes of ours have it.
+        // A file with lights says what is lit; else a little of the light from everywhere, as scenes of ours
+        // have it.
         if (!scene_.lights.empty()) scene_.ambient_light = dvec3(0);
         complete_scene(scene_, d_.path, answers_to_lights(scene_), 1, open_side(scene_));
         return std::move(scene_);
@@ -81,7 +82,8 @@ class GltfReader {
         for (const GltfPart& part : parts_of(*mesh)) {
             const glm::dmat3 linear(rest);
             const double volume = glm::determinant(linear);
-            if (!(std::abs(volume) > 1e-12 * glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]))) {
+            if (!(std::abs(volume) >
+                  1e-12 * glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]))) {
                 notes_.add("a node that flattens its mesh is left out");
                 continue;
             }
@@ -96,7 +98,8 @@ class GltfReader {
             if (node.frame) moving_[*node.frame].push_back(scene_.objects.size());
             scene_.objects.push_back(std::move(object));
             if (scene_.objects.size() > largest_shape_count) {
-                place.fail_here("makes too many shapes (expected at most {} in the scene)", largest_shape_count);
+                place.fail_here("makes too many shapes (expected at most {} in the scene)",
+                                largest_shape_count);
             }
         }
     }
@@ -122,8 +125,8 @@ class GltfReader {
             if (nodes.frame_shear(frame) > 1e-3) {
                 notes_.add("a motion shears what it moves; its nearest turn and scale stand for it");
             }
-            const std::vector<TransformKey> keys = keys_of(
-                [&](double t) { return nodes.frame_at(frame, t); }, times, corners, size);
+            const std::vector<TransformKey> keys =
+                keys_of([&](double t) { return nodes.frame_at(frame, t); }, times, corners, size);
             for (const std::size_t i : objects) {
                 Object& o = scene_.objects[i];
                 o.world_from_object = transform_at(keys, scene_.time_s) * o.motion_base;
@@ -139,8 +142,9 @@ class GltfReader {
         });
     }
 
-    std::vector<TransformKey> keys_of(const std::function<Placement(double)>& at, const std::vector<double>& times,
-                                      std::span<const dvec3> points, double size_m) {
+    std::vector<TransformKey> keys_of(const std::function<Placement(double)>& at,
+                                      const std::vector<double>& times, std::span<const dvec3> points,
+                                      double size_m) {
         SampledMotion motion = sampled_motion(at, times, points, motion_tolerance * size_m);
         if (motion.error_m > 2 * motion_tolerance * size_m) {
             notes_.add("a motion is followed less closely than to 1/10000 of the size of what moves");

@@ -89,8 +89,9 @@ std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& n
         };
         const double outer = angle("outerConeAngle", quarter_turn / 2), inner = angle("innerConeAngle", 0);
         if (!(outer > inner)) {
-            l.fail_here("has a spot with no width (got angles of {} and {}; expected the outer one to be larger)",
-                        inner, outer);
+            l.fail_here(
+                "has a spot with no width (got angles of {} and {}; expected the outer one to be larger)",
+                inner, outer);
         }
         light.cone_degrees = std::min(outer * 360 / std::numbers::pi, 180.0);
         light.cone_soft_degrees = std::min(inner * 360 / std::numbers::pi, light.cone_degrees);

@@ -31,7 +31,8 @@ const char* format_of(std::string_view bytes) {
 }
 
 std::string one_line(std::string text) {
-    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
     return text.substr(0, 200);
 }
 
@@ -48,7 +49,8 @@ RawImage decode_image(std::string_view bytes, const std::string& name) {
         }
         const OIIO::ImageSpec spec = in->spec();
         const double pixels = static_cast<double>(spec.width) * spec.height;
-        if (spec.width < 1 || spec.height < 1 || pixels > most_image_pixels || spec.nchannels < 1 || spec.deep) {
+        if (spec.width < 1 || spec.height < 1 || pixels > most_image_pixels || spec.nchannels < 1 ||
+            spec.deep) {
             fail(ExitCode::invalid_input, "{}: is too large (got {}x{} px; expected at most {} px)", name,
                  spec.width, spec.height, most_image_pixels);
         }

@@ -9,8 +9,9 @@
 
 namespace postlens {
 
-/// The values of an image file, four to a pixel (red, green, blue, alpha), top row first, as the file has them: 0 to 1 of
-/// integer formats, without any transfer curve undone. A missing alpha is 1, grey counts for all three colours.
+/// The values of an image file, four to a pixel (red, green, blue, alpha), top row first, as the file has
+/// them: 0 to 1 of integer formats, without any transfer curve undone. A missing alpha is 1, grey counts for
+/// all three colours.
 struct RawImage {
     int width = 0, height = 0;
     std::vector<float> rgba;
@@ -20,8 +21,9 @@ struct RawImage {
 /// Largest picture that is decoded, pixels: 1 GiB of RawImage.
 inline constexpr double most_image_pixels = 1 << 26;
 
-/// Decodes a file of any format that OpenImageIO reads from memory (PNG, JPEG, ...). `name` is for errors. Throws
-/// Error(invalid_input), also for a picture of more than most_image_pixels and for values that are not finite.
+/// Decodes a file of any format that OpenImageIO reads from memory (PNG, JPEG, ...). `name` is for errors.
+/// Throws Error(invalid_input), also for a picture of more than most_image_pixels and for values that are not
+/// finite.
 [[nodiscard]] RawImage decode_image(std::string_view bytes, const std::string& name);
 
 /// As a texture whose colours are sRGB in the file, with scene-linear ones.

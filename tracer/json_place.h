@@ -13,12 +13,13 @@
 
 namespace postlens {
 
-/// Parses a document. Throws Error(invalid_input) where it is no JSON, nests deeper than 128 levels or has more than
-/// 4 million values (a value takes some 100 bytes of memory).
+/// Parses a document. Throws Error(invalid_input) where it is no JSON, nests deeper than 128 levels or has
+/// more than 4 million values (a value takes some 100 bytes of memory).
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::string& file);
 
-/// A value and its place, e.g. "materials[2].emissiveFactor". Refers to the document and the file's name, which must
-/// outlive it. Everything that is not as asked throws Error(invalid_input) "FILE: PLACE what (got X; expected Y)".
+/// A value and its place, e.g. "materials[2].emissiveFactor". Refers to the document and the file's name,
+/// which must outlive it. Everything that is not as asked throws Error(invalid_input) "FILE: PLACE what (got
+/// X; expected Y)".
 class JsonPlace {
   public:
     JsonPlace(const std::string& file, const nlohmann::json& value, std::string where)
@@ -36,7 +37,8 @@ class JsonPlace {
 
     [[nodiscard]] std::optional<double> number(const char* key, double least, double most) const;
     /// A whole number.
-    [[nodiscard]] std::optional<std::size_t> whole(const char* key, std::size_t least, std::size_t most) const;
+    [[nodiscard]] std::optional<std::size_t> whole(const char* key, std::size_t least,
+                                                   std::size_t most) const;
     /// An index into `count` things.
     [[nodiscard]] std::optional<std::size_t> index(const char* key, std::size_t count) const;
     [[nodiscard]] std::vector<std::size_t> indices(const char* key, std::size_t count) const;

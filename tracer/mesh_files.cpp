@@ -20,7 +20,9 @@ class MemoryStream : public Assimp::IOStream {
         at_ += items * size;
         return items;
     }
-    std::size_t Write(const void* /*from*/, std::size_t /*size*/, std::size_t /*count*/) override { return 0; }
+    std::size_t Write(const void* /*from*/, std::size_t /*size*/, std::size_t /*count*/) override {
+        return 0;
+    }
     aiReturn Seek(std::size_t offset, aiOrigin origin) override {
         const std::size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? at_ : bytes_.size();
         // From the end assimp counts backwards.

@@ -11,8 +11,9 @@
 
 namespace postlens {
 
-/// Hands out whole files from memory, as UTF-8: of UTF-16 and UTF-8 a byte order mark says what they are. Nothing outside
-/// of the scene's folder is opened, and nothing is written. What was asked for and is not there, or leads out, is kept.
+/// Hands out whole files from memory, as UTF-8: of UTF-16 and UTF-8 a byte order mark says what they are.
+/// Nothing outside of the scene's folder is opened, and nothing is written. What was asked for and is not
+/// there, or leads out, is kept.
 class MeshFiles : public Assimp::IOSystem {
   public:
     /// `text`: of the scene file itself.
@@ -40,7 +41,8 @@ class MeshFiles : public Assimp::IOSystem {
 /// Largest file that is given to assimp, bytes: it takes about ten times as much memory.
 inline constexpr std::uintmax_t largest_mesh_file_bytes = std::uintmax_t{1} << 30;
 
-/// UTF-16 text with a byte order mark as UTF-8; other text as it is, without its mark. What is no character becomes '?'.
+/// UTF-16 text with a byte order mark as UTF-8; other text as it is, without its mark. What is no character
+/// becomes '?'.
 [[nodiscard]] std::string as_utf8(std::string text);
 
 }  // namespace postlens

@@ -51,7 +51,8 @@ Material MeshMaterials::read(const aiMaterial& from) {
     const double d = std::clamp(number(from, AI_MATKEY_OPACITY).value_or(1), 0.0, 1.0);
     const double ni = std::clamp(number(from, AI_MATKEY_REFRACTI).value_or(1), 0.0, 100.0);
     const dvec3 ke = colour(from, AI_MATKEY_COLOR_EMISSIVE, dvec3(0), largest_colour);
-    const auto roughness = number(from, AI_MATKEY_ROUGHNESS_FACTOR), metallic = number(from, AI_MATKEY_METALLIC_FACTOR);
+    const auto roughness = number(from, AI_MATKEY_ROUGHNESS_FACTOR),
+               metallic = number(from, AI_MATKEY_METALLIC_FACTOR);
     int illum = 2;
     // The key by which assimp's reader of MTL hands over `illum`; no header names it.
     (void)from.Get("$mat.illum", 0, 0, illum);
@@ -93,7 +94,8 @@ Material MeshMaterials::read(const aiMaterial& from) {
 
 std::shared_ptr<const Texture> MeshMaterials::picture(const aiMaterial& from, aiTextureType type) {
     aiString name;
-    if (from.GetTextureCount(type) == 0 || from.GetTexture(type, 0, &name) != aiReturn_SUCCESS) return nullptr;
+    if (from.GetTextureCount(type) == 0 || from.GetTexture(type, 0, &name) != aiReturn_SUCCESS)
+        return nullptr;
     std::string file = name.C_Str();
     std::replace(file.begin(), file.end(), '\\', '/');
     const auto [at, is_new] = textures_.try_emplace(file);

@@ -28,7 +28,8 @@ namespace {
 using glm::dvec3;
 
 std::string one_line(std::string text) {
-    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7F; }, ' ');
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7F; }, ' ');
     return text.substr(0, 200);
 }
 
@@ -58,7 +59,8 @@ class MeshReader {
                  path_.string(), excerpt(name));
         }
         if (!files->missing().empty()) {
-            notes_.add(fmt::format("the material library {} cannot be read", excerpt(files->missing().front())));
+            notes_.add(
+                fmt::format("the material library {} cannot be read", excerpt(files->missing().front())));
         }
         std::vector<ReferredFile> referred = files->opened();
         MeshMaterials materials(path_, referred, notes_);
@@ -73,7 +75,8 @@ class MeshReader {
     const aiScene* import(Assimp::Importer& importer) const {
         std::string why;
         try {
-            if (const aiScene* found = importer.ReadFile(path_.string(), 0); found && found->mRootNode) return found;
+            if (const aiScene* found = importer.ReadFile(path_.string(), 0); found && found->mRootNode)
+                return found;
             why = importer.GetErrorString();
         } catch (const std::bad_alloc&) {
             throw;
@@ -102,8 +105,8 @@ class MeshReader {
             }
             if (scene_.objects.size() > before) ++id_;
             if (scene_.objects.size() > largest_shape_count) {
-                fail(ExitCode::invalid_input, "{}: has too many objects (expected at most {})", path_.string(),
-                     largest_shape_count);
+                fail(ExitCode::invalid_input, "{}: has too many objects (expected at most {})",
+                     path_.string(), largest_shape_count);
             }
         }
         for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(from, *node.mChildren[i], materials);
@@ -176,8 +179,9 @@ class MeshReader {
         for (unsigned i = 0; i < face.mNumIndices; ++i) {
             const unsigned index = face.mIndices[i];
             if (index >= out.positions.size()) {
-                fail(ExitCode::invalid_input, "{}: a face refers to no vertex (got {}; expected less than {})",
-                     path_.string(), index, out.positions.size());
+                fail(ExitCode::invalid_input,
+                     "{}: a face refers to no vertex (got {}; expected less than {})", path_.string(), index,
+                     out.positions.size());
             }
             if (!usable[index]) {
                 return notes_.add("a face with a corner that is not finite, or beyond 1e12 m, is left out");

@@ -19,7 +19,8 @@ void mend_columns(dmat3& m, const dvec3& length, double longest) {
         dvec3 across = glm::cross(a, b);
         if (!(glm::length(across) > 0)) {
             const dvec3 along = glm::length(a) > 0 ? a : b;
-            across = glm::cross(along, std::abs(along.x) < 0.6 * glm::length(along) ? dvec3(1, 0, 0) : dvec3(0, 1, 0));
+            across = glm::cross(
+                along, std::abs(along.x) < 0.6 * glm::length(along) ? dvec3(1, 0, 0) : dvec3(0, 1, 0));
         }
         m[i] = glm::normalize(across);
     }
@@ -44,7 +45,8 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // Without their lengths: the polar factor is then that of the directions, and exact where they are square.
+    // Without their lengths: the polar factor is then that of the directions, and exact where they are
+    // square.
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];

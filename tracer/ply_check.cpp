@@ -29,10 +29,22 @@ struct Element {
 enum class Format { ascii, little_endian, big_endian };
 
 std::size_t bytes_of(std::string_view type) {
-    constexpr std::array<std::pair<std::string_view, std::size_t>, 16> types{
-        {{"char", 1},   {"int8", 1},  {"uchar", 1},  {"uint8", 1},   {"short", 2},   {"int16", 2},
-         {"ushort", 2}, {"uint16", 2}, {"int", 4},   {"int32", 4},   {"uint", 4},    {"uint32", 4},
-         {"float", 4},  {"float32", 4}, {"double", 8}, {"float64", 8}}};
+    constexpr std::array<std::pair<std::string_view, std::size_t>, 16> types{{{"char", 1},
+                                                                              {"int8", 1},
+                                                                              {"uchar", 1},
+                                                                              {"uint8", 1},
+                                                                              {"short", 2},
+                                                                              {"int16", 2},
+                                                                              {"ushort", 2},
+                                                                              {"uint16", 2},
+                                                                              {"int", 4},
+                                                                              {"int32", 4},
+                                                                              {"uint", 4},
+                                                                              {"uint32", 4},
+                                                                              {"float", 4},
+                                                                              {"float32", 4},
+                                                                              {"double", 8},
+                                                                              {"float64", 8}}};
     for (const auto& [name, bytes] : types) {
         if (type == name) return bytes;
     }
@@ -46,9 +58,11 @@ class PlyCheck {
     void check() {
         read_header();
         for (const Element& e : elements_) {
-            if (e.properties.empty() && e.count > 0) fail_here("element {} has no properties", excerpt(e.name));
+            if (e.properties.empty() && e.count > 0)
+                fail_here("element {} has no properties", excerpt(e.name));
             for (std::uint64_t i = 0; i < e.count; ++i) {
-                for (const Property& p : e.properties) format_ == Format::ascii ? skip_words(e, p) : skip_bytes(e, p);
+                for (const Property& p : e.properties)
+                    format_ == Format::ascii ? skip_words(e, p) : skip_bytes(e, p);
             }
         }
     }
@@ -62,7 +76,8 @@ class PlyCheck {
     // Lines end with \n, \r\n or \r.
     std::vector<std::string_view> header_line() {
         const std::size_t end = rest_.find_first_of("\r\n");
-        if (end == std::string_view::npos || end > 4096) fail_here("has no end_header (expected a PLY header)");
+        if (end == std::string_view::npos || end > 4096)
+            fail_here("has no end_header (expected a PLY header)");
         const std::string_view line = rest_.substr(0, end);
         const bool two = rest_[end] == '\r' && end + 1 < rest_.size() && rest_[end + 1] == '\n';
         rest_.remove_prefix(end + (two ? 2 : 1));
@@ -78,7 +93,8 @@ class PlyCheck {
 
     void read_header() {
         const auto magic = header_line();
-        if (magic.size() != 1 || magic[0] != "ply") fail_here("is no PLY file (expected 'ply' in its first line)");
+        if (magic.size() != 1 || magic[0] != "ply")
+            fail_here("is no PLY file (expected 'ply' in its first line)");
         bool has_format = false;
         for (;;) {
             const auto words = header_line();
@@ -86,11 +102,12 @@ class PlyCheck {
             if (words[0] == "end_header") break;
             if (words[0] == "format" && words.size() >= 2) {
                 has_format = true;
-                format_ = words[1] == "ascii"                  ? Format::ascii
-                          : words[1] == "binary_little_endian" ? Format::little_endian
-                          : words[1] == "binary_big_endian"
-                              ? Format::big_endian
-                              : (fail_here("has an unknown format (got {})", excerpt(words[1])), Format::ascii);
+                format_ =
+                    words[1] == "ascii"                  ? Format::ascii
+                    : words[1] == "binary_little_endian" ? Format::little_endian
+                    : words[1] == "binary_big_endian"
+                        ? Format::big_endian
+                        : (fail_here("has an unknown format (got {})", excerpt(words[1])), Format::ascii);
             } else if (words[0] == "element" && words.size() == 3) {
                 elements_.push_back({std::string(words[1]), whole(words[2]), {}});
             } else if (words[0] == "property" && !elements_.empty() && words.size() >= 3) {
@@ -122,7 +139,8 @@ class PlyCheck {
     }
 
     void need(const Element& e, std::uint64_t bytes) const {
-        if (bytes > rest_.size()) fail_here("ends in its element {} (expected {} of them)", excerpt(e.name), e.count);
+        if (bytes > rest_.size())
+            fail_here("ends in its element {} (expected {} of them)", excerpt(e.name), e.count);
     }
 
     void skip_bytes(const Element& e, const Property& p) {

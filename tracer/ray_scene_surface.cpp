@@ -158,7 +158,8 @@ SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, con
         }
     }
     if (const auto& colours = f.mesh->mesh->colours; !colours.empty()) {
-        s.colour = static_cast<float>(b0) * colours[f.corners.x] + static_cast<float>(b1) * colours[f.corners.y] +
+        s.colour = static_cast<float>(b0) * colours[f.corners.x] +
+                   static_cast<float>(b1) * colours[f.corners.y] +
                    static_cast<float>(b2) * colours[f.corners.z];
     }
     if (textured(s.object)) {

@@ -61,8 +61,9 @@ struct Sampler {
 
 }  // namespace
 
-SampledMotion sampled_motion(const std::function<Placement(double time_s)>& at, std::span<const double> times_s,
-                             std::span<const dvec3> points, double tolerance_m) {
+SampledMotion sampled_motion(const std::function<Placement(double time_s)>& at,
+                             std::span<const double> times_s, std::span<const dvec3> points,
+                             double tolerance_m) {
     assert(!times_s.empty());
     Sampler sampler{at, points, tolerance_m, {}};
     sampler.out.keys.push_back(sampler.key(times_s.front()));

@@ -92,8 +92,8 @@ bool answers_to_lights(const Scene& scene) {
     });
 }
 
-void complete_scene(Scene& scene, const std::filesystem::path& path, bool wants_light,
-                    double light_intensity, std::optional<dvec3> view_from) {
+void complete_scene(Scene& scene, const std::filesystem::path& path, bool wants_light, double light_intensity,
+                    std::optional<dvec3> view_from) {
     if (scene.objects.empty()) {
         fail(ExitCode::invalid_input,
              "{}: the scene has no objects (expected at least one that is not hidden)", path.string());

@@ -24,8 +24,8 @@ class SceneNotes {
     std::vector<Note> notes_;
 };
 
-/// A name from a file as names of scenes are: printable (other bytes become '?'), at most 255 bytes; `fallback` for an
-/// empty one.
+/// A name from a file as names of scenes are: printable (other bytes become '?'), at most 255 bytes;
+/// `fallback` for an empty one.
 [[nodiscard]] std::string printable_name(const std::string& name, const std::string& fallback);
 
 }  // namespace postlens

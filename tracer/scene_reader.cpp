@@ -39,8 +39,8 @@ Scene read_scene(const std::filesystem::path& path, const SceneReadOptions& opti
     if (ending == ".nff") return read_nff_scene(path, options);
     if (ending == ".gltf" || ending == ".glb") return read_gltf_scene(path, options);
     if (ending == ".obj" || ending == ".ply") return read_mesh_scene(path, options);
-    fail(ExitCode::invalid_input, "{}: not a scene by its ending (got '{}'; expected {})", path.string(), ending,
-         fmt::join(endings, ", "));
+    fail(ExitCode::invalid_input, "{}: not a scene by its ending (got '{}'; expected {})", path.string(),
+         ending, fmt::join(endings, ", "));
 }
 
 }  // namespace postlens

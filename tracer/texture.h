@@ -18,9 +18,9 @@ struct Checker {
     glm::dvec3 even{1}, odd{0};
 };
 
-/// A picture over the unit square of (u, v): u to the right, v upwards. u wraps round unless `clamp_u`; v wraps round
-/// where `wrap_v` is set or `repeat.y` is not 1, and stops at the first and last row otherwise (a sphere's poles must
-/// not mix).
+/// A picture over the unit square of (u, v): u to the right, v upwards. u wraps round unless `clamp_u`; v
+/// wraps round where `wrap_v` is set or `repeat.y` is not 1, and stops at the first and last row otherwise (a
+/// sphere's poles must not mix).
 struct ImageTexture {
     int width = 0, height = 0;
     std::vector<float> rgb;  ///< scene-linear, top row first
