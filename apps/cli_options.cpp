@@ -93,7 +93,9 @@ void impulse_options(CLI::App& app, Impulse& to) {
 
 void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
                    std::string& camera_name) {
-    app.add_option("scene", scene, "Scene: .toml (docs/scene_format.md) or .nff")
+    app.add_option(
+           "scene", scene,
+           "Scene: .toml (docs/scene_format.md), .nff, .gltf, .glb, .obj or .ply (docs/mesh_scenes.md)")
         ->required()
         ->type_name("SCENE");
     number(app, "--metres-per-unit", metres_per_unit, "Length of the scene's unit, m, more than 0", "X");

@@ -1,6 +1,9 @@
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
 
 #include "apps/command.h"
 #include "lens/prescription/first_order.h"
@@ -99,9 +102,30 @@ CommandResult sample_file_info(const std::string& input) {
 
 CommandResult scene_info(const std::string& input) {
     const Scene scene = read_scene(input);
-    std::size_t moving = 0;
-    for (const Object& o : scene.objects) moving += o.keys.empty() ? 0 : 1;
-    nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
+    std::size_t moving = 0, triangles = 0;
+    std::set<const Mesh*> meshes;
+    std::optional<TimeSpan> motion;
+    const auto add_motion = [&](const std::vector<TransformKey>& keys) {
+        if (keys.empty()) return;
+        if (!motion) motion = TimeSpan{keys.front().time_s, keys.back().time_s};
+        motion->open_s = std::min(motion->open_s, keys.front().time_s);
+        motion->close_s = std::max(motion->close_s, keys.back().time_s);
+    };
+    for (const Object& o : scene.objects) {
+        moving += o.keys.empty() ? 0 : 1;
+        add_motion(o.keys);
+        const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&o.shape);
+        if (mesh && meshes.insert(mesh->get()).second) triangles += (*mesh)->triangles.size();
+    }
+    std::set<const Texture*> textures;
+    for (const Material& m : scene.materials) {
+        for (const Texture* t : {m.colour_texture.get(), m.emission_texture.get()}) {
+            if (t) textures.insert(t);
+        }
+    }
+    for (const Camera& c : scene.cameras) add_motion(c.keys);
+    for (const Light& l : scene.lights) add_motion(l.keys);
+    std::vector<std::string> cameras;
     for (const Camera& c : scene.cameras) cameras.push_back(c.name);
     const CameraModel camera(find_camera(scene, ""), scene.time_s);
     CommandResult out;
@@ -112,7 +136,12 @@ CommandResult scene_info(const std::string& input) {
                 {"name", scene.name},
                 {"objects", scene.objects.size()},
                 {"moving", moving},
+                {"meshes", meshes.size()},
+                {"triangles", triangles},
                 {"materials", scene.materials.size()},
+                {"textures", textures.size()},
+                {"motion_s", motion ? nlohmann::ordered_json{motion->open_s, motion->close_s}
+                                    : nlohmann::ordered_json(nullptr)},
                 {"lights", scene.lights.size()},
                 {"cameras", cameras},
                 {"focal_length_mm", camera.film_distance_mm},
@@ -122,6 +151,10 @@ CommandResult scene_info(const std::string& input) {
         fmt::format("{}: scene {}, {} objects ({} moving), {} materials, {} lights, {} cameras; {}x{} px",
                     input, scene.name, scene.objects.size(), moving, scene.materials.size(),
                     scene.lights.size(), scene.cameras.size(), camera.width, camera.height);
+    if (!meshes.empty()) out.text += fmt::format("\n{} meshes of {} triangles", meshes.size(), triangles);
+    if (!textures.empty()) out.text += fmt::format("\n{} textures", textures.size());
+    if (motion) out.text += fmt::format("\nmotion from {:.6g} to {:.6g} s", motion->open_s, motion->close_s);
+    if (scene.cameras.size() > 1) out.text += fmt::format("\ncameras: {}", fmt::join(cameras, ", "));
     return out;
 }
 
@@ -172,11 +205,8 @@ CommandResult run_info(const std::string& input) {
         fail(ExitCode::invalid_input, "{}: cannot read (got a folder; expected a file)", input);
     }
     if (!fs::exists(input, error)) fail(ExitCode::invalid_input, "{}: cannot read (no such file)", input);
-    std::string ending = fs::path(input).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
     if (is_prescription(input)) return lens_info(input);
-    if (ending == ".toml" || ending == ".nff") return scene_info(input);
+    if (is_scene_file(input)) return scene_info(input);
     if (SampleFileReader::is_sample_file(input)) return sample_file_info(input);
     if (is_foreign(input)) return foreign_info(input);
     return image_info(input);

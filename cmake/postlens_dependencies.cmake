@@ -12,6 +12,7 @@ find_package(nlohmann_json 3.11 REQUIRED)
 find_package(OpenSSL 3.0 REQUIRED COMPONENTS Crypto)
 find_package(CLI11 2.1 REQUIRED)
 find_package(Ceres 2.1 REQUIRED)
+find_package(assimp 5.2 REQUIRED CONFIG)
 
 # xxHash ships no CMake package on Debian 12; XXH3 is used header-only.
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)

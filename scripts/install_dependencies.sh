@@ -17,6 +17,7 @@ build_packages=(
     # The CMake package of libopenimageio-dev refuses to load unless the programs of openimageio-tools are there.
     libopenimageio-dev openimageio-tools
     libopencv-dev
+    libassimp-dev
     libfftw3-dev libceres-dev
     libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
     libxxhash-dev libdeflate-dev libssl-dev

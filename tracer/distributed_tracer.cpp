@@ -61,7 +61,9 @@ DistributedTracer::DistributedTracer(const RayScene& scene, const Sampler& sampl
             (m.reflection != dvec3(0) || m.transmission != dvec3(0)) && settings_.max_depth > 1;
         const bool lit = !scene.scene().lights.empty() && (m.diffuse != dvec3(0) || m.specular != dvec3(0) ||
                                                            m.diffuse_transmission != dvec3(0));
-        const bool textured = m.colour_texture != nullptr || m.emission_texture != nullptr;
+        const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&o.shape);
+        const bool coloured = mesh != nullptr && !(*mesh)->colours.empty();
+        const bool textured = m.colour_texture != nullptr || m.emission_texture != nullptr || coloured;
         answers_.push_back(spawns || lit ? Answer::full : textured ? Answer::texture : Answer::constant);
         constant_.push_back(textured ? dvec3(0) : own_radiance(scene.scene(), m, {}, dvec3(1)));
     }

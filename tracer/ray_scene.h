@@ -91,6 +91,7 @@ struct SurfacePoint {
     glm::dvec3 normal{0, 0, 1};            ///< unit, outward; interpolated on smooth meshes
     glm::dvec3 object_position{0};         ///< in the object's own space, for textures
     glm::dvec2 uv{0};
+    glm::vec3 colour{1};       ///< of the mesh's corners, interpolated; 1 without
     std::uint32_t object = 0;  ///< index into Scene::objects
     int part = 0;              ///< of an analytic shape: face or cap
 };

@@ -157,6 +157,11 @@ SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, con
             if (glm::dot(s.normal, s.geometric_normal) < 0) s.geometric_normal = -s.geometric_normal;
         }
     }
+    if (const auto& colours = f.mesh->mesh->colours; !colours.empty()) {
+        s.colour = static_cast<float>(b0) * colours[f.corners.x] +
+                   static_cast<float>(b1) * colours[f.corners.y] +
+                   static_cast<float>(b2) * colours[f.corners.z];
+    }
     if (textured(s.object)) {
         s.object_position = dvec3(f.object_from_world * glm::dvec4(s.position, 1));
         const auto& uv = f.mesh->mesh->uvs;

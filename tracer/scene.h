@@ -72,6 +72,8 @@ struct Mesh {
     std::vector<glm::uvec3> triangles;
     std::vector<glm::vec3> normals;  ///< per position, or empty for flat shading
     std::vector<glm::vec2> uvs;      ///< per position, or empty
+    std::vector<glm::vec3>
+        colours;  ///< per position, or empty: multiply the material's colour_texture; 0 to 1
 };
 using Shape = std::variant<Sphere, Box, Disc, Rectangle, Plane, Cone, std::shared_ptr<const Mesh>>;
 
@@ -147,7 +149,11 @@ struct SceneReadOptions {
     double metres_per_unit = 1;  ///< > 0 finite; lengths in the file are multiplied by it
 };
 
-/// By the file's ending: .toml, .nff. Throws Error(invalid_input) "FILE:LINE[:COLUMN]: ...".
+/// Whether `read_scene` knows the file's ending.
+[[nodiscard]] bool is_scene_file(const std::filesystem::path& path);
+
+/// By the file's ending: .toml, .nff, .gltf, .glb, .obj, .ply. Throws Error(invalid_input)
+/// "FILE:LINE[:COLUMN]: ...".
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
 
 }  // namespace postlens

@@ -30,7 +30,7 @@ Bounds finite_bounds(const Scene& scene, const std::filesystem::path& path) {
     return all;
 }
 
-Camera framing_camera(const Bounds& box) {
+Camera framing_camera(const Bounds& box, const dvec3& from) {
     Camera camera;
     camera.name = "made camera";
     camera.focal_length_mm = 50;
@@ -43,12 +43,13 @@ Camera framing_camera(const Bounds& box) {
     // The sphere around the box fits the narrower side of the film.
     const double film_height_mm = camera.film_width_mm * camera.height / camera.width;
     const double half_angle = std::atan(0.5 * film_height_mm / *camera.focal_length_mm);
-    // From the right and above: a floor is not seen edge-on, and the front faces get different light.
-    const dvec3 from = glm::normalize(dvec3(0.3, 0.4, 1));
     camera.position = centre + radius / std::sin(half_angle) * from;
     camera.look_at = centre;
     return camera;
 }
+
+// From the right and above: a floor is not seen edge-on, and the front faces get different light.
+const dvec3 usual_side = glm::normalize(dvec3(0.3, 0.4, 1));
 
 Light eye_light(const Camera& camera, double time_s, double intensity) {
     const glm::dmat4 moved = transform_at(camera.keys, time_s);
@@ -63,21 +64,43 @@ Light eye_light(const Camera& camera, double time_s, double intensity) {
 
 }  // namespace
 
+std::optional<dvec3> open_side(const Scene& scene) {
+    dvec3 sum(0);
+    double area = 0;
+    for (const Object& o : scene.objects) {
+        const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&o.shape);
+        if (!mesh) continue;
+        const glm::dmat3 linear(o.world_from_object);
+        for (const glm::uvec3& t : (*mesh)->triangles) {
+            const dvec3 a((*mesh)->positions[t.x]);
+            const dvec3 n = glm::cross(linear * (dvec3((*mesh)->positions[t.y]) - a),
+                                       linear * (dvec3((*mesh)->positions[t.z]) - a));
+            sum += n;
+            area += glm::length(n);
+        }
+    }
+    constexpr double least_share = 0.1;
+    const dvec3 level(sum.x, 0, sum.z);
+    const double length = glm::length(level);
+    if (!(length > least_share * area) || !(length > std::abs(sum.y))) return std::nullopt;
+    return level / length;
+}
+
 bool answers_to_lights(const Scene& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
         return m.diffuse + m.diffuse_transmission + m.specular != dvec3(0);
     });
 }
 
-void complete_scene(Scene& scene, const std::filesystem::path& path, bool wants_light,
-                    double light_intensity) {
+void complete_scene(Scene& scene, const std::filesystem::path& path, bool wants_light, double light_intensity,
+                    std::optional<dvec3> view_from) {
     if (scene.objects.empty()) {
         fail(ExitCode::invalid_input,
              "{}: the scene has no objects (expected at least one that is not hidden)", path.string());
     }
     const Bounds box = finite_bounds(scene, path);
     if (scene.cameras.empty()) {
-        const Camera camera = framing_camera(box);
+        const Camera camera = framing_camera(box, view_from.value_or(usual_side));
         scene.notes.push_back(fmt::format(
             "no camera in the scene: made one of 50 mm at ({:.4g}, {:.4g}, {:.4g}) m that frames everything",
             camera.position.x, camera.position.y, camera.position.z));

@@ -1,13 +1,32 @@
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 
 #include "core/error.h"
+#include "tracer/gltf_scene.h"
+#include "tracer/mesh_scene.h"
 #include "tracer/nff_scene.h"
 #include "tracer/scene.h"
 #include "tracer/toml_scene.h"
 
 namespace postlens {
+namespace {
+
+constexpr std::array<std::string_view, 6> endings{".toml", ".nff", ".gltf", ".glb", ".obj", ".ply"};
+
+std::string ending_of(const std::filesystem::path& path) {
+    std::string ending = path.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return ending;
+}
+
+}  // namespace
+
+bool is_scene_file(const std::filesystem::path& path) {
+    return std::find(endings.begin(), endings.end(), ending_of(path)) != endings.end();
+}
 
 Scene read_scene(const std::filesystem::path& path, const SceneReadOptions& options) {
     constexpr double least = 1e-9, most = 1e9;
@@ -15,13 +34,13 @@ Scene read_scene(const std::filesystem::path& path, const SceneReadOptions& opti
         fail(ExitCode::wrong_arguments, "--metres-per-unit: out of range (got {}; expected {} to {})",
              options.metres_per_unit, least, most);
     }
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string ending = ending_of(path);
     if (ending == ".toml") return read_toml_scene(path, options);
     if (ending == ".nff") return read_nff_scene(path, options);
-    fail(ExitCode::invalid_input, "{}: not a scene by its ending (got '{}'; expected .toml or .nff)",
-         path.string(), ending);
+    if (ending == ".gltf" || ending == ".glb") return read_gltf_scene(path, options);
+    if (ending == ".obj" || ending == ".ply") return read_mesh_scene(path, options);
+    fail(ExitCode::invalid_input, "{}: not a scene by its ending (got '{}'; expected {})", path.string(),
+         ending, fmt::join(endings, ", "));
 }
 
 }  // namespace postlens

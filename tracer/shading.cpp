@@ -26,7 +26,8 @@ Facing face(const SurfacePoint& s, const dvec3& direction) {
 }
 
 dvec3 surface_colour(const Material& m, const SurfacePoint& s) {
-    return m.colour_texture ? m.colour_texture->colour(s.object_position, s.uv) : dvec3(1);
+    const dvec3 corners(s.colour);
+    return m.colour_texture ? corners * m.colour_texture->colour(s.object_position, s.uv) : corners;
 }
 
 dvec3 own_radiance(const Scene& scene, const Material& m, const SurfacePoint& s, const dvec3& colour) {

@@ -49,15 +49,21 @@ double tile_share(double c) {
     return share >= 0 ? std::min(share, 1.0) : 0.0;
 }
 
+// A coordinate as a share of the picture.
+double wrapped_or_stopped(double c, bool wraps) {
+    if (wraps) return tile_share(c);
+    return c >= 0 ? std::min(c, 1.0) : 0.0;
+}
+
 int wrapped(int i, int count, bool wrap) {
     if (!wrap) return std::clamp(i, 0, count - 1);
     return i < 0 ? i + count : i >= count ? i - count : i;
 }
 
 glm::dvec3 image_colour(const ImageTexture& image, const glm::dvec2& uv) {
-    const bool wrap_v = image.repeat.y != 1;
-    const double u = tile_share(uv.x * image.repeat.x);
-    const double v = wrap_v ? tile_share(uv.y * image.repeat.y) : uv.y >= 0 ? std::min(uv.y, 1.0) : 0.0;
+    const bool wrap_u = !image.clamp_u, wrap_v = image.wrap_v || image.repeat.y != 1;
+    const double u = wrapped_or_stopped(uv.x * image.repeat.x, wrap_u);
+    const double v = wrapped_or_stopped(uv.y * image.repeat.y, wrap_v);
     const double x = u * image.width, y = (1 - v) * image.height;
     if (image.nearest) {
         return texel(image, std::min(static_cast<int>(x), image.width - 1),
@@ -67,7 +73,7 @@ glm::dvec3 image_colour(const ImageTexture& image, const glm::dvec2& uv) {
     const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
     const double a = x - 0.5 - left, b = y - 0.5 - top;
     const int column = static_cast<int>(left), row = static_cast<int>(top);
-    const int c0 = wrapped(column, image.width, true), c1 = wrapped(column + 1, image.width, true);
+    const int c0 = wrapped(column, image.width, wrap_u), c1 = wrapped(column + 1, image.width, wrap_u);
     const int r0 = wrapped(row, image.height, wrap_v), r1 = wrapped(row + 1, image.height, wrap_v);
     return glm::mix(glm::mix(texel(image, c0, r0), texel(image, c1, r0), a),
                     glm::mix(texel(image, c0, r1), texel(image, c1, r1), a), b);

@@ -18,13 +18,16 @@ struct Checker {
     glm::dvec3 even{1}, odd{0};
 };
 
-/// A picture over the unit square of (u, v): u to the right, v upwards. u wraps round; v wraps round where
-/// `repeat.y` is not 1 and stops at the first and last row otherwise (a sphere's poles must not mix).
+/// A picture over the unit square of (u, v): u to the right, v upwards. u wraps round unless `clamp_u`; v
+/// wraps round where `wrap_v` is set or `repeat.y` is not 1, and stops at the first and last row otherwise (a
+/// sphere's poles must not mix).
 struct ImageTexture {
     int width = 0, height = 0;
     std::vector<float> rgb;  ///< scene-linear, top row first
     glm::dvec2 repeat{1};    ///< times over the unit square
     bool nearest = false;    ///< false: bilinear
+    bool clamp_u = false;    ///< stop at the first and last column instead
+    bool wrap_v = false;
 };
 
 /// floor((c - offset) / size) without rounding error, for finite c and offset and size > 0 (infinite: 0).

@@ -51,20 +51,6 @@ Texture read_checker_uv(const TomlTable& t) {
     return Texture(checker);
 }
 
-// The file within the scene's folder; links are followed before that is judged.
-std::filesystem::path find_file(const TomlTable& t, const std::string& file,
-                                const std::filesystem::path& scene_path) {
-    std::error_code error;
-    const auto folder = std::filesystem::canonical(scene_path, error).parent_path();
-    auto path = std::filesystem::weakly_canonical(folder / file, error);
-    const auto inside = path.lexically_relative(folder);
-    if (error || std::filesystem::path(file).is_absolute() || inside.empty() || *inside.begin() == "..") {
-        t.fail_at("file", "'file' leads out of the scene's folder (got {}; expected a path inside it)",
-                  excerpt(file));
-    }
-    return path;
-}
-
 Texture read_image_texture(const TomlTable& t, const std::filesystem::path& scene_path,
                            std::vector<ReferredFile>& files) {
     static constexpr std::array<Name, 5> known{"name", "kind", "file", "repeat", "filter"};
@@ -75,10 +61,14 @@ Texture read_image_texture(const TomlTable& t, const std::filesystem::path& scen
     const auto repeat = t.numbers("repeat", 2, {.min = 1e-6, .max = 1e6}).value_or(std::vector<double>{1, 1});
     texture.repeat = dvec2(repeat[0], repeat[1]);
     texture.nearest = t.choice("filter", filters).value_or(0) == 1;
-    const auto path = find_file(t, file, scene_path);
+    const auto path = inside_scene_folder(scene_path, file);
+    if (!path) {
+        t.fail_at("file", "'file' leads out of the scene's folder (got {}; expected a path inside it)",
+                  excerpt(file));
+    }
     try {
-        check_regular_file(path);
-        Image image = read_image(path);
+        check_regular_file(*path);
+        Image image = read_image(*path);
         texture.width = image.width;
         texture.height = image.height;
         texture.rgb = std::move(image.rgb);
@@ -89,7 +79,7 @@ Texture read_image_texture(const TomlTable& t, const std::filesystem::path& scen
     for (const float value : texture.rgb) {
         if (!std::isfinite(value)) t.fail_at("file", "{} has pixels that are not finite", excerpt(file));
     }
-    files.push_back({file, path});
+    files.push_back({file, *path});
     return Texture(std::move(texture));
 }
 

@@ -9,15 +9,10 @@
 #include <vector>
 
 #include "core/toml_reader.h"
+#include "tracer/referred_files.h"
 #include "tracer/scene.h"
 
 namespace postlens {
-
-/// A file that a scene refers to: as the scene writes it, and where it is.
-struct ReferredFile {
-    std::string as_written;
-    std::filesystem::path path;
-};
 
 using TexturesByName = std::map<std::string, std::shared_ptr<const Texture>, std::less<>>;
 

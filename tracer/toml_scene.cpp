@@ -6,7 +6,7 @@
 #include "core/toml_reader.h"
 #include "records/scene_limits.h"
 #include "records/toml_transform.h"
-#include "tracer/file_digest.h"
+#include "tracer/referred_files.h"
 #include "tracer/scene_defaults.h"
 #include "tracer/toml_materials.h"
 #include "tracer/toml_objects.h"
@@ -31,18 +31,6 @@ void read_settings(const TomlTable& root, Scene& scene) {
     scene.time_s = t.number("time_s", {.min = -1e9, .max = 1e9}).value_or(scene.time_s);
 }
 
-std::string sha256_of(const std::string& text, const std::vector<ReferredFile>& files) {
-    Sha256 digest;
-    digest.add(text);
-    for (const ReferredFile& file : files) {
-        digest.add(file.as_written);
-        digest.add(" ");
-        digest.add(sha256_of_file(file.path));
-        digest.add("\n");
-    }
-    return digest.hex();
-}
-
 }  // namespace
 
 Scene read_toml_scene(const std::filesystem::path& path, const SceneReadOptions& options) {
@@ -62,7 +50,7 @@ Scene read_toml_scene(const std::filesystem::path& path, const SceneReadOptions&
     read_objects(root, options.metres_per_unit, scene);
     scene.cameras = read_cameras(root, options.metres_per_unit);
     scene.lights = read_lights(root, options.metres_per_unit);
-    scene.sha256 = sha256_of(text, files);
+    scene.sha256 = sha256_of_scene(text, files);
     // `light = []` says that darkness is meant.
     complete_scene(scene, path, answers_to_lights(scene) && !root.has("light"), 1);
     return scene;

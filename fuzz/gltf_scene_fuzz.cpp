@@ -1,0 +1,12 @@
+#include "core/error.h"
+#include "fuzz/fuzz_file.h"
+#include "tracer/scene.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    try {
+        (void)postlens::read_scene(postlens::fuzz_file(data, size, ".glb"));
+    } catch (const postlens::Error&) {
+        // Refused, as it may be.
+    }
+    return 0;
+}

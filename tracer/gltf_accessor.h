@@ -1,0 +1,42 @@
+// Numbers out of the buffers of a glTF document.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <vector>
+
+#include "tracer/gltf_document.h"
+
+namespace postlens {
+
+struct GltfValues {
+    std::size_t count = 0;
+    std::size_t components = 1;  ///< of one element: 1 of a SCALAR, 3 of a VEC3, ...
+    std::vector<float> values;   ///< element by element; finite; of normalised integers in -1..1 or 0..1
+};
+
+/// Reads accessors, with a bound on what they add up to: many may share a small buffer.
+class GltfAccessors {
+  public:
+    explicit GltfAccessors(const GltfDocument& document) : document_(document) {}
+
+    /// The elements of an accessor (its index is in range), which must have one of these numbers of
+    /// components, be within its buffer view and hold finite numbers only; sparse ones are filled in. `place`
+    /// is who asks. Throws Error(invalid_input).
+    [[nodiscard]] GltfValues floats(std::size_t index, std::initializer_list<std::size_t> components,
+                                    const JsonPlace& place);
+    /// Unsigned integers of a SCALAR accessor, each less than `limit`.
+    [[nodiscard]] std::vector<std::uint32_t> indices(std::size_t index, std::size_t limit,
+                                                     const JsonPlace& place);
+
+  private:
+    struct Layout;
+    [[nodiscard]] Layout layout(std::size_t index, const JsonPlace& place);
+    void spend(std::size_t numbers, const JsonPlace& place);
+    void fill_sparse(const JsonPlace& accessor, const Layout& layout, GltfValues& out);
+
+    const GltfDocument& document_;
+    std::size_t spent_ = 0;
+};
+
+}  // namespace postlens

@@ -1,0 +1,14 @@
+// Scenes in glTF 2.0 [gltf2].
+#pragma once
+
+#include "tracer/scene.h"
+
+namespace postlens {
+
+/// Reads a .gltf or .glb: meshes, nodes, cameras, lights, materials, and the animations of nodes as keyed
+/// motion. How each becomes a scene and what is left out (with a note) stands in docs/mesh_scenes.md. Every
+/// node with a mesh is an object with an id of its own; nodes of the same mesh share its triangles. Throws
+/// Error(invalid_input) "FILE: PLACE ...".
+[[nodiscard]] Scene read_gltf_scene(const std::filesystem::path& path, const SceneReadOptions& options);
+
+}  // namespace postlens

@@ -1,0 +1,44 @@
+#include "tracer/metallic_roughness.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace postlens {
+
+using glm::dvec3;
+
+Material whitted_material(const MetallicRoughness& from) {
+    Material m;
+    m.emission = from.emission;
+    const double through = 1 - from.alpha;
+    if (from.unlit) {
+        m.ambient = m.diffuse = dvec3(0);
+        m.emission = from.alpha * from.base;
+        m.transmission = dvec3(through);
+        return m;
+    }
+    // Below this the lobes are narrower than pixels, and the exponents lose their meaning.
+    constexpr double smoothest = 0.02, largest_exponent = 1e6;
+    const double a = from.roughness * from.roughness, q = (1 - from.roughness) * (1 - from.roughness);
+    const double ratio = (from.ior - 1) / (from.ior + 1);
+    const dvec3 dielectric = glm::min(ratio * ratio * from.specular_colour, dvec3(1)) * from.specular;
+    const dvec3 f0 = glm::mix(dielectric, from.base, from.metallic);
+    const dvec3 body = from.alpha * (1 - from.metallic) * from.base;
+
+    m.diffuse = body * (1 - from.transmission) + from.alpha * from.metallic * a * from.base;
+    m.diffuse_transmission = body * from.transmission * a;
+    m.ambient = 0.1 * m.diffuse;
+    m.reflection = from.alpha * q * f0;
+    m.specular = from.alpha * (1 - a) * glm::min(f0 / std::max(4 * a * a, 1e-12), dvec3(1));
+    m.shininess = std::clamp((1 / std::max(a * a, 1e-12) - 1) / 2, 1.0, largest_exponent);
+    m.transmission = body * from.transmission * (1 - a) * (dvec3(1) - f0) + dvec3(through);
+    m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
+    if (from.roughness > smoothest) {
+        if (m.reflection != dvec3(0)) m.reflection_exponent = m.shininess;
+        // What passes because it is not there does so straight on.
+        if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
+    }
+    return m;
+}
+
+}  // namespace postlens
