@@ -61,10 +61,13 @@ class Planner {
         moves_ = s.motion != nullptr && s.shutter;
         if (moves_) by_field.shutter = {s.motion, s.shutter->open_s, s.shutter->close_s, s.curve};
         MisplacedLight misplaced(h_, geometry_);
+        RecordFloor floor(h_, geometry_);
         by_field.also = [&](const RecordBand& band, int y_begin, int y_end) {
             misplaced.add(band, y_begin, y_end);
+            floor.add(band, y_begin, y_end);
         };
         const FieldFocuser focuser(frame_, by_field);
+        floor_ = std::move(floor).picture();
         pilot(focuser, misplaced.picture());
         choose_views();
         draw(focuser);
@@ -88,7 +91,6 @@ class Planner {
             }
             return sum;
         });
-        floor_ = record_floor(frame_, geometry_);
         const std::vector<double> floor =
             grid.means([&](std::size_t k) { return static_cast<double>(floor_[k]); });
         const std::vector<float> contrast = local_contrast(a.image);

@@ -128,8 +128,9 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         s.depths = std::min(4 * *request.depths, DepthLevels::most_depths);
         finer = focus_picture(frame, s).image;
     }
-    const std::vector<float> floor = record_floor(frame, geometry), misplaced = misplaced_light.picture(),
-                             margin = beyond_margin(frame, geometry), contrast = local_contrast(seen.image);
+    const std::vector<float> floor = record_floor(frame.file(), geometry),
+                             misplaced = misplaced_light.picture(), margin = beyond_margin(frame, geometry),
+                             contrast = local_contrast(seen.image);
 
     CauseMap out;
     out.width = h.width;

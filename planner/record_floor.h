@@ -2,10 +2,13 @@
 // of the quadtree is known to its corners only.
 #pragma once
 
+#include <span>
+#include <utility>
 #include <vector>
 
-#include "focus/frame.h"
 #include "lens/focus_geometry.h"
+#include "planner/edge_cells.h"
+#include "records/sample_file.h"
 
 namespace postlens {
 
@@ -19,8 +22,25 @@ namespace postlens {
 inline constexpr double floor_unseen = 1.4;
 
 /// By pixel of the picture: the expected squared error (mean of the channels, encoded values) that comes of
-/// the size of the quadtrees' cells (edge_cells.h), less what circles of confusion average out. Reads the
-/// records of the picture once; same bits for any number of threads.
-[[nodiscard]] std::vector<float> record_floor(FocusFrame& frame, const FocusGeometry& geometry);
+/// the size of the quadtrees' cells (edge_cells.h), less what circles of confusion average out.
+class RecordFloor {
+  public:
+    RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
+    /// Takes in the corner rows [y_begin, y_end) of `band`, which must have one row more below them where the
+    /// file has one. In parallel; the same for any number of threads.
+    void add(const RecordBand& band, int y_begin, int y_end);
+    [[nodiscard]] std::vector<float> picture() && { return std::move(mse_); }
+    [[nodiscard]] const std::vector<float>& picture() const& { return mse_; }
+
+  private:
+    [[nodiscard]] double pixel_error(std::span<const Leaf> leaves, std::span<const CellCorner> corners) const;
+
+    int width_, height_;
+    FocusGeometry geometry_;
+    std::vector<float> mse_;
+};
+
+/// The same of a whole file, whose records it reads once.
+[[nodiscard]] std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry);
 
 }  // namespace postlens

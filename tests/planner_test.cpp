@@ -123,8 +123,7 @@ TEST(RecordFloor, IsWhatThePinholePictureErrsBy) {
     const Image truth = render_picture(b.scene, s).image;
     for (const int levels : {0, 1, 2, 3}) {  // level 4 errs as little as 4096 rays do
         const TracedFrame frame(b.scene, traced(false, levels));
-        FocusFrame of(frame.file());
-        const std::vector<float> floor = record_floor(of, FocusGeometry{});
+        const std::vector<float> floor = record_floor(frame.file(), FocusGeometry{});
         double expected = 0;
         for (const float v : floor) expected += static_cast<double>(v) / static_cast<double>(floor.size());
         const double is = encoded_mse(pinhole_picture(frame.file()), truth);
@@ -153,7 +152,8 @@ TEST(AutoPicture, ReachesItsTargetAndSaysWhatItWillReach) {
         const double is = psnr_db(r.hybrid.focus.image, rays(b.scene, s));
         EXPECT_GE(is, target - 1);
         EXPECT_TRUE(r.met(target)) << r.plan;
-        // Not much better than it comes out; what it adds for cells that hide an edge is too much for a scene without.
+        // Not much better than it comes out; what it adds for cells that hide an edge is too much for a scene
+        // without.
         EXPECT_LT(r.predicted_db, is + 2) << r.plan;
         EXPECT_GT(r.predicted_db, is - 6) << r.plan;
         EXPECT_EQ(r.hybrid.retraced_share, 0);
@@ -249,11 +249,10 @@ TEST(TracePlan, FindsTheLevelsThatATargetTakes) {
         EXPECT_LT(p.bytes / static_cast<double>(r.bytes), 3) << target;
         // What it says of the records is what the records say.
         const SampleFileReader file(folder.path() / "frame.exr");
-        FocusFrame of(file);
         const SampleHeader& h = file.header();
         const std::vector<float> floor =
-            record_floor(of, focus_geometry({h.film_distance_mm, 2.8}, 10, Framing::keep,
-                                            {h.film_distance_mm, h.pixel_pitch_mm}));
+            record_floor(file, focus_geometry({h.film_distance_mm, 2.8}, 10, Framing::keep,
+                                              {h.film_distance_mm, h.pixel_pitch_mm}));
         double mean = 0;
         for (const float v : floor) mean += static_cast<double>(v) / static_cast<double>(floor.size());
         EXPECT_NEAR(-10 * std::log10(floor_unseen * mean), p.floor_db, 4) << target;
