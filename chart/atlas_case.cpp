@@ -120,9 +120,8 @@ const std::vector<AtlasCause>& atlas_causes() {
 AtlasCase read_atlas_case(const fs::path& path) {
     const std::string file = path.string();
     AtlasCase out;
-    out.text = read_text_file(path, largest_case_bytes);
     out.name = path.stem().string();
-    const toml::table document = parse_toml(out.text, file);
+    const toml::table document = parse_toml(read_text_file(path, largest_case_bytes), file);
     const TomlTable t(file, document, "case");
     static constexpr std::array<Name, 9> known{"title",   "set",  "cause",  "why",   "detection",
                                                "outcome", "view", "method", "remedy"};

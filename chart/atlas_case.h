@@ -53,7 +53,6 @@ struct AtlasCase {
     ChartRequest view;                    ///< scene, camera, lens, shutter, samples of the reference
     AtlasMethod method;                   ///< the one on trial
     std::optional<AtlasMethod> remedy;    ///< one that is right where `method` is not
-    std::string text;                     ///< the file's own
 };
 
 struct AtlasCause {

@@ -162,6 +162,31 @@ AtlasFigures figures_from(const Json& j) {
             .retraced_share = j.at("retraced_share").get<double>()};
 }
 
+template <typename T>
+std::string text_of(const std::optional<T>& value) {
+    return value ? fmt::format("{}", *value) : "-";
+}
+
+std::string settings_text(const ChartRequest& v) {
+    std::string out = fmt::format("'{}' {}x{} F {} n {} s {} {} spp", v.camera_name, text_of(v.camera.width),
+                                  text_of(v.camera.height), text_of(v.focal_length_mm), text_of(v.f_number),
+                                  text_of(v.focus_m), v.reference_spp);
+    if (v.shutter) out += fmt::format(" shutter {}:{}", v.shutter->open_s, v.shutter->close_s);
+    return out;
+}
+
+std::string settings_text(const AtlasMethod& m) {
+    const AtlasTrace& t = m.trace;
+    return fmt::format(
+        "; {} views {} depths {} spp {} retraced {} depth model {} spacing {} trace {} n {} s {} levels {} "
+        "hidden {} "
+        "overscan {} keys {} trees {}",
+        m.name, text_of(m.views), text_of(m.depths), m.spp, text_of(m.most_retraced),
+        static_cast<int>(m.depth_model), static_cast<int>(m.spacing), t.for_view, text_of(t.for_f_number),
+        text_of(t.for_focus_m), text_of(t.levels), text_of(t.hidden_layers), text_of(t.overscan_px),
+        text_of(t.keys), text_of(t.max_depth));
+}
+
 std::string codes(const std::vector<std::string>& warnings) {
     return warnings.empty() ? "none" : fmt::format("{}", fmt::join(warnings, ", "));
 }
@@ -191,7 +216,9 @@ void check(const AtlasMethod& m, const AtlasFigures& f, std::vector<std::string>
 std::string atlas_key(const AtlasCase& c) {
     Sha256 digest;
     digest.add(POSTLENS_VERSION);
-    digest.add(c.text);
+    digest.add(settings_text(c.view));
+    digest.add(settings_text(c.method));
+    if (c.remedy) digest.add(settings_text(*c.remedy));
     digest.add(sha256_of_file(c.view.scene));
     return digest.hex().substr(0, 16);
 }

@@ -29,7 +29,7 @@ struct AtlasResult {
     std::optional<AtlasFigures> remedy;
 };
 
-/// Digest of case file, scene and program version.
+/// Digest of scene, view, methods and program version: of all that decides a result, not of what is expected.
 [[nodiscard]] std::string atlas_key(const AtlasCase& c);
 
 /// Works in `folder`, which must exist; files of its own are removed. `strip`: where to write the pictures

@@ -128,6 +128,19 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
                                             100 * seen.unknown_share())});
     }
+    // The share of a pixel's light from which on hybrid traces it again.
+    constexpr float visible = 0.02F;
+    const double below =
+        static_cast<double>(std::count_if(seen.unknown_below.begin(), seen.unknown_below.end(),
+                                          [](float u) { return u > visible; })) /
+        static_cast<double>(std::max<std::size_t>(seen.unknown_below.size(), 1));
+    if (below > noticeable) {
+        out.warnings.push_back(
+            {"uncovered", below,
+             fmt::format("{:.2g} % of the pixels show in mirrors or glass what was never recorded (expected "
+                         "--method hybrid with --scene, which traces them again)",
+                         100 * below)});
+    }
     return out;
 }
 

@@ -258,7 +258,22 @@ class MotionBlur {
         warn_of_left_out();
         if (blends || !may_have_unseen_motion(header_)) return;
         bands_.need_all();
-        warn_of_unseen_motion(header_, bands_.bands(), moving, settings_.exposure, result_.warnings);
+        warn_of_unseen_motion(header_, bands_.bands(), with_unseen(moving), settings_.exposure,
+                              result_.warnings);
+    }
+
+    // What moves in the world and has no record of its own may still be seen in mirrors and through glass.
+    [[nodiscard]] std::vector<std::uint32_t> with_unseen(std::vector<std::uint32_t> moving) const {
+        const double first_s = std::min(settings_.exposure.open_s, header_.time_s),
+                     last_s = std::max(settings_.exposure.close_s, header_.time_s);
+        for (const auto& [id, motion] : header_.motion.objects) {
+            const auto is_it = [id = id](const IdMotion& m) { return m.id == id; };
+            if (std::none_of(motions_.begin(), motions_.end(), is_it) &&
+                MotionPath(motion.keys).moves(first_s, last_s))
+                moving.push_back(id);
+        }
+        std::sort(moving.begin(), moving.end());
+        return moving;
     }
 
     // What comes into the frame after its instant, where the method knows of that instant alone.

@@ -134,5 +134,66 @@ TEST_F(ChartCommand, RefusesInOneLine) {
     refused({}, 3, "chart.json");
 }
 
+constexpr const char* case_text =
+    "title = \"A near bar\"\nset = \"check\"\ncause = \"hidden-surface\"\nwhy = \"w\"\ndetection = "
+    "\"d\"\noutcome = \"o\"\n"
+    "[view]\nscene = \"../scene.toml\"\nsize_px = [48, 27]\nf_number = 1\nfocus_m = 4\nreference_spp = 32\n"
+    "[method]\nname = \"lightfield\"\nviews = 16\nat_least_db = 10\nat_most_db = 90\nenergy_within = 0.5\n"
+    "warnings = [\"uncovered\"]\ntrace = { hidden_layers = 0 }\n";
+
+class AtlasCommand : public CommandTest {
+  protected:
+    void SetUp() override {
+        std::ofstream(in("scene.toml")) << scene_text;
+        fs::create_directory(in("cases"));
+        write(case_text);
+    }
+    void write(const std::string& text) { std::ofstream(in("cases/bar.toml")) << text; }
+    Outcome atlas() { return run({"chart", "--atlas", in("cases"), "-o", in("atlas"), "--json"}); }
+};
+
+TEST_F(AtlasCommand, MakesItsDocumentsAndKeepsWhatIsFinished) {
+    Outcome r = atlas();
+    ASSERT_EQ(r.exit_code, 0) << r.err << r.out;
+    EXPECT_EQ(json::parse(r.out)["kept"], 0);
+    EXPECT_EQ(json::parse(r.out)["cases"][0]["method"]["warnings"][0], "uncovered");
+    EXPECT_NE(text_of(in("atlas/failures.md")).find("images/failures/bar.png"), std::string::npos);
+    EXPECT_NE(text_of(in("atlas/index.html")).find("data:image/png;base64,"), std::string::npos);
+    EXPECT_GT(fs::file_size(in("atlas/images/failures/bar.png")), 200);
+    EXPECT_FALSE(fs::exists(in("atlas/cases/bar.exr")));
+    // Other words and other bounds are no other picture; where a bound is not met the exit code says so.
+    std::string text = case_text;
+    text.replace(text.find("at_least_db = 10"), 16, "at_least_db = 80");
+    write(text);
+    r = atlas();
+    EXPECT_EQ(r.exit_code, 1);
+    EXPECT_EQ(json::parse(r.out)["kept"], 1);
+    EXPECT_NE(json::parse(r.out)["broken"][0].get<std::string>().find("bar: lightfield: PSNR"),
+              std::string::npos);
+    // Another lens is another picture.
+    text.replace(text.find("f_number = 1"), 12, "f_number = 2");
+    write(text);
+    EXPECT_EQ(json::parse(atlas().out)["kept"], 0);
+}
+
+TEST_F(AtlasCommand, RefusesInOneLine) {
+    const auto refused = [&](const std::string& what, const std::string& by, const std::string& says) {
+        std::string text = case_text;
+        text.replace(text.find(what), what.size(), by);
+        write(text);
+        const Outcome r = atlas();
+        EXPECT_EQ(r.exit_code, 3) << r.err;
+        EXPECT_NE(r.err.find(says), std::string::npos) << r.err;
+        EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
+    };
+    refused("hidden-surface", "hidden surface", "hidden-surface");
+    refused("lightfield", "convolve", "bar.toml:");
+    refused("at_most_db = 90\n", "", "at_most_db");
+    refused("views", "vews", "views");
+    refused("../scene.toml", "../none.toml", "none.toml");
+    EXPECT_EQ(run({"chart", "--atlas", in("none"), "-o", in("atlas")}).exit_code, 3);
+    EXPECT_EQ(run({"chart", "-o", in("atlas")}).exit_code, 2);
+}
+
 }  // namespace
 }  // namespace postlens::test
