@@ -179,9 +179,6 @@ void check_sufficient(const SampleHeader& header, const Exposure& exposure, std:
 /// "box", "triangle" or a file. Throws Error(invalid_input).
 [[nodiscard]] ShutterCurve shutter_curve(const std::string& word);
 
-/// "scatter" and so on.
-[[nodiscard]] const char* method_name(FocusMethod method);
-
 /// The rays of a tracer, as `--json` lists them.
 [[nodiscard]] nlohmann::ordered_json rays_json(const RayCounts& rays);
 

@@ -6,6 +6,7 @@
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/read_prescription.h"
 #include "records/pixel_samples.h"
+#include "sweep/picture_maker.h"
 
 namespace postlens {
 

@@ -2,6 +2,7 @@
 
 #include "apps/command.h"
 #include "focus/foreign_focus.h"
+#include "sweep/picture_maker.h"
 
 namespace postlens {
 namespace {

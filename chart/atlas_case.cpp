@@ -123,8 +123,8 @@ AtlasCase read_atlas_case(const fs::path& path) {
     out.name = path.stem().string();
     const toml::table document = parse_toml(read_text_file(path, largest_case_bytes), file);
     const TomlTable t(file, document, "case");
-    static constexpr std::array<Name, 9> known{"title",   "set",  "cause",  "why",   "detection",
-                                               "outcome", "view", "method", "remedy"};
+    static constexpr std::array<Name, 10> known{"title",     "set",     "cause", "named_at_least", "why",
+                                                "detection", "outcome", "view",  "method",         "remedy"};
     t.allow_only({known});
     static constexpr std::array<Name, 2> sets{"calibrate", "check"};
     std::vector<Name> causes;
@@ -132,6 +132,7 @@ AtlasCase read_atlas_case(const fs::path& path) {
     out.title = t.required(t.text("title"), "title");
     out.set = one_of(t, "set", sets);
     out.cause = one_of(t, "cause", causes);
+    out.named_at_least = t.number("named_at_least", {.min = 0, .max = 1}).value_or(0);
     out.why = sentences(t, "why");
     out.detection = sentences(t, "detection");
     out.outcome = sentences(t, "outcome");

@@ -53,6 +53,8 @@ struct AtlasCase {
     ChartRequest view;                    ///< scene, camera, lens, shutter, samples of the reference
     AtlasMethod method;                   ///< the one on trial
     std::optional<AtlasMethod> remedy;    ///< one that is right where `method` is not
+    /// Share of the error that find_error_causes must put down to `cause`.
+    double named_at_least = 0;
 };
 
 struct AtlasCause {

@@ -78,8 +78,12 @@ std::string cells_text(const AtlasEntry& e) {
 }
 
 std::string noise_text(const AtlasResult& r) {
-    return fmt::format("{:.0f} % of the pixels are affected; one reference is good to {:.1f} dB.",
-                       100 * r.affected_share, r.noise_db);
+    std::string out = fmt::format("{:.0f} % of the pixels are affected; one reference is good to {:.1f} dB.",
+                                  100 * r.affected_share, r.noise_db);
+    if (r.named_share)
+        out += fmt::format(" `compare --map-causes` names this cause for {:.0f} % of the error.",
+                           100 * *r.named_share);
+    return out;
 }
 
 constexpr const char* heading = "# An atlas of failure\n\n";

@@ -9,6 +9,8 @@
 #include "chart/chart_plan.h"
 #include "compare/error_map.h"
 #include "core/error.h"
+#include "motionblur/paths_file.h"
+#include "planner/error_causes.h"
 #include "tracer/file_digest.h"
 
 namespace postlens {
@@ -48,6 +50,7 @@ class CaseRun {
         const AtlasPicture picture = make(case_.method);
         pinhole_ = pinhole_picture(SampleFileReader(traced(case_.method.trace)));
         out.method = figures(picture, &out);
+        if (case_.cause != "none") name_causes(picture.image, reference.image, out);
         std::optional<AtlasPicture> better;
         if (case_.remedy) {
             better = make(*case_.remedy);
@@ -102,6 +105,32 @@ class CaseRun {
             about->noise_db = c.noise ? -10 * std::log10(c.noise->reference_mse) : std::nan("");
         }
         return out;
+    }
+
+    void name_causes(const Image& image, const Image& reference, AtlasResult& out) {
+        const SampleFileReader file(traced(case_.method.trace));
+        const FrameMotion motion = motion_of(file.header(), {});
+        const AtlasMethod& m = case_.method;
+        CauseRequest request;
+        request.view.focus = {
+            .lens = view_.lens, .focus_distance_m = view_.focus_m, .depth_model = m.depth_model};
+        request.view.motion = &motion;
+        request.view.shutter = view_.shutter;
+        request.depths = m.depths;
+        if (m.name == "scatter") request.method = FocusMethod::scatter;
+        if (m.name == "lightfield") request.method = FocusMethod::lightfield;
+        if (m.name == "hybrid") request.method = FocusMethod::hybrid;
+        FocusFrame frame(file);
+        const CauseMap map = find_error_causes(frame, image, reference, request);
+        double most = -1;
+        for (std::size_t k = 1; k < error_causes; ++k) {
+            const auto name = cause_name(static_cast<ErrorCause>(k));
+            if (name == case_.cause) out.named_share = map.error_share[k];
+            if (map.error_share[k] > most) {
+                most = map.error_share[k];
+                out.named_most = name;
+            }
+        }
     }
 
     [[nodiscard]] Image beside_each_other(const std::vector<const Image*>& cells) const {
@@ -231,11 +260,18 @@ std::vector<std::string> broken_expectations(const AtlasCase& c, const AtlasResu
     std::vector<std::string> out;
     check(c.method, r.method, out);
     if (c.remedy && r.remedy) check(*c.remedy, *r.remedy, out);
+    if (c.named_at_least > 0 && !(r.named_share.value_or(0) >= c.named_at_least)) {
+        out.push_back(fmt::format(
+            "{}: share of the error with the right cause (got {:.3f}, most is {}; expected {} or more)",
+            c.method.name, r.named_share.value_or(0), r.named_most, c.named_at_least));
+    }
     return out;
 }
 
 Json to_json(const AtlasResult& r) {
     return {{"key", r.key},
+            {"named_share", r.named_share ? Json(*r.named_share) : Json(nullptr)},
+            {"named_most", r.named_most},
             {"pinhole_db", number(r.pinhole_db)},
             {"noise_db", number(r.noise_db)},
             {"affected_share", r.affected_share},
@@ -253,6 +289,8 @@ AtlasResult atlas_from_json(const std::string& text, const fs::path& path) {
                         .method = figures_from(j.at("method")),
                         .remedy = std::nullopt};
         if (!j.at("remedy").is_null()) out.remedy = figures_from(j.at("remedy"));
+        if (!j.at("named_share").is_null()) out.named_share = j.at("named_share").get<double>();
+        out.named_most = j.at("named_most").get<std::string>();
         return out;
     } catch (const Json::exception& e) {
         fail(ExitCode::invalid_input, "{}: not a result of the atlas (got '{}'; expected JSON of chart)",

@@ -27,6 +27,9 @@ struct AtlasResult {
     double pinhole_db = 0, noise_db = 0, affected_share = 0;
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
+    /// Share of the method's error that find_error_causes puts down to the case's cause; absent for "none".
+    std::optional<double> named_share;
+    std::string named_most;  ///< the cause with the largest share
 };
 
 /// Digest of scene, view, methods and program version: of all that decides a result, not of what is expected.
