@@ -56,6 +56,7 @@ if $atlas; then
     echo "== atlas"
     "$postlens" chart --atlas tests/stability -o "$out/atlas" --quiet >"$out/atlas.txt"
     cp "$out/atlas/failures.md" docs/failures.md
+    rm -rf docs/images/failures
     mkdir -p docs/images/failures
-    cp "$out"/atlas/*.png docs/images/failures/ 2>/dev/null || true
+    cp "$out"/atlas/images/failures/*.png docs/images/failures/
 fi
