@@ -233,16 +233,15 @@ TEST_F(VectorFrameTest, PassesOfALayerBelongTogether) {
         "Top.Vector.X",   "Top.Vector.Y",   "Top.Vector.Z",   "Top.Vector.W",   "Top.Depth.V",
         "Top.Combined.R", "Top.Combined.G", "Top.Combined.B", "Top.Combined.A", "Low.Depth.V"};
     const VectorChannels c = find_vector_channels(names, "", {}, "f.exr");
-    EXPECT_EQ(c.u, 2U);
-    EXPECT_EQ(c.v, 3U);
-    EXPECT_EQ(c.z, 4U);
-    EXPECT_EQ(c.r, 5U);
-    EXPECT_EQ(c.a, 8U);
+    EXPECT_EQ(c.u, "Top.Vector.Z");
+    EXPECT_EQ(c.v, "Top.Vector.W");
+    // Colours and depth are then looked for in that layer.
+    EXPECT_EQ(c.layer.substr(0, 3), "Top");
     // Stereo: the colours without a view's name are those of the hero view, and so must be the vectors.
     const std::vector<std::string> stereo{
         "R", "G", "B", "forward.left.u", "forward.left.v", "forward.right.u", "forward.right.v"};
-    EXPECT_EQ(find_vector_channels(stereo, "right", {}, "f.exr").u, 5U);
-    EXPECT_EQ(find_vector_channels(stereo, "left", {}, "f.exr").u, 3U);
+    EXPECT_EQ(find_vector_channels(stereo, "right", {}, "f.exr").u, "forward.right.u");
+    EXPECT_EQ(find_vector_channels(stereo, "left", {}, "f.exr").u, "forward.left.u");
 }
 
 TEST_F(VectorFrameTest, RotationFieldTurnsThePictureWithoutCracks) {
