@@ -1,9 +1,11 @@
 // Every case of tests/stability: the method on trial and its remedy, held to what the case file says.
 #include <cctype>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "chart/atlas_run.h"
-#include "temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace postlens::test {
 namespace {
@@ -24,7 +26,7 @@ TEST_P(Stability, HoldsWhatTheCaseSays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Atlas, Stability, testing::ValuesIn(atlas_case_files(POSTLENS_STABILITY)),
-                         [](const auto& info) { return info.param.stem().string(); });
+                         [](const auto& of) { return of.param.stem().string(); });
 
 }  // namespace
 }  // namespace postlens::test
