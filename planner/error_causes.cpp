@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/error.h"
 #include "focus/bend_warning.h"
@@ -17,8 +18,10 @@ namespace {
 constexpr int views = 256;
 /// An error that is at most half as large without it is there because of it.
 constexpr double explained = 0.25;
-/// Expected errors are good to an order of magnitude.
-constexpr double noticeable = 0.1;
+/// Expected errors are good to an order of magnitude; that of the records' density is what cells that see an
+/// edge tell, and those beside them may hide any number.
+constexpr double noticeable = 0.1, noticeable_density = 0.02;
+constexpr int beside_px = 4;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
     double sum = 0;
@@ -78,6 +81,27 @@ std::vector<float> beyond_margin(FocusFrame& frame, const FocusGeometry& geometr
     return out;
 }
 
+/// Means over the pixels within `radius_px` to each side.
+std::vector<float> box_means(const std::vector<float>& of, int width, int height, int radius_px) {
+    std::vector<float> rows(of.size()), out(of.size());
+    const auto pass = [&](const std::vector<float>& from, std::vector<float>& to, int count, int length,
+                          int step, int next) {
+        for (int line = 0; line < count; ++line) {
+            for (int i = 0; i < length; ++i) {
+                double sum = 0;
+                const int first = std::max(0, i - radius_px), last = std::min(length - 1, i + radius_px);
+                for (int k = first; k <= last; ++k)
+                    sum += static_cast<double>(from[static_cast<std::size_t>(line * next + k * step)]);
+                to[static_cast<std::size_t>(line * next + i * step)] =
+                    static_cast<float>(sum / (last - first + 1));
+            }
+        }
+    };
+    pass(of, rows, height, width, 1, width);
+    pass(rows, out, width, height, width, 1);
+    return out;
+}
+
 /// What it means that the light field is right where a picture is wrong.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
@@ -132,6 +156,10 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
                              misplaced = misplaced_light.picture(), margin = beyond_margin(frame, geometry),
                              contrast = local_contrast(seen.image);
 
+    const std::vector<float> beside = box_means(floor, h.width, h.height, beside_px);
+    const double overall =
+        std::accumulate(contrast.begin(), contrast.end(), 0.0) / static_cast<double>(contrast.size());
+
     CauseMap out;
     out.width = h.width;
     out.height = h.height;
@@ -146,7 +174,9 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         } else if (squared_difference(seen.image, reference, k) <= explained * error) {
             cause = explained_by_views(request, moves);
         } else {
-            const double spread = static_cast<double>(contrast[k]), beyond = static_cast<double>(margin[k]);
+            // What is not recorded may differ from what is beside it as much as anything in the picture does.
+            const double spread = std::max(static_cast<double>(contrast[k]), overall),
+                         beyond = static_cast<double>(margin[k]);
             // What lies beyond the margin is unknown to the views as well.
             const double unknown =
                 std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
@@ -155,9 +185,13 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
                 {{unknown * unknown * spread, ErrorCause::hidden_surface},
                  {lost * lost / 4, ErrorCause::curvature_of_w},
                  {beyond * beyond * spread, ErrorCause::frame_edge},
-                 {static_cast<double>(floor[k]), ErrorCause::record_density}}};
+                 {floor_unseen * static_cast<double>(floor[k]), ErrorCause::record_density}}};
             const auto greatest = *std::max_element(expected.begin(), expected.end());
-            if (greatest.first >= noticeable * error) cause = greatest.second;
+            if (greatest.first >= noticeable * error) {
+                cause = greatest.second;
+            } else if (static_cast<double>(beside[k]) >= noticeable_density * error) {
+                cause = ErrorCause::record_density;
+            }
         }
         out.causes[k] = cause;
         out.error_share[static_cast<std::size_t>(cause)] += error;

@@ -395,10 +395,11 @@ TEST(ReadScene, RefusesWhatIsNoFile) {
         EXPECT_EQ(error_of(inside, {}, code),
                   inside.string() + ": cannot be read (got a folder; expected a file)");
     }
-    EXPECT_EQ(error_of("picture.exr", {}, code),
-              "picture.exr: not a scene by its ending (got '.exr'; expected .toml or .nff)");
+    EXPECT_EQ(
+        error_of("picture.exr", {}, code),
+        "picture.exr: not a scene by its ending (got '.exr'; expected .toml, .nff, .gltf, .glb, .obj, .ply)");
     EXPECT_EQ(error_of("scene", {}, code),
-              "scene: not a scene by its ending (got ''; expected .toml or .nff)");
+              "scene: not a scene by its ending (got ''; expected .toml, .nff, .gltf, .glb, .obj, .ply)");
 }
 
 TEST(ReadScene, RefusesUnitsOutOfRange) {
