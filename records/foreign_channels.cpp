@@ -153,6 +153,8 @@ ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoi
     }
     const ForeignPart& part = file.parts()[out.part];
     out.a = colour(part, out.layer, 'A');
+    // A small a beside R, G, B is somebody's own channel.
+    if (out.a.ends_with('a') && !out.r.ends_with('r')) out.a.clear();
     find_depth(file, choice, out);
     if (part.deep) {
         out.z_back = first_of(part, {out.layer + "ZBack", "ZBack"});

@@ -88,7 +88,8 @@ TEST_F(ForeignCommand, EveryDefaultIsSaidAloud) {
     EXPECT_NEAR(told.at("largest_coc_px").get<double>(), 35 / (24.0 / 48) * (0.035 / 2) * (1 / 0.5 - 1 / 4.0),
                 1e-5);
     full.emplace_back("--strict");
-    EXPECT_EQ(run(full).exit_code, 0);
+    // What lies behind the half-plane, and beyond the frame, may still be missing.
+    EXPECT_EQ(run(full).exit_code, told.at("warnings").empty() ? 0 : 6);
     std::vector<std::string> strict = bare;
     strict.emplace_back("--strict");
     EXPECT_EQ(run(strict).exit_code, 6);
@@ -107,13 +108,13 @@ TEST_F(ForeignCommand, ScatterAndLayersBlurWithAnyAperture) {
     write_half_plane(in("a.exr"));
     for (const std::string method : {"scatter", "layers"}) {
         for (const std::string impulse : {"disc", "polygon:5", "diffraction:550"}) {
-            const json said = done({"focus", in("a.exr"), "-o", in("o.exr"), "--f-number", "2", "--focus",
+            const json said = done({"focus", in("a.exr"), "-o", in("o.exr"), "--f-number", "0.5", "--focus",
                                     "4", "--method", method, "--impulse", impulse});
             EXPECT_EQ(said.at("method"), method);
             const Image image = read_image(in("o.exr"));
             EXPECT_NEAR(image.pixel(2, 12)[0], 0.1F, 2e-3) << impulse;   // far from the edge
             EXPECT_NEAR(image.pixel(24, 12)[1], 0.5F, 2e-3) << impulse;  // even, so it stays even
-            EXPECT_GT(image.pixel(23, 12)[0], 0.12F) << impulse;         // the edge is soft
+            EXPECT_GT(image.pixel(23, 12)[0], 0.12F) << impulse;         // the edge is soft: 5 px wide
         }
     }
 }
