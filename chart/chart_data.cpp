@@ -235,7 +235,7 @@ std::string chart_markdown(const ChartData& data) {
         "10 / 100 pictures a trace |\n|---|---|---|---|---|---|---|---|\n";
     for (const ChartPoint& p : data.points) {
         if (!p.figures) continue;
-        std::string equal = "", factors = "";
+        std::string equal, factors;
         if (!p.is_rays()) {
             const auto s = seconds_for_error(rays, p.figures->whole.rms());
             equal = s ? fmt::format("{:.3g}", *s) : "beyond the rays measured";

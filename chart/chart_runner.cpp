@@ -196,7 +196,7 @@ class Runner {
 
     // The file of a trace that an earlier run measured and this one needs again.
     fs::path frame(const std::string& name) {
-        const fs::path path = frame_path(name);
+        fs::path path = frame_path(name);
         for (std::size_t t = 0; t < data_.traces.size(); ++t) {
             if (data_.traces[t].name == name && !fs::exists(path)) trace(t);
         }

@@ -7,12 +7,11 @@
 #include <fstream>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 #include <vector>
 
 #include "core/error.h"
 #include "core/output_file.h"
-
-extern char** environ;
 
 namespace postlens {
 namespace {
@@ -22,6 +21,7 @@ namespace fs = std::filesystem;
 // Exit status, or -1 where the program could not be started; what it says goes to `log`.
 int run(const std::vector<std::string>& arguments, const fs::path& log) {
     std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
     for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
     argv.push_back(nullptr);
     posix_spawn_file_actions_t actions;

@@ -70,13 +70,13 @@ CellStep cell_step(const std::array<const CellCorner*, 4>& corners) {
     return out;
 }
 
-double spread_light_error(const CellStep& s, double size, double coc_px) {
+double spread_light_error(const CellStep& step, double size_px, double coc_px) {
     const double pixels = std::numbers::pi / 4 * coc_px * coc_px;
-    if (s.high <= 1 || pixels <= 1) return 0;
-    const double light = std::sqrt(edge_cell_variance) * (s.high - s.low) * size * size / pixels;
-    const double ground = std::min(s.low, 1.0);
-    const double e = static_cast<double>(srgb_from_linear(static_cast<float>(ground + light)) -
-                                         srgb_from_linear(static_cast<float>(ground)));
+    if (step.high <= 1 || pixels <= 1) return 0;
+    const double light = std::sqrt(edge_cell_variance) * (step.high - step.low) * size_px * size_px / pixels;
+    const double ground = std::min(step.low, 1.0);
+    const auto e = static_cast<double>(srgb_from_linear(static_cast<float>(ground + light)) -
+                                       srgb_from_linear(static_cast<float>(ground)));
     return pixels * e * e;
 }
 

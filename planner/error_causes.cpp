@@ -84,16 +84,18 @@ std::vector<float> beyond_margin(FocusFrame& frame, const FocusGeometry& geometr
 /// Means over the pixels within `radius_px` to each side.
 std::vector<float> box_means(const std::vector<float>& of, int width, int height, int radius_px) {
     std::vector<float> rows(of.size()), out(of.size());
+    const auto at = [](int line, int next, int i, int step) {
+        return static_cast<std::size_t>(line) * static_cast<std::size_t>(next) +
+               static_cast<std::size_t>(i) * static_cast<std::size_t>(step);
+    };
     const auto pass = [&](const std::vector<float>& from, std::vector<float>& to, int count, int length,
                           int step, int next) {
         for (int line = 0; line < count; ++line) {
             for (int i = 0; i < length; ++i) {
                 double sum = 0;
                 const int first = std::max(0, i - radius_px), last = std::min(length - 1, i + radius_px);
-                for (int k = first; k <= last; ++k)
-                    sum += static_cast<double>(from[static_cast<std::size_t>(line * next + k * step)]);
-                to[static_cast<std::size_t>(line * next + i * step)] =
-                    static_cast<float>(sum / (last - first + 1));
+                for (int k = first; k <= last; ++k) sum += static_cast<double>(from[at(line, next, k, step)]);
+                to[at(line, next, i, step)] = static_cast<float>(sum / (last - first + 1));
             }
         }
     };

@@ -15,7 +15,7 @@ namespace postlens {
 /// What a circle of confusion divides the squared error of an edge by. One circle averages the errors of the
 /// cells in it, which is their number; those along an edge that runs along the cells are alike, and what is
 /// averaged then is the way across.
-[[nodiscard]] double averaged_by(double coc_diameter_px, bool aligned);
+[[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
 /// What cells that no edge is seen in hide, since all of their corners miss it, adds to the error of those
 /// where one is seen: fitted (docs/planner.md).
