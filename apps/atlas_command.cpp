@@ -4,15 +4,6 @@
 #include "core/output_file.h"
 
 namespace postlens {
-namespace {
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-    OutputFile file(path);
-    file.write(text);
-    file.commit();
-}
-
-}  // namespace
 
 CommandResult run_atlas_command(const AtlasOptions& options) {
     const std::filesystem::path folder = options.output;
@@ -24,8 +15,8 @@ CommandResult run_atlas_command(const AtlasOptions& options) {
         fail(ExitCode::interrupted,
              "interrupted; {} holds what is finished, and the same command goes on from it", folder.string());
     }
-    write_text(folder / "failures.md", atlas_markdown(run));
-    write_text(folder / "index.html", atlas_html(run, folder));
+    write_file(folder / "failures.md", atlas_markdown(run));
+    write_file(folder / "index.html", atlas_html(run, folder));
     CommandResult out;
     out.json["cases"] = nlohmann::ordered_json::array();
     for (const AtlasEntry& e : run.entries) {

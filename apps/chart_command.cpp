@@ -7,15 +7,6 @@
 #include "core/output_file.h"
 
 namespace postlens {
-namespace {
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-    OutputFile file(path);
-    file.write(text);
-    file.commit();
-}
-
-}  // namespace
 
 CommandResult run_chart_command(const ChartOptions& options) {
     const std::filesystem::path folder = options.output;
@@ -39,9 +30,9 @@ CommandResult run_chart_command(const ChartOptions& options) {
         draw_with_gnuplot(cost_script(run.data), folder / "cost", 1000, 620);
     }
     const std::string table = chart_markdown(run.data);
-    write_text(folder / "chart.csv", chart_csv(run.data));
-    write_text(folder / "chart.md", table);
-    write_text(folder / "index.html", chart_page(run.data, folder));
+    write_file(folder / "chart.csv", chart_csv(run.data));
+    write_file(folder / "chart.md", table);
+    write_file(folder / "index.html", chart_page(run.data, folder));
     out.json = to_json(run.data);
     out.json["kept"] = run.kept;
     out.json["page"] = (folder / "index.html").string();

@@ -151,6 +151,11 @@ struct CompareCommandOptions {
 /// Throws Error(wrong_arguments) where options were given that only such a file takes.
 void refuse_foreign_options(const ForeignOptions& options);
 
+/// A value that `option` asks for, else the one that the file names. Throws Error(wrong_arguments) where
+/// neither does; `file` says what kind of file it is.
+[[nodiscard]] double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
+                                    const char* option, const char* file);
+
 /// Settings of the lens for this file: what was asked for, else what the file names. Throws
 /// Error(wrong_arguments) where neither says.
 struct ResolvedLens {

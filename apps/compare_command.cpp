@@ -208,7 +208,7 @@ void map_causes(const CompareCommandOptions& o, CommandResult& out) {
     request.method = o.method;
     request.depths = o.depths;
     const Image image = read_image(o.image), reference = read_image(o.reference);
-    FocusFrame frame(file, true);
+    FocusFrame frame(file);
     const CauseMap map = find_error_causes(frame, image, reference, request);
     write_image(*o.map_causes, cause_picture(map, reference));
     Json shares = Json::object();

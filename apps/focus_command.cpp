@@ -10,17 +10,13 @@
 
 namespace postlens {
 
-namespace {
-
 double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
-                      const char* option) {
+                      const char* option, const char* file) {
     if (asked) return *asked;
     if (named) return *named;
-    fail(ExitCode::wrong_arguments,
-         "{}: missing (got nothing; expected a value, as the sample file names none)", option);
+    fail(ExitCode::wrong_arguments, "{}: missing (got nothing; expected a value, as the {} names none)",
+         option, file);
 }
-
-}  // namespace
 
 void take_from_prescription(const Impulse& impulse, LensOptions& lens) {
     check_impulse(impulse);
@@ -63,9 +59,9 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
     const SampleHeader& h = file.header();
     ResolvedLens out;
     out.lens.focal_length_mm = options.focal_length_mm.value_or(h.focal_length_mm);
-    out.lens.f_number = asked_or_named(options.f_number, h.f_number, "--f-number");
+    out.lens.f_number = asked_or_named(options.f_number, h.f_number, "--f-number", "sample file");
     out.focus_m = options.focus_at ? depth_at(file, options.focus_at->first, options.focus_at->second)
-                                   : asked_or_named(options.focus_m, h.focus_m, "--focus");
+                                   : asked_or_named(options.focus_m, h.focus_m, "--focus", "sample file");
     return out;
 }
 

@@ -13,14 +13,6 @@ void add_warnings(const ForeignPicture& picture, bool with_camera, std::vector<W
     for (const std::string& text : picture.camera.assumed) out.push_back({"assumed", text, 0});
 }
 
-double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
-                      const char* option) {
-    if (asked) return *asked;
-    if (named) return *named;
-    fail(ExitCode::wrong_arguments, "{}: missing (got nothing; expected a value, as the picture names none)",
-         option);
-}
-
 nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     nlohmann::ordered_json out = nlohmann::ordered_json::object();
     const auto add = [&](const char* key, const std::string& name) {
@@ -86,11 +78,13 @@ CommandResult focus_foreign(const FocusOptions& options) {
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, choice);
     const bool pinhole = options.method == FocusMethod::pinhole;
-    const double f_number = pinhole ? std::numeric_limits<double>::infinity()
-                                    : asked_or_named(lens.f_number, picture.camera.f_number, "--f-number");
+    const double f_number =
+        pinhole ? std::numeric_limits<double>::infinity()
+                : asked_or_named(lens.f_number, picture.camera.f_number, "--f-number", "picture");
     const double focus_m = lens.focus_at ? picture.depth_at(lens.focus_at->first, lens.focus_at->second)
-                           : pinhole     ? lens.focus_m.value_or(1)
-                                         : asked_or_named(lens.focus_m, picture.camera.focus_m, "--focus");
+                           : pinhole
+                               ? lens.focus_m.value_or(1)
+                               : asked_or_named(lens.focus_m, picture.camera.focus_m, "--focus", "picture");
     const double focal_length_mm = lens.focal_length_mm.value_or(picture.camera.focal_length_mm);
     const FocusResult result =
         focus_foreign(picture, {.lens = {.focal_length_mm = focal_length_mm, .f_number = f_number},

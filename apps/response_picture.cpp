@@ -37,9 +37,7 @@ void write_response(const std::filesystem::path& path, const ResponseGrid& grid)
 }
 
 void write_table(const std::filesystem::path& path, const std::string& text) {
-    OutputFile file(path);
-    file.write(text);
-    file.commit();
+    write_file(path, text);
 }
 
 }  // namespace postlens

@@ -50,9 +50,7 @@ AtlasRun run_atlas(const fs::path& cases, const fs::path& folder, bool restart, 
             ++out.kept;
         } else {
             e.result = run_atlas_case(e.what, folder / "cases", strip);
-            OutputFile file(json);
-            file.write(to_json(e.result).dump(1) + "\n");
-            file.commit();
+            write_file(json, to_json(e.result).dump(1) + "\n");
         }
         for (const std::string& line : broken_expectations(e.what, e.result))
             out.broken.push_back(e.what.name + ": " + line);

@@ -169,11 +169,7 @@ class Runner {
         return folder_ / "frames" / (point_file_name(name) + ".exr");
     }
 
-    void save() const {
-        OutputFile file(chart_path());
-        file.write(to_json(data_).dump(1) + "\n");
-        file.commit();
-    }
+    void save() const { write_file(chart_path(), to_json(data_).dump(1) + "\n"); }
 
     [[nodiscard]] bool is_due(const std::vector<double>& seconds, int round) const {
         if (static_cast<int>(seconds.size()) > round) return false;

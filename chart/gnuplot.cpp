@@ -84,10 +84,8 @@ void draw_with_gnuplot(const std::string& script, const fs::path& base, int widt
         }
         out.commit();
     }
-    OutputFile kept(with(".gp"));
-    kept.write(replaced(replaced(script, "@TERMINAL@", kinds[0].terminal), "@OUTPUT@",
-                        quoted(with(".svg").filename())));
-    kept.commit();
+    write_file(with(".gp"), replaced(replaced(script, "@TERMINAL@", kinds[0].terminal), "@OUTPUT@",
+                                     quoted(with(".svg").filename())));
 }
 
 }  // namespace postlens

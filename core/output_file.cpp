@@ -143,6 +143,12 @@ void OutputFile::commit() {
     static_cast<void>(flush_to_disk(folder_of(destination_), O_RDONLY | O_DIRECTORY));
 }
 
+void write_file(const fs::path& target, std::string_view bytes) {
+    OutputFile file(target);
+    file.write(bytes);
+    file.commit();
+}
+
 void remove_all_temporaries() noexcept {
     for (std::atomic<char*>& slot : g_temporaries) {
         if (const char* path = slot.exchange(nullptr)) ::unlink(path);

@@ -44,6 +44,9 @@ class OutputFile {
     bool committed_ = false;
 };
 
+/// A file that is made in memory, whole or not at all. Throws as OutputFile does.
+void write_file(const std::filesystem::path& target, std::string_view bytes);
+
 /// Removes the temporaries of every OutputFile alive, for a process that is about to be ended by a signal.
 /// Async-signal-safe. The objects must not be used afterwards.
 void remove_all_temporaries() noexcept;

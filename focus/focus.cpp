@@ -12,7 +12,6 @@
 #include "focus/reframe.h"
 #include "focus/scatter.h"
 #include "focus/splat_tables.h"
-#include "lens/prescription/read_prescription.h"
 #include "records/aperture_file.h"
 #include "records/quadtree.h"
 
@@ -172,18 +171,7 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
     }
     const Film film{h.film_distance_mm, h.pixel_pitch_mm};
     std::optional<LensView> view;
-    if (!pinhole && settings.impulse.kind == ImpulseKind::lens) {
-        check_impulse(settings.impulse);
-        const RasterWindow corners = recorded_corners(file);
-        view.emplace(read_prescription(settings.impulse.file),
-                     LensViewSettings{.focus_distance_m = settings.focus_distance_m,
-                                      .f_number = settings.lens.f_number,
-                                      .framing = settings.framing,
-                                      .film = film,
-                                      .half_diagonal_px = std::hypot(h.width, h.height) / 2.0,
-                                      .widest_tangent = std::hypot(corners.width(), corners.height()) / 2 *
-                                                        film.pixel_pitch_mm / film.distance_mm});
-    }
+    if (!pinhole) view = real_lens(settings, film, {h.width, h.height}, recorded_corners(file));
     const FocusGeometry geometry =
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);

@@ -15,7 +15,6 @@
 #include "focus/reframe.h"
 #include "focus/scatter.h"
 #include "focus/stack_lights.h"
-#include "lens/prescription/read_prescription.h"
 
 namespace postlens {
 namespace {
@@ -228,18 +227,7 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& se
     }
     const Film film{picture.camera.film_distance_mm, picture.pixel_pitch_mm()};
     std::optional<LensView> view;
-    if (!pinhole && settings.impulse.kind == ImpulseKind::lens) {
-        check_impulse(settings.impulse);
-        const RasterWindow corners = known_corners(picture);
-        view.emplace(read_prescription(settings.impulse.file),
-                     LensViewSettings{.focus_distance_m = settings.focus_distance_m,
-                                      .f_number = settings.lens.f_number,
-                                      .framing = settings.framing,
-                                      .film = film,
-                                      .half_diagonal_px = std::hypot(picture.width, picture.height) / 2.0,
-                                      .widest_tangent = std::hypot(corners.width(), corners.height()) / 2 *
-                                                        film.pixel_pitch_mm / film.distance_mm});
-    }
+    if (!pinhole) view = real_lens(settings, film, {picture.width, picture.height}, known_corners(picture));
     FocusGeometry geometry =
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lens/prescription/fan_table.h"
+#include "lens/prescription/read_prescription.h"
 
 namespace postlens {
 namespace {
@@ -83,6 +84,21 @@ class LensModel final : public ResponseModel {
 std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,
                                           double half_diagonal_px, double largest_inverse_depth_per_m) {
     return std::make_unique<LensModel>(view, geometry, half_diagonal_px, largest_inverse_depth_per_m);
+}
+
+std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film, ImageSize picture,
+                                  const RasterWindow& recorded) {
+    if (settings.impulse.kind != ImpulseKind::lens) return std::nullopt;
+    check_impulse(settings.impulse);
+    return std::optional<LensView>(
+        std::in_place, read_prescription(settings.impulse.file),
+        LensViewSettings{.focus_distance_m = settings.focus_distance_m,
+                         .f_number = settings.lens.f_number,
+                         .framing = settings.framing,
+                         .film = film,
+                         .half_diagonal_px = std::hypot(picture.width, picture.height) / 2.0,
+                         .widest_tangent = std::hypot(recorded.width(), recorded.height()) / 2 *
+                                           film.pixel_pitch_mm / film.distance_mm});
 }
 
 }  // namespace postlens

@@ -104,7 +104,7 @@ class Composite {
         std::size_t filled = between.size();  // none
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
-            const Surface& s = band.surfaces.surfaces[i];
+            const LayerSurface& s = band.surfaces.surfaces[i];
             const int g = table_(s.id);
             any = true;
             if (g >= 0) {

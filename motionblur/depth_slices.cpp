@@ -20,7 +20,7 @@ using glm::dvec2;
 constexpr double step_px = 4;
 
 /// By how much 1/z' changes per px across a leaf, from the corners that show the group.
-dvec2 gradient_of(const Leaf& leaf, const std::array<const Surface*, 4>& s) {
+dvec2 gradient_of(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
     // Of the two edges along an axis those that are known.
     const auto slope = [&](std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1) {
         double sum = 0;
@@ -35,9 +35,9 @@ dvec2 gradient_of(const Leaf& leaf, const std::array<const Surface*, 4>& s) {
     return {slope(0, 1, 2, 3), slope(0, 2, 1, 3)};
 }
 
-bool is_torn(const Leaf& leaf, const std::array<const Surface*, 4>& s, double across_per_px) {
+bool is_torn(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s, double across_per_px) {
     float low = std::numeric_limits<float>::infinity(), high = 0;
-    for (const Surface* corner : s) {
+    for (const LayerSurface* corner : s) {
         if (corner == nullptr) continue;
         low = std::min(low, corner->inverse_z);
         high = std::max(high, corner->inverse_z);
@@ -52,9 +52,9 @@ void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, 
     for (int y = std::max(pixels.y_begin, band.y_begin); y < std::min(pixels.y_end, band.y_end); ++y) {
         for (int x = pixels.x_begin; x < pixels.x_end; ++x) {
             band.for_each_leaf(x, y, [&](const Leaf& leaf) {
-                std::array<const Surface*, 4> s{};
+                std::array<const LayerSurface*, 4> s{};
                 for (std::size_t k = 0; k < 4; ++k) s[k] = surface_of(band, leaf.corner[k], table, g);
-                if (s != std::array<const Surface*, 4>{}) on_leaf(leaf, s);
+                if (s != std::array<const LayerSurface*, 4>{}) on_leaf(leaf, s);
             });
         }
     }
@@ -77,7 +77,7 @@ double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& tabl
     std::vector<Sum> sums(bands.size());
     parallel_for(bands.size(), [&](std::size_t b) {
         for_each_leaf_of(
-            bands[b], table, g, pixels, [&](const Leaf& leaf, const std::array<const Surface*, 4>& s) {
+            bands[b], table, g, pixels, [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
                 const auto size = static_cast<double>(leaf.size);
                 const auto corners = 4 - std::count(s.begin(), s.end(), nullptr);
                 sums[b].all += size * size * static_cast<double>(corners) / 4;
@@ -156,7 +156,7 @@ double DepthSlices::path_scale(int k) const {
     return (far_ + k * step_) / path_inverse_z_;
 }
 
-Stretch DepthSlices::leaf_stretch(const Leaf& leaf, const std::array<const Surface*, 4>& s) const {
+Stretch DepthSlices::leaf_stretch(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) const {
     if (is_torn(leaf, s, across_per_px_)) return {};
     const dvec2 gradient = gradient_of(leaf, s);
     dvec2 rate(0);
@@ -170,35 +170,36 @@ void DepthSlices::collect(const BandSurfaces& band, const GroupTable& table, int
     // As many as there can be: what is not used is not touched.
     out.pieces.reserve(4 * band.leaves.leaves.size());
     const CellWindow pixels{window_.x_begin / c, window_.x_end / c, window_.y_begin / c, window_.y_end / c};
-    for_each_leaf_of(band, table, g, pixels, [&](const Leaf& leaf, const std::array<const Surface*, 4>& s) {
-        const PointSample& at = band.leaves.points.samples[leaf.corner[0]];
-        const Stretch stretch = leaf_stretch(leaf, s);
-        Piece piece;
-        double area = stretch.area;
-        for (std::size_t a = 0; a < axes_.size(); ++a) {
-            const double rate = stretch.rate_per_px[static_cast<int>(a)];
-            area += rate * axes_[a].low_px;
-            piece.rate[a] = static_cast<float>(rate);
-        }
-        piece.area = static_cast<float>(area);
-        for (std::size_t k = 0; k < 4; ++k) {
-            if (s[k] == nullptr) continue;
-            const QuarterCells q = quarter_cells(at, leaf.size, k, c);
-            const double place =
-                std::clamp((static_cast<double>(s[k]->inverse_z) - far_) / step_, 0.0, count_ - 1.0);
-            const int slice = std::min(static_cast<int>(place), count_ - 2);
-            piece.x = q.x - window_.x_begin;
-            piece.y = q.y - window_.y_begin;
-            piece.n = q.n;
-            piece.share = q.share;
-            piece.r = s[k]->r;
-            piece.g = s[k]->g;
-            piece.b = s[k]->b;
-            piece.nearer = static_cast<float>(place - slice);
-            piece.slice = slice;
-            out.pieces.push_back(piece);
-        }
-    });
+    for_each_leaf_of(
+        band, table, g, pixels, [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
+            const PointSample& at = band.leaves.points.samples[leaf.corner[0]];
+            const Stretch stretch = leaf_stretch(leaf, s);
+            Piece piece;
+            double area = stretch.area;
+            for (std::size_t a = 0; a < axes_.size(); ++a) {
+                const double rate = stretch.rate_per_px[static_cast<int>(a)];
+                area += rate * axes_[a].low_px;
+                piece.rate[a] = static_cast<float>(rate);
+            }
+            piece.area = static_cast<float>(area);
+            for (std::size_t k = 0; k < 4; ++k) {
+                if (s[k] == nullptr) continue;
+                const QuarterCells q = quarter_cells(at, leaf.size, k, c);
+                const double place =
+                    std::clamp((static_cast<double>(s[k]->inverse_z) - far_) / step_, 0.0, count_ - 1.0);
+                const int slice = std::min(static_cast<int>(place), count_ - 2);
+                piece.x = q.x - window_.x_begin;
+                piece.y = q.y - window_.y_begin;
+                piece.n = q.n;
+                piece.share = q.share;
+                piece.r = s[k]->r;
+                piece.g = s[k]->g;
+                piece.b = s[k]->b;
+                piece.nearer = static_cast<float>(place - slice);
+                piece.slice = slice;
+                out.pieces.push_back(piece);
+            }
+        });
     out.offsets.assign(static_cast<std::size_t>(count_) + 1, 0);
     for (const Piece& piece : out.pieces) ++out.offsets[static_cast<std::size_t>(piece.slice) + 1];
     for (std::size_t k = 1; k < out.offsets.size(); ++k) out.offsets[k] += out.offsets[k - 1];

@@ -80,7 +80,7 @@ class DepthSlices {
     };
 
     void collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const;
-    [[nodiscard]] Stretch leaf_stretch(const Leaf& leaf, const std::array<const Surface*, 4>& s) const;
+    [[nodiscard]] Stretch leaf_stretch(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) const;
 
     int count_ = 2, cells_per_px_ = 1;
     double far_ = 0, step_ = 0, path_inverse_z_ = 0, across_per_px_ = 0;

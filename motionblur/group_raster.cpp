@@ -20,7 +20,8 @@ int floor_div(int a, int b) {
 
 }  // namespace
 
-const Surface* surface_of(const BandSurfaces& band, std::uint32_t sample, const GroupTable& table, int g) {
+const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample, const GroupTable& table,
+                               int g) {
     for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
         if (table(band.surfaces.surfaces[i].id) == g) return &band.surfaces.surfaces[i];
     }
@@ -72,7 +73,7 @@ Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& tabl
     const auto cells = static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height);
     require_memory(cells * 4 * sizeof(float) * 3, "the raster of a moving object");
     out.planes.assign(4, std::vector<float>(cells, 0));
-    const auto add_quarter = [&](const QuarterCells& q, const Surface& s) {
+    const auto add_quarter = [&](const QuarterCells& q, const LayerSurface& s) {
         const float values[4] = {s.r * q.share, s.g * q.share, s.b * q.share, q.share};
         for (int j = 0; j < q.n; ++j) {
             const auto row =
@@ -92,7 +93,7 @@ Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& tabl
                 band.for_each_leaf(x, y, [&](const Leaf& leaf) {
                     const PointSample& at = band.leaves.points.samples[leaf.corner[0]];
                     for (std::size_t k = 0; k < 4; ++k) {
-                        const Surface* s = surface_of(band, leaf.corner[k], table, g);
+                        const LayerSurface* s = surface_of(band, leaf.corner[k], table, g);
                         if (s != nullptr) add_quarter(quarter_cells(at, leaf.size, k, c), *s);
                     }
                 });

@@ -37,8 +37,8 @@ struct QuarterCells {
                                          int cells_per_px);
 
 /// The group's surface at a point sample: the nearest of them; nullptr: none.
-[[nodiscard]] const Surface* surface_of(const BandSurfaces& band, std::uint32_t sample,
-                                        const GroupTable& table, int g);
+[[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
+                                             const GroupTable& table, int g);
 
 /// i1 of group g: at every place the nearest surface of the group that is recorded there, hidden ones
 /// included; cells of 1/cells_per_px px.

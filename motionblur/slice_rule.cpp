@@ -45,7 +45,7 @@ double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& tab
         const auto lies_among = [&](std::uint32_t sample) {
             for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1];
                  ++i) {
-                const Surface& s = band.surfaces.surfaces[i];
+                const LayerSurface& s = band.surfaces.surfaces[i];
                 const auto inverse_z = static_cast<double>(s.inverse_z);
                 if (inverse_z > far && inverse_z < near && table(s.id) < 0) return true;
             }

@@ -58,8 +58,8 @@ class Planner {
     AutoResult run() {
         FieldFocusSettings by_field{geometry_, aperture_, {0, h_.width, 0, h_.height}, pilot_views, {}, {}};
         const HybridSettings& s = settings_.hybrid;
-        moves_ = s.motion != nullptr && s.shutter;
-        if (moves_) by_field.shutter = {s.motion, s.shutter->open_s, s.shutter->close_s, s.curve};
+        if (s.motion != nullptr && s.shutter)
+            by_field.shutter = {s.motion, s.shutter->open_s, s.shutter->close_s, s.curve};
         MisplacedLight misplaced(h_, geometry_);
         RecordFloor floor(h_, geometry_);
         by_field.also = [&](const RecordBand& band, int y_begin, int y_end) {
@@ -100,9 +100,8 @@ class Planner {
                                     static_cast<double>(std::max(b.unknown[k], b.unknown_below[k]))) /
                                    2;
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));
-            // Light from a hole is filled in with what is around it: off by about the contrast that is there.
-            hidden_[k] =
-                static_cast<float>(unknown * unknown * static_cast<double>(contrast[k]) + lost * lost * 0.25);
+            hidden_[k] = static_cast<float>(filled_in_error(unknown, static_cast<double>(contrast[k])) +
+                                            misplaced_error(lost));
         }
         const std::vector<double> hidden =
             grid.means([&](std::size_t k) { return static_cast<double>(hidden_[k]); });
@@ -113,7 +112,6 @@ class Planner {
         }
         for (std::size_t i = 0; i < a.image.rgb.size(); ++i)
             a.image.rgb[i] = (a.image.rgb[i] + b.image.rgb[i]) / 2;
-        for (std::size_t k = 0; k < a.unknown.size(); ++k) a.unknown[k] = (a.unknown[k] + b.unknown[k]) / 2;
         out_.hybrid.focus.image = std::move(a.image);
         out_.hybrid.what.assign(hidden_.size(), 0);
     }
@@ -257,7 +255,6 @@ class Planner {
     FocusGeometry geometry_;
     Aperture aperture_;
     double most_mse_, aim_;
-    bool moves_ = false;
     std::vector<double> pilot_noise_;
     std::vector<float> floor_, hidden_;
     AutoResult out_;

@@ -20,12 +20,11 @@ struct AutoSettings {
 
 /// Expected squared errors of a tile, encoded values, mean of pixels and channels.
 struct TilePlan {
-    int views = 0;           ///< points of the lens
-    bool scattered = false;  ///< one surface alone is seen, which `scatter` spreads at less cost
-    double noise_mse = 0;    ///< of so many views
-    double floor_mse = 0;    ///< of the records' density
-    double hidden_mse = 0;   ///< of what no record shows, and of what W misplaces
-    double retraced = 0;     ///< share of the pixels
+    int views = 0;          ///< points of the lens
+    double noise_mse = 0;   ///< of so many views
+    double floor_mse = 0;   ///< of the records' density
+    double hidden_mse = 0;  ///< of what no record shows, and of what W misplaces
+    double retraced = 0;    ///< share of the pixels
     [[nodiscard]] double mse() const { return noise_mse + floor_mse + hidden_mse; }
 };
 
@@ -41,8 +40,8 @@ struct AutoResult {
 };
 
 /// Draws two small sets of views, whose difference tells the noise of any number of views tile by tile; adds
-/// what the records' density, holes and curved W must cost; gives every tile the views that it needs,
-/// scatters where that is cheaper, and, with a scene, traces again the pixels that keep a tile from its
+/// what the records' density, holes and curved W must cost; gives every tile the views that it needs
+/// and, with a scene, traces again the pixels that keep a tile from its
 /// target. What no record tells, such as shading that changes over the lens, is not in the prediction. Same
 /// bits for any number of threads. Throws what hybrid_picture throws.
 [[nodiscard]] AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "core/error.h"
@@ -42,44 +43,48 @@ bool is_wrong(const Image& a, const Image& b, std::size_t pixel, double above) {
     return false;
 }
 
-/// By pixel of the picture, the share of its light that may come from beyond the recorded margin: the part of
-/// the widest circle of confusion near it that lies outside.
-std::vector<float> beyond_margin(FocusFrame& frame, const FocusGeometry& geometry) {
-    const SampleHeader& h = frame.file().header();
-    std::vector<float> out(static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height), 0.0F);
-    // The widest circle along each of the recorded sides decides what may come in over it.
-    double left = 0, right = 0, top = 0, bottom = 0;
-    const int margin = h.overscan_px;
-    constexpr int side = 8;
-    frame.visit_rows(frame.file().y_begin(), frame.file().y_end(), [&](const FrameRows& rows) {
-        for (const Record& r : rows.band->records) {
+/// The share of a pixel's light that may come from beyond the recorded margin: the part of the widest circle
+/// of confusion along the nearest sides that lies outside.
+class BeyondMargin {
+  public:
+    BeyondMargin(const SampleHeader& header, const FocusGeometry& geometry)
+        : h_(header), geometry_(geometry) {}
+
+    /// Takes in records; several times the same ones do no harm.
+    void add(const RecordBand& band) {
+        constexpr int side = 8;
+        const int margin = h_.overscan_px;
+        for (const Record& r : band.records) {
             if (r.layer != 0 || r.path.bits() != 0) continue;
             const double inverse_z = std::isfinite(r.z) && r.z > 0 ? 1 / static_cast<double>(r.z) : 0;
-            const double radius = std::abs(geometry.coc_diameter_px(inverse_z)) / 2;
+            const double radius = std::abs(geometry_.coc_diameter_px(inverse_z)) / 2;
             const auto x = static_cast<double>(r.x), y = static_cast<double>(r.y);
-            if (x < side - margin) left = std::max(left, radius);
-            if (x > h.width + margin - side) right = std::max(right, radius);
-            if (y < side - margin) top = std::max(top, radius);
-            if (y > h.height + margin - side) bottom = std::max(bottom, radius);
-        }
-    });
-    const auto outside = [](double distance_px, double radius_px) {
-        if (radius_px <= distance_px) return 0.0;
-        // Of a disc, the part beyond a straight line.
-        const double t = std::clamp(distance_px / radius_px, 0.0, 1.0);
-        return 0.5 - (t * std::sqrt(1 - t * t) + std::asin(t)) / M_PI;
-    };
-    for (int y = 0; y < h.height; ++y) {
-        for (int x = 0; x < h.width; ++x) {
-            const double share = outside(x + 0.5 + margin, left) +
-                                 outside(h.width - x - 0.5 + margin, right) + outside(y + 0.5 + margin, top) +
-                                 outside(h.height - y - 0.5 + margin, bottom);
-            out[static_cast<std::size_t>(y) * static_cast<std::size_t>(h.width) +
-                static_cast<std::size_t>(x)] = static_cast<float>(std::min(1.0, share));
+            if (x < side - margin) left_ = std::max(left_, radius);
+            if (x > h_.width + margin - side) right_ = std::max(right_, radius);
+            if (y < side - margin) top_ = std::max(top_, radius);
+            if (y > h_.height + margin - side) bottom_ = std::max(bottom_, radius);
         }
     }
-    return out;
-}
+
+    [[nodiscard]] double share(int x, int y) const {
+        const int margin = h_.overscan_px;
+        return std::min(1.0, outside(x + 0.5 + margin, left_) + outside(h_.width - x - 0.5 + margin, right_) +
+                                 outside(y + 0.5 + margin, top_) +
+                                 outside(h_.height - y - 0.5 + margin, bottom_));
+    }
+
+  private:
+    /// Of a disc, the part beyond a straight line.
+    static double outside(double distance_px, double radius_px) {
+        if (radius_px <= distance_px) return 0;
+        const double t = std::clamp(distance_px / radius_px, 0.0, 1.0);
+        return 0.5 - (t * std::sqrt(1 - t * t) + std::asin(t)) / std::numbers::pi;
+    }
+
+    const SampleHeader& h_;
+    FocusGeometry geometry_;
+    double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  ///< widest radius along that side, px
+};
 
 /// Means over the pixels within `radius_px` to each side.
 std::vector<float> box_means(const std::vector<float>& of, int width, int height, int radius_px) {
@@ -142,8 +147,12 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         geometry, read_aperture(v.focus.impulse), {0, h.width, 0, h.height}, views, {}, {}};
     if (moves) by_field.shutter = {v.motion, v.shutter->open_s, v.shutter->close_s, v.curve};
     MisplacedLight misplaced_light(h, geometry);
+    RecordFloor record_floor(h, geometry);
+    BeyondMargin margin(h, geometry);
     by_field.also = [&](const RecordBand& band, int y_begin, int y_end) {
         misplaced_light.add(band, y_begin, y_end);
+        record_floor.add(band, y_begin, y_end);
+        margin.add(band);
     };
     const FieldFocus seen = field_focus(frame, by_field);
     std::optional<Image> finer;
@@ -154,10 +163,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         s.depths = std::min(4 * *request.depths, DepthLevels::most_depths);
         finer = focus_picture(frame, s).image;
     }
-    const std::vector<float> floor = record_floor(frame.file(), geometry),
-                             misplaced = misplaced_light.picture(), margin = beyond_margin(frame, geometry),
-                             contrast = local_contrast(seen.image);
-
+    const std::vector<float>& floor = record_floor.picture();
+    const std::vector<float> misplaced = misplaced_light.picture(), contrast = local_contrast(seen.image);
     const std::vector<float> beside = box_means(floor, h.width, h.height, beside_px);
     const double overall =
         std::accumulate(contrast.begin(), contrast.end(), 0.0) / static_cast<double>(contrast.size());
@@ -178,15 +185,16 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         } else {
             // What is not recorded may differ from what is beside it as much as anything in the picture does.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
-                         beyond = static_cast<double>(margin[k]);
+                         beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
+                                               static_cast<int>(k / static_cast<std::size_t>(h.width)));
             // What lies beyond the margin is unknown to the views as well.
             const double unknown =
                 std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));
             const std::array<std::pair<double, ErrorCause>, 4> expected{
-                {{unknown * unknown * spread, ErrorCause::hidden_surface},
-                 {lost * lost / 4, ErrorCause::curvature_of_w},
-                 {beyond * beyond * spread, ErrorCause::frame_edge},
+                {{filled_in_error(unknown, spread), ErrorCause::hidden_surface},
+                 {misplaced_error(lost), ErrorCause::curvature_of_w},
+                 {filled_in_error(beyond, spread), ErrorCause::frame_edge},
                  {floor_unseen * static_cast<double>(floor[k]), ErrorCause::record_density}}};
             const auto greatest = *std::max_element(expected.begin(), expected.end());
             if (greatest.first >= noticeable * error) {

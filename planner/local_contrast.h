@@ -11,4 +11,15 @@ namespace postlens {
 /// side. Same bits for any number of threads.
 [[nodiscard]] std::vector<float> local_contrast(const Image& image, int radius_px = 32);
 
+/// Expected squared error, encoded values, of a pixel of whose light so much is unknown and filled in with
+/// what is around it, which varies so much.
+[[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
+    return unknown_share * unknown_share * variance;
+}
+/// The same of one that shows so much light (encoded) which belongs elsewhere: some of it is right where it
+/// is.
+[[nodiscard]] inline double misplaced_error(double light) {
+    return light * light / 4;
+}
+
 }  // namespace postlens

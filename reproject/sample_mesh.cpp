@@ -61,7 +61,7 @@ class TileBuilder {
     [[nodiscard]] std::uint32_t count(std::uint32_t sample) const {
         return surfaces_.offsets[sample + 1] - surfaces_.offsets[sample];
     }
-    [[nodiscard]] const Surface& surface(std::uint32_t i) const { return surfaces_.surfaces[i]; }
+    [[nodiscard]] const LayerSurface& surface(std::uint32_t i) const { return surfaces_.surfaces[i]; }
 
     /// Whether the four can be one surface, by how steep it would be.
     [[nodiscard]] bool continuous(const std::array<std::uint32_t, 4>& s, float size) const {
@@ -123,7 +123,7 @@ class TileBuilder {
         }
     }
 
-    std::uint32_t add_vertex(float x, float y, const Surface& s, TilePart& out) {
+    std::uint32_t add_vertex(float x, float y, const LayerSurface& s, TilePart& out) {
         out.x.push_back(x);
         out.y.push_back(y);
         out.inverse_z.push_back(s.inverse_z);

@@ -10,7 +10,7 @@ namespace {
 constexpr double steepest_slope = 40;
 
 /// The surface that the nodes of a place and layer make. False without a primary node.
-bool take_surface(const Record* first, const Record* last, Surface& out) {
+bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
     out = {std::isinf(primary.z) ? 0.0F : 1 / primary.z, 0, 0, 0, primary.id};
@@ -104,7 +104,7 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
     for_each_layer(
         band, points, y_begin,
         [&](const Record*, const Record* first, const Record* last) {
-            Surface surface;
+            LayerSurface surface;
             if (take_surface(first, last, surface)) out.surfaces.push_back(surface);
         },
         [&] { out.offsets.push_back(static_cast<std::uint32_t>(out.surfaces.size())); });

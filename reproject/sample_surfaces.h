@@ -12,7 +12,7 @@ namespace postlens {
 
 /// What is seen at one layer of a point sample: the primary node's depth and id, the colours of all its
 /// nodes.
-struct Surface {
+struct LayerSurface {
     float inverse_z = 0;  ///< 1/m; 0: infinitely far
     float r = 0, g = 0, b = 0;
     std::uint32_t id = 0;
@@ -43,7 +43,7 @@ struct TreeSurface {
 
 /// The surfaces of some point samples: sample i has [offsets[i], offsets[i + 1]), the nearest layer first.
 struct SampleSurfaces {
-    std::vector<Surface> surfaces;
+    std::vector<LayerSurface> surfaces;
     std::vector<std::uint32_t> offsets;
 };
 
