@@ -59,6 +59,13 @@ CommandResult run_trace(const TraceOptions& options) {
         }
     }
     const TraceResult r = trace_to_file(scene, settings, options.output);
+    if (r.too_narrow_objects > 0) {
+        out.warnings.push_back(
+            {"narrow",
+             fmt::format("{} objects are too narrow, or too many, to be looked for one by one: what falls "
+                         "between the corners of cells is not recorded",
+                         r.too_narrow_objects)});
+    }
     out.json = {{"records", r.records},
                 {"bytes", r.bytes},
                 {"rays", rays_json(r.rays)},

@@ -18,6 +18,7 @@
 #include "records/quadtree.h"
 #include "records/sample_file.h"
 #include "tracer/lens_reach.h"
+#include "tracer/small_things.h"
 
 namespace postlens {
 namespace {
@@ -138,6 +139,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     coarse.camera.width = std::max(1, camera.width / coarser);
     coarse.camera.height = std::max(1, camera.height / coarser);
     coarse.subdivision.levels = look_levels;
+    coarse.seek_small_things = false;  // they are reckoned for the trace's own pixels below
     coarse.quiet = true;
     const Scratch scratch;
     const auto start = std::chrono::steady_clock::now();
@@ -166,8 +168,12 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     // Beyond the frame the trace is as wide in its own pixels as the look found.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
+    const SmallThings things(scene, camera, asked.time_s.value_or(scene.time_s), 0, camera.width, 0,
+                             camera.height);
+    // Four cells to a split.
     const double samples =
-        window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1));
+        window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
+        (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
     // Hidden surfaces are recorded as far as the lens reaches and for a margin of a few pixels, which are
     // wider here.
     const DepthRange range = depth_range(file);
