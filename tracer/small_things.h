@@ -21,8 +21,9 @@ class SmallThings {
     static constexpr double widest_px = 1.5;
     /// Cells are at most this share of a thing's width, so that a corner hits it wherever it lies ...
     static constexpr double find_share = 0.5;
-    /// ... and along the outline of what is compact and brighter than white at most this: the area of a disc d px wide is
-    /// then known to 1.2 % (Kendall 1948), and so is the brightness of the blurred disc that it becomes.
+    /// ... and along the outline of what is compact and brighter than white at most this: the area of a disc
+    /// d px wide is then known to 1.2 % (Kendall 1948), and so is the brightness of the blurred disc that it
+    /// becomes.
     static constexpr double bright_share = 0.0625;
     /// Cells are divided no deeper than this.
     static constexpr int most_levels = 7;
