@@ -62,9 +62,9 @@ CommandResult run_trace(const TraceOptions& options) {
     if (r.too_narrow_objects > 0) {
         out.warnings.push_back(
             {"narrow",
-             fmt::format("{} objects are too narrow, or too many, to be looked for one by one: what falls "
-                         "between the corners of cells is not recorded",
-                         r.too_narrow_objects)});
+             fmt::format("{} objects are so narrow that they may fall between the corners of cells{}",
+                         r.too_narrow_objects,
+                         settings.subdivision.levels == 0 ? ", which --subdivide 1 or more looks for" : "")});
     }
     out.json = {{"records", r.records},
                 {"bytes", r.bytes},

@@ -220,8 +220,9 @@ TEST(SmallThings, AFileWithoutSubdivisionStaysWithoutIt) {
     const TemporaryFolder folder;
     TraceSettings settings;
     settings.subdivision.levels = 0;
-    EXPECT_EQ(trace_to_file(b.scene, settings, folder.path() / "bare.exr").rays.eye,
-              (width + 1U) * (height + 1U));
+    const TraceResult r = trace_to_file(b.scene, settings, folder.path() / "bare.exr");
+    EXPECT_EQ(r.rays.eye, (width + 1U) * (height + 1U));
+    EXPECT_EQ(r.too_narrow_objects, 1U);  // and the command says so
 }
 
 }  // namespace

@@ -176,6 +176,12 @@ double SmallThings::cells() const {
     return out;
 }
 
+std::uint64_t SmallThings::objects() const {
+    std::set<std::uint32_t> out;
+    for (const Piece& p : pieces_) out.insert(p.object);
+    return out.size();
+}
+
 void SmallThings::keep_affordable() {
     const double raster = std::max(0.0, x_end_ - x_begin_) * std::max(0.0, y_end_ - y_begin_);
     double left = most_cells_per_pixel * raster;

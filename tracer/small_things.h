@@ -42,6 +42,8 @@ class SmallThings {
     [[nodiscard]] int levels() const { return levels_; }
     /// About how many cells they ask for.
     [[nodiscard]] double cells() const;
+    /// How many objects they belong to.
+    [[nodiscard]] std::uint64_t objects() const;
     /// Objects that are too narrow or too many to be sought.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 

@@ -245,15 +245,16 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     // Of all instants, since a file has one grid.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
-    if (settings.seek_small_things && settings.subdivision.levels > 0) {
-        std::uint64_t& lost = result.too_narrow_objects;
-        for (std::size_t i = 0; i < small_things.size(); ++i) {
-            const CameraModel at(of, result.instants_s[i], settings.camera);
-            small_things[i] = SmallThings(scene, at, result.instants_s[i], window.x_begin, window.x_end + 1,
-                                          window.y_begin, window.y_end + 1);
-            settings.subdivision.levels = std::max(settings.subdivision.levels, small_things[i].levels());
-            lost = std::max(lost, small_things[i].lost());
-        }
+    for (std::size_t i = 0; settings.seek_small_things && i < small_things.size(); ++i) {
+        const CameraModel at(of, result.instants_s[i], settings.camera);
+        SmallThings things(scene, at, result.instants_s[i], window.x_begin, window.x_end + 1, window.y_begin,
+                           window.y_end + 1);
+        const bool sought = asked.subdivision.levels > 0;
+        result.too_narrow_objects =
+            std::max(result.too_narrow_objects, things.lost() + (sought ? 0 : things.objects()));
+        if (!sought) continue;
+        settings.subdivision.levels = std::max(settings.subdivision.levels, things.levels());
+        small_things[i] = std::move(things);
     }
     instant->look_through_lens(settings, window);
     SampleHeader header = sample_header(scene, settings, camera, time_s, o);

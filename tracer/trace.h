@@ -45,7 +45,8 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Objects narrower than the smallest cells, or too many of them, so that corners may miss them.
+    /// Objects narrower than the smallest cells, or too many, or all narrow ones without subdivision: corners
+    /// may miss them.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
     int keys = 1;                              ///< as asked for, or chosen
