@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <limits>
 #include <optional>
-#include <unistd.h>
 
 #include "core/error.h"
 #include "focus/depth_levels.h"
@@ -15,6 +14,7 @@
 #include "planner/auto_picture.h"
 #include "planner/edge_cells.h"
 #include "planner/record_floor.h"
+#include "planner/scratch_file.h"
 #include "records/quadtree.h"
 #include "records/sample_file.h"
 #include "tracer/lens_reach.h"
@@ -28,29 +28,6 @@ constexpr int look_levels = 2;  ///< so that its finest cells are pixels of the 
 constexpr int most_levels = 6;
 /// New samples of a cell that is split: its centre and what of the middles of its sides is not there yet.
 constexpr double samples_per_split = 3.5;
-
-/// A folder that goes with its contents.
-class Scratch {
-  public:
-    Scratch() {
-        std::string name = (std::filesystem::temp_directory_path() / "postlens_plan_XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr)
-            fail(ExitCode::cannot_write, "{}: cannot make a folder there", name);
-        path_ = name;
-    }
-    ~Scratch() {
-        std::error_code none;
-        std::filesystem::remove_all(path_, none);
-    }
-    Scratch(const Scratch&) = delete;
-    Scratch& operator=(const Scratch&) = delete;
-    Scratch(Scratch&&) = delete;
-    Scratch& operator=(Scratch&&) = delete;
-    [[nodiscard]] std::filesystem::path file() const { return path_ / "look.exr"; }
-
-  private:
-    std::filesystem::path path_;
-};
 
 struct Look {
     double edge_pixels = 0;  ///< pixels of the trace that an edge crosses, beyond the frame too
@@ -141,11 +118,11 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     coarse.subdivision.levels = look_levels;
     coarse.seek_small_things = false;  // they are reckoned for the trace's own pixels below
     coarse.quiet = true;
-    const Scratch scratch;
+    const ScratchFile look_file("look.exr");
     const auto start = std::chrono::steady_clock::now();
-    const TraceResult traced = trace_to_file(scene, coarse, scratch.file());
+    const TraceResult traced = trace_to_file(scene, coarse, look_file.path());
     const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const SampleFileReader file(scratch.file());
+    const SampleFileReader file(look_file.path());
     const FocusGeometry geometry = geometry_of(asked, camera).value_or(FocusGeometry{});
     const Look look = look_at(file, geometry);
 
