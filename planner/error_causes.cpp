@@ -24,6 +24,8 @@ constexpr double explained = 0.25;
 /// edge tell, and those beside them may hide any number.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
+/// Share of a pixel's light that may be unknown by chance.
+constexpr float tolerated_unknown = 0.02F;
 /// Share of the error that no cheaper way explains, from which the scene is traced again to find out.
 constexpr double worth_trials = 0.1;
 
@@ -207,6 +209,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             if (e > best_error) continue;
             best = &t;
             best_error = e;
+            if (t.decides) break;
         }
         if (finer_explains(k, error)) {
             cause = ErrorCause::kernel_truncation;
@@ -214,6 +217,9 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
+            // Other instants show what turned into view, and other colours of what was in view.
+            if (best->other_instants && seen.unknown[k] < tolerated_unknown)
+                cause = ErrorCause::view_dependent_shading;
         } else {
             // What is not recorded may differ from what is beside it as much as anything in the picture does.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),

@@ -60,16 +60,14 @@ std::vector<ErrorTrial> error_trials(const SampleHeader& h, const Scene& scene, 
     if (wider.for_f_number || wider.for_shutter) wider.overscan_auto = true;
     know_the_view(view, h, whole);
     whole.hidden_layers = HiddenLayers::most;
-    if (view.shutter) whole.keys.reset();
+    TraceSettings longer = whole;
+    longer.keys.reset();
     finer.subdivision.levels = std::clamp(h.subdivide_levels + 1, 3, finest_levels);
     finer.whitted.max_depth = deepest_trees;
     finer.whitted.min_contribution = std::min(h.min_contribution, 1e-4);
 
     const bool moves = view.motion != nullptr && view.shutter && view.shutter->open_s < view.shutter->close_s;
-    std::vector<ErrorTrial> out;
-    for (const auto& [cause, settings] : {std::pair{ErrorCause::frame_edge, wider},
-                                          {ErrorCause::hidden_surface, whole},
-                                          {ErrorCause::record_density, finer}}) {
+    const auto tried = [&](ErrorCause cause, const TraceSettings& settings) {
         const ScratchFile file("trial.exr");
         (void)trace_to_file(scene, settings, file.path());
         const SampleFileReader reader(file.path());
@@ -82,7 +80,17 @@ std::vector<ErrorTrial> error_trials(const SampleHeader& h, const Scene& scene, 
                              {},
                              {}};
         if (moves) s.shutter = {view.motion, view.shutter->open_s, view.shutter->close_s, view.curve};
-        out.push_back({cause, field_focus(frame, s).image});
+        return ErrorTrial{cause, field_focus(frame, s).image};
+    };
+    std::vector<ErrorTrial> out;
+    out.push_back(tried(ErrorCause::record_density, finer));
+    out.push_back(tried(ErrorCause::hidden_surface, whole));
+    out.back().decides = true;
+    out.push_back(tried(ErrorCause::frame_edge, wider));
+    out.back().decides = true;
+    if (moves) {
+        out.push_back(tried(ErrorCause::hidden_surface, longer));
+        out.back().other_instants = true;
     }
     return out;
 }

@@ -10,8 +10,10 @@
 namespace postlens {
 
 struct ErrorTrial {
-    ErrorCause cause;  ///< that is taken away
-    Image image;       ///< by light field, of the window that the file has
+    ErrorCause cause;      ///< that is taken away
+    Image image;           ///< by light field, of the window that the file has
+    bool decides = false;  ///< those that follow take more away, and say nothing new where this one is right
+    bool other_instants = false;  ///< what it adds are instants
 };
 
 /// The file's scene traced as the file was, but wide enough for lens and shutter (frame_edge), with
