@@ -70,7 +70,7 @@ class CropTest : public testing::Test {
     std::optional<SampleFileReader> file_;
 };
 
-const FocusSettings wide{.lens = {.focal_length_mm = 50, .f_number = 1.4}, .focus_distance_m = 1};
+const FocusSettings wide{.lens = {.focal_length_mm = 50, .f_number = 2.8}, .focus_distance_m = 1};
 
 TEST_F(CropTest, PinholeAndScatter) {
     traced("still_life.toml", {.overscan_px = 8});

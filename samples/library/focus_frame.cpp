@@ -1,4 +1,5 @@
-// A program of one's own on top of postlens: the picture of a sample file through 50 mm at f/2, focused at 3 m.
+// A program of one's own on top of postlens: the picture of a sample file through 50 mm at f/2, focused at 3
+// m.
 #include <cstdio>
 
 #include "core/error.h"
