@@ -7,6 +7,7 @@
 
 #include "apps/cli_chart.h"
 #include "apps/cli_options.h"
+#include "apps/frame_range.h"
 #include "apps/numbers.h"
 
 #ifndef POSTLENS_VERSION
@@ -28,7 +29,23 @@ struct State {
     CompareCommandOptions compare;
     ImageOptions image;
     std::string input;
+    FrameOptions frames;
+    /// What of --frames the command is to know.
+    [[nodiscard]] const FrameOptions& asked_frames() {
+        frames.speak = !common.quiet && !common.json;
+        return frames;
+    }
 };
+
+void frame_options(CLI::App& app, FrameOptions& to, bool in_time) {
+    app.add_option_function<std::string>(
+           "--frames", [&to](const std::string& text) { to.frames = parse_frames("--frames", text); },
+           "Do so for each of these frames; file names hold the number as f.%04d.exr or f.####.exr "
+           "(docs/frames.md)")
+        ->type_name("1-48[x2],...");
+    app.add_flag("--keep", to.keep, "With --frames: leave out those whose output is there and whole");
+    if (in_time) number(app, "--fps", to.fps, "With --frames: frame n is at n / FPS s [default: 24]", "FPS");
+}
 
 void shutter_trace_options(CLI::App& app, TraceSettings& t) {
     app.add_option_function<std::string>(
@@ -70,6 +87,7 @@ void add_trace(CLI::App& root, State& s) {
     TraceSettings& t = o.settings;
     scene_options(app, o.scene, o.metres_per_unit, t.camera, t.camera_name);
     output_option(app, o.output, "Sample file (OpenEXR)");
+    frame_options(app, s.frames, true);
     number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S");
     number(app, "--focal-length", t.camera.focal_length_mm,
            "Film distance of the pinhole view, more than 0 [default: the camera's]", "MM");
@@ -116,7 +134,7 @@ void add_trace(CLI::App& root, State& s) {
     app.callback([&s] {
         s.common.run = [&s] {
             s.trace.settings.quiet = s.common.quiet;
-            return run_trace(s.trace);
+            return run_frames(s.asked_frames(), s.trace);
         };
     });
 }
@@ -128,6 +146,8 @@ void add_render(CLI::App& root, State& s) {
     RenderSettings& r = o.settings;
     scene_options(app, o.scene, o.metres_per_unit, r.camera, r.camera_name);
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    crop_option(app, r.crop);
+    frame_options(app, s.frames, true);
     whole(app, "--spp", r.spp, "Samples per pixel, 1 to 1048576", "N")->required();
     lens_options(app, o.lens, "the camera's");
     impulse_options(app, o.impulse);
@@ -152,7 +172,7 @@ void add_render(CLI::App& root, State& s) {
     app.callback([&s] {
         s.common.run = [&s] {
             s.render.settings.quiet = s.common.quiet;
-            return run_render(s.render);
+            return run_frames(s.asked_frames(), s.render);
         };
     });
 }
@@ -164,9 +184,11 @@ void add_image(CLI::App& root, State& s) {
         ->required()
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    crop_option(app, o.crop);
+    frame_options(app, s.frames, false);
     foreign_channel_options(app, o.foreign.choice);
     common_options(app, s.common);
-    app.callback([&s] { s.common.run = [&s] { return run_image(s.image); }; });
+    app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.image); }; });
 }
 
 void add_records(CLI::App& root, State& s) {
@@ -214,6 +236,8 @@ void add_focus(CLI::App& root, State& s) {
         ->required()
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    crop_option(app, o.crop);
+    frame_options(app, s.frames, false);
     lens_options(app, o.lens);
     impulse_options(app, o.impulse);
     choice(app, "--method", o.method, "How",
@@ -244,7 +268,7 @@ void add_focus(CLI::App& root, State& s) {
             {"first-hit", DepthModel::first_hit}});
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     common_options(app, s.common);
-    app.callback([&s] { s.common.run = [&s] { return run_focus(s.focus); }; });
+    app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.focus); }; });
 }
 
 void add_motionblur(CLI::App& root, State& s) {
@@ -260,6 +284,8 @@ void add_motionblur(CLI::App& root, State& s) {
         ->required()
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    crop_option(app, o.settings.crop);
+    frame_options(app, s.frames, false);
     shutter_options(app, o.shutter, o.curve, "the file's exposure, from the frame's instant on");
     app.add_option("--paths", o.paths,
                    "Paths of objects, in place of what the file says (docs/motion_paths.md)")
@@ -300,7 +326,7 @@ void add_motionblur(CLI::App& root, State& s) {
         ->type_name("M");
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     common_options(app, s.common);
-    app.callback([&s] { s.common.run = [&s] { return run_motionblur(s.motionblur); }; });
+    app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.motionblur); }; });
 }
 
 void add_shoot(CLI::App& root, State& s) {
@@ -311,6 +337,8 @@ void add_shoot(CLI::App& root, State& s) {
     o.views = 128;
     app.add_option("frame", o.input, "Sample file")->required()->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    crop_option(app, o.crop);
+    frame_options(app, s.frames, false);
     lens_options(app, o.lens);
     impulse_options(app, o.impulse);
     shutter_options(app, s.shoot.shutter, s.shoot.curve, "the file's exposure, from the frame's instant on");
@@ -332,7 +360,7 @@ void add_shoot(CLI::App& root, State& s) {
     retrace_options(app, o.retrace);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     common_options(app, s.common);
-    app.callback([&s] { s.common.run = [&s] { return run_shoot(s.shoot); }; });
+    app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.shoot); }; });
 }
 
 void add_compare(CLI::App& root, State& s) {

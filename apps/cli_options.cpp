@@ -43,6 +43,13 @@ void output_option(CLI::App& app, std::string& to, const std::string& help) {
     app.add_option("-o,--output", to, help)->required()->type_name("FILE");
 }
 
+void crop_option(CLI::App& app, std::optional<Crop>& to) {
+    app.add_option_function<std::string>(
+           "--crop", [&to](const std::string& text) { to = parse_crop("--crop", text); },
+           "Only this part of the picture: W x H pixels from X,Y on, 0,0 at the upper left [default: all]")
+        ->type_name("X,Y,W,H");
+}
+
 // `source`: what names the values that are not given here.
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
     const std::string otherwise = " [default: " + source + "]";

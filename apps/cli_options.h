@@ -22,6 +22,7 @@ CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::s
                    const std::string& unit);
 void common_options(CLI::App& app, ParsedCommand& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
+void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
 /// The impulse response, for focus and render alike.
 void impulse_options(CLI::App& app, Impulse& to);

@@ -33,6 +33,9 @@ struct CommandResult {
     ExitCode exit_code = ExitCode::ok;
 };
 
+/// Says in the result, where there is a crop, what part of the picture was written.
+void report_crop(const std::optional<Crop>& crop, CommandResult& out);
+
 struct TraceOptions {
     std::string scene, output;
     double metres_per_unit = 1;
@@ -77,12 +80,14 @@ struct FocusOptions {
     double target_db = default_target_db;  ///< of `auto`
     RetraceOptions retrace;
     ForeignOptions foreign;
+    std::optional<Crop> crop;
     bool strict = false;
 };
 
 struct ImageOptions {
     std::string input, output;
     ForeignOptions foreign;
+    std::optional<Crop> crop;
 };
 
 struct ShootOptions {
@@ -90,6 +95,7 @@ struct ShootOptions {
     std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, from the frame's instant on
     std::string curve = "box";        ///< box, triangle or a file
     std::optional<std::string> paths;
+    bool shutter_from_frame = false;  ///< counted from the frame's instant, not on the scene's clock
 };
 
 struct RenderOptions {
@@ -109,6 +115,7 @@ struct MotionBlurOptions {
     VectorChoice vectors;  ///< of pictures of other programs
     std::string layer;     ///< likewise
     MotionBlurSettings settings;
+    bool shutter_from_frame = false;  ///< of sample files: as in ShootOptions
     bool strict = false;
 };
 
@@ -170,8 +177,10 @@ struct ResolvedLens {
 /// another focal length was asked for.
 void take_from_prescription(const Impulse& impulse, LensOptions& lens);
 
-/// What the shutter is for this file: asked for, else the file's exposure. Throws Error(wrong_arguments).
-[[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header);
+/// What the shutter is for this file: asked for (`from_frame`: counted from the frame's instant), else the
+/// file's exposure. Throws Error(wrong_arguments).
+[[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
+                                        bool from_frame = false);
 /// A warning where the trace was sized for less than the lens, or the shutter, asked for.
 void check_sufficient(const SampleHeader& header, const ResolvedLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);

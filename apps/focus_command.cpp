@@ -5,6 +5,7 @@
 #include "focus/bend_warning.h"
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/read_prescription.h"
+#include "records/crop.h"
 #include "records/pixel_samples.h"
 #include "sweep/picture_maker.h"
 
@@ -65,11 +66,18 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
     return out;
 }
 
+void report_crop(const std::optional<Crop>& crop, CommandResult& out) {
+    if (!crop) return;
+    out.json["crop"] = {{"x", crop->x}, {"y", crop->y}, {"width", crop->width}, {"height", crop->height}};
+    out.text += fmt::format("\n  of it {}x{} px from {},{} on", crop->width, crop->height, crop->x, crop->y);
+}
+
 CommandResult run_focus(const FocusOptions& options) {
     check_image_path(options.output);
     if (is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign);
     const SampleFileReader file(options.input);
+    check_crop(options.crop, file.header().width, file.header().height);
     LensOptions lens_options = options.lens;
     if (options.method == FocusMethod::pinhole) {
         // A pinhole has no focus; what is not named must not be asked for.
@@ -87,7 +95,8 @@ CommandResult run_focus(const FocusOptions& options) {
                                  .depth_model = options.depth_model,
                                  .impulse = options.impulse,
                                  .depths = options.depths,
-                                 .views = options.views};
+                                 .views = options.views,
+                                 .crop = options.crop};
     CommandResult out;
     FocusFrame frame(file);
     FocusResult result;
@@ -108,14 +117,16 @@ CommandResult run_focus(const FocusOptions& options) {
     } else {
         result = focus_picture(frame, settings);
     }
-    write_image(options.output, result.image);
+    write_image(options.output, result.image, options.crop);
 
     check_sufficient(file.header(), lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials) {
         const SampleHeader& h = file.header();
-        const auto bends = bend_warning(frame, focus_geometry(lens.lens, lens.focus_m, options.lens.framing,
-                                                              {h.film_distance_mm, h.pixel_pitch_mm}));
+        const auto bends = bend_warning(frame,
+                                        focus_geometry(lens.lens, lens.focus_m, options.lens.framing,
+                                                       {h.film_distance_mm, h.pixel_pitch_mm}),
+                                        options.lens.framing == Framing::keep ? options.crop : std::nullopt);
         if (bends) out.warnings.push_back({bends->code, bends->text, bends->share});
     }
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
@@ -137,6 +148,7 @@ CommandResult run_focus(const FocusOptions& options) {
                     lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m,
                     result.views > 0 ? result.views : result.depths, result.views > 0 ? "views" : "depths",
                     result.largest_coc_px);
+    report_crop(options.crop, out);
     return out;
 }
 

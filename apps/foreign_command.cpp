@@ -2,6 +2,7 @@
 
 #include "apps/command.h"
 #include "focus/foreign_focus.h"
+#include "records/crop.h"
 #include "sweep/picture_maker.h"
 
 namespace postlens {
@@ -56,16 +57,20 @@ void refuse_foreign_options(const ForeignOptions& options) {
 CommandResult foreign_image(const ImageOptions& options) {
     const ForeignPicture picture =
         read_foreign_picture(options.input, options.foreign.choice, options.foreign.camera);
+    check_crop(options.crop, picture.width, picture.height);
     const Image image = picture.flattened();
-    write_image(options.output, image);
+    write_image(options.output, image, options.crop);
     CommandResult out;
     add_warnings(picture, false, out.warnings);
-    out.json = {{"width", image.width},
-                {"height", image.height},
+    const int width = options.crop ? options.crop->width : image.width,
+              height = options.crop ? options.crop->height : image.height;
+    out.json = {{"width", width},
+                {"height", height},
                 {"records", picture.samples.size()},
                 {"has_alpha", !image.alpha.empty()},
                 {"channels", channels_json(picture.channels)}};
-    out.text = fmt::format("{}: {}x{} px, flattened", options.output, image.width, image.height);
+    out.text = fmt::format("{}: {}x{} px, flattened", options.output, width, height);
+    report_crop(options.crop, out);
     return out;
 }
 
@@ -77,6 +82,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, choice);
+    check_crop(options.crop, picture.width, picture.height);
     const bool pinhole = options.method == FocusMethod::pinhole;
     const double f_number =
         pinhole ? std::numeric_limits<double>::infinity()
@@ -95,8 +101,9 @@ CommandResult focus_foreign(const FocusOptions& options) {
                                 .depth_model = options.depth_model,
                                 .impulse = options.impulse,
                                 .depths = options.depths,
-                                .views = options.views});
-    write_image(options.output, result.image);
+                                .views = options.views,
+                                .crop = options.crop});
+    write_image(options.output, result.image, options.crop);
     CommandResult out;
     add_warnings(picture, true, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
@@ -122,6 +129,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
         "{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} depths, widest CoC {:.1f} px",
         options.output, result.image.width, result.image.height, method_name(result.method), focal_length_mm,
         f_number, focus_m, result.depths, result.largest_coc_px);
+    report_crop(options.crop, out);
     return out;
 }
 

@@ -8,11 +8,14 @@ CommandResult run_image(const ImageOptions& options) {
     if (is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign);
     const SampleFileReader file(options.input);
-    const Image image = pinhole_picture(file);
-    write_image(output, image);
+    const Image image = pinhole_picture(file, options.crop);
+    write_image(output, image, options.crop);
+    const int width = options.crop ? options.crop->width : image.width,
+              height = options.crop ? options.crop->height : image.height;
     CommandResult out;
-    out.json = {{"width", image.width}, {"height", image.height}, {"records", file.record_count()}};
-    out.text = fmt::format("{}: {}x{} px, pinhole", output, image.width, image.height);
+    out.json = {{"width", width}, {"height", height}, {"records", file.record_count()}};
+    out.text = fmt::format("{}: {}x{} px, pinhole", output, width, height);
+    report_crop(options.crop, out);
     return out;
 }
 

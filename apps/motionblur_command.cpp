@@ -101,10 +101,11 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     }
     const Exposure exposure{options.shutter->open_s, options.shutter->close_s};
     const VectorFrame frame = read_vector_frame(options.input, options.vectors, options.layer);
-    const MotionBlurResult result = vector_blur(
-        frame,
-        {.exposure = exposure, .curve = shutter_curve(options.curve), .views = options.settings.views});
-    write_image(options.output, result.image);
+    const MotionBlurResult result = vector_blur(frame, {.exposure = exposure,
+                                                        .curve = shutter_curve(options.curve),
+                                                        .views = options.settings.views,
+                                                        .crop = options.settings.crop});
+    write_image(options.output, result.image, options.settings.crop);
 
     CommandResult out = report(options, result);
     out.json.update({{"shutter_open_frames", exposure.open_s},
@@ -119,13 +120,15 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
         headline(options, result,
                  fmt::format("by {} and {}, longest {:.4g} px, shutter {:.6g} to {:.6g} frames", frame.u_name,
                              frame.v_name, frame.largest_px, exposure.open_s, exposure.close_s));
+    report_crop(options.settings.crop, out);
     return out;
 }
 
 }  // namespace
 
-Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header) {
-    if (asked) return {asked->open_s, asked->close_s};
+Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header, bool from_frame) {
+    const double zero_s = from_frame ? header.time_s : 0;
+    if (asked) return {zero_s + asked->open_s, zero_s + asked->close_s};
     if (!header.exposure_s) {
         fail(ExitCode::wrong_arguments,
              "--shutter: missing (got nothing; expected OPEN:CLOSE, as the sample file names no exposure)");
@@ -154,9 +157,9 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     settings.curve = shutter_curve(options.curve);
     if (options.paths) settings.paths = read_paths(*options.paths);
     const SampleFileReader file(options.input);
-    settings.exposure = resolve_exposure(options.shutter, file.header());
+    settings.exposure = resolve_exposure(options.shutter, file.header(), options.shutter_from_frame);
     const MotionBlurResult result = motion_blur(file, settings);
-    write_image(options.output, result.image);
+    write_image(options.output, result.image, settings.crop);
 
     const SampleHeader& h = file.header();
     std::vector<Warning> warnings;
@@ -189,6 +192,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
                                : "");
     }
     if (left > 0) out.text += fmt::format("\n  and {} more (see --json)", left);
+    report_crop(settings.crop, out);
     return out;
 }
 

@@ -98,6 +98,26 @@ std::vector<int> parse_whole_list(std::string_view option, std::string_view text
     return out;
 }
 
+Crop parse_crop(std::string_view option, std::string_view text) {
+    std::vector<int> values;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const auto value = parsed<int>(text.substr(begin, end - begin));
+        if (!value || values.size() == 4) {
+            values.clear();
+            break;
+        }
+        values.push_back(*value);
+        begin = end + 1;
+    }
+    if (values.size() == 4 && values[0] >= 0 && values[1] >= 0 && values[2] > 0 && values[3] > 0)
+        return {values[0], values[1], values[2], values[3]};
+    fail(ExitCode::wrong_arguments,
+         "{}: not a part of a picture (got {}; expected X,Y,W,H in whole pixels, W and H 1 or more, e.g. "
+         "480,270,64,64)",
+         option, text.empty() ? "nothing" : text);
+}
+
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected) {
     if (value > low || (including_low && value == low)) return value;
     fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected {})", option, value, expected);

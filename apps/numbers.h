@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "records/image.h"
+
 namespace postlens {
 
 /// A finite number, or "inf" where `infinite` allows it. Throws Error(wrong_arguments) naming the option.
@@ -29,6 +31,9 @@ namespace postlens {
 
 /// "1,4,16": whole numbers, one or more, at most 1000.
 [[nodiscard]] std::vector<int> parse_whole_list(std::string_view option, std::string_view text);
+
+/// "10,20,64,48": a part of a picture that begins within its first 2^31 pixels and has an area.
+[[nodiscard]] Crop parse_crop(std::string_view option, std::string_view text);
 
 /// Checks low < value <= high (low itself allowed with `including_low`). Throws Error(wrong_arguments).
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected);

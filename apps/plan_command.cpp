@@ -9,7 +9,8 @@ namespace {
 
 // Blue: scattered, grey: light field, red: traced again; as bright as the picture. Of a plan the light field
 // is the brighter the more views it has.
-void write_explanation(const std::string& path, const HybridResult& r, const AutoResult* plan) {
+void write_explanation(const std::string& path, const HybridResult& r, const AutoResult* plan,
+                       const std::optional<Crop>& crop) {
     Image out(r.focus.image.width, r.focus.image.height);
     constexpr float tint[3][3] = {{1, 1, 1}, {0.35F, 0.6F, 1.6F}, {2, 0.3F, 0.2F}};
     for (std::size_t k = 0; k < r.what.size(); ++k) {
@@ -24,7 +25,7 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
         }
         for (std::size_t c = 0; c < 3; ++c) out.rgb[3 * k + c] = grey * tint[r.what[k]][c];
     }
-    write_image(path, out);
+    write_image(path, out, crop);
 }
 
 // Also refuses what would come to nothing after the work.
@@ -48,7 +49,7 @@ HybridResult run_hybrid(const SampleFileReader& file, HybridSettings settings, c
     settings.scene = scene ? &*scene : nullptr;
     settings.retrace_spp = retrace.spp;
     HybridResult result = hybrid_picture(file, settings);
-    if (retrace.explain) write_explanation(*retrace.explain, result, nullptr);
+    if (retrace.explain) write_explanation(*retrace.explain, result, nullptr, settings.focus.crop);
     return result;
 }
 
@@ -65,7 +66,8 @@ AutoResult run_auto(const SampleFileReader& file, AutoSettings settings, const R
     FocusFrame frame(file, true);
     AutoResult result = auto_picture(frame, settings);
     if (!result.met(settings.target_db)) out.exit_code = ExitCode::shortfall;
-    if (retrace.explain) write_explanation(*retrace.explain, result.hybrid, &result);
+    if (retrace.explain)
+        write_explanation(*retrace.explain, result.hybrid, &result, settings.hybrid.focus.crop);
     return result;
 }
 

@@ -92,6 +92,7 @@ CommandResult run_render(const RenderOptions& options) {
         std::isfinite(r.f_number) ? fmt::format("F = {:.4g} mm, f/{:.4g}", r.focal_length_mm, r.f_number)
                                   : std::string("pinhole"),
         r.focus_m, r.seconds_render, rate);
+    report_crop(settings.crop, out);
     return out;
 }
 

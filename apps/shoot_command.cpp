@@ -3,6 +3,7 @@
 #include "apps/command.h"
 #include "apps/plan_command.h"
 #include "motionblur/paths_file.h"
+#include "records/crop.h"
 #include "tracer/scene.h"
 
 namespace postlens {
@@ -12,8 +13,9 @@ CommandResult run_shoot(const ShootOptions& options) {
     check_image_path(o.output);
     const SampleFileReader file(o.input);
     const SampleHeader& h = file.header();
+    check_crop(o.crop, h.width, h.height);
     const ResolvedLens lens = resolve_lens(o.lens, file);
-    const Exposure exposure = resolve_exposure(options.shutter, h);
+    const Exposure exposure = resolve_exposure(options.shutter, h, options.shutter_from_frame);
     check_exposure(exposure);
     const FrameMotion motion =
         motion_of(h, options.paths ? read_paths(*options.paths) : std::vector<ObjectPath>());
@@ -23,7 +25,8 @@ CommandResult run_shoot(const ShootOptions& options) {
                                             .framing = o.lens.framing,
                                             .method = o.method,
                                             .impulse = o.impulse,
-                                            .views = o.views},
+                                            .views = o.views,
+                                            .crop = o.crop},
                                   .motion = &motion,
                                   .shutter = TimeSpan{exposure.open_s, exposure.close_s},
                                   .curve = shutter_curve(options.curve)};
@@ -35,7 +38,7 @@ CommandResult run_shoot(const ShootOptions& options) {
         planned.hybrid = run_hybrid(file, settings, o.retrace, out);
     }
     const HybridResult& result = planned.hybrid;
-    write_image(o.output, result.focus.image);
+    write_image(o.output, result.focus.image, o.crop);
 
     check_sufficient(h, lens, out.warnings);
     check_sufficient(h, exposure, out.warnings);
@@ -67,6 +70,7 @@ CommandResult run_shoot(const ShootOptions& options) {
         o.output, result.focus.image.width, result.focus.image.height, method, views,
         lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m, exposure.open_s, exposure.close_s,
         100 * result.retraced_share);
+    report_crop(o.crop, out);
     return out;
 }
 

@@ -16,14 +16,17 @@ if(POSTLENS_GOLD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 
 add_library(postlens_options INTERFACE)
-target_include_directories(postlens_options INTERFACE "${PROJECT_SOURCE_DIR}")
-target_compile_options(postlens_options INTERFACE
+target_include_directories(postlens_options INTERFACE "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>")
+target_compile_features(postlens_options INTERFACE cxx_std_20)
+# For postlens itself: who links the installed libraries has settings of their own.
+set(postlens_compile_options
   # Settings are filled with designated initialisers; what is left out keeps its default.
   -Wall -Wextra -Wpedantic -Wno-missing-field-initializers -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Werror
   # No fused multiply-add: the same bits from every instruction set that a kernel is compiled for.
   -ffp-contract=off
   # errno and traps are never read; without these sqrt and selects do not vectorise.
   -fno-math-errno -fno-trapping-math)
+target_compile_options(postlens_options INTERFACE "$<BUILD_INTERFACE:${postlens_compile_options}>")
 
 if(POSTLENS_FUZZ)
   # Coverage feedback from every library; the targets themselves add libFuzzer's main.

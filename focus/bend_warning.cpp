@@ -92,17 +92,20 @@ std::vector<float> MisplacedLight::picture() const {
     return out;
 }
 
-std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens) {
+std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
+                                         const std::optional<Crop>& crop) {
     const SampleHeader& h = frame.file().header();
     const Misplaced is_misplaced(lens);
     if (!is_misplaced.possible(h)) return std::nullopt;
     std::vector<int> misplaced(static_cast<std::size_t>(h.height), 0);
-    frame.visit_rows(0, h.height, [&](const FrameRows& rows) {
+    const Crop looked_at = crop.value_or(Crop{0, 0, h.width, h.height});
+    const int first = looked_at.y, last = looked_at.y + looked_at.height;
+    frame.visit_rows(first, last, [&](const FrameRows& rows) {
         const RecordBand& band = *rows.band;
-        const int begin = std::max(rows.y_begin, 0), end = std::min(rows.y_end, h.height);
+        const int begin = std::max(rows.y_begin, first), end = std::min(rows.y_end, last);
         parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i) {
             const int y = begin + static_cast<int>(i);
-            for (int x = 0; x < h.width; ++x) {
+            for (int x = looked_at.x; x < looked_at.x + looked_at.width; ++x) {
                 const std::size_t k = band.pixel(x, y);
                 if (std::any_of(band.records.begin() + band.offsets[k],
                                 band.records.begin() + band.offsets[k + 1], is_misplaced))
@@ -113,7 +116,7 @@ std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry&
     double pixels = 0;
     for (const int of_row : misplaced) pixels += of_row;
     if (pixels == 0) return std::nullopt;
-    const double share = pixels / h.width / h.height;
+    const double share = pixels / looked_at.width / looked_at.height;
     return FocusWarning{
         .code = "nonlinear",
         .share = share,

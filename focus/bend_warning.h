@@ -14,8 +14,9 @@ namespace postlens {
 /// than 1/255 which W misplaces by more than half a pixel for some point of the lens: where
 /// (d / pitch) W.bend (D / 2)^2 > 0.5 px. Nothing where there is none, for a pinhole, and for files that do
 /// not say (`SampleHeader::has_bend`). Reads the records of the picture once; the same for any number of
-/// threads.
-[[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens);
+/// threads. `crop`: of these pixels of the traced picture only.
+[[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
+                                                       const std::optional<Crop>& crop = std::nullopt);
 
 /// Where that light goes: by pixel of the picture, the radiance of such nodes, each spread over a square as
 /// wide as its blur.

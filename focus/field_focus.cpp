@@ -8,6 +8,7 @@
 #include "focus/field_highlights.h"
 #include "focus/lens_views.h"
 #include "focus/one_surface.h"
+#include "records/crop.h"
 #include "reproject/fill_gaps.h"
 #include "reproject/instants_around.h"
 #include "reproject/patch_field.h"
@@ -78,11 +79,34 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
+/// The tiles that have something of the crop. Gaps in it are filled from around, however far away that is:
+/// then all are.
+PatchPicture drawn(PatchField& field, const std::optional<OneSurface>& simple,
+                   const std::optional<Crop>& crop) {
+    if (!crop) return patch_field(field);
+    const auto all = field.wanted;
+    field.wanted = [all, part = *crop](int x, int y, int width, int height) {
+        return part.meets(x, y, width, height) && (!all || all(x, y, width, height));
+    };
+    PatchPicture seen = patch_field(field);
+    for (int y = crop->y; y < crop->y + crop->height; ++y) {
+        for (int x = crop->x; x < crop->x + crop->width; ++x) {
+            const std::size_t k = static_cast<std::size_t>(y) * static_cast<std::size_t>(field.width) +
+                                  static_cast<std::size_t>(x);
+            if (seen.unknown[k] < 1 || (simple && simple->at(x, y))) continue;
+            field.wanted = all;
+            return patch_field(field);
+        }
+    }
+    return seen;
+}
+
 }  // namespace
 
-double FieldFocus::unknown_share() const {
-    return std::accumulate(unknown.begin(), unknown.end(), 0.0) /
-           static_cast<double>(std::max<std::size_t>(unknown.size(), 1));
+double FieldFocus::unknown_share(const std::optional<Crop>& crop) const {
+    const std::vector<float> asked = cut(unknown, image.width, crop);
+    return std::accumulate(asked.begin(), asked.end(), 0.0) /
+           static_cast<double>(std::max<std::size_t>(asked.size(), 1));
 }
 
 struct FieldFocuser::Prepared {
@@ -166,7 +190,7 @@ FieldFocus FieldFocuser::draw(const FieldViews& views) const {
             return !simple->all(x, y, width, height) && (!views.wanted || views.wanted(x, y, width, height));
         };
     }
-    PatchPicture seen = patch_field(field);
+    PatchPicture seen = drawn(field, simple, settings_.crop);
     FieldFocus out;
     if (simple) {
         out.left_out.resize(seen.unknown.size());

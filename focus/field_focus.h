@@ -36,6 +36,9 @@ struct FieldFocusSettings {
     /// there), if that is at least this share of the pixels; absent: nothing is left out.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< told of the records of the frame's own instant; none: nobody is
+    /// Only these pixels of the window are drawn; whatever else is in the result says nothing. What is drawn
+    /// has the same bits as without.
+    std::optional<Crop> crop;
 };
 
 struct FieldFocus {
@@ -44,7 +47,8 @@ struct FieldFocus {
     std::vector<float> unknown_below;  ///< the same of what is seen in mirrors and through glass
     /// By pixel: 1 where it was left out, as asked for; empty if it was not.
     std::vector<std::uint8_t> left_out;
-    [[nodiscard]] double unknown_share() const;
+    /// Of the pixels that were asked for.
+    [[nodiscard]] double unknown_share(const std::optional<Crop>& crop = std::nullopt) const;
 };
 
 /// Which views a picture is the mean of.

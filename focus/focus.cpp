@@ -13,6 +13,7 @@
 #include "focus/scatter.h"
 #include "focus/splat_tables.h"
 #include "records/aperture_file.h"
+#include "records/crop.h"
 #include "records/quadtree.h"
 
 namespace postlens {
@@ -47,14 +48,16 @@ View framed(const SampleFileReader& file, const FocusSettings& settings, const F
     return out;
 }
 
-Image traced_picture(FocusFrame& frame, const RasterWindow& window) {
+Image traced_picture(FocusFrame& frame, const RasterWindow& window, const std::optional<Crop>& crop) {
     Image image(window.width(), window.height());
-    frame.visit_rows(window.y_begin, window.y_end, [&](const FrameRows& rows) {
-        const int begin = std::max(rows.y_begin, window.y_begin), end = std::min(rows.y_end, window.y_end);
+    const Crop part = crop.value_or(Crop{0, 0, window.width(), window.height()});
+    const int first = window.y_begin + part.y, last = first + part.height, left = window.x_begin + part.x;
+    frame.visit_rows(first, last, [&](const FrameRows& rows) {
+        const int begin = std::max(rows.y_begin, first), end = std::min(rows.y_end, last);
         parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i) {
             const int y = begin + static_cast<int>(i);
-            picture_row(*rows.band, y, window.x_begin, window.x_end,
-                        {image.pixel(0, y - window.y_begin), static_cast<std::size_t>(window.width()) * 3});
+            picture_row(*rows.band, y, left, left + part.width,
+                        {image.pixel(part.x, y - window.y_begin), static_cast<std::size_t>(part.width) * 3});
         });
     });
     return image;
@@ -77,7 +80,7 @@ FocusGeometry in_traced_px(FocusGeometry geometry) {
 }
 
 FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const FocusGeometry& geometry,
-                   const LensView* view, const RasterWindow& window) {
+                   const LensView* view, const RasterWindow& window, const std::optional<Crop>& crop) {
     const SampleFileReader& file = frame.file();
     const FocusGeometry traced = in_traced_px(geometry);
     const DepthRange range = depth_range(file);
@@ -92,10 +95,10 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
     out.method = settings.method;
     const auto finish = [&](auto&& splats, const auto& method) {
         take_in(frame, splats);
-        method(splats, out.image);
+        method(splats, out.image, crop);
         out.depths = levels.depths().value_or(splats.levels_used());
         out.largest_coc_px = splats.largest_coc_px() * geometry.zoom;
-        if (auto warning = overscan_warning(splats.border(), corners, window))
+        if (auto warning = overscan_warning(splats.border(), corners, window, crop))
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
@@ -107,32 +110,34 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
 }
 
 FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, const FocusGeometry& geometry,
-                           const RasterWindow& window) {
+                           const RasterWindow& window, const std::optional<Crop>& crop) {
     check_has_points(settings.impulse);
     if (settings.depth_model != DepthModel::ray_differentials) {
         fail(ExitCode::wrong_arguments,
              "--depth-model: lightfield knows what is seen in mirrors by W (expected W, or another method)");
     }
-    FieldFocus seen =
-        field_focus(frame, {in_traced_px(geometry), read_aperture(settings.impulse), window, settings.views});
+    FieldFocusSettings by_field{
+        in_traced_px(geometry), read_aperture(settings.impulse), window, settings.views, {}, {}, {}, crop};
+    FieldFocus seen = field_focus(frame, by_field);
+    const double unknown_share = seen.unknown_share(crop);
+    const std::vector<float> unknown_below = cut(seen.unknown_below, window.width(), crop);
     FocusResult out;
     out.method = FocusMethod::lightfield;
     out.image = std::move(seen.image);
     out.views = settings.views;
     out.largest_coc_px = largest_coc_px(depth_range(frame.file()), geometry);
     constexpr double noticeable = 1e-3;
-    if (seen.unknown_share() > noticeable) {
-        out.warnings.push_back({"uncovered", seen.unknown_share(),
+    if (unknown_share > noticeable) {
+        out.warnings.push_back({"uncovered", unknown_share,
                                 fmt::format("{:.2g} % of the light comes from what was never recorded "
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
-                                            100 * seen.unknown_share())});
+                                            100 * unknown_share)});
     }
     // The share of a pixel's light from which on hybrid traces it again.
     constexpr float visible = 0.02F;
-    const double below =
-        static_cast<double>(std::count_if(seen.unknown_below.begin(), seen.unknown_below.end(),
-                                          [](float u) { return u > visible; })) /
-        static_cast<double>(std::max<std::size_t>(seen.unknown_below.size(), 1));
+    const double below = static_cast<double>(std::count_if(unknown_below.begin(), unknown_below.end(),
+                                                           [](float u) { return u > visible; })) /
+                         static_cast<double>(std::max<std::size_t>(unknown_below.size(), 1));
     if (below > noticeable) {
         out.warnings.push_back(
             {"uncovered", below,
@@ -149,6 +154,7 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
     const SampleFileReader& file = frame.file();
     const SampleHeader& h = file.header();
     const bool pinhole = settings.method == FocusMethod::pinhole || std::isinf(settings.lens.f_number);
+    check_crop(settings.crop, h.width, h.height);
     if (h.projection == Projection::orthographic) {
         // Parallel rays meet no lens: there is neither a film distance nor an aperture that they would pass.
         if (!pinhole) {
@@ -164,7 +170,7 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
                  "film "
                  "distance; expected the framing of the trace kept)");
         }
-        return {.image = traced_picture(frame, {0, h.width, 0, h.height}),
+        return {.image = traced_picture(frame, {0, h.width, 0, h.height}, settings.crop),
                 .method = FocusMethod::pinhole,
                 .geometry = {},
                 .warnings = {}};
@@ -176,14 +182,16 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const View shown = framed(file, settings, geometry);
+    // A picture that is magnified is a mean of traced pixels: all of them are made then.
+    const std::optional<Crop> crop = shown.zoom == 1 ? settings.crop : std::nullopt;
     FocusResult out;
     if (pinhole) {
         out.method = FocusMethod::pinhole;
-        out.image = traced_picture(frame, shown.window);
+        out.image = traced_picture(frame, shown.window, crop);
     } else if (settings.method == FocusMethod::lightfield) {
-        out = seen_from_lens(frame, settings, geometry, shown.window);
+        out = seen_from_lens(frame, settings, geometry, shown.window, crop);
     } else {
-        out = spread(frame, settings, geometry, view ? &*view : nullptr, shown.window);
+        out = spread(frame, settings, geometry, view ? &*view : nullptr, shown.window, crop);
     }
     if (shown.zoom != 1) out.image = reframe(out.image, shown.window, h.width, h.height, shown.zoom);
     out.geometry = geometry;
@@ -195,9 +203,11 @@ FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& set
     return focus_picture(frame, settings);
 }
 
-Image pinhole_picture(const SampleFileReader& file) {
+Image pinhole_picture(const SampleFileReader& file, const std::optional<Crop>& crop) {
+    const SampleHeader& h = file.header();
+    check_crop(crop, h.width, h.height);
     FocusFrame frame(file);
-    return traced_picture(frame, {0, file.header().width, 0, file.header().height});
+    return traced_picture(frame, {0, h.width, 0, h.height}, crop);
 }
 
 }  // namespace postlens

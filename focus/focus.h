@@ -32,6 +32,9 @@ struct FocusSettings {
     std::optional<int> depths;
     /// Points of the lens that `lightfield` looks from, 1..most_lens_views.
     int views = default_lens_views;
+    /// What of the picture is wanted; the rest of the image is black or anything. These pixels have the same
+    /// bits as without; warnings tell of them alone.
+    std::optional<Crop> crop;
 };
 
 struct FocusWarning {
@@ -54,13 +57,14 @@ struct FocusResult {
 };
 
 /// The picture. Deterministic: the same bits for any number of threads.
-/// Throws Error(wrong_arguments) for settings out of range and for an orthographic file with a finite
-/// f-number, Error(invalid_input) for a damaged file.
+/// Throws Error(wrong_arguments) for settings out of range, a crop beyond the picture among them, and for an
+/// orthographic file with a finite f-number, Error(invalid_input) for a damaged file.
 [[nodiscard]] FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings);
 /// One picture of a file.
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);
 
 /// The pinhole picture from the records alone; bit for bit part 0 of the file.
-[[nodiscard]] Image pinhole_picture(const SampleFileReader& file);
+[[nodiscard]] Image pinhole_picture(const SampleFileReader& file,
+                                    const std::optional<Crop>& crop = std::nullopt);
 
 }  // namespace postlens

@@ -15,6 +15,7 @@
 #include "focus/reframe.h"
 #include "focus/scatter.h"
 #include "focus/stack_lights.h"
+#include "records/crop.h"
 
 namespace postlens {
 namespace {
@@ -68,8 +69,9 @@ Frame framed(const ForeignPicture& p, Framing framing, const FocusGeometry& geom
 class Spread {
   public:
     Spread(const ForeignPicture& picture, const FocusSettings& settings, const FocusGeometry& geometry,
-           const LensView* view, const RasterWindow& window)
+           const LensView* view, const RasterWindow& window, const std::optional<Crop>& crop)
         : picture_(picture),
+          crop_(crop),
           method_(settings.method),
           geometry_(geometry),
           window_(window),
@@ -165,11 +167,11 @@ class Spread {
         const auto finish = [&](auto&& splats, const auto& method) {
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) splats.take_pixels();
             take_in(splats, value);
-            method(splats, image);
+            method(splats, image, crop_);
             if (report == nullptr) return;
             report->depths = levels_.depths().value_or(splats.levels_used());
             report->largest_coc_px = splats.largest_coc_px();
-            if (auto warning = overscan_warning(splats.border(), corners_, window_))
+            if (auto warning = overscan_warning(splats.border(), corners_, window_, crop_))
                 report->warnings.push_back(*std::move(warning));
         };
         // What mirrors and glass show has no depth of its own here, so the depth model does not count.
@@ -181,6 +183,7 @@ class Spread {
     }
 
     const ForeignPicture& picture_;
+    std::optional<Crop> crop_;
     FocusMethod method_;
     FocusGeometry geometry_;
     RasterWindow window_, corners_;
@@ -225,6 +228,7 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& se
              "scatter or "
              "layers)");
     }
+    check_crop(settings.crop, picture.width, picture.height);
     const Film film{picture.camera.film_distance_mm, picture.pixel_pitch_mm()};
     std::optional<LensView> view;
     if (!pinhole) view = real_lens(settings, film, {picture.width, picture.height}, known_corners(picture));
@@ -240,7 +244,9 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& se
         out.method = FocusMethod::pinhole;
         out.image = cut(picture, frame.window);
     } else {
-        out = Spread(picture, settings, geometry, view ? &*view : nullptr, frame.window).picture();
+        out = Spread(picture, settings, geometry, view ? &*view : nullptr, frame.window,
+                     frame.zoom == 1 ? settings.crop : std::nullopt)
+                  .picture();
         out.largest_coc_px *= frame.zoom;
     }
     if (frame.zoom != 1) reframe_all(out.image, frame.window, picture, frame.zoom);

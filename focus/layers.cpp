@@ -219,7 +219,7 @@ void BlockLayers::run(const RasterWindow& block, std::span<const std::uint32_t> 
 
 }  // namespace
 
-void layers(const LayerSplats& splats, Image& image) {
+void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted) {
     const RasterWindow& picture = splats.picture();
     if (image.width != picture.width() || image.height != picture.height())
         image = Image(picture.width(), picture.height());
@@ -244,9 +244,11 @@ void layers(const LayerSplats& splats, Image& image) {
     parallel_for(cells.size(), [&](std::size_t i) {
         const int x = picture.x_begin + static_cast<int>(i) % columns * block_width;
         const int y = picture.y_begin + static_cast<int>(i) / columns * block_height;
-        workers.local().run(
-            {x, std::min(x + block_width, picture.x_end), y, std::min(y + block_height, picture.y_end)},
-            cells[i], image);
+        const RasterWindow block{x, std::min(x + block_width, picture.x_end), y,
+                                 std::min(y + block_height, picture.y_end)};
+        if (wanted && !wanted->meets(x - picture.x_begin, y - picture.y_begin, block.width(), block.height()))
+            return;
+        workers.local().run(block, cells[i], image);
     });
 }
 

@@ -7,8 +7,8 @@
 namespace postlens {
 
 /// The picture of the splats' picture window, into an image that is made to fit. In parallel; the same bits
-/// for any number of threads.
-void layers(const LayerSplats& splats, Image& image);
+/// for any number of threads. `wanted`: as of scatter().
+void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
 /// The same from the definition, for the whole picture at once, each response laid out in full: slow and
 /// obvious, for tests.

@@ -29,7 +29,7 @@ std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, 
 }  // namespace
 
 std::optional<FocusWarning> overscan_warning(const BorderRadii& border, const RasterWindow& source,
-                                             const RasterWindow& picture) {
+                                             const RasterWindow& picture, const std::optional<Crop>& crop) {
     const std::array<int, 4> margin{picture.x_begin - source.x_begin, source.x_end - 1 - picture.x_end,
                                     picture.y_begin - source.y_begin, source.y_end - 1 - picture.y_end};
     const auto left =
@@ -53,9 +53,10 @@ std::optional<FocusWarning> overscan_warning(const BorderRadii& border, const Ra
     }
 
     std::int64_t concerned = 0;
-    for (int y = 0; y < picture.height(); ++y) {
+    const Crop looked_at = crop.value_or(Crop{0, 0, picture.width(), picture.height()});
+    for (int y = looked_at.y; y < looked_at.y + looked_at.height; ++y) {
         const auto row = static_cast<std::size_t>(y);
-        for (int x = 0; x < picture.width(); ++x) {
+        for (int x = looked_at.x; x < looked_at.x + looked_at.width; ++x) {
             const auto column = static_cast<std::size_t>(x);
             if (x < left[row] || picture.width() - x <= right[row] || y < top[column] ||
                 picture.height() - y <= bottom[column]) {
@@ -63,7 +64,8 @@ std::optional<FocusWarning> overscan_warning(const BorderRadii& border, const Ra
             }
         }
     }
-    const double share = static_cast<double>(concerned) / picture.width() / picture.height();
+    if (concerned == 0) return std::nullopt;
+    const double share = static_cast<double>(concerned) / looked_at.width / looked_at.height;
     return FocusWarning{
         .code = "overscan",
         .share = share,

@@ -10,9 +10,11 @@ namespace postlens {
 
 /// A warning of code "overscan" where circles of confusion along the outermost records are wider than the
 /// recorded margin: the pixels within reach of what was not recorded are then normalised over what was.
-/// Measured by the CoC found at the edge of the records, not by the largest in the picture.
+/// Measured by the CoC found at the edge of the records, not by the largest in the picture. With a crop of
+/// the picture: the share of its pixels, and nothing where it has none of them.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
                                                            const RasterWindow& source,
-                                                           const RasterWindow& picture);
+                                                           const RasterWindow& picture,
+                                                           const std::optional<Crop>& crop = std::nullopt);
 
 }  // namespace postlens

@@ -98,7 +98,7 @@ void store_rows(const SplatTables& tables, const RunScatter* runs, const PointSc
 
 }  // namespace
 
-void scatter(const SplatTables& tables, Image& image) {
+void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>& wanted) {
     const RasterWindow& picture = tables.picture();
     if (image.width != picture.width() || image.height != picture.height()) {
         image = Image(picture.width(), picture.height());
@@ -115,6 +115,8 @@ void scatter(const SplatTables& tables, Image& image) {
         const int y = picture.y_begin + static_cast<int>(i) / columns * block_height;
         const RasterWindow block{x, std::min(x + block_width, picture.x_end), y,
                                  std::min(y + block_height, picture.y_end)};
+        if (wanted && !wanted->meets(x - picture.x_begin, y - picture.y_begin, block.width(), block.height()))
+            return;
         RunScatter& runs = run_scatters.local();
         const bool any_runs = runs.run(block);
         for (int first = block.y_begin; first < block.y_end; first += point_rows) {

@@ -11,8 +11,9 @@ namespace postlens {
 inline constexpr double smallest_weight = 1e-12;
 
 /// The picture of the tables' picture window, into an image that is made to fit. In parallel; the same bits
-/// for any number of threads.
-void scatter(const SplatTables& tables, Image& image);
+/// for any number of threads. With `wanted`, a part of that picture, the blocks that have nothing of it are
+/// left out; the others have the same bits as without.
+void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
 /// The same from the definition, each response laid out in full, in double: slow and obvious, for tests.
 [[nodiscard]] Image scatter_reference(const SplatTables& tables);

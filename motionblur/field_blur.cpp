@@ -34,6 +34,7 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SampleMesh>& 
     LightField field;
     field.width = header.width;
     field.height = header.height;
+    field.crop = settings.crop;
     for (const SampleMesh& m : meshes) field.meshes.push_back(&m);
 
     constexpr std::uint8_t other_mark = 1;

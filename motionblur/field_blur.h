@@ -17,6 +17,7 @@ struct FieldBlurSettings {
     Exposure exposure;
     ShutterCurve curve = ShutterCurve::box();
     std::optional<int> views;  ///< instants, 1..most_views; absent: by the longest way
+    std::optional<Crop> crop;  ///< as in LightField
 };
 
 struct FieldBlur {

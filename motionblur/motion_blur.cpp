@@ -13,6 +13,7 @@
 #include "motionblur/shutter_views.h"
 #include "motionblur/slice_rule.h"
 #include "motionblur/still_pictures.h"
+#include "records/crop.h"
 #include "reproject/fill_gaps.h"
 
 namespace postlens {
@@ -214,16 +215,28 @@ class MotionBlur {
     void reproject(const std::vector<std::uint32_t>& wanted) {
         std::vector<SampleMesh> meshes;
         for (std::size_t i = 0; i < file_.instants(); ++i) meshes.push_back(sample_mesh(file_, i));
-        const FieldBlur blur =
-            field_blur(header_, meshes, motion_, motions_, wanted,
-                       {.exposure = settings_.exposure, .curve = settings_.curve, .views = settings_.views});
+        FieldBlurSettings by_field{.exposure = settings_.exposure,
+                                   .curve = settings_.curve,
+                                   .views = settings_.views,
+                                   .crop = settings_.crop};
+        FieldBlur blur = field_blur(header_, meshes, motion_, motions_, wanted, by_field);
+        const auto has_gaps = [&] {
+            const std::vector<float>& u = blur.picture.unknown;
+            return std::any_of(u.begin(), u.end(), [](float share) { return share > 0; });
+        };
+        std::vector<std::uint8_t> covered;
+        if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
+        if (by_field.crop && !covered.empty() && all_of(covered)) {
+            // Gaps are then filled from all that the views know.
+            by_field.crop.reset();
+            blur = field_blur(header_, meshes, motion_, motions_, wanted, by_field);
+        }
         result_.views = blur.views;
         if (meshes.size() > 1)
             blend_stills(file_, blur.mesh_shares, ids_of(MotionMethod::convolve), touched_, result_.image);
         Image filled;  // for what no view knows
         const FieldPicture& p = blur.picture;
-        const bool gaps = std::any_of(p.unknown.begin(), p.unknown.end(), [](float u) { return u > 0; });
-        if (gaps) filled = fill_behind(p, moving_ids(motions_));
+        if (!covered.empty()) filled = fill_behind(p, covered);
         lay_over(result_.image, p, wanted_mark, filled);
         for (std::size_t k = 0; k < p.touched.size(); ++k) {
             if ((p.touched[k] & wanted_mark) == 0) continue;
@@ -232,11 +245,14 @@ class MotionBlur {
         }
     }
 
+    static bool all_of(const std::vector<std::uint8_t>& marks) {
+        return std::find(marks.begin(), marks.end(), 0) == marks.end();
+    }
+
     // Colours from around for what something that moves covers in the records. Where all moves: the pixel's
     // own mean over the views that know something.
-    [[nodiscard]] Image fill_behind(const FieldPicture& p, const std::vector<std::uint32_t>& moving) const {
-        const std::vector<std::uint8_t> covered = pixels_showing(header_, bands_.bands(), moving);
-        const bool all = std::find(covered.begin(), covered.end(), 0) == covered.end();
+    [[nodiscard]] Image fill_behind(const FieldPicture& p, const std::vector<std::uint8_t>& covered) const {
+        const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();
         std::vector<float> weight(covered.size());
         for (std::size_t k = 0; k < weight.size(); ++k)
@@ -246,10 +262,11 @@ class MotionBlur {
     }
 
     void warn(bool blends) {
-        const auto pixels = static_cast<double>(touched_.size());
-        result_.touched_share = static_cast<double>(std::count(touched_.begin(), touched_.end(), 1)) / pixels;
+        const std::vector<std::uint8_t> touched = cut(touched_, header_.width, settings_.crop);
+        result_.touched_share = static_cast<double>(std::count(touched.begin(), touched.end(), 1)) /
+                                static_cast<double>(touched.size());
         warn_of_gaps(
-            unknown_,
+            cut(unknown_, header_.width, settings_.crop),
             "what moving objects uncover was not recorded in {:.2f} % of the pixels and is filled "
             "from around them (expected `trace --for-shutter`, and `--overscan` at the frame's edge)",
             result_.warnings);
@@ -322,6 +339,7 @@ void check_exposure(const Exposure& e) {
 
 MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings) {
     check(settings);
+    check_crop(settings.crop, file.header().width, file.header().height);
     return MotionBlur(file, settings).run();
 }
 

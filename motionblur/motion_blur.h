@@ -26,6 +26,9 @@ struct MotionBlurSettings {
     std::optional<int> views;       ///< of lightfield
     std::vector<ObjectPath> paths;  ///< in place of what the file says of these ids
     std::optional<double> fit_px;   ///< replace paths by splines within so much
+    /// What of the picture is wanted; the rest of the image may be anything. These pixels have the same bits
+    /// as without; shares are theirs. Only lightfield is the faster for it.
+    std::optional<Crop> crop;
 };
 
 struct MotionWarning {

@@ -10,6 +10,7 @@ struct VectorBlurSettings {
     Exposure exposure;  ///< in frames: 0 is the picture's own instant, 1 the next frame's
     ShutterCurve curve = ShutterCurve::box();
     std::optional<int> views;  ///< instants, 1..most_views; absent: by the longest way
+    std::optional<Crop> crop;  ///< as in MotionBlurSettings
 };
 
 /// The light field over time, every pixel going straight on at its own speed. What it uncovers is not in the

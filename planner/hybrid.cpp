@@ -10,6 +10,7 @@
 #include "focus/field_focus.h"
 #include "planner/retrace.h"
 #include "records/aperture_file.h"
+#include "records/crop.h"
 
 namespace postlens {
 namespace {
@@ -17,12 +18,14 @@ namespace {
 /// Pixels that records do not suffice for, the worst first, ties by place: of whose light too much is
 /// unknown, or misplaced.
 std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vector<float>& misplaced,
-                                        double tolerated) {
+                                        double tolerated, const std::optional<Crop>& crop) {
     std::vector<std::uint32_t> out;
     const auto error = [&](std::uint32_t k) {
         return std::max({field.unknown[k], field.unknown_below[k], misplaced.empty() ? 0.0F : misplaced[k]});
     };
+    const auto width = static_cast<std::uint32_t>(field.image.width);
     for (std::uint32_t k = 0; k < field.unknown.size(); ++k) {
+        if (crop && !crop->contains(static_cast<int>(k % width), static_cast<int>(k / width))) continue;
         if (static_cast<double>(error(k)) > tolerated) out.push_back(k);
     }
     std::stable_sort(out.begin(), out.end(),
@@ -60,13 +63,18 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
              "--framing: hybrid and shoot keep the framing of the trace (expected keep)");
     }
     check_has_points(focus.impulse);
+    check_crop(focus.crop, h.width, h.height);
+    // Which pixels are traced again, and with which others, is decided over the whole picture.
+    if (settings.scene != nullptr) focus.crop.reset();
+    const auto drawn = static_cast<double>(wanted_pixels(focus.crop, h.width, h.height));
     const std::string camera = settings.scene != nullptr ? checked_camera(h, *settings.scene) : "";
     const FocusGeometry geometry = focus_geometry(focus.lens, focus.focus_distance_m, Framing::keep,
                                                   {h.film_distance_mm, h.pixel_pitch_mm});
     const bool moves = settings.motion != nullptr && settings.shutter;
     HybridResult out;
     FieldFocusSettings by_field{
-        geometry, read_aperture(focus.impulse), {0, h.width, 0, h.height}, focus.views, {}, {}, {}};
+        geometry,  read_aperture(focus.impulse), {0, h.width, 0, h.height}, focus.views, {}, {}, {},
+        focus.crop};
     MisplacedLight misplaced(h, geometry);
     by_field.also = [&](const RecordBand& band, int y_begin, int y_end) {
         misplaced.add(band, y_begin, y_end);
@@ -85,22 +93,26 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
         std::size_t scattered = 0;
         for (std::size_t k = 0; k < field.left_out.size(); ++k) {
             if (field.left_out[k] != 0) {
-                ++scattered;
+                const auto width = static_cast<std::size_t>(h.width);
+                if (!focus.crop ||
+                    focus.crop->contains(static_cast<int>(k % width), static_cast<int>(k / width)))
+                    ++scattered;
                 out.what[k] = 1;
                 continue;
             }
             std::copy_n(field.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * k), 3,
                         out.focus.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * k));
         }
-        out.scattered_share = static_cast<double>(scattered) / static_cast<double>(out.what.size());
+        out.scattered_share = static_cast<double>(scattered) / drawn;
     } else {
         out.focus.image = field.image;
         out.focus.largest_coc_px = largest_coc_px(depth_range(file), geometry);
     }
     out.focus.views = focus.views;
     out.focus.geometry = geometry;
-    std::vector<std::uint32_t> pixels = insufficient(field, misplaced.picture(), settings.tolerated);
-    out.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
+    std::vector<std::uint32_t> pixels =
+        insufficient(field, misplaced.picture(), settings.tolerated, focus.crop);
+    out.wanted_share = static_cast<double>(pixels.size()) / drawn;
     if (settings.scene != nullptr) {
         retrace(*settings.scene, retrace_settings(h, settings, camera, by_field.aperture),
                 settings.most_retraced, std::move(pixels), out);

@@ -15,7 +15,7 @@
 namespace postlens {
 
 struct HybridSettings {
-    FocusSettings focus;  ///< lens, aperture, `views`; `method` does not count
+    FocusSettings focus;  ///< lens, aperture, `views`, `crop`; `method` does not count
     /// Open for more than an instant: everything is seen by the light field.
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
@@ -30,12 +30,15 @@ struct HybridSettings {
 };
 
 struct HybridResult {
-    FocusResult focus;           ///< image, views, warnings
-    double scattered_share = 0;  ///< of the pixels
-    double wanted_share = 0;     ///< that records do not suffice for
+    FocusResult focus;  ///< image, views, warnings
+    /// Of the pixels that were drawn: those of the crop, or, with a scene, of the whole picture, of which the
+    /// worst pixels are traced again, wherever they are.
+    double scattered_share = 0;
+    double wanted_share = 0;  ///< that records do not suffice for
     double retraced_share = 0;
     RayCounts rays;
-    std::vector<std::uint8_t> what;  ///< by pixel: 0 light field, 1 scattered, 2 traced again
+    std::vector<std::uint8_t>
+        what;  ///< by pixel of the whole picture: 0 light field, 1 scattered, 2 traced again
 };
 
 /// Throws Error(invalid_input) for a scene that is not the file's own, and what focus_picture and

@@ -15,6 +15,7 @@
 #include "core/error.h"
 #include "core/output_file.h"
 #include "core/threads.h"
+#include "records/crop.h"
 #include "records/srgb.h"
 
 namespace postlens {
@@ -42,6 +43,9 @@ std::string one_line(std::string text) {
     return text.empty() ? "no reason given" : text;
 }
 
+/// In the header of a crop: where it lies in the whole picture, x, y, width and height.
+constexpr const char* crop_attribute = "postlens.crop";
+
 /// RGB with the picture's alpha, or 1, as OpenEXR pictures are expected to have.
 std::vector<float> with_alpha(const Image& image) {
     std::vector<float> rgba(image.rgb.size() / 3 * 4);
@@ -68,7 +72,13 @@ std::vector<Integer> encoded(const Image& image) {
     return values;
 }
 
-OIIO::ImageSpec spec_for(Format format, const Image& image) {
+/// `place`: where in the whole picture the image lies, and how large that is.
+struct Place {
+    std::optional<Crop> crop;
+    int whole_width = 0, whole_height = 0;
+};
+
+OIIO::ImageSpec spec_for(Format format, const Image& image, const Place& place) {
     const auto type = format == Format::exr    ? OIIO::TypeDesc::FLOAT
                       : format == Format::tiff ? OIIO::TypeDesc::UINT16
                                                : OIIO::TypeDesc::UINT8;
@@ -82,6 +92,14 @@ OIIO::ImageSpec spec_for(Format format, const Image& image) {
     // Without one OpenImageIO adds the time of writing to OpenEXR and TIFF files: equal pictures would be
     // unequal files.
     if (format == Format::exr || format == Format::tiff) spec["DateTime"] = "";
+    if (format == Format::exr && place.crop) {
+        const Crop& c = *place.crop;
+        spec.x = c.x;
+        spec.y = c.y;
+        spec.full_width = place.whole_width;
+        spec.full_height = place.whole_height;
+        spec[crop_attribute] = fmt::format("{},{},{},{}", c.x, c.y, c.width, c.height);
+    }
     return spec;
 }
 
@@ -98,12 +116,13 @@ bool write_pixels(OIIO::ImageOutput& out, Format format, const Image& image) {
 
 /// The whole file in memory: on a full disk OpenImageIO 2.4 reports success for PNG and TIFF and ends the
 /// process for JPEG, so it is not the one to write to the disk.
-std::vector<unsigned char> encode_file(const fs::path& path, Format format, const Image& image) {
+std::vector<unsigned char> encode_file(const fs::path& path, Format format, const Image& image,
+                                       const Place& place) {
     OIIO::Filesystem::IOVecOutput memory;
     const auto out = OIIO::ImageOutput::create(path.filename().string(), &memory);
     if (!out)
         fail(ExitCode::cannot_write, "{}: cannot write ({})", path.string(), one_line(OIIO::geterror()));
-    const bool ok = out->open(path.filename().string(), spec_for(format, image)) &&
+    const bool ok = out->open(path.filename().string(), spec_for(format, image, place)) &&
                     write_pixels(*out, format, image) && out->close();
     if (!ok) fail(ExitCode::cannot_write, "{}: cannot write ({})", path.string(), one_line(out->geterror()));
     return std::move(memory.buffer());
@@ -119,10 +138,12 @@ void check_image_path(const fs::path& path) {
     }
 }
 
-void write_image(const fs::path& path, const Image& image) {
+void write_image(const fs::path& path, const Image& image, const std::optional<Crop>& crop) {
     check_image_path(path);
+    if (crop) check_crop(crop, image.width, image.height);
     OutputFile file(path);  // refuses what cannot be written before the work is done
-    const std::vector<unsigned char> bytes = encode_file(path, format_of(path), image);
+    const std::vector<unsigned char> bytes = encode_file(
+        path, format_of(path), crop ? cut(image, crop) : image, {crop, image.width, image.height});
     file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     file.commit();
 }
@@ -131,7 +152,7 @@ namespace {
 
 struct OpenedImage {
     std::unique_ptr<OIIO::ImageInput> in;
-    /// The display window, in the file's coordinates.
+    /// The display window, or a crop's data window, in the file's coordinates.
     int x = 0, y = 0, width = 0, height = 0;
 };
 
@@ -151,7 +172,8 @@ OpenedImage open_image(const fs::path& path) {
         fail(ExitCode::invalid_input, "{}: cannot read (got {}x{}x{} with {} channels; expected a picture)",
              name, spec.width, spec.height, spec.depth, spec.nchannels);
     }
-    const bool has_display_window = spec.full_width > 0 && spec.full_height > 0;
+    const bool has_display_window =
+        spec.full_width > 0 && spec.full_height > 0 && spec.get_string_attribute(crop_attribute).empty();
     out.x = has_display_window ? spec.full_x : spec.x;
     out.y = has_display_window ? spec.full_y : spec.y;
     out.width = has_display_window ? spec.full_width : spec.width;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace postlens {
@@ -26,11 +27,27 @@ struct Image {
     [[nodiscard]] const float* pixel(int x, int y) const { return const_cast<Image*>(this)->pixel(x, y); }
 };
 
+/// A part of a picture: pixels [x, x + width) x [y, y + height), (0, 0) at its upper left (records/crop.h).
+struct Crop {
+    int x = 0, y = 0, width = 0, height = 0;
+    [[nodiscard]] bool operator==(const Crop&) const = default;
+    [[nodiscard]] bool contains(int px, int py) const {
+        return px >= x && px < x + width && py >= y && py < y + height;
+    }
+    /// Whether a rectangle of the picture has a pixel of it.
+    [[nodiscard]] bool meets(int px, int py, int w, int h) const {
+        return px < x + width && x < px + w && py < y + height && y < py + h;
+    }
+};
+
 /// Writes by the target's ending: .exr float and scene-linear, with alpha; .png (8 bit), .tif, .jpg with the
 /// sRGB transfer curve, clamped to 0..1, without alpha (premultiplied colours are those over black). The file
-/// appears whole or not at all. Throws Error(cannot_write) on any failure and Error(wrong_arguments) for an
-/// ending that no writer knows.
-void write_image(const std::filesystem::path& path, const Image& image);
+/// appears whole or not at all. With a `crop` only that part of the picture is written; an .exr says where in
+/// the whole it lies: its data window is the crop, its display window the whole picture, and `postlens.crop`
+/// tells `read_image` that there is no more to it. Throws Error(cannot_write) on any failure and
+/// Error(wrong_arguments) for an ending that no writer knows and a crop that is not within the picture.
+void write_image(const std::filesystem::path& path, const Image& image,
+                 const std::optional<Crop>& crop = std::nullopt);
 
 /// Throws Error(wrong_arguments) where `write_image` would refuse the path, before any work is done.
 void check_image_path(const std::filesystem::path& path);
@@ -46,7 +63,7 @@ struct ImageSize {
 /// Reads the first three channels (one or two channels: the first is grey) of any file OpenImageIO knows, of
 /// a file of several parts the first; integer formats and formats tagged sRGB are made scene-linear. The
 /// picture is what the display window shows: pixels outside of it are left out, those that the file does not
-/// store are black. Throws Error(invalid_input).
+/// store are black. Of a crop (see write_image) it is the crop alone. Throws Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path);
 
 }  // namespace postlens

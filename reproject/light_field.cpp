@@ -67,7 +67,9 @@ class Field {
             thread_local std::unique_ptr<Workplace> w;
             if (!w) w = std::make_unique<Workplace>();
             const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;
-            draw_tile(column * TileBuffer::edge, row * TileBuffer::edge, *w, out);
+            constexpr int edge = TileBuffer::edge;
+            if (field_.crop && !field_.crop->meets(column * edge, row * edge, edge, edge)) return;
+            draw_tile(column * edge, row * edge, *w, out);
         });
         return out;
     }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,8 @@ struct LightField {
     /// for them.
     std::vector<FieldView> views;
     int width = 0, height = 0;
+    /// Only the tiles that have something of it are drawn; the others are left as recorded.
+    std::optional<Crop> crop;
 };
 
 struct FieldPicture {

@@ -45,7 +45,7 @@ complain() {
 }
 
 # Packages: the folder of the CMake package, or the library or header that a find module of CMake's own found.
-mapfile -t cmake_files < <(git ls-files --cached --others --exclude-standard -- '*CMakeLists.txt' '*.cmake')
+mapfile -t cmake_files < <(git ls-files --cached --others --exclude-standard -- '*CMakeLists.txt' '*.cmake' ':!samples')
 mapfile -t names < <(sed -nE 's/^ *find_package\(([A-Za-z0-9_]+).*/\1/p' "${cmake_files[@]}" | sort -u)
 mapfile -t variables < <(sed -nE 's/^ *find_(path|library)\(([A-Za-z0-9_]+).*/\2/p' "${cmake_files[@]}" | sort -u)
 declare -A found=()

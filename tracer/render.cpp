@@ -11,6 +11,7 @@
 #include "core/output_file.h"
 #include "core/progress.h"
 #include "core/threads.h"
+#include "records/crop.h"
 #include "tracer/eye_rays.h"
 #include "tracer/render_setup.h"
 #include "tracer/render_state.h"
@@ -38,9 +39,13 @@ class Renderer {
           spp_(settings.spp / halves_),
           group_(std::min(spp_, RayBatch::group)),
           groups_((spp_ + group_ - 1) / group_),
-          columns_((setup.width() + tile_px - 1) / tile_px),
-          tiles_(static_cast<std::size_t>(columns_) *
-                 static_cast<std::size_t>((setup.height() + tile_px - 1) / tile_px)) {
+          columns_((setup.width() + tile_px - 1) / tile_px) {
+        const auto all = static_cast<std::size_t>(columns_) *
+                         static_cast<std::size_t>((setup.height() + tile_px - 1) / tile_px);
+        for (std::size_t i = 0; i < all; ++i) {
+            const auto [x, y] = corner(i);
+            if (!settings.crop || settings.crop->meets(x, y, tile_px, tile_px)) tiles_.push_back(i);
+        }
         for (int h = 0; h < halves_; ++h) {
             // Halves differ by their seeds alone. Mixed, so that neighbouring seeds share no half.
             const std::uint64_t seed = settings.halves
@@ -53,10 +58,16 @@ class Renderer {
     }
 
     [[nodiscard]] int rounds() const { return groups_ * halves_; }
-    [[nodiscard]] std::size_t tiles() const { return tiles_; }
+    [[nodiscard]] std::size_t tiles() const { return tiles_.size(); }
     [[nodiscard]] const RayCounts& counts() const { return counts_; }
 
-    // Rounds that a tile has behind it, from the samples of its first pixel.
+    // Samples a pixel that the tile has behind it in all halves, from its first pixel.
+    [[nodiscard]] std::uint32_t samples_done(std::size_t tile) const {
+        const std::size_t pixel = first_pixel(tile);
+        return state_.samples[0][pixel] + (halves_ == 2 ? state_.samples[1][pixel] : 0);
+    }
+
+    // Rounds that a tile has behind it, likewise. Tiles are counted among those that are wanted.
     [[nodiscard]] int rounds_done(std::size_t tile) const {
         const std::size_t pixel = first_pixel(tile);
         int done = 0;
@@ -85,17 +96,21 @@ class Renderer {
 
   private:
     [[nodiscard]] std::size_t first_pixel(std::size_t tile) const {
-        const std::size_t x = tile % static_cast<std::size_t>(columns_) * tile_px,
-                          y = tile / static_cast<std::size_t>(columns_) * tile_px;
-        return y * static_cast<std::size_t>(setup_.width()) + x;
+        const auto [x, y] = corner(tiles_[tile]);
+        return index(x, y);
+    }
+
+    // Of a tile of the whole picture.
+    [[nodiscard]] std::pair<int, int> corner(std::size_t tile) const {
+        return {static_cast<int>(tile % static_cast<std::size_t>(columns_)) * tile_px,
+                static_cast<int>(tile / static_cast<std::size_t>(columns_)) * tile_px};
     }
 
     void trace_tile(std::size_t tile, int round, RayCounts& counts) {
         thread_local EyeRays eye;
         const auto half = static_cast<std::size_t>(round % halves_);
         const int first = round / halves_ * group_, count = std::min(group_, spp_ - first);
-        const int x0 = static_cast<int>(tile % static_cast<std::size_t>(columns_)) * tile_px;
-        const int y0 = static_cast<int>(tile / static_cast<std::size_t>(columns_)) * tile_px;
+        const auto [x0, y0] = corner(tiles_[tile]);
         const int x1 = std::min(x0 + tile_px, setup_.width()), y1 = std::min(y0 + tile_px, setup_.height());
         thread_local std::vector<std::uint32_t> pixels;
         pixels.clear();
@@ -128,7 +143,7 @@ class Renderer {
     const RenderSetup& setup_;
     RenderState& state_;
     int halves_, spp_, group_, groups_, columns_;
-    std::size_t tiles_;
+    std::vector<std::size_t> tiles_;  ///< those that are wanted, of the whole picture's
     std::vector<std::unique_ptr<Sampler>> samplers_;
     std::vector<std::unique_ptr<DistributedTracer>> tracers_;
     RayCounts counts_;
@@ -192,6 +207,7 @@ fs::path partial_path(const fs::path& path) {
 
 RenderResult render_picture(const Scene& scene, const RenderSettings& settings) {
     const RenderSetup setup(scene, settings);
+    check_crop(settings.crop, setup.width(), setup.height());
     const int halves = settings.halves ? 2 : 1;
     require_memory(RenderState::bytes(setup.width(), setup.height(), halves), "the picture");
     RenderState state(setup.width(), setup.height(), halves);
@@ -209,21 +225,21 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
     for (const fs::path& target : {path, partial}) const OutputFile writable(target);
 
     const RenderSetup setup(scene, settings);
+    check_crop(settings.crop, setup.width(), setup.height());
     const int halves = settings.halves ? 2 : 1;
     require_memory(RenderState::bytes(setup.width(), setup.height(), halves),
                    path.string() + ": the picture");
     RenderState state(setup.width(), setup.height(), halves);
     const std::string fingerprint = setup.fingerprint(settings);
     const bool resumes = settings.resume && fs::exists(partial);
+    if (resumes) read_state(partial, fingerprint, state);
+    Renderer renderer(setup, settings, state);
     int spp_resumed = 0;
     if (resumes) {
-        read_state(partial, fingerprint, state);
         std::uint32_t least = ~0U;
-        for (std::size_t i = 0; i < state.samples[0].size(); ++i)
-            least = std::min(least, state.samples[0][i] + (halves == 2 ? state.samples[1][i] : 0));
+        for (std::size_t t = 0; t < renderer.tiles(); ++t) least = std::min(least, renderer.samples_done(t));
         spp_resumed = static_cast<int>(least);
     }
-    Renderer renderer(setup, settings, state);
     const auto start = Clock::now();
     auto saved = start;
     double interval_s = settings.checkpoint_interval_s;
@@ -250,9 +266,9 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
     out.spp_resumed = spp_resumed;
     if (settings.halves) {
         const auto paths = half_paths(path);
-        for (std::size_t h = 0; h < 2; ++h) write_image(paths[h], out.halves[h]);
+        for (std::size_t h = 0; h < 2; ++h) write_image(paths[h], out.halves[h], settings.crop);
     }
-    write_image(path, out.image);
+    write_image(path, out.image, settings.crop);
     std::error_code none;
     fs::remove(partial, none);
     return out;

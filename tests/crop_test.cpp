@@ -1,0 +1,234 @@
+// A crop has the bits of the whole picture, whatever the method leaves out for it.
+#include "records/crop.h"
+
+#include <gtest/gtest.h>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "focus/focus.h"
+#include "motionblur/motion_blur.h"
+#include "planner/auto_picture.h"
+#include "tests/temporary_folder.h"
+#include "tracer/render.h"
+#include "tracer/scene.h"
+#include "tracer/trace.h"
+
+namespace postlens::test {
+namespace {
+
+const std::string samples = POSTLENS_SAMPLES;
+
+/// Larger than a block of any method (256 px), and none of its multiples.
+constexpr int width = 300, height = 270;
+/// Within a block; over several, up to the far corner; a single pixel.
+constexpr Crop inside{70, 90, 41, 23}, far_corner{250, 180, 50, 90}, one_pixel{13, 269, 1, 1};
+
+class CropTest : public testing::Test {
+  protected:
+    const SampleFileReader& traced(const std::string& name, TraceSettings settings = {}) {
+        scene_ = read_scene(samples + "/scenes/" + name);
+        settings.camera.width = width;
+        settings.camera.height = height;
+        settings.subdivision.levels = 1;
+        settings.quiet = true;
+        const auto path = folder_.path() / "frame.exr";
+        trace_to_file(*scene_, settings, path);
+        file_.emplace(path);
+        return *file_;
+    }
+    static void expect_same(const Image& part, const Image& whole, const Crop& crop) {
+        EXPECT_TRUE(cut(part, crop).rgb == cut(whole, crop).rgb)
+            << crop.x << "," << crop.y << "," << crop.width << "," << crop.height;
+    }
+    void expect_bits_of_the_whole(FocusSettings settings, const std::vector<Crop>& crops) {
+        const Image whole = focus_picture(*file_, settings).image;
+        for (const Crop& crop : crops) {
+            settings.crop = crop;
+            expect_same(focus_picture(*file_, settings).image, whole, crop);
+        }
+    }
+    void expect_bits_of_the_whole(HybridSettings settings, const std::vector<Crop>& crops) {
+        const Image whole = hybrid_picture(*file_, settings).focus.image;
+        for (const Crop& crop : crops) {
+            settings.focus.crop = crop;
+            expect_same(hybrid_picture(*file_, settings).focus.image, whole, crop);
+        }
+    }
+    void expect_bits_of_the_whole(MotionBlurSettings settings, const std::vector<Crop>& crops) {
+        const Image whole = motion_blur(*file_, settings).image;
+        for (const Crop& crop : crops) {
+            settings.crop = crop;
+            expect_same(motion_blur(*file_, settings).image, whole, crop);
+        }
+    }
+
+    TemporaryFolder folder_;
+    std::optional<Scene> scene_;
+    std::optional<SampleFileReader> file_;
+};
+
+const FocusSettings wide{.lens = {.focal_length_mm = 50, .f_number = 2.8}, .focus_distance_m = 1};
+
+TEST_F(CropTest, PinholeAndScatter) {
+    traced("still_life.toml", {.overscan_px = 8});
+    FocusSettings s = wide;
+    s.method = FocusMethod::pinhole;
+    expect_bits_of_the_whole(s, {inside, far_corner, one_pixel});
+    expect_same(pinhole_picture(*file_, inside), pinhole_picture(*file_), inside);
+    s.method = FocusMethod::scatter;
+    expect_bits_of_the_whole(s, {inside, far_corner, one_pixel});
+    s.depths = 9;
+    expect_bits_of_the_whole(s, {far_corner});
+    // Film distances of other framings magnify the picture.
+    s.framing = Framing::breathing;
+    expect_bits_of_the_whole(s, {inside});
+}
+
+TEST_F(CropTest, ScatterOfOtherApertures) {
+    traced("still_life.toml", {.overscan_px = 8});
+    FocusSettings s = wide;
+    s.impulse = {.kind = ImpulseKind::polygon, .blades = 6, .cats_eye = 0.6};
+    expect_bits_of_the_whole(s, {far_corner});
+}
+
+TEST_F(CropTest, Layers) {
+    traced("still_life.toml", {.overscan_px = 8, .hidden_layers = 1});
+    FocusSettings s = wide;
+    s.method = FocusMethod::layers;
+    expect_bits_of_the_whole(s, {inside, far_corner});
+}
+
+TEST_F(CropTest, LightFieldAndHybrid) {
+    traced("still_life.toml", {.overscan_px = 8});
+    FocusSettings s = wide;
+    s.method = FocusMethod::lightfield;
+    s.views = 12;
+    expect_bits_of_the_whole(s, {inside, far_corner, one_pixel});
+    expect_bits_of_the_whole(HybridSettings{.focus = s}, {inside, far_corner});
+}
+
+TEST_F(CropTest, HybridThatScatters) {
+    // So many views that scattering pays where one surface is seen.
+    traced("motion.toml");
+    HybridSettings s{.focus = wide};
+    s.focus.lens.f_number = 16;
+    s.focus.focus_distance_m = 3;
+    s.focus.views = 400;
+    EXPECT_GT(hybrid_picture(*file_, s).scattered_share, 0.1);
+    expect_bits_of_the_whole(s, {inside, far_corner});
+}
+
+TEST_F(CropTest, HybridTracesAgainWhatIsWorstInTheWholePicture) {
+    traced("still_life.toml", {.overscan_px = 8});
+    FocusSettings s = wide;
+    s.views = 12;
+    expect_bits_of_the_whole(
+        HybridSettings{.focus = s, .scene = &*scene_, .retrace_spp = 2, .most_retraced = 0.01}, {far_corner});
+}
+
+TEST_F(CropTest, AutoPlansTheWholePicture) {
+    traced("still_life.toml", {.overscan_px = 8});
+    AutoSettings s{.hybrid = {.focus = wide}, .target_db = 22};
+    FocusFrame frame(*file_);
+    const Image whole = auto_picture(frame, s).hybrid.focus.image;
+    s.hybrid.focus.crop = inside;
+    expect_same(auto_picture(frame, s).hybrid.focus.image, whole, inside);
+}
+
+TEST_F(CropTest, MotionByEveryMethod) {
+    traced("motion.toml", {.for_shutter = TimeSpan{0, 1}, .keys = 2});
+    for (const MotionMethod method :
+         {MotionMethod::convolve, MotionMethod::lightfield, MotionMethod::automatic}) {
+        expect_bits_of_the_whole(MotionBlurSettings{.exposure = {0.2, 0.7}, .method = method, .views = 32},
+                                 {inside, far_corner});
+    }
+}
+
+TEST_F(CropTest, LensAndShutterWithGapsFilledFromAfar) {
+    // Nothing is recorded of what lies behind: what has moved away leaves pixels that no view knows.
+    traced("motion.toml");
+    const FrameMotion motion = motion_of(file_->header(), {});
+    FocusSettings s = wide;
+    s.lens.f_number = 22;
+    s.focus_distance_m = 3;
+    s.views = 8;
+    const HybridSettings both{.focus = s, .motion = &motion, .shutter = TimeSpan{0.9, 1}};
+    const Image whole = hybrid_picture(*file_, both).focus.image;
+    // Crops of the size of a tile all over the picture: some have such gaps, some have none.
+    for (int y = 10; y + 30 <= height; y += 60) {
+        for (int x = 10; x + 50 <= width; x += 80) {
+            HybridSettings part = both;
+            part.focus.crop = Crop{x, y, 50, 30};
+            expect_same(hybrid_picture(*file_, part).focus.image, whole, *part.focus.crop);
+        }
+    }
+    expect_bits_of_the_whole(
+        MotionBlurSettings{.exposure = {0.9, 1}, .method = MotionMethod::lightfield, .views = 16},
+        {inside, far_corner});
+}
+
+TEST_F(CropTest, SharesAreThoseOfTheCrop) {
+    traced("still_life.toml");
+    FocusSettings s = wide;
+    const auto share = [&](const std::optional<Crop>& crop) {
+        s.crop = crop;
+        for (const FocusWarning& w : focus_picture(*file_, s).warnings) {
+            if (w.code == "overscan") return w.share;
+        }
+        return 0.0;
+    };
+    const double all = share(std::nullopt);
+    EXPECT_GT(all, 0);
+    EXPECT_LT(all, 1);
+    EXPECT_EQ(share(Crop{0, 0, width, height}), all);
+    EXPECT_EQ(share(Crop{0, 100, 1, 50}), 1);     // along the border
+    EXPECT_EQ(share(Crop{140, 130, 20, 10}), 0);  // in the middle
+}
+
+TEST_F(CropTest, RenderTracesOnlyTheTilesOfTheCrop) {
+    const Scene scene = read_scene(samples + "/scenes/motion.toml");
+    RenderSettings s;
+    s.camera.width = 60;
+    s.camera.height = 50;
+    s.spp = 4;
+    s.halves = true;
+    s.shutter = TimeSpan{0, 1};
+    const RenderResult whole = render_picture(scene, s);
+    s.crop = Crop{21, 9, 13, 20};
+    const RenderResult part = render_picture(scene, s);
+    expect_same(part.image, whole.image, *s.crop);
+    for (const std::size_t h : {0U, 1U}) expect_same(part.halves[h], whole.halves[h], *s.crop);
+    EXPECT_EQ(part.rays.eye, 24U * 24U * 4U);  // tiles of 8 px: columns 2 to 4, rows 1 to 3
+}
+
+TEST_F(CropTest, RenderWritesTheCrop) {
+    const Scene scene = read_scene(samples + "/scenes/motion.toml");
+    RenderSettings s;
+    s.camera.width = 40;
+    s.camera.height = 30;
+    s.spp = 4;
+    const Image whole = render_picture(scene, s).image;
+    s.crop = Crop{5, 5, 20, 9};
+    const auto path = folder_.path() / "part.exr";
+    render_to_file(scene, s, path);
+    EXPECT_TRUE(read_image(path).rgb == cut(whole, s.crop).rgb);
+}
+
+TEST(Crop, MustLieWithinThePicture) {
+    EXPECT_NO_THROW(check_crop(std::nullopt, 4, 3));
+    EXPECT_NO_THROW(check_crop(Crop{0, 0, 4, 3}, 4, 3));
+    EXPECT_NO_THROW(check_crop(Crop{3, 2, 1, 1}, 4, 3));
+    constexpr int most = std::numeric_limits<int>::max();
+    for (const Crop& bad :
+         {Crop{0, 0, 5, 3}, Crop{0, 0, 4, 4}, Crop{1, 0, 4, 1}, Crop{4, 0, 1, 1}, Crop{0, 0, 0, 1},
+          Crop{0, 0, 1, -1}, Crop{-1, 0, 2, 1}, Crop{3, 0, most, 1}, Crop{most, 0, most, 1}}) {
+        EXPECT_THROW(check_crop(bad, 4, 3), Error);
+        EXPECT_THROW((void)cut(Image(4, 3), bad), Error);
+    }
+}
+
+}  // namespace
+}  // namespace postlens::test

@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Installs the build folder and builds samples/library against that alone, once with CMake and once with pkg-config;
+# both must make the picture that the installed program makes.
+#
+#   install_test.sh BUILD SOURCE COMPILER
+set -euo pipefail
+build=$1 source=$2 compiler=$3
+folder=$(mktemp -d "${TMPDIR:-/tmp}/postlens_install.XXXXXX")
+trap 'rm -rf "$folder"' EXIT
+
+cmake --install "$build" --prefix "$folder/first" >/dev/null
+# What is installed does not know where it was installed to.
+mv "$folder/first" "$folder/there"
+there=$folder/there
+"$there/bin/postlens" trace "$source/samples/scenes/bars.toml" -o "$folder/frame.exr" --size 48x27 --subdivide 0 --quiet
+"$there/bin/postlens" focus "$folder/frame.exr" -o "$folder/wanted.exr" --focal-length 50 --f-number 2 --focus 3 --quiet
+
+# The source tree is out of reach, so that nothing of it is used by mistake.
+cp -r "$source/samples/library" "$folder/library"
+cmake -S "$folder/library" -B "$folder/build" -G Ninja -DCMAKE_PREFIX_PATH="$there" -DCMAKE_CXX_COMPILER="$compiler" \
+    --log-level=WARNING >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
+cmake --build "$folder/build" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
+# Neither warnings as errors nor any other setting of ours gets to who uses the libraries.
+if grep -rEq -- '-Werror|-Wshadow|-ffp-contract' "$folder/build/build.ninja" "$there"/lib*/cmake; then
+    echo "install_test.sh: settings of postlens's own build have leaked" >&2
+    exit 1
+fi
+"$folder/build/focus_frame" "$folder/frame.exr" "$folder/by_cmake.exr"
+cmp "$folder/wanted.exr" "$folder/by_cmake.exr"
+
+export PKG_CONFIG_PATH
+PKG_CONFIG_PATH=$(dirname "$(find "$there" -name postlens.pc)")
+# Headers may be written as <postlens/...> as well.
+sed 's#"focus/focus.h"#<postlens/focus/focus.h>#' "$folder/library/focus_frame.cpp" >"$folder/focus_frame.cpp"
+read -ra flags <<<"$(pkg-config --static --cflags --libs postlens)"
+"$compiler" -std=c++20 "$folder/focus_frame.cpp" -o "$folder/by_pkg_config" "${flags[@]}"
+"$folder/by_pkg_config" "$folder/frame.exr" "$folder/by_pkg_config.exr"
+cmp "$folder/wanted.exr" "$folder/by_pkg_config.exr"
+[[ $(pkg-config --modversion postlens) == $("$there/bin/postlens" --version | sed 's/postlens //') ]]
