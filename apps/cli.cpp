@@ -27,7 +27,7 @@ struct State {
     RecordsOptions records;
     CompareCommandOptions compare;
     ImageOptions image;
-    std::string input;
+    InfoOptions info;
 };
 
 void shutter_trace_options(CLI::App& app, TraceSettings& t) {
@@ -108,6 +108,8 @@ void add_trace(CLI::App& root, State& s) {
         "--target-db, from a look at a quarter of the size; says what size and time to expect");
     number(app, "--target-db", o.target_db,
            "With --plan: PSNR that pictures from the file are to reach, 10 to 80", "DB");
+    app.add_flag("--force", o.force,
+                 "Trace even where the file will not fit on its disk, as a look at a few rows tells");
     choice(app, "--compression", t.compression, "Compression of the records",
            {{"none", RecordCompression::none},
             {"rle", RecordCompression::rle},
@@ -165,6 +167,7 @@ void add_image(CLI::App& root, State& s) {
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     foreign_channel_options(app, o.foreign.choice);
+    salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_image(s.image); }; });
 }
@@ -181,6 +184,7 @@ void add_records(CLI::App& root, State& s) {
         ->type_name("X,Y");
     whole(app, "--key", o.key, "Which of the file's instants, 0: the frame's own", "I");
     lens_options(app, o.lens);
+    salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_records(s.records); }; });
 }
@@ -243,6 +247,7 @@ void add_focus(CLI::App& root, State& s) {
             {"path", DepthModel::path},
             {"first-hit", DepthModel::first_hit}});
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_focus(s.focus); }; });
 }
@@ -299,6 +304,7 @@ void add_motionblur(CLI::App& root, State& s) {
            "Instants of lightfield, 1 to 4096 [default: one for two pixels of the longest way, 128 to 512]")
         ->type_name("M");
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_motionblur(s.motionblur); }; });
 }
@@ -331,6 +337,7 @@ void add_shoot(CLI::App& root, State& s) {
     target_option(app, o.target_db);
     retrace_options(app, o.retrace);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_shoot(s.shoot); }; });
 }
@@ -396,9 +403,10 @@ void add_compare(CLI::App& root, State& s) {
 
 void add_info(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("info", "What is in a file: scene, lens, sample file or image");
-    app.add_option("file", s.input, "Any of them")->required()->type_name("FILE");
+    app.add_option("file", s.info.input, "Any of them")->required()->type_name("FILE");
+    salvage_option(app, s.info.salvage);
     common_options(app, s.common);
-    app.callback([&s] { s.common.run = [&s] { return run_info(s.input); }; });
+    app.callback([&s] { s.common.run = [&s] { return run_info(s.info); }; });
 }
 
 // CLI11 says only that one is required.

@@ -39,6 +39,7 @@ struct TraceOptions {
     TraceSettings settings;
     bool plan = false;  ///< levels, hidden layers, overscan and keys for `target_db`
     double target_db = default_target_db;
+    bool force = false;  ///< trace even where the file will not fit on its disk
 };
 
 /// Lens options shared by `focus` and `records`; absent: what the sample file names.
@@ -78,11 +79,13 @@ struct FocusOptions {
     RetraceOptions retrace;
     ForeignOptions foreign;
     bool strict = false;
+    bool salvage = false;  ///< read what is whole of a damaged sample file
 };
 
 struct ImageOptions {
     std::string input, output;
     ForeignOptions foreign;
+    bool salvage = false;
 };
 
 struct ShootOptions {
@@ -110,6 +113,7 @@ struct MotionBlurOptions {
     std::string layer;     ///< likewise
     MotionBlurSettings settings;
     bool strict = false;
+    bool salvage = false;
 };
 
 struct RecordsOptions {
@@ -117,6 +121,12 @@ struct RecordsOptions {
     std::pair<double, double> at;
     int key = 0;  ///< which instant: 0 the frame's own
     LensOptions lens;
+    bool salvage = false;
+};
+
+struct InfoOptions {
+    std::string input;
+    bool salvage = false;
 };
 
 struct CompareCommandOptions {
@@ -140,7 +150,7 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult run_motionblur(const MotionBlurOptions& options);
 [[nodiscard]] CommandResult run_records(const RecordsOptions& options);
 [[nodiscard]] CommandResult run_compare(const CompareCommandOptions& options);
-[[nodiscard]] CommandResult run_info(const std::string& input);
+[[nodiscard]] CommandResult run_info(const InfoOptions& options);
 
 /// An OpenEXR file that is none of ours.
 [[nodiscard]] bool is_foreign(const std::string& input);
@@ -150,6 +160,13 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult foreign_info(const std::string& input);
 /// Throws Error(wrong_arguments) where options were given that only such a file takes.
 void refuse_foreign_options(const ForeignOptions& options);
+
+/// How the reader of a sample file takes --salvage.
+[[nodiscard]] inline Damage damage_rule(bool salvage) {
+    return salvage ? Damage::salvage : Damage::refuse;
+}
+/// A warning `salvaged` that says which rows of the file were left out; none where nothing was.
+void warn_of_lost_rows(const SampleFileReader& file, std::vector<Warning>& out);
 
 /// A value that `option` asks for, else the one that the file names. Throws Error(wrong_arguments) where
 /// neither does; `file` says what kind of file it is.

@@ -67,9 +67,10 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
 
 CommandResult run_focus(const FocusOptions& options) {
     check_image_path(options.output);
-    if (is_foreign(options.input)) return focus_foreign(options);
+    // What is to be salvaged is a sample file, even where its header no longer says so.
+    if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign);
-    const SampleFileReader file(options.input);
+    const SampleFileReader file(options.input, damage_rule(options.salvage));
     LensOptions lens_options = options.lens;
     if (options.method == FocusMethod::pinhole) {
         // A pinhole has no focus; what is not named must not be asked for.
@@ -89,6 +90,7 @@ CommandResult run_focus(const FocusOptions& options) {
                                  .depths = options.depths,
                                  .views = options.views};
     CommandResult out;
+    warn_of_lost_rows(file, out.warnings);
     FocusFrame frame(file);
     FocusResult result;
     HybridResult hybrid;

@@ -5,12 +5,14 @@ namespace postlens {
 CommandResult run_image(const ImageOptions& options) {
     const std::string& output = options.output;
     check_image_path(output);
-    if (is_foreign(options.input)) return foreign_image(options);
+    // What is to be salvaged is a sample file, even where its header no longer says so.
+    if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign);
-    const SampleFileReader file(options.input);
+    const SampleFileReader file(options.input, damage_rule(options.salvage));
     const Image image = pinhole_picture(file);
     write_image(output, image);
     CommandResult out;
+    warn_of_lost_rows(file, out.warnings);
     out.json = {{"width", image.width}, {"height", image.height}, {"records", file.record_count()}};
     out.text = fmt::format("{}: {}x{} px, pinhole", output, image.width, image.height);
     return out;

@@ -2,11 +2,12 @@
 # Installs the Debian 12 packages that postlens is built and checked with, those of them that are missing.
 # A machine that has them needs neither a network nor root.
 #
-#   scripts/install_dependencies.sh [--for build|checks] [--list]
+#   scripts/install_dependencies.sh [--for build|checks|fuzzing] [--list]
 #
-#   --for build   what building, running and testing need
-#   --for checks  that and the tools of scripts/test.sh's checks (default)
-#   --list        print the packages and install nothing
+#   --for build    what building, running and testing need
+#   --for checks   that and the tools of scripts/test.sh's checks (default)
+#   --for fuzzing  what building needs, and the compiler of scripts/fuzz.sh
+#   --list         print the packages and install nothing
 set -euo pipefail
 
 # cmake/postlens_dependencies.cmake asks for these libraries; scripts/check_dependencies.sh holds the two together.
@@ -26,6 +27,8 @@ build_packages=(
 )
 # chromium: the page that `postlens chart` writes is looked at in it.
 check_packages=(git clang-format clang-tidy chromium)
+# libFuzzer and the sanitizers' run time are no dependence of clang, only a recommendation.
+fuzzing_packages=(clang libclang-rt-14-dev)
 
 purpose=checks
 list_only=false
@@ -41,7 +44,8 @@ done
 case $purpose in
     build) packages=("${build_packages[@]}") ;;
     checks) packages=("${build_packages[@]}" "${check_packages[@]}") ;;
-    *) echo "install_dependencies.sh: unknown purpose (got '$purpose'; expected build or checks)" >&2 && exit 2 ;;
+    fuzzing) packages=("${build_packages[@]}" "${fuzzing_packages[@]}") ;;
+    *) echo "install_dependencies.sh: unknown purpose (got '$purpose'; expected build, checks or fuzzing)" >&2 && exit 2 ;;
 esac
 if $list_only; then
     printf '%s\n' "${packages[@]}"
