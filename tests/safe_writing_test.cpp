@@ -176,6 +176,29 @@ TEST_F(SafeWriting, OnAFullDiskItIsFourAndTheOldFileStays) {
     GTEST_SKIP() << "no file system of its own here: what was seen is a limit on the size of files";
 }
 
+TEST_F(SafeWriting, ATraceThatWillNotFitIsRefusedBeforeItIsMade) {
+    fs::create_directory(in("disk"));
+    if (!has_small_disks(in("disk"))) GTEST_SKIP() << "no file system of its own here";
+    const std::string target = in("disk/frame.exr");
+    const Words words{"trace", scenes + "still_life.toml", "-o", target, "--size", "160x90"};
+    const auto on_disk = [&](int kilobytes, const std::string& more) {
+        std::string script = "echo old > " + target + "; " + line_of(words) + more +
+                             "; code=$?; test $(cat " + target +
+                             ") = old && test $code = 0 && code=98; exit $code";
+        std::erase(script, '\'');
+        return shell(on_small_disk(in("disk"), kilobytes, script));
+    };
+    const Outcome refused = on_disk(512, "");
+    expect_said(refused, "trace");
+    EXPECT_NE(refused.err.find("needs about"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("--force"), std::string::npos) << refused.err;
+    // Forced, it comes to its end on the disk.
+    const Outcome forced = on_disk(512, " --force");
+    expect_said(forced, "trace --force");
+    EXPECT_EQ(forced.err.find("needs about"), std::string::npos) << forced.err;
+    EXPECT_EQ(on_disk(32768, "").exit_code, 0);
+}
+
 TEST_F(SafeWriting, AnswersThatCannotBeWrittenAreFour) {
     const std::string frame = traced();
     for (const char* command : {"info", "image"}) {
