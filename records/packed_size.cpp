@@ -1,3 +1,8 @@
+#include <cstring>
+#include <vector>
+
+#include "records/packed_picture.h"
+#include "records/quadtree.h"
 #include "records/record_scanline.h"
 #include "records/sample_file.h"
 #include "records/sample_file_layout.h"
@@ -23,6 +28,24 @@ std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compres
         total += codec.compress(layout::codec_of(compression), bytes.channel_data(), packed).size();
     }
     return total;
+}
+
+std::uint64_t packed_picture_bytes(const SampleHeader& header, RecordCompression compression,
+                                   const RecordBand& band, int y) {
+    if (y < 0 || y >= header.height) return 0;
+    const auto width = static_cast<std::size_t>(header.width);
+    std::vector<float> rgb(3 * width);
+    picture_row(band, y, 0, header.width, rgb);
+    Bytes planes(rgb.size() * sizeof(float)), packed;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        for (std::size_t x = 0; x < width; ++x)
+            std::memcpy(planes.data() + (channel * width + x) * sizeof(float), &rgb[3 * x + channel],
+                        sizeof(float));
+    }
+    const bool zips = compression == RecordCompression::zips;
+    return ChunkCodec()
+        .compress(zips ? ChunkCompression::zip : layout::codec_of(compression), planes, packed)
+        .size();
 }
 
 }  // namespace postlens

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/progress.h"
+#include "records/packed_picture.h"
 
 namespace postlens {
 namespace {
@@ -24,8 +25,8 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
                                   const SubdivisionSettings& subdivision, const SampleHeader& header,
                                   RecordCompression compression, std::size_t instants) {
     const int rows = window.y_end - window.y_begin, count = stripes(rows);
-    std::uint64_t bytes = 0;
-    int looked_at = 0;
+    std::uint64_t bytes = 0, picture_bytes = 0;
+    int looked_at = 0, picture_rows = 0;
     for (int i = 0; i < count; ++i) {
         throw_if_interrupted();
         // Each in the middle of its share of the window.
@@ -37,10 +38,16 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
             const int end = std::min(band.y_end, stripe.y_end);
             bytes += packed_bytes(header, compression, band, band.y_begin, end);
             looked_at += end - band.y_begin;
+            for (int y = std::max(0, band.y_begin); y < std::min(end, header.height); ++y) {
+                picture_bytes += packed_picture_bytes(header, compression, band, y);
+                ++picture_rows;
+            }
         });
     }
     const double per_instant = static_cast<double>(bytes) / looked_at * (rows + 1);
-    const double picture = 12.0 * header.width * header.height;
+    const double picture = picture_rows == 0
+                               ? 12.0 * header.width * header.height
+                               : static_cast<double>(picture_bytes) / picture_rows * header.height;
     return static_cast<std::uint64_t>(per_instant * static_cast<double>(instants) + picture);
 }
 

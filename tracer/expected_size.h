@@ -12,7 +12,7 @@ namespace postlens {
 [[nodiscard]] int looked_at_rows(int rows);
 
 /// Bytes of a sample file of `instants` instants as dense as this one: of pairs of rows, evenly spread, that
-/// are traced and packed as the file's will be. The pinhole picture counts unpacked.
+/// are traced and packed as the file's will be. The header does not count.
 [[nodiscard]] std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWindow& window,
                                                 const SubdivisionSettings& subdivision,
                                                 const SampleHeader& header, RecordCompression compression,
