@@ -28,7 +28,7 @@ struct State {
     RecordsOptions records;
     CompareCommandOptions compare;
     ImageOptions image;
-    std::string input;
+    InfoOptions info;
     FrameOptions frames;
     /// What of --frames the command is to know.
     [[nodiscard]] const FrameOptions& asked_frames() {
@@ -126,6 +126,8 @@ void add_trace(CLI::App& root, State& s) {
         "--target-db, from a look at a quarter of the size; says what size and time to expect");
     number(app, "--target-db", o.target_db,
            "With --plan: PSNR that pictures from the file are to reach, 10 to 80", "DB");
+    app.add_flag("--force", o.force,
+                 "Trace even where the file will not fit on its disk, as a look at a few rows tells");
     choice(app, "--compression", t.compression, "Compression of the records",
            {{"none", RecordCompression::none},
             {"rle", RecordCompression::rle},
@@ -187,6 +189,7 @@ void add_image(CLI::App& root, State& s) {
     crop_option(app, o.crop);
     frame_options(app, s.frames, false);
     foreign_channel_options(app, o.foreign.choice);
+    salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.image); }; });
 }
@@ -203,6 +206,7 @@ void add_records(CLI::App& root, State& s) {
         ->type_name("X,Y");
     whole(app, "--key", o.key, "Which of the file's instants, 0: the frame's own", "I");
     lens_options(app, o.lens);
+    salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_records(s.records); }; });
 }
@@ -267,6 +271,7 @@ void add_focus(CLI::App& root, State& s) {
             {"path", DepthModel::path},
             {"first-hit", DepthModel::first_hit}});
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.focus); }; });
 }
@@ -325,6 +330,7 @@ void add_motionblur(CLI::App& root, State& s) {
            "Instants of lightfield, 1 to 4096 [default: one for two pixels of the longest way, 128 to 512]")
         ->type_name("M");
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.motionblur); }; });
 }
@@ -359,6 +365,7 @@ void add_shoot(CLI::App& root, State& s) {
     target_option(app, o.target_db);
     retrace_options(app, o.retrace);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.shoot); }; });
 }
@@ -430,9 +437,10 @@ void add_compare(CLI::App& root, State& s) {
 
 void add_info(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("info", "What is in a file: scene, lens, sample file or image");
-    app.add_option("file", s.input, "Any of them")->required()->type_name("FILE");
+    app.add_option("file", s.info.input, "Any of them")->required()->type_name("FILE");
+    salvage_option(app, s.info.salvage);
     common_options(app, s.common);
-    app.callback([&s] { s.common.run = [&s] { return run_info(s.input); }; });
+    app.callback([&s] { s.common.run = [&s] { return run_info(s.info); }; });
 }
 
 // CLI11 says only that one is required.

@@ -39,6 +39,13 @@ void common_options(CLI::App& app, ParsedCommand& to) {
     app.add_flag("--json", to.json, "The result as JSON on standard output");
 }
 
+void salvage_option(CLI::App& app, bool& to) {
+    app.add_flag(
+        "--salvage", to,
+        "Of a damaged or cut off sample file read the rows that are whole; the others are as if nothing "
+        "had been seen there, and a warning names them (docs/files.md)");
+}
+
 void output_option(CLI::App& app, std::string& to, const std::string& help) {
     app.add_option("-o,--output", to, help)->required()->type_name("FILE");
 }

@@ -21,6 +21,8 @@ CLI::Option* number(CLI::App& app, const std::string& name, double& to, const st
 CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
                    const std::string& unit);
 void common_options(CLI::App& app, ParsedCommand& to);
+/// --salvage, of everything that reads a sample file.
+void salvage_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");

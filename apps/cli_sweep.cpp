@@ -114,6 +114,9 @@ void folder_options(CLI::App& app, SweepOptions& o) {
                  "Keep the pictures of an earlier run in DIR that were made with the same settings from the "
                  "same file");
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    app.add_flag_function(
+        "--salvage", [&s](std::int64_t) { s.damage = Damage::salvage; },
+        "Of a damaged or cut off sample file read the rows that are whole, as for focus");
 }
 
 }  // namespace

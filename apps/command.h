@@ -42,6 +42,7 @@ struct TraceOptions {
     TraceSettings settings;
     bool plan = false;  ///< levels, hidden layers, overscan and keys for `target_db`
     double target_db = default_target_db;
+    bool force = false;  ///< trace even where the file will not fit on its disk
 };
 
 /// Lens options shared by `focus` and `records`; absent: what the sample file names.
@@ -82,12 +83,14 @@ struct FocusOptions {
     ForeignOptions foreign;
     std::optional<Crop> crop;
     bool strict = false;
+    bool salvage = false;  ///< read what is whole of a damaged sample file
 };
 
 struct ImageOptions {
     std::string input, output;
     ForeignOptions foreign;
     std::optional<Crop> crop;
+    bool salvage = false;
 };
 
 struct ShootOptions {
@@ -117,6 +120,7 @@ struct MotionBlurOptions {
     MotionBlurSettings settings;
     bool shutter_from_frame = false;  ///< of sample files: as in ShootOptions
     bool strict = false;
+    bool salvage = false;
 };
 
 struct RecordsOptions {
@@ -124,6 +128,12 @@ struct RecordsOptions {
     std::pair<double, double> at;
     int key = 0;  ///< which instant: 0 the frame's own
     LensOptions lens;
+    bool salvage = false;
+};
+
+struct InfoOptions {
+    std::string input;
+    bool salvage = false;
 };
 
 struct CompareCommandOptions {
@@ -149,7 +159,7 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult run_motionblur(const MotionBlurOptions& options);
 [[nodiscard]] CommandResult run_records(const RecordsOptions& options);
 [[nodiscard]] CommandResult run_compare(const CompareCommandOptions& options);
-[[nodiscard]] CommandResult run_info(const std::string& input);
+[[nodiscard]] CommandResult run_info(const InfoOptions& options);
 
 /// An OpenEXR file that is none of ours.
 [[nodiscard]] bool is_foreign(const std::string& input);
@@ -159,6 +169,13 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult foreign_info(const std::string& input);
 /// Throws Error(wrong_arguments) where options were given that only such a file takes.
 void refuse_foreign_options(const ForeignOptions& options);
+
+/// How the reader of a sample file takes --salvage.
+[[nodiscard]] inline Damage damage_rule(bool salvage) {
+    return salvage ? Damage::salvage : Damage::refuse;
+}
+/// A warning `salvaged` that says which rows of the file were left out; none where nothing was.
+void warn_of_lost_rows(const SampleFileReader& file, std::vector<Warning>& out);
 
 /// A value that `option` asks for, else the one that the file names. Throws Error(wrong_arguments) where
 /// neither does; `file` says what kind of file it is.

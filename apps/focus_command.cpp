@@ -74,9 +74,10 @@ void report_crop(const std::optional<Crop>& crop, CommandResult& out) {
 
 CommandResult run_focus(const FocusOptions& options) {
     check_image_path(options.output);
-    if (is_foreign(options.input)) return focus_foreign(options);
+    // What is to be salvaged is a sample file, even where its header no longer says so.
+    if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign);
-    const SampleFileReader file(options.input);
+    const SampleFileReader file(options.input, damage_rule(options.salvage));
     check_crop(options.crop, file.header().width, file.header().height);
     LensOptions lens_options = options.lens;
     if (options.method == FocusMethod::pinhole) {
@@ -98,6 +99,7 @@ CommandResult run_focus(const FocusOptions& options) {
                                  .views = options.views,
                                  .crop = options.crop};
     CommandResult out;
+    warn_of_lost_rows(file, out.warnings);
     FocusFrame frame(file);
     FocusResult result;
     HybridResult hybrid;

@@ -5,14 +5,16 @@ namespace postlens {
 CommandResult run_image(const ImageOptions& options) {
     const std::string& output = options.output;
     check_image_path(output);
-    if (is_foreign(options.input)) return foreign_image(options);
+    // What is to be salvaged is a sample file, even where its header no longer says so.
+    if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign);
-    const SampleFileReader file(options.input);
+    const SampleFileReader file(options.input, damage_rule(options.salvage));
     const Image image = pinhole_picture(file, options.crop);
     write_image(output, image, options.crop);
     const int width = options.crop ? options.crop->width : image.width,
               height = options.crop ? options.crop->height : image.height;
     CommandResult out;
+    warn_of_lost_rows(file, out.warnings);
     out.json = {{"width", width}, {"height", height}, {"records", file.record_count()}};
     out.text = fmt::format("{}: {}x{} px, pinhole", output, width, height);
     report_crop(options.crop, out);

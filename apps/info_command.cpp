@@ -28,8 +28,8 @@ std::int64_t layers_of(const SampleFileReader& file) {
     return std::int64_t{deepest} + 1;
 }
 
-CommandResult sample_file_info(const std::string& input) {
-    const SampleFileReader file(input);
+CommandResult sample_file_info(const std::string& input, bool salvage) {
+    const SampleFileReader file(input, damage_rule(salvage));
     const SampleHeader& h = file.header();
     float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
     for (std::size_t i = 0; i < file.instants(); ++i) {
@@ -51,6 +51,7 @@ CommandResult sample_file_info(const std::string& input) {
     nlohmann::ordered_json ids = nlohmann::ordered_json::object();
     for (const auto& [id, name] : h.object_names) ids[std::to_string(id)] = name;
     CommandResult out;
+    warn_of_lost_rows(file, out.warnings);
     out.json = {
         {"kind", "samples"},
         {"width", h.width},
@@ -199,15 +200,17 @@ CommandResult image_info(const std::string& input) {
 
 }  // namespace
 
-CommandResult run_info(const std::string& input) {
+CommandResult run_info(const InfoOptions& options) {
+    const std::string& input = options.input;
     std::error_code error;
     if (fs::is_directory(input, error)) {
         fail(ExitCode::invalid_input, "{}: cannot read (got a folder; expected a file)", input);
     }
     if (!fs::exists(input, error)) fail(ExitCode::invalid_input, "{}: cannot read (no such file)", input);
+    if (options.salvage) return sample_file_info(input, true);
     if (is_prescription(input)) return lens_info(input);
     if (is_scene_file(input)) return scene_info(input);
-    if (SampleFileReader::is_sample_file(input)) return sample_file_info(input);
+    if (SampleFileReader::is_sample_file(input)) return sample_file_info(input, false);
     if (is_foreign(input)) return foreign_info(input);
     return image_info(input);
 }

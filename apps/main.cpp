@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/cli.h"
+#include "core/memory.h"
 #include "core/progress.h"
 #include "core/threads.h"
 
@@ -24,6 +25,7 @@ void report(const CommandResult& result, const ParsedCommand& command, double se
     if (command.json) {
         nlohmann::ordered_json json = result.json;
         json["seconds"] = seconds;
+        json["peak_memory_bytes"] = postlens::peak_memory_bytes();
         json["warnings"] = nlohmann::ordered_json::array();
         for (const auto& w : result.warnings)
             json["warnings"].push_back({{"code", w.code}, {"share", w.share}, {"text", w.text}});

@@ -147,7 +147,8 @@ void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warn
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_image_path(options.output);
-    if (is_foreign(options.input)) return blur_by_vectors(options);
+    // What is to be salvaged is a sample file, even where its header no longer says so.
+    if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     if (options.vectors.channels || options.vectors.scale || !options.layer.empty()) {
         fail(ExitCode::wrong_arguments,
              "--vectors, --layer: not for a sample file, which knows its motion (expected a flat OpenEXR "
@@ -156,13 +157,14 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     MotionBlurSettings settings = options.settings;
     settings.curve = shutter_curve(options.curve);
     if (options.paths) settings.paths = read_paths(*options.paths);
-    const SampleFileReader file(options.input);
+    const SampleFileReader file(options.input, damage_rule(options.salvage));
     settings.exposure = resolve_exposure(options.shutter, file.header(), options.shutter_from_frame);
     const MotionBlurResult result = motion_blur(file, settings);
     write_image(options.output, result.image, settings.crop);
 
     const SampleHeader& h = file.header();
     std::vector<Warning> warnings;
+    warn_of_lost_rows(file, warnings);
     check_sufficient(h, settings.exposure, warnings);
     CommandResult out = report(options, result, std::move(warnings));
     nlohmann::ordered_json objects = nlohmann::ordered_json::array();

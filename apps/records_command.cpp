@@ -65,7 +65,7 @@ std::optional<FocusGeometry> lens_of(const LensOptions& options, const SampleFil
 }  // namespace
 
 CommandResult run_records(const RecordsOptions& options) {
-    const SampleFileReader file(options.input);
+    const SampleFileReader file(options.input, damage_rule(options.salvage));
     const SampleHeader& h = file.header();
     const auto lens = lens_of(options.lens, file);
     const double limit = 1e6;  // far outside any raster, well inside an int
@@ -81,6 +81,7 @@ CommandResult run_records(const RecordsOptions& options) {
     }
     const auto instant = static_cast<std::size_t>(options.key);
     CommandResult out;
+    warn_of_lost_rows(file, out.warnings);
     out.json = {{"x", x},
                 {"y", y},
                 {"time_s", file.instant_s(instant)},

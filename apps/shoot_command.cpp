@@ -11,7 +11,7 @@ namespace postlens {
 CommandResult run_shoot(const ShootOptions& options) {
     const FocusOptions& o = options.focus;
     check_image_path(o.output);
-    const SampleFileReader file(o.input);
+    const SampleFileReader file(o.input, damage_rule(o.salvage));
     const SampleHeader& h = file.header();
     check_crop(o.crop, h.width, h.height);
     const ResolvedLens lens = resolve_lens(o.lens, file);
@@ -20,6 +20,7 @@ CommandResult run_shoot(const ShootOptions& options) {
     const FrameMotion motion =
         motion_of(h, options.paths ? read_paths(*options.paths) : std::vector<ObjectPath>());
     CommandResult out;
+    warn_of_lost_rows(file, out.warnings);
     const HybridSettings settings{.focus = {.lens = lens.lens,
                                             .focus_distance_m = lens.focus_m,
                                             .framing = o.lens.framing,

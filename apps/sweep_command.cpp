@@ -97,8 +97,9 @@ CommandResult run_sweep(const SweepOptions& o) {
     CommandResult out;
     SampleHeader header;
     {
-        const SampleFileReader file(o.input);
+        const SampleFileReader file(o.input, settings.damage);
         header = file.header();
+        warn_of_lost_rows(file, out.warnings);
         settings.axes = axes_of(o, header);
     }
     if (o.paths) {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "core/disk.h"
 #include "planner/trace_plan.h"
 #include "tracer/point_shading.h"
 #include "tracer/recorded_motion.h"
@@ -26,6 +27,22 @@ void warn_of_motion(const Scene& scene, CommandResult& out) {
                      ids)});
 }
 
+void check_room(std::uint64_t bytes, const std::string& output) {
+    require_disk(bytes, free_disk_bytes(output), output,
+                 "expected enough, a smaller --size or --subdivide, or --force to try all the same");
+}
+
+// So many bytes for a pixel no usual trace comes near to: then no look at the scene has to tell.
+bool has_ample_room(const Scene& scene, const TraceSettings& settings, const std::string& output) {
+    constexpr double ample_bytes_per_px = 16384;
+    const CameraModel camera(find_camera(scene, settings.camera_name), scene.time_s, settings.camera);
+    constexpr double widest_usual_overscan_px = 256;
+    const double overscan = settings.overscan_auto ? widest_usual_overscan_px : settings.overscan_px;
+    const double px = (camera.width + 2 * overscan) * (camera.height + 2 * overscan);
+    const double instants = 1 + settings.keys.value_or(static_cast<int>(SampleHeader::most_keys));
+    return px * instants * ample_bytes_per_px <= static_cast<double>(free_disk_bytes(output));
+}
+
 }  // namespace
 
 nlohmann::ordered_json rays_json(const RayCounts& rays) {
@@ -43,6 +60,7 @@ CommandResult run_trace(const TraceOptions& options) {
     for (const ShadingNote& n : point_shading_notes(scene)) out.warnings.push_back({n.code, n.text});
     warn_of_motion(scene, out);
     TraceSettings settings = options.settings;
+    std::optional<std::uint64_t> expected_bytes;
     nlohmann::ordered_json plan = nullptr;
     if (options.plan) {
         const TracePlan p = plan_trace(scene, settings, options.target_db);
@@ -50,6 +68,8 @@ CommandResult run_trace(const TraceOptions& options) {
         plan = {{"subdivide", p.levels}, {"floor_db", p.floor_db}, {"floors_db", p.floors_db},
                 {"records", p.records},  {"bytes", p.bytes},       {"seconds", p.seconds}};
         out.text = p.text + "\n";
+        expected_bytes = static_cast<std::uint64_t>(p.bytes);
+        if (!options.force) check_room(*expected_bytes, options.output);
         if (!p.met) {
             out.warnings.push_back(
                 {"target", fmt::format("no subdivision leaves room for {:.1f} dB (expected {:.1f} "
@@ -57,6 +77,12 @@ CommandResult run_trace(const TraceOptions& options) {
                                        options.target_db, p.floor_db)});
             out.exit_code = ExitCode::shortfall;
         }
+    }
+    if (!options.plan && !options.force && !has_ample_room(scene, settings, options.output)) {
+        settings.on_expected_bytes = [&](std::uint64_t bytes) {
+            expected_bytes = bytes;
+            check_room(bytes, options.output);
+        };
     }
     const TraceResult r = trace_to_file(scene, settings, options.output);
     if (r.too_narrow_objects > 0) {
@@ -68,6 +94,8 @@ CommandResult run_trace(const TraceOptions& options) {
     }
     out.json = {{"records", r.records},
                 {"bytes", r.bytes},
+                {"expected_bytes",
+                 expected_bytes ? nlohmann::ordered_json(*expected_bytes) : nlohmann::ordered_json(nullptr)},
                 {"rays", rays_json(r.rays)},
                 {"overscan_px", r.overscan_px},
                 {"keys", r.keys},

@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <limits>
+#include <sys/resource.h>
 
 #include "core/error.h"
 
@@ -15,6 +16,12 @@ std::uint64_t available_memory_bytes() {
         if (word == "MemAvailable:" && file >> kilobytes) return kilobytes * 1024;
     }
     return std::numeric_limits<std::uint64_t>::max();
+}
+
+std::uint64_t peak_memory_bytes() {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 void require_memory(std::uint64_t bytes, const std::string& what) {

@@ -10,6 +10,9 @@ namespace postlens {
 /// What the system says is free for programs, bytes; the largest number where it says nothing.
 [[nodiscard]] std::uint64_t available_memory_bytes();
 
+/// The most memory that this process has held at once so far, bytes (its peak resident set).
+[[nodiscard]] std::uint64_t peak_memory_bytes();
+
 /// Throws Error(out_of_memory) "WHAT needs N MB of memory (M MB are free)" where `bytes` are not to be had.
 void require_memory(std::uint64_t bytes, const std::string& what);
 

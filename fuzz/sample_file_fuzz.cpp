@@ -4,9 +4,11 @@
 #include "fuzz/fuzz_file.h"
 #include "records/sample_file.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace {
+
+void read(const std::filesystem::path& path, postlens::Damage damage) {
     try {
-        const postlens::SampleFileReader file(postlens::fuzz_file(data, size, ".exr"));
+        const postlens::SampleFileReader file(path, damage);
         postlens::RecordBand band;
         for (std::size_t instant = 0; instant < file.instants(); ++instant) {
             for (int y = file.y_begin(); y < file.y_end(); y += 16) {
@@ -17,5 +19,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     } catch (const postlens::Error&) {
         // Refused, as it may be.
     }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const auto path = postlens::fuzz_file(data, size, ".exr");
+    read(path, postlens::Damage::refuse);
+    read(path, postlens::Damage::salvage);
     return 0;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "records/image.h"
+#include "records/lost_rows.h"
 #include "records/record.h"
 #include "records/sample_header.h"
 
@@ -53,11 +54,30 @@ class SampleFileWriter {
     std::unique_ptr<Impl> impl_;
 };
 
+/// Bytes that rows [y_begin, y_end) of a band will take in a file of this header, with all that the file says
+/// of them; the pinhole picture's are not among them.
+[[nodiscard]] std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression,
+                                         const RecordBand& band, int y_begin, int y_end);
+
+/// What a reader does about damage behind the header.
+enum class Damage {
+    refuse,  ///< every damaged or missing scanline is an error once it is read
+    salvage  ///< they are looked for when the file is opened, and left out
+};
+
 /// Reads a sample file. Every function throws Error(invalid_input), naming the file, for what is not a whole
 /// and undamaged sample file; counts and windows are checked before anything is allocated.
+///
+/// With Damage::salvage all records are read and checked once when the file is opened. A row that is damaged
+/// or missing is then as if nothing had been seen there: see stand_in_for_row. A key of which nothing is left
+/// is no longer among the instants. Still refused are a damaged header, and a file of whose own instant not
+/// even one row of `least_whole_share` is whole. An undamaged file reads as without.
 class SampleFileReader {
   public:
-    explicit SampleFileReader(const std::filesystem::path& path);
+    /// So that a small file cannot ask for a large picture.
+    static constexpr std::size_t least_whole_share = 64;
+
+    explicit SampleFileReader(const std::filesystem::path& path, Damage damage = Damage::refuse);
     ~SampleFileReader();
     SampleFileReader(const SampleFileReader&) = delete;
     SampleFileReader& operator=(const SampleFileReader&) = delete;
@@ -83,7 +103,11 @@ class SampleFileReader {
     /// Rows [y_begin, y_end) of an instant in canonical order. Checksums, ids of paths, positions and
     /// finiteness are verified. A buffer given again is reused. Random access is allowed.
     void read(int y_begin, int y_end, RecordBand& band, std::size_t instant = 0) const;
-    /// Part 0 as stored.
+    /// What was left out, by instant and from top to bottom; empty without Damage::salvage.
+    [[nodiscard]] std::span<const LostRows> lost_rows() const;
+    /// Of keys of which nothing is left.
+    [[nodiscard]] std::span<const double> lost_instants_s() const;
+    /// Part 0 as stored; damage in it is refused with Damage::salvage as well, since records make pictures.
     [[nodiscard]] Image picture() const;
     /// True where the file begins like a sample file (an OpenEXR file with postlens' version attribute).
     [[nodiscard]] static bool is_sample_file(const std::filesystem::path& path);

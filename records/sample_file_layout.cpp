@@ -34,6 +34,18 @@ std::uint64_t joined(std::uint32_t hi, std::uint32_t lo) {
 
 }  // namespace
 
+ChunkCompression codec_of(RecordCompression c) {
+    switch (c) {
+        case RecordCompression::none:
+            return ChunkCompression::none;
+        case RecordCompression::rle:
+            return ChunkCompression::rle;
+        case RecordCompression::zips:
+            return ChunkCompression::zips;
+    }
+    return ChunkCompression::none;
+}
+
 std::string part_name(const PartPlace& place) {
     constexpr std::array<const char*, parts_of_first_instant> names{"picture", "records", "scanlines"};
     std::string name = names[static_cast<std::size_t>(place.part)];

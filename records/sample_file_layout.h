@@ -33,6 +33,8 @@ struct PartPlace {
 }
 /// "picture", "records", "scanlines"; of key i "records.k<i>", "scanlines.k<i>", i from 1.
 [[nodiscard]] std::string part_name(const PartPlace& place);
+/// Of the chunks of records.
+[[nodiscard]] ChunkCompression codec_of(RecordCompression compression);
 /// What OpenEXR can state as the size of a chunk.
 inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
 

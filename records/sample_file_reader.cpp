@@ -5,15 +5,10 @@
 #include <cstring>
 #include <limits>
 #include <new>
-#include <optional>
-#include <tbb/enumerable_thread_specific.h>
-#include <utility>
 
-#include "core/error.h"
 #include "core/threads.h"
-#include "records/record_scanline.h"
-#include "records/sample_file.h"
 #include "records/sample_file_header.h"
+#include "records/sample_file_reader_impl.h"
 #include "records/sample_header_names.h"
 
 namespace postlens {
@@ -40,76 +35,26 @@ T load(const std::uint8_t* from) {
     return value;
 }
 
-/// Where the packed counts and data of a scanline of records lie.
-struct DeepChunk {
-    std::uint64_t counts_at = 0, counts_bytes = 0, data_bytes = 0;
-};
-
-/// What is kept of one instant: where its chunks lie, and what its scanlines hold.
-struct Instant {
-    double time_s = 0;
-    std::vector<std::uint64_t> record_chunks, scanline_chunks;
-    std::vector<ScanlineFacts> facts;
-};
-
-/// Scratch of one thread.
-struct Workplace {
-    Workplace(int width, RecordChannels channels)
-        : bytes(width, channels), offsets(static_cast<std::size_t>(width) + 1) {}
-    ScanlineBytes bytes;
-    std::vector<std::uint32_t> offsets;
-    Bytes packed;
-    ChunkCodec codec;
-};
-
 }  // namespace
 
-struct SampleFileReader::Impl {
-    explicit Impl(const std::filesystem::path& path) : file(path) {
-        const ExrHeaders headers = read_exr_headers(file, parts_of(SampleHeader::most_keys) + 1);
-        header = sample_header_of(headers, file.name());
-        channels = {header.has_w, header.has_layers, header.has_bend};
-        window = data_window(records_part, header);
-        workplaces.emplace(columns_of(window), channels);
-        codec = *headers.parts[records_part].compression();
-        picture_codec = *headers.parts[picture_part].compression();
-        read_chunk_tables(headers.end);
-        for (std::size_t i = 0; i < instants.size(); ++i) read_scanlines(i);
-        check_record_count();
-    }
+SampleFileReader::Impl::Impl(const std::filesystem::path& path, Damage on_damage)
+    : file(path), damage(on_damage) {
+    const ExrHeaders headers = read_exr_headers(file, parts_of(SampleHeader::most_keys) + 1);
+    header = sample_header_of(headers, file.name());
+    channels = {header.has_w, header.has_layers, header.has_bend};
+    window = data_window(records_part, header);
+    workplaces.emplace(columns_of(window), channels);
+    codec = *headers.parts[records_part].compression();
+    picture_codec = *headers.parts[picture_part].compression();
+    read_chunk_tables(headers.end);
+    for (std::size_t i = 0; i < instants.size(); ++i) read_scanlines(i);
+    if (damage == Damage::salvage) find_lost_rows();
+    count_records();
+    check_record_count();
+    if (damage == Damage::salvage) replace_lost_rows();
+}
 
-    InputFile file;
-    SampleHeader header;
-    RecordChannels channels;
-    Window window;
-    ChunkCompression codec = ChunkCompression::none, picture_codec = ChunkCompression::none;
-    std::vector<std::uint64_t> picture_chunks;
-    std::vector<std::uint64_t> picture_checksums;  ///< per row of the raster
-    std::vector<Instant> instants;                 ///< the frame's own, then the keys
-    std::uint64_t record_count = 0;
-    /// Kept from read to read, so that small bands cost no allocations.
-    mutable std::optional<tbb::enumerable_thread_specific<Workplace>> workplaces;
-
-    [[noreturn]] void fail_damaged(int y, const char* what) const {
-        fail(ExitCode::invalid_input, "{}: damaged in scanline {} ({})", file.name(), y, what);
-    }
-    [[nodiscard]] std::size_t row_index(int y) const { return static_cast<std::size_t>(y - window.y_min); }
-
-    void read_chunk_tables(std::uint64_t at);
-    void read_scanlines(std::size_t instant);
-    void check_record_count() const;
-    /// Position and size of the data of the flat chunk at `at`, which must be that of row y of `part` and of
-    /// at most `most_bytes`.
-    [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> flat_chunk(int part, std::uint64_t at, int y,
-                                                                     std::uint64_t most_bytes) const;
-    [[nodiscard]] DeepChunk deep_chunk(std::size_t instant, int y) const;
-    void read_row(int y, const ScanlineFacts& expected, const DeepChunk& chunk, std::uint32_t base,
-                  Workplace& work, RecordBand& band) const;
-    void check_row(int y, const ScanlineFacts& expected, RecordBand& band) const;
-    [[nodiscard]] const Instant& instant_at(std::size_t instant) const;
-};
-
-const Instant& SampleFileReader::Impl::instant_at(std::size_t instant) const {
+const layout::Instant& SampleFileReader::Impl::instant_at(std::size_t instant) const {
     if (instant >= instants.size()) {
         fail(ExitCode::invalid_input, "{}: no such instant (got {}; expected 0 to {})", file.name(), instant,
              instants.size() - 1);
@@ -122,8 +67,11 @@ void SampleFileReader::Impl::read_chunk_tables(std::uint64_t at) {
     const std::size_t rows = chunks_of(rows_of(window), codec);
     const std::uint64_t instant_bytes =
         rows * (8 + deep_head_bytes) + rows * (8 + flat_head_bytes + ScanlineRow::byte_count);
+    const std::uint64_t table_bytes = 8 * (picture_count + 2 * rows * (1 + header.key_times_s.size()));
     const std::uint64_t least_bytes =
-        at + picture_count * (8 + flat_head_bytes) + (1 + header.key_times_s.size()) * instant_bytes;
+        damage == Damage::salvage
+            ? at + table_bytes
+            : at + picture_count * (8 + flat_head_bytes) + (1 + header.key_times_s.size()) * instant_bytes;
     if (file.size() < least_bytes) {
         fail(ExitCode::invalid_input, "{}: file is cut off (got {} bytes; expected more than {})",
              file.name(), file.size(), least_bytes);
@@ -139,6 +87,8 @@ void SampleFileReader::Impl::read_chunk_tables(std::uint64_t at) {
     instants.resize(1 + header.key_times_s.size());
     for (std::size_t i = 0; i < instants.size(); ++i) {
         instants[i].time_s = i == 0 ? header.time_s : header.key_times_s[i - 1];
+        instants[i].number = i;
+        instants[i].lost.resize(rows);
         next_table(rows, instants[i].record_chunks);
         next_table(rows, instants[i].scanline_chunks);
     }
@@ -158,26 +108,41 @@ std::pair<std::uint64_t, std::uint64_t> SampleFileReader::Impl::flat_chunk(int p
 
 void SampleFileReader::Impl::read_scanlines(std::size_t instant) {
     Instant& of = instants[instant];
-    of.facts.reserve(of.scanline_chunks.size());
+    of.facts.resize(of.scanline_chunks.size());
     if (instant == 0) picture_checksums.resize(static_cast<std::size_t>(header.height));
-    const int part = part_index(scanlines_part, instant);
-    const auto columns = static_cast<std::uint32_t>(columns_of(window));
     for (int y = window.y_min; y <= window.y_max; ++y) {
-        const auto [at, size] =
-            flat_chunk(part, of.scanline_chunks[row_index(y)], y, ScanlineRow::byte_count);
-        std::array<std::uint8_t, ScanlineRow::byte_count> bytes{};
-        if (size != bytes.size()) fail_damaged(y, "a row of part scanlines of another size");
-        file.read_at(at, bytes);
-        const auto row = ScanlineRow::from_bytes(bytes, y);
-        if (!row) fail_damaged(y, "row of part scanlines does not match its check");
-        if (row->facts.records < columns) fail_damaged(y, "fewer records than pixels");
-        of.facts.push_back(row->facts);
-        record_count += row->facts.records;
-        if (instant == 0 && y >= 0 && y < header.height) {
-            picture_checksums[static_cast<std::size_t>(y)] = row->picture_checksum;
-        } else if (row->picture_checksum != 0) {
-            fail_damaged(y, "a checksum of a picture where there is none");
+        try {
+            of.facts[row_index(y)] = read_scanline(instant, y);
+        } catch (const Error& e) {
+            if (damage == Damage::refuse || e.code() != ExitCode::invalid_input) throw;
+            of.lost[row_index(y)] = 1;
         }
+    }
+}
+
+ScanlineFacts SampleFileReader::Impl::read_scanline(std::size_t instant, int y) {
+    const int part = part_index(scanlines_part, instants[instant].number);
+    const auto [at, size] =
+        flat_chunk(part, instants[instant].scanline_chunks[row_index(y)], y, ScanlineRow::byte_count);
+    std::array<std::uint8_t, ScanlineRow::byte_count> bytes{};
+    if (size != bytes.size()) fail_damaged(y, "a row of part scanlines of another size");
+    file.read_at(at, bytes);
+    const auto row = ScanlineRow::from_bytes(bytes, y);
+    if (!row) fail_damaged(y, "row of part scanlines does not match its check");
+    if (row->facts.records < static_cast<std::uint32_t>(columns_of(window)))
+        fail_damaged(y, "fewer records than pixels");
+    if (instant == 0 && y >= 0 && y < header.height) {
+        picture_checksums[static_cast<std::size_t>(y)] = row->picture_checksum;
+    } else if (row->picture_checksum != 0) {
+        fail_damaged(y, "a checksum of a picture where there is none");
+    }
+    return row->facts;
+}
+
+void SampleFileReader::Impl::count_records() {
+    record_count = 0;
+    for (const Instant& instant : instants) {
+        for (const ScanlineFacts& facts : instant.facts) record_count += facts.records;
     }
 }
 
@@ -199,7 +164,7 @@ DeepChunk SampleFileReader::Impl::deep_chunk(std::size_t instant, int y) const {
     const auto unpacked_bytes = load<std::uint64_t>(head.data() + 24);
     const std::uint64_t room = file.size() - chunk.counts_at;
     const auto count_table_bytes = static_cast<std::uint64_t>(columns_of(window)) * 4;
-    if (load<std::int32_t>(head.data()) != part_index(records_part, instant) ||
+    if (load<std::int32_t>(head.data()) != part_index(records_part, instants[instant].number) ||
         load<std::int32_t>(head.data() + 4) != y) {
         fail_damaged(y, "a chunk that does not belong there");
     }
@@ -272,7 +237,8 @@ void SampleFileReader::Impl::check_row(int y, const ScanlineFacts& expected, Rec
     }
 }
 
-SampleFileReader::SampleFileReader(const std::filesystem::path& path) : impl_(std::make_unique<Impl>(path)) {}
+SampleFileReader::SampleFileReader(const std::filesystem::path& path, Damage damage)
+    : impl_(std::make_unique<Impl>(path, damage)) {}
 SampleFileReader::~SampleFileReader() = default;
 
 const SampleHeader& SampleFileReader::header() const {
@@ -292,6 +258,12 @@ std::uint64_t SampleFileReader::record_count() const {
 }
 std::uint64_t SampleFileReader::file_bytes() const {
     return impl_->file.size();
+}
+std::span<const LostRows> SampleFileReader::lost_rows() const {
+    return impl_->lost_runs;
+}
+std::span<const double> SampleFileReader::lost_instants_s() const {
+    return impl_->lost_instants_s;
 }
 int SampleFileReader::y_begin() const {
     return impl_->window.y_min;
@@ -319,7 +291,7 @@ void SampleFileReader::read(int y_begin, int y_end, RecordBand& band, std::size_
     std::uint64_t total = 0;
     for (std::size_t i = 0; i < rows; ++i) {
         const int y = y_begin + static_cast<int>(i);
-        chunks[i] = impl.deep_chunk(instant, y);
+        if (of.lost[impl.row_index(y)] == 0) chunks[i] = impl.deep_chunk(instant, y);
         bases[i] = static_cast<std::uint32_t>(total);
         total += of.facts[impl.row_index(y)].records;
         if (total > std::numeric_limits<std::uint32_t>::max()) {
@@ -339,8 +311,12 @@ void SampleFileReader::read(int y_begin, int y_end, RecordBand& band, std::size_
         band.records.resize(total);
         parallel_for(rows, [&](std::size_t i) {
             const int y = y_begin + static_cast<int>(i);
-            impl.read_row(y, of.facts[impl.row_index(y)], chunks[i], bases[i], impl.workplaces->local(),
-                          band);
+            Workplace& work = impl.workplaces->local();
+            if (of.lost[impl.row_index(y)] != 0) {
+                impl.place_stand_ins(instant, y, bases[i], work, band);
+            } else {
+                impl.read_row(y, of.facts[impl.row_index(y)], chunks[i], bases[i], work, band);
+            }
         });
     } catch (const std::bad_alloc&) {
         fail(ExitCode::out_of_memory, "{}: not enough memory for rows {} to {} (needs {} MB)",

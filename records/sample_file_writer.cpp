@@ -22,18 +22,6 @@ using namespace layout;
 /// Rows packed before they are written: bounds memory, and is enough for every thread.
 constexpr int rows_per_batch = 64;
 
-ChunkCompression codec_of(RecordCompression c) {
-    switch (c) {
-        case RecordCompression::none:
-            return ChunkCompression::none;
-        case RecordCompression::rle:
-            return ChunkCompression::rle;
-        case RecordCompression::zips:
-            return ChunkCompression::zips;
-    }
-    return ChunkCompression::none;
-}
-
 struct PackedRow {
     explicit PackedRow(int width, RecordChannels channels) : bytes(width, channels) {}
     ScanlineBytes bytes;

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing, configures and builds with all cores. The demo and the tests start with this.
 #
-#   scripts/build.sh [--for build|checks] [PRESET [TARGET...]]
+#   scripts/build.sh [--for build|checks|fuzzing] [PRESET [TARGET...]]
 #
 #   PRESET  one of CMakePresets.json (default: release); the results are in build/PRESET
 #   TARGET  what to build (default: everything)

@@ -2,12 +2,13 @@
 # Installs the Debian 12 packages that postlens is built and checked with, those of them that are missing.
 # A machine that has them needs neither a network nor root.
 #
-#   scripts/install_dependencies.sh [--for build|checks|cpus] [--list]
+#   scripts/install_dependencies.sh [--for build|checks|cpus|fuzzing] [--list]
 #
-#   --for build   what building, running and testing need
-#   --for checks  that and the tools of scripts/test.sh's checks (default)
-#   --for cpus    what scripts/check_instruction_sets.sh and scripts/check_aarch64.sh need beside the program
-#   --list        print the packages and install nothing
+#   --for build    what building, running and testing need
+#   --for checks   that and the tools of scripts/test.sh's checks (default)
+#   --for cpus     what scripts/check_instruction_sets.sh and scripts/check_aarch64.sh need beside the program
+#   --for fuzzing  what building needs, and the compiler of scripts/fuzz.sh
+#   --list         print the packages and install nothing
 set -euo pipefail
 
 # cmake/postlens_dependencies.cmake asks for these libraries; scripts/check_dependencies.sh holds the two together.
@@ -28,6 +29,8 @@ build_packages=(
 # chromium: the page that `postlens chart` writes is looked at in it.
 check_packages=(git clang-format clang-tidy chromium)
 cpus_packages=("${build_packages[@]}" qemu-user g++-aarch64-linux-gnu)
+# libFuzzer and the sanitizers' run time are no dependence of clang, only a recommendation.
+fuzzing_packages=(clang libclang-rt-14-dev)
 
 purpose=checks
 list_only=false
@@ -44,7 +47,8 @@ case $purpose in
     build) packages=("${build_packages[@]}") ;;
     checks) packages=("${build_packages[@]}" "${check_packages[@]}") ;;
     cpus) packages=("${cpus_packages[@]}") ;;
-    *) echo "install_dependencies.sh: unknown purpose (got '$purpose'; expected build, checks or cpus)" >&2 && exit 2 ;;
+    fuzzing) packages=("${build_packages[@]}" "${fuzzing_packages[@]}") ;;
+    *) echo "install_dependencies.sh: unknown purpose (got '$purpose'; expected build, checks, cpus or fuzzing)" >&2 && exit 2 ;;
 esac
 if $list_only; then
     printf '%s\n' "${packages[@]}"

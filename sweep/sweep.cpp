@@ -115,7 +115,7 @@ class Sweep {
           const std::filesystem::path& folder)
         : settings_(settings),
           folder_(folder),
-          file_(frame),
+          file_(frame, settings.damage),
           grid_(sweep_grid(settings.axes)),
           names_(file_names(settings, grid_)),
           rows_(names_.size()),

@@ -26,7 +26,8 @@ struct SweepSettings {
     bool resume = false;
     /// What else pictures depend on, e.g. the files named by settings: part of every settings_key.
     std::vector<std::filesystem::path> depends_on;
-    bool quiet = true;  ///< no progress bar
+    Damage damage = Damage::refuse;  ///< what to do about damage in the sample file
+    bool quiet = true;               ///< no progress bar
 };
 
 struct SweepWarning {

@@ -6,6 +6,7 @@
 
 #include "records/foreign_picture.h"
 #include "tests/command_test.h"
+#include "tests/limited.h"
 
 namespace postlens {
 namespace {
@@ -164,10 +165,9 @@ TEST_F(ForeignCommand, DamagedFilesAreRefusedQuicklyAndWithLittleMemory) {
              {std::vector<std::string>{"focus", file, "-o", in("o.exr"), "--f-number", "2", "--focus", "4"},
               {"image", file, "-o", in("o.exr")},
               {"motionblur", file, "-o", in("o.exr"), "--shutter", "0:1"}}) {
-            // 10 s and 1 GiB; 124 is timeout's word for too long.
             std::vector<std::string> all = words;
             for (const char* word : {"--threads", "1", "--quiet"}) all.emplace_back(word);
-            const Outcome r = run(all, "ulimit -v 1048576; timeout 10 ");
+            const Outcome r = run(all, test::ten_seconds_and_a_gibibyte());
             if (r.exit_code == 0) continue;
             EXPECT_EQ(r.exit_code, 3) << file << " " << words[0] << ": " << r.err;
             EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
@@ -175,6 +175,7 @@ TEST_F(ForeignCommand, DamagedFilesAreRefusedQuicklyAndWithLittleMemory) {
         }
     }
     EXPECT_GT(refusals, 100);
+    EXPECT_LT(test::most_kilobytes_of_commands(), 1024 * 1024);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/progress.h"
 #include "lens/focus_geometry.h"
+#include "tracer/expected_size.h"
 #include "tracer/film_motion.h"
 #include "tracer/key_instants.h"
 #include "tracer/lens_reach.h"
@@ -263,6 +264,11 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     header.has_bend = instant->tracer().measures_bends();
     header.key_times_s = keys_s;
     SampleFileWriter writer(path, header, settings.compression);
+    if (settings.on_expected_bytes) {
+        settings.on_expected_bytes(expected_file_bytes(instant->tracer(), window, settings.subdivision,
+                                                       header, settings.compression,
+                                                       result.instants_s.size()));
+    }
 
     Progress progress("trace", static_cast<std::uint64_t>(height + 2 * o) * result.instants_s.size(),
                       settings.quiet);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -38,6 +39,9 @@ struct TraceSettings {
     /// is none of them, and alone for 1. Absent: as many as the motion asks for, which needs `for_shutter`.
     std::optional<int> keys = 1;
     RecordCompression compression = RecordCompression::zips;
+    /// Told, before the records are traced, how many bytes the file will take about (expected_size.h); what
+    /// it throws ends the trace. Absent: nobody asks, and no ray is spent on it.
+    std::function<void(std::uint64_t bytes)> on_expected_bytes;
     bool quiet = true;  ///< no progress bar
 };
 

@@ -1,0 +1,42 @@
+// Another program's OpenEXR picture, flat or deep: every part of it as `info`, `image` and `focus` read it.
+#include <cmath>
+#include <cstdlib>
+
+#include "core/error.h"
+#include "fuzz/fuzz_file.h"
+#include "records/foreign_file.h"
+#include "records/foreign_picture.h"
+
+namespace {
+
+void read(const std::filesystem::path& path, const postlens::ForeignChoice& choice) {
+    try {
+        const postlens::ForeignPicture picture = postlens::read_foreign_picture(path, choice, {});
+        // What is accepted is whole: stacks in order, finite colours, alphas from 0 to 1.
+        if (picture.offsets.back() != picture.samples.size()) std::abort();
+        for (const postlens::StackSample& s : picture.samples) {
+            if (!std::isfinite(s.r) || !std::isfinite(s.g) || !std::isfinite(s.b)) std::abort();
+            if (!(s.alpha >= 0 && s.alpha <= 1) || !(s.inverse_z >= 0)) std::abort();
+        }
+        (void)picture.flattened();
+        if (picture.stores(0, 0)) (void)picture.depth_at(0.5, 0.5);
+    } catch (const postlens::Error&) {
+        // Refused, as it may be.
+    }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const auto path = postlens::fuzz_file(data, size, ".exr");
+    read(path, {});
+    try {
+        const postlens::ForeignFile file(path);
+        for (const postlens::ForeignPart& part : file.parts()) {
+            if (!part.name.empty()) read(path, {.layer = part.name});
+        }
+    } catch (const postlens::Error&) {
+        // Refused, as it may be.
+    }
+    return 0;
+}

@@ -1,0 +1,98 @@
+#include "records/lost_rows.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <limits>
+
+#include "records/record_check.h"
+
+namespace postlens {
+namespace {
+
+/// The point samples of layer 0 of one pixel.
+class PixelPlaces {
+  public:
+    PixelPlaces(std::span<const Record> records, int x, int y)
+        : records_(records), x_(static_cast<float>(x)), y_(static_cast<float>(y)) {}
+
+    /// At (u, v) steps from the pixel's upper-left corner.
+    [[nodiscard]] bool has(int u, int v) const {
+        Record at;
+        at.x = x_ + static_cast<float>(u) / position_steps;
+        at.y = y_ + static_cast<float>(v) / position_steps;
+        const auto found = std::lower_bound(records_.begin(), records_.end(), at, canonical_before);
+        return found != records_.end() && found->layer == 0 && found->x == at.x && found->y == at.y;
+    }
+
+  private:
+    std::span<const Record> records_;
+    float x_, y_;
+};
+
+/// The left corners on the pixel's lower edge of the leaves of its lowest cell from u on: a cell is
+/// subdivided exactly where its centre sample exists.
+void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
+    const int half = size / 2;
+    if (half == 0 || !pixel.has(u + half, position_steps - half)) {
+        corners.push_back(u);
+        return;
+    }
+    add_lower_corners(pixel, u, half, corners);
+    add_lower_corners(pixel, u + half, half, corners);
+}
+
+}  // namespace
+
+void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
+                      std::vector<std::uint32_t>& offsets, std::vector<Record>& records) {
+    offsets.assign(1, 0);
+    records.clear();
+    std::vector<int> corners;
+    for (int x = x_begin; x < x_end; ++x) {
+        corners.clear();
+        if (above != nullptr) {
+            const std::size_t k = above->pixel(x, y - 1);
+            const auto pixel = std::span(above->records)
+                                   .subspan(above->offsets[k], above->offsets[k + 1] - above->offsets[k]);
+            add_lower_corners(PixelPlaces(pixel, x, y - 1), 0, position_steps, corners);
+        } else {
+            corners.push_back(0);
+        }
+        for (const int u : corners) {
+            Record& nothing = records.emplace_back();
+            nothing.x = static_cast<float>(x) + static_cast<float>(u) / position_steps;
+            nothing.y = static_cast<float>(y);
+            nothing.z = std::numeric_limits<float>::infinity();
+        }
+        offsets.push_back(static_cast<std::uint32_t>(records.size()));
+    }
+}
+
+void add_runs(std::size_t instant, std::span<const std::uint8_t> lost, int y_begin,
+              std::vector<LostRows>& runs) {
+    for (std::size_t row = 0; row < lost.size(); ++row) {
+        if (lost[row] == 0) continue;
+        const int y = y_begin + static_cast<int>(row);
+        if (row > 0 && lost[row - 1] != 0) {
+            runs.back().y_end = y + 1;
+        } else {
+            runs.push_back({instant, y, y + 1});
+        }
+    }
+}
+
+std::string rows_text(std::span<const LostRows> runs) {
+    constexpr std::size_t most_runs = 16;
+    std::string text = runs.size() == 1 && runs[0].y_end == runs[0].y_begin + 1 ? "row " : "rows ";
+    for (std::size_t i = 0; i < std::min(runs.size(), most_runs); ++i) {
+        const int first = runs[i].y_begin, last = runs[i].y_end - 1;
+        if (i > 0) text += ", ";
+        text += first == last ? fmt::format("{}", first)
+                : first < 0   ? fmt::format("{} to {}", first, last)
+                              : fmt::format("{}-{}", first, last);
+    }
+    if (runs.size() > most_runs) text += fmt::format(" and {} more runs", runs.size() - most_runs);
+    return text;
+}
+
+}  // namespace postlens

@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Traces a scene at 3840x2160 into a sample file of three records a pixel and focuses it, and fails where one of them
+# holds more than 1.5 GiB of memory at once.
+#
+#   scripts/check_memory.sh [METHOD...]
+#
+#   METHOD  of focus (default: scatter); with others their figures are shown as well and held against the same limit
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+limit_bytes=$((3 << 29))
+postlens=build/release/apps/postlens
+if [[ ! -x $postlens ]]; then
+    echo "check_memory.sh: $postlens is missing; build it with scripts/build.sh" >&2
+    exit 1
+fi
+methods=("$@")
+((${#methods[@]} > 0)) || methods=(scatter)
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+failures=0
+# measured NAME COMMAND...: the command's JSON, and its peak memory against the limit.
+measured() {
+    local name=$1 peak seconds
+    shift
+    "$postlens" "$@" --json >"$folder/json"
+    peak=$(sed -nE 's/^ *"peak_memory_bytes": ([0-9]+).*/\1/p' "$folder/json")
+    seconds=$(sed -nE 's/^ *"seconds": ([0-9.]+).*/\1/p' "$folder/json")
+    echo "$name: $((peak >> 20)) MiB, ${seconds%.*} s"
+    ((peak <= limit_bytes)) || failures=$((failures + 1))
+}
+
+frame=$folder/frame.exr
+measured trace trace samples/scenes/still_life.toml -o "$frame" --size 3840x2160 --subdivide 1
+records=$(sed -nE 's/^ *"records": ([0-9]+).*/\1/p' "$folder/json")
+echo "records: $records, $((100 * records / (3840 * 2160))) for 100 pixels"
+if ((records < 3 * 3840 * 2160)); then
+    echo "check_memory.sh: too few records (got $records; expected 3 a pixel)" >&2
+    exit 1
+fi
+measured image image "$frame" -o "$folder/image.exr"
+for method in "${methods[@]}"; do
+    measured "focus --method $method" focus "$frame" -o "$folder/focus.exr" --f-number 1.8 --focus 1.5 --method "$method"
+done
+if ((failures > 0)); then
+    echo "check_memory.sh: $failures above $((limit_bytes >> 20)) MiB" >&2
+    exit 1
+fi

@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# Builds the libFuzzer targets with clang++ and runs each of them on changed copies of the repository's own files.
+# Fails on a finding: a crash, a report of a sanitizer, more than 10 s for one input or more than 1 GB. The input
+# that did it is in build/fuzz/findings.
+#
+#   scripts/fuzz.sh [SECONDS [TARGET...]]
+#
+#   SECONDS  for each target (default: 60)
+#   TARGET   such as sample_file_fuzz (default: all in fuzz/)
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+seconds=${1:-60}
+if ! [[ $seconds =~ ^[1-9][0-9]*$ ]]; then
+    echo "fuzz.sh: not a number of seconds (got '$seconds'; expected 1 or more)" >&2
+    exit 2
+fi
+mapfile -t all < <(cd fuzz && ls -- *_fuzz.cpp | sed 's/\.cpp$//')
+targets=("${@:2}")
+((${#targets[@]} > 0)) || targets=("${all[@]}")
+for target in "${targets[@]}"; do
+    if [[ ! -f fuzz/$target.cpp ]]; then
+        echo "fuzz.sh: no such target (got $target; expected some of: ${all[*]})" >&2
+        exit 2
+    fi
+done
+
+scripts/install_dependencies.sh --for fuzzing
+# The command makes seeds: sample files and an unfinished render are in no repository.
+postlens=build/release/apps/postlens
+[[ -x $postlens ]] || scripts/build.sh --for fuzzing release postlens
+CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPOSTLENS_FUZZ=ON -DPOSTLENS_TESTS=OFF \
+    -DPOSTLENS_BENCH=OFF --log-level=WARNING
+cmake --build build/fuzz --parallel "$(nproc)" --target "${targets[@]}"
+
+seeds=build/fuzz/seeds findings=$PWD/build/fuzz/findings
+rm -rf "$seeds"
+mkdir -p "$findings"
+for target in "${all[@]}"; do mkdir -p "$seeds/$target"; done
+# Uncompressed, so that changes reach the records; of one instant, of several, and with hidden surfaces.
+trace() {
+    "$postlens" trace "samples/scenes/$1.toml" -o "$seeds/sample_file_fuzz/$2.exr" --size 8x6 --quiet "${@:3}"
+}
+trace still_life one --compression none
+trace motion keys --compression none --for-shutter 0:1 --keys 3
+trace bars hidden --compression none --for-f-number 1.4 --for-focus 5
+trace still_life zips
+cp tests/data/exr/*.exr "$seeds/foreign_picture_fuzz"
+cp tests/data/exr/nan_inf.exr "$seeds/render_state_fuzz"
+cp samples/scenes/*.toml samples/scenes/*/*.toml "$seeds/toml_scene_fuzz"
+cp samples/paths/*.toml "$seeds/paths_file_fuzz"
+cp tests/data/nff/*.nff "$seeds/nff_scene_fuzz"
+cp tests/data/mesh/*.glb tests/data/mesh/*.gltf "$seeds/gltf_scene_fuzz"
+printf '0 0\n0.5 1\n1 0\n' >"$seeds/shutter_curve_fuzz/triangle"
+# Where a target takes several formats, the first byte says which.
+with_first_byte() {
+    local byte=$1 to=$2 file
+    for file in "${@:3}"; do
+        [[ -f $file ]] || continue
+        { printf '%b' "\\x$byte" && cat "$file"; } >"$seeds/$to/$(basename "$file")"
+    done
+}
+with_first_byte 00 mesh_scene_fuzz tests/data/mesh/*.obj
+with_first_byte 01 mesh_scene_fuzz tests/data/mesh/*.ply
+with_first_byte 00 prescription_fuzz tests/data/lens/*.dat
+with_first_byte 01 prescription_fuzz tests/data/lens/*.zmx
+with_first_byte 02 prescription_fuzz tests/data/lens/*.seq
+with_first_byte 03 prescription_fuzz tests/data/lens/*.toml samples/lenses/*.toml
+
+failed=()
+for target in "${targets[@]}"; do
+    # What is found to be new grows in a folder of its own and is kept from run to run.
+    mkdir -p "build/fuzz/corpus/$target"
+    log=build/fuzz/$target.log
+    if build/fuzz/fuzz/"$target" -max_total_time="$seconds" -rss_limit_mb=1024 -timeout=10 -max_len=262144 \
+        -artifact_prefix="$findings/$target-" -print_final_stats=1 "build/fuzz/corpus/$target" "$seeds/$target" \
+        </dev/null >"$log" 2>&1; then
+        echo "$target: nothing in $(sed -nE 's/^stat::number_of_executed_units: *//p' "$log") inputs"
+    else
+        tail -n 60 "$log"
+        echo "$target: FOUND something, the input is in ${findings#"$PWD"/}"
+        failed+=("$target")
+    fi
+done
+((${#failed[@]} == 0))
