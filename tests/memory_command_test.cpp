@@ -25,7 +25,7 @@ class MemoryOfCommand : public CommandTest {
         const std::string frame = in("frame.exr"), picture = in("o.exr");
         const json traced = said_by({"trace", std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml", "-o",
                                      frame, "--size", std::to_string(width) + "x" + std::to_string(height),
-                                     "--subdivide", "1", "--json"});
+                                     "--subdivide", "1", "--threads", "2", "--json"});
         const json image = said_by({"image", frame, "-o", picture, "--json"});
         const json focus =
             said_by({"focus", frame, "-o", picture, "--f-number", "8", "--focus", "1.5", "--json"});
