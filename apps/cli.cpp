@@ -386,6 +386,12 @@ void add_compare(CLI::App& root, State& s) {
     app.add_option("--map-causes", o.map_causes,
                    "Write why each wrong pixel is wrong; needs --frame, and the lens or shutter of the image")
         ->type_name("PNG");
+    app.add_option("--scene", o.scene,
+                   "With --map-causes: the scene that the frame was traced from, traced again without one "
+                   "shortcoming at "
+                   "a time where the frame alone leaves causes open [default: nothing is]")
+        ->type_name("SCENE");
+    number(app, "--metres-per-unit", o.metres_per_unit, "With --scene: size of its unit", "X");
     app.add_option("--frame", o.frame, "With --map-causes: the sample file that the image was made from")
         ->type_name("FRAME");
     number(app, "--f-number", o.lens.f_number,

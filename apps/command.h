@@ -133,7 +133,9 @@ struct CompareCommandOptions {
     std::optional<double> flip_white;
     CompareLimits limits;
     std::optional<std::string> map_causes, frame;  ///< a picture to write; the records that it takes
-    LensOptions lens;                              ///< of the image, for the causes
+    std::optional<std::string> scene;  ///< that the records are of, to try what tracing it again shows
+    double metres_per_unit = 1;
+    LensOptions lens;  ///< of the image, for the causes
     std::optional<TimeSpan> shutter;
     std::optional<FocusMethod> method;
     std::optional<int> depths;

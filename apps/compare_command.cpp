@@ -207,6 +207,11 @@ void map_causes(const CompareCommandOptions& o, CommandResult& out) {
     request.view.shutter = o.shutter;
     request.method = o.method;
     request.depths = o.depths;
+    std::optional<Scene> scene;
+    if (o.scene) {
+        scene = read_scene(*o.scene, {.metres_per_unit = o.metres_per_unit});
+        request.view.scene = &*scene;
+    }
     const Image image = read_image(o.image), reference = read_image(o.reference);
     FocusFrame frame(file);
     const CauseMap map = find_error_causes(frame, image, reference, request);
@@ -262,6 +267,8 @@ CommandResult run_compare(const CompareCommandOptions& options) {
     if (options.map_causes.has_value() != options.frame.has_value()) {
         fail(ExitCode::wrong_arguments, "--map-causes: goes with --frame (got one of them; expected both)");
     }
+    if (options.scene && !options.map_causes)
+        fail(ExitCode::wrong_arguments, "--scene: goes with --map-causes (got it alone)");
     for (const auto* path : {&options.map, &options.side_by_side, &options.map_causes}) {
         if (*path) check_image_path(**path);
     }

@@ -59,6 +59,13 @@ CommandResult run_trace(const TraceOptions& options) {
         }
     }
     const TraceResult r = trace_to_file(scene, settings, options.output);
+    if (r.too_narrow_objects > 0) {
+        out.warnings.push_back(
+            {"narrow",
+             fmt::format("{} objects are so narrow that they may fall between the corners of cells{}",
+                         r.too_narrow_objects,
+                         settings.subdivision.levels == 0 ? ", which --subdivide 1 or more looks for" : "")});
+    }
     out.json = {{"records", r.records},
                 {"bytes", r.bytes},
                 {"rays", rays_json(r.rays)},

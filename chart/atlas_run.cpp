@@ -116,6 +116,7 @@ class CaseRun {
             .lens = view_.lens, .focus_distance_m = view_.focus_m, .depth_model = m.depth_model};
         request.view.motion = &motion;
         request.view.shutter = view_.shutter;
+        request.view.scene = &scene_;
         request.depths = m.depths;
         if (m.name == "scatter") request.method = FocusMethod::scatter;
         if (m.name == "lightfield") request.method = FocusMethod::lightfield;

@@ -129,9 +129,9 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, const FieldFocusSettings& settings
     p.moves = p.motions && p.motions->any();
     // What moves through the frame blurs its highlights itself.
     HighlightRule rule = highlight_rule(settings_.aperture, g);
-    if (rule.blurs && p.moves) {
-        rule.blurs = [blurs = rule.blurs, &p](const Mat2& w, std::uint32_t id) {
-            return !p.motions->moves(id) && blurs(w, id);
+    if (rule.takes && p.moves) {
+        rule.takes = [takes = rule.takes, &p](const Mat2& w, std::uint32_t id, float area_px2) {
+            return !p.motions->moves(id) && takes(w, id, area_px2);
         };
     }
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;

@@ -14,6 +14,10 @@ namespace {
 
 /// px, half width of the blur from which dots would show.
 constexpr double spread_from_px = 2;
+/// px^2; as few views hit what is smaller, however little it is blurred, its light is never left to them.
+constexpr float small_px2 = 4;
+/// px, the squares whose lights are one, of what is blurred by spread_from_px or more; and of what is not.
+constexpr float merged_px = 0.5F, merged_sharp_px = 0.125F;
 /// Radiance above which light is a highlight.
 constexpr float brightest = 1;
 constexpr int band_px = SeenTile::edge;  // tiles of views, to find what reaches one
@@ -27,8 +31,8 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
     rule.above = brightest;
     if (aperture.varies_over_field() || aperture.spherical_per_m() != 0) return rule;
     const PatchLens lens{geometry.gain_px * geometry.aperture_radius_m, geometry.inverse_focus_per_m};
-    rule.blurs = [lens](const Mat2& w, std::uint32_t /*id*/) {
-        return lens.least_blur_px(w) >= spread_from_px;
+    rule.takes = [lens](const Mat2& w, std::uint32_t /*id*/, float area_px2) {
+        return area_px2 < small_px2 || lens.least_blur_px(w) >= spread_from_px;
     };
     return rule;
 }
@@ -43,13 +47,15 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     kernels_ = std::make_unique<KernelTable>(std::vector<double>{}, reach, *model_);
     KernelNumberCache cache(*kernels_);
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
-        // Lights of one sheet within half a pixel are one.
+        // Lights of one sheet that lie close together are one.
+        const PatchLens lens{geometry.gain_px * geometry.aperture_radius_m, geometry.inverse_focus_per_m};
         std::map<std::tuple<std::uint32_t, int, int>, std::pair<Highlight, double>> merged;
         for (const Highlight& h : mesh->highlights) {
             const double energy = static_cast<double>(h.rgb[0] + h.rgb[1] + h.rgb[2]);
+            const float side = lens.least_blur_px(h.w) >= spread_from_px ? merged_px : merged_sharp_px;
             const auto [found, is_new] = merged.try_emplace(
-                {h.sheet, static_cast<int>(std::floor(2 * h.x)), static_cast<int>(std::floor(2 * h.y))}, h,
-                energy);
+                {h.sheet, static_cast<int>(std::floor(h.x / side)), static_cast<int>(std::floor(h.y / side))},
+                h, energy);
             if (is_new) continue;
             auto& [sum, weight] = found->second;
             const auto share = static_cast<float>(energy / (weight + energy));
@@ -68,6 +74,7 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     }
     kernels_->build();
     lay_nearest_views(views);
+    view_count_ = views.size();
     rows_.resize(static_cast<std::size_t>((window.height() + band_px - 1) / band_px));
     for (std::uint32_t i = 0; i < sources_.size(); ++i) {
         const Kernel& k = (*kernels_)[sources_[i].kernel];
@@ -100,6 +107,8 @@ void FieldHighlights::add_source(const Highlight& h, const SheetMesh& mesh, Kern
     s.kernel = cache.number_of(key);
     s.rgb = h.rgb;
     s.inverse_z = h.inverse_z;
+    // A pixel that is as large as the response gets light from all of the lens.
+    s.by_all = PatchLens{scale, geometry_.inverse_focus_per_m}.least_blur_px(h.w) < spread_from_px;
     s.key = mesh.sheets[h.sheet].key;
     sources_.push_back(s);
 }
@@ -166,22 +175,35 @@ void FieldHighlights::add(const TileViews& views, std::vector<double>& rgb) cons
                                     : column - row.x_begin - (row.inner_end - row.inner_begin);
                 const auto value = static_cast<double>(
                     inner ? kernel.inner : kernel.taps[row.tap + static_cast<std::uint32_t>(tap)]);
-                const glm::dvec2 q = s.lens_from_px * (glm::dvec2(x + 0.5, y + 0.5) - s.at);
-                const auto cell = [](double v) {
-                    return static_cast<std::size_t>(
-                        std::clamp((v / table_reach + 1) / 2 * table_edge, 0.0, table_edge - 1.0));
-                };
                 const std::size_t pixel = static_cast<std::size_t>(y - views.y) * TileViews::row +
                                           static_cast<std::size_t>(x - views.x);
-                int seen = 0;
-                for (const std::uint32_t v : nearest_[cell(q.y) * table_edge + cell(q.x)])
-                    seen += sees(s, views, v * TileViews::view + pixel) ? 1 : 0;
-                const double share = value * seen / nearest;
+                double share = value;
+                if (s.by_all) {
+                    int seen = 0;
+                    for (std::size_t v = 0; v < view_count_; ++v)
+                        seen += sees(s, views, v * TileViews::view + pixel) ? 1 : 0;
+                    share *= static_cast<double>(seen) / static_cast<double>(view_count_);
+                } else {
+                    share *= seen_share(s, views, pixel, {x + 0.5, y + 0.5});
+                }
                 for (std::size_t c = 0; c < 3; ++c)
                     rgb[3 * pixel + c] += share * static_cast<double>(s.rgb[c]);
             }
         }
     }
+}
+
+double FieldHighlights::seen_share(const Source& s, const TileViews& views, std::size_t pixel,
+                                   const glm::dvec2& at) const {
+    const glm::dvec2 q = s.lens_from_px * (at - s.at);
+    const auto cell = [](double v) {
+        return static_cast<std::size_t>(
+            std::clamp((v / table_reach + 1) / 2 * table_edge, 0.0, table_edge - 1.0));
+    };
+    int seen = 0;
+    for (const std::uint32_t v : nearest_[cell(q.y) * table_edge + cell(q.x)])
+        seen += sees(s, views, v * TileViews::view + pixel) ? 1 : 0;
+    return static_cast<double>(seen) / nearest;
 }
 
 }  // namespace postlens

@@ -38,10 +38,14 @@ class FieldHighlights final : public Lights {
         std::array<float, 3> rgb{};
         glm::dmat2 lens_from_px{1};
         float inverse_z = 0;
+        bool by_all = false;  ///< all views are asked, not those near one point of the lens
         SheetKey key;
     };
     void add_source(const Highlight& h, const SheetMesh& mesh, KernelNumberCache& cache);
     void lay_nearest_views(const std::vector<LensViewPoint>& views);
+    /// Of the views nearest to the point of the lens that `at`, picture px, gets its light through.
+    [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
+                                    const glm::dvec2& at) const;
     [[nodiscard]] bool sees(const Source& s, const TileViews& views, std::size_t k) const;
 
     static constexpr int table_edge = 64;       ///< cells across the lens
@@ -51,6 +55,7 @@ class FieldHighlights final : public Lights {
     FocusGeometry geometry_;
     RasterWindow window_;
     bool round_;
+    std::size_t view_count_ = 0;
     std::unique_ptr<ResponseModel> model_;
     std::unique_ptr<KernelTable> kernels_;
     std::vector<Source> sources_;

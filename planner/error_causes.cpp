@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "focus/bend_warning.h"
 #include "focus/field_focus.h"
+#include "planner/error_trials.h"
 #include "planner/local_contrast.h"
 #include "planner/record_floor.h"
 #include "records/aperture_file.h"
@@ -23,6 +24,8 @@ constexpr double explained = 0.25;
 /// edge tell, and those beside them may hide any number.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
+/// Share of the error that no cheaper way explains, from which the scene is traced again to find out.
+constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
     double sum = 0;
@@ -169,6 +172,25 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const double overall =
         std::accumulate(contrast.begin(), contrast.end(), 0.0) / static_cast<double>(contrast.size());
 
+    const auto views_explain = [&](std::size_t k, double error) {
+        return squared_difference(seen.image, reference, k) <= explained * error;
+    };
+    const auto finer_explains = [&](std::size_t k, double error) {
+        return finer && squared_difference(*finer, reference, k) <= explained * error;
+    };
+    // Tracing again is dear; little is left to explain in most pictures.
+    std::vector<ErrorTrial> trials;
+    if (v.scene != nullptr) {
+        double all = 0, left = 0;
+        for (std::size_t k = 0; k < floor.size(); ++k) {
+            if (!is_wrong(image, reference, k, request.wrong_above)) continue;
+            const double error = squared_difference(image, reference, k);
+            all += error;
+            left += finer_explains(k, error) || views_explain(k, error) ? 0 : error;
+        }
+        if (left > worth_trials * all) trials = error_trials(h, *v.scene, v, views);
+    }
+
     CauseMap out;
     out.width = h.width;
     out.height = h.height;
@@ -178,10 +200,20 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         if (!is_wrong(image, reference, k, request.wrong_above)) continue;
         const double error = squared_difference(image, reference, k);
         ErrorCause cause = ErrorCause::view_dependent_shading;
-        if (finer && squared_difference(*finer, reference, k) <= explained * error) {
+        const ErrorTrial* best = nullptr;
+        double best_error = explained * error;
+        for (const ErrorTrial& t : trials) {
+            const double e = squared_difference(t.image, reference, k);
+            if (e > best_error) continue;
+            best = &t;
+            best_error = e;
+        }
+        if (finer_explains(k, error)) {
             cause = ErrorCause::kernel_truncation;
-        } else if (squared_difference(seen.image, reference, k) <= explained * error) {
+        } else if (views_explain(k, error)) {
             cause = explained_by_views(request, moves);
+        } else if (best != nullptr) {
+            cause = best->cause;
         } else {
             // What is not recorded may differ from what is beside it as much as anything in the picture does.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),

@@ -45,11 +45,12 @@ struct CauseMap {
 /// with finer circles of confusion (kernel_truncation), and with every surface in its place, at every
 /// instant, as the light field of the records sees it from many points: visibility, path_and_depth_correlated
 /// with a shutter, record_density for the light field of fewer views, curvature_of_w where another depth
-/// model than W was used. What is then at most half as wrong was wrong for that reason. Of the others each
-/// has an expected error that the records tell (hidden light and light beyond the margin by the contrast
-/// around it, misplaced light, the floor of the records); the greatest is named if it is a tenth of the error
-/// or more, else what no record tells: shading that changes over the lens. Errors as hybrid_picture's; sizes
-/// must agree with the file's.
+/// model than W was used; with the scene at hand (`view.scene`) and over a tenth of the error left, with what
+/// tracing it again would record (error_trials). What is then at most half as wrong was wrong for that
+/// reason. Of the others each has an expected error that the records tell (hidden light and light beyond the
+/// margin by the contrast around it, misplaced light, the floor of the records); the greatest is named if it
+/// is a tenth of the error or more, else what no record tells: shading that changes over the lens. Errors as
+/// hybrid_picture's; sizes must agree with the file's.
 [[nodiscard]] CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& reference,
                                          const CauseRequest& request);
 

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <limits>
 #include <optional>
-#include <unistd.h>
 
 #include "core/error.h"
 #include "focus/depth_levels.h"
@@ -15,9 +14,11 @@
 #include "planner/auto_picture.h"
 #include "planner/edge_cells.h"
 #include "planner/record_floor.h"
+#include "planner/scratch_file.h"
 #include "records/quadtree.h"
 #include "records/sample_file.h"
 #include "tracer/lens_reach.h"
+#include "tracer/small_things.h"
 
 namespace postlens {
 namespace {
@@ -27,29 +28,6 @@ constexpr int look_levels = 2;  ///< so that its finest cells are pixels of the 
 constexpr int most_levels = 6;
 /// New samples of a cell that is split: its centre and what of the middles of its sides is not there yet.
 constexpr double samples_per_split = 3.5;
-
-/// A folder that goes with its contents.
-class Scratch {
-  public:
-    Scratch() {
-        std::string name = (std::filesystem::temp_directory_path() / "postlens_plan_XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr)
-            fail(ExitCode::cannot_write, "{}: cannot make a folder there", name);
-        path_ = name;
-    }
-    ~Scratch() {
-        std::error_code none;
-        std::filesystem::remove_all(path_, none);
-    }
-    Scratch(const Scratch&) = delete;
-    Scratch& operator=(const Scratch&) = delete;
-    Scratch(Scratch&&) = delete;
-    Scratch& operator=(Scratch&&) = delete;
-    [[nodiscard]] std::filesystem::path file() const { return path_ / "look.exr"; }
-
-  private:
-    std::filesystem::path path_;
-};
 
 struct Look {
     double edge_pixels = 0;  ///< pixels of the trace that an edge crosses, beyond the frame too
@@ -138,12 +116,13 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     coarse.camera.width = std::max(1, camera.width / coarser);
     coarse.camera.height = std::max(1, camera.height / coarser);
     coarse.subdivision.levels = look_levels;
+    coarse.seek_small_things = false;  // they are reckoned for the trace's own pixels below
     coarse.quiet = true;
-    const Scratch scratch;
+    const ScratchFile look_file("look.exr");
     const auto start = std::chrono::steady_clock::now();
-    const TraceResult traced = trace_to_file(scene, coarse, scratch.file());
+    const TraceResult traced = trace_to_file(scene, coarse, look_file.path());
     const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const SampleFileReader file(scratch.file());
+    const SampleFileReader file(look_file.path());
     const FocusGeometry geometry = geometry_of(asked, camera).value_or(FocusGeometry{});
     const Look look = look_at(file, geometry);
 
@@ -166,8 +145,12 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     // Beyond the frame the trace is as wide in its own pixels as the look found.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
+    const SmallThings things(scene, camera, asked.time_s.value_or(scene.time_s), 0, camera.width, 0,
+                             camera.height);
+    // Four cells to a split.
     const double samples =
-        window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1));
+        window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
+        (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
     // Hidden surfaces are recorded as far as the lens reaches and for a margin of a few pixels, which are
     // wider here.
     const DepthRange range = depth_range(file);

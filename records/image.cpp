@@ -89,9 +89,6 @@ OIIO::ImageSpec spec_for(Format format, const Image& image, const Place& place) 
     // A noisy 1920x1080 picture: RLE 0.17 s and 29 MB, ZIP 0.47 s and 24 MB.
     if (format == Format::exr) spec["compression"] = "rle";
     if (format == Format::jpeg) spec["compression"] = "jpeg:95";
-    // Without one OpenImageIO adds the time of writing to OpenEXR files: equal pictures would be unequal
-    // files.
-    if (format == Format::exr) spec["DateTime"] = "";
     if (format == Format::exr && place.crop) {
         const Crop& c = *place.crop;
         spec.x = c.x;
@@ -100,6 +97,9 @@ OIIO::ImageSpec spec_for(Format format, const Image& image, const Place& place) 
         spec.full_height = place.whole_height;
         spec[crop_attribute] = fmt::format("{},{},{},{}", c.x, c.y, c.width, c.height);
     }
+    // Without one OpenImageIO adds the time of writing to OpenEXR and TIFF files: equal pictures would be
+    // unequal files.
+    if (format == Format::exr || format == Format::tiff) spec["DateTime"] = "";
     return spec;
 }
 

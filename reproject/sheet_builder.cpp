@@ -221,6 +221,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
         light.x = x + static_cast<float>(square_.x + piece.cell % edge);
         light.y = y + static_cast<float>(square_.y + piece.cell / edge);
         light.rgb = {area * excess[0], area * excess[1], area * excess[2]};
+        light.area = area;
         light.w = s.path.bits() == 0 ? Mat2::isotropic(s.inverse_z) : s.w;
         light.inverse_z = s.inverse_z;
         light.sheet = drafts_[sheet].number;

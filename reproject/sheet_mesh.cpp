@@ -189,10 +189,13 @@ void take_highlights(TreeSheets& sheets, const HighlightRule& rule) {
     for (SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
         std::vector<std::uint8_t> taken(mesh->bright.size(), 0);
         mesh->highlights.clear();
-        for (std::size_t i = 0; rule.blurs && i < taken.size(); ++i) {
+        std::vector<float> area_px2(mesh->sheets.size(), 0.0F);
+        for (const Highlight& light : mesh->bright) area_px2[light.sheet] += light.area;
+        for (std::size_t i = 0; rule.takes && i < taken.size(); ++i) {
             const Highlight& light = mesh->bright[i];
             const SheetKey& key = mesh->sheets[light.sheet].key;
-            if (!rule.blurs(light.w, key.path.bits() == 0 ? key.id : key.parent_id)) continue;
+            if (!rule.takes(light.w, key.path.bits() == 0 ? key.id : key.parent_id, area_px2[light.sheet]))
+                continue;
             taken[i] = 1;
             mesh->highlights.push_back(light);
         }

@@ -56,6 +56,7 @@ struct Sheet {
 struct Highlight {
     float x = 0, y = 0;          ///< raster px
     std::array<float, 3> rgb{};  ///< radiance times px^2
+    float area = 0;              ///< px^2
     Mat2 w;                      ///< 1/m
     float inverse_z = 0;         ///< 1/m
     std::uint32_t sheet = 0;
@@ -98,11 +99,12 @@ struct TreeSheets {
     SheetMesh deeper;  ///< with W; no sheets where there are no deeper nodes
 };
 
-/// What of a colour is a highlight: all above `above` in any channel, of what `blurs` says is blurred widely.
+/// What of a colour is a highlight: all above `above` in any channel, of what `takes` says.
 struct HighlightRule {
     float above = 1;
-    std::function<bool(const Mat2& w, std::uint32_t id)> blurs;  ///< none: nothing is. `id`: of a primary
-                                                                 ///< node its own, else of what it is seen in
+    /// None: nothing is. `id`: of a primary node its own, else of what it is seen in. `area_px2`: of all
+    /// light above the limit in the same sheet.
+    std::function<bool(const Mat2& w, std::uint32_t id, float area_px2)> takes;
 };
 
 /// Told of the records that are read, each row once and in order: rows [y_begin, y_end) of `band`.

@@ -2,10 +2,11 @@
 # Installs the Debian 12 packages that postlens is built and checked with, those of them that are missing.
 # A machine that has them needs neither a network nor root.
 #
-#   scripts/install_dependencies.sh [--for build|checks] [--list]
+#   scripts/install_dependencies.sh [--for build|checks|cpus] [--list]
 #
 #   --for build   what building, running and testing need
 #   --for checks  that and the tools of scripts/test.sh's checks (default)
+#   --for cpus    what scripts/check_instruction_sets.sh and scripts/check_aarch64.sh need beside the program
 #   --list        print the packages and install nothing
 set -euo pipefail
 
@@ -26,6 +27,7 @@ build_packages=(
 )
 # chromium: the page that `postlens chart` writes is looked at in it.
 check_packages=(git clang-format clang-tidy chromium)
+cpus_packages=("${build_packages[@]}" qemu-user g++-aarch64-linux-gnu)
 
 purpose=checks
 list_only=false
@@ -41,7 +43,8 @@ done
 case $purpose in
     build) packages=("${build_packages[@]}") ;;
     checks) packages=("${build_packages[@]}" "${check_packages[@]}") ;;
-    *) echo "install_dependencies.sh: unknown purpose (got '$purpose'; expected build or checks)" >&2 && exit 2 ;;
+    cpus) packages=("${cpus_packages[@]}") ;;
+    *) echo "install_dependencies.sh: unknown purpose (got '$purpose'; expected build, checks or cpus)" >&2 && exit 2 ;;
 esac
 if $list_only; then
     printf '%s\n' "${packages[@]}"

@@ -177,7 +177,7 @@ TEST(Image, EqualPicturesAreEqualFiles) {
         return std::string{std::istreambuf_iterator<char>(in), {}};
     };
     std::vector<std::string> before;
-    const std::vector<std::string> names{"a.exr", "a.png", "a.jpg"};
+    const std::vector<std::string> names{"a.exr", "a.png", "a.jpg", "a.tif"};
     before.reserve(names.size());
     for (const std::string& name : names) before.push_back(bytes(name));
     std::this_thread::sleep_for(std::chrono::milliseconds(1100));

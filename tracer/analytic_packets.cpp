@@ -44,7 +44,11 @@ void intersect_item(const RTCIntersectFunctionNArguments* args, const Found& of)
         if (leaves(context, rays.id[i], args->geomID, args->primID)) drop_start(found);
         for (int k = 0; k < found.count; ++k) {
             const auto t = static_cast<float>(found.t[k]);
-            if (!(t > rays.tnear[i] && t < rays.tfar[i])) continue;
+            const bool nearer =
+                t < rays.tfar[i] ||
+                (t == rays.tfar[i] && precedes(args->context->instID[0], args->geomID, args->primID,
+                                               hits.instance[i], hits.geometry[i], hits.primitive[i]));
+            if (!(t > rays.tnear[i] && nearer)) continue;
             rays.tfar[i] = t;
             hits.primitive[i] = args->primID;
             hits.geometry[i] = args->geomID;
@@ -88,7 +92,9 @@ template <unsigned N>
     std::memcpy(old[2], hits.instance, sizeof old[2]);
     for (unsigned i = 0; i < N; ++i) {
         const float near = pairs.near[i], far = pairs.far[i];
-        const bool first = (near > from[i]) & (near < to[i]), second = (far > from[i]) & (far < to[i]);
+        const bool wins_tie = precedes(instance, geometry, primitive, old[2][i], old[1][i], old[0][i]);
+        const bool first = (near > from[i]) & ((near < to[i]) | ((near == to[i]) & wins_tie)),
+                   second = (far > from[i]) & ((far < to[i]) | ((far == to[i]) & wins_tie));
         const bool taken = (hit[i] != 0) & (first | second);
         to[i] = taken ? (first ? near : far) : to[i];
         old[0][i] = taken ? primitive : old[0][i];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct Sample {
     std::uint32_t chunk = 0, first = 0, count = 0;
     std::uint32_t visible = 0;  // of `count`, those of layer 0, which come first
     std::uint32_t id = 0;
+    float z = 0;  // of the primary node
     float r = 0, g = 0, b = 0;
 };
 
@@ -37,8 +39,10 @@ constexpr std::size_t batch_size = 256;
 
 class BandSampler {
   public:
-    BandSampler(const WhittedTracer& tracer, const SampledWindow& window, const SubdivisionSettings& settings)
+    BandSampler(const WhittedTracer& tracer, const SampledWindow& window, const SubdivisionSettings& settings,
+                const SmallThings& things)
         : tracer_(tracer),
+          things_(things),
           window_(window),
           settings_(settings),
           unit_(1U << settings.levels),
@@ -116,6 +120,7 @@ class BandSampler {
                  end - first,
                  0,
                  chunk.records[first].id,
+                 chunk.records[first].z,
                  0,
                  0,
                  0};
@@ -185,7 +190,8 @@ class BandSampler {
 
     [[nodiscard]] bool differ(const Cell& c, const Seen* s, int count) const {
         for (int i = 1; i < count; ++i) {
-            if (s[i].id != s[0].id) return true;
+            if (s[i].id != s[0].id)
+                return c.size > unit_ >> std::min(settings_.edge_levels, settings_.levels);
         }
         if (c.size <= unit_ >> std::min(settings_.colour_levels, settings_.levels)) return false;
         for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -222,7 +228,26 @@ class BandSampler {
             seen[i] = {s.id, {s.r, s.g, s.b}};
             hidden = hidden || s.count > s.visible;
         }
-        return differ(c, seen.data(), 4) || (hidden && hidden_layers_differ(c));
+        return differ(c, seen.data(), 4) || (hidden && hidden_layers_differ(c)) ||
+               (!things_.empty() && small_things_ask(c, hidden));
+    }
+
+    // Corners tell nothing of what lies between them. Things behind all that is seen here are not sought
+    // unless something hidden is wanted as well.
+    [[nodiscard]] bool small_things_ask(const Cell& c, bool hidden) const {
+        float farthest = 0;
+        bool edge = false;
+        for (const std::uint32_t corner : c.corner) {
+            const Sample& s = samples_[corner];
+            farthest = std::max(farthest, s.z);
+            edge = edge || s.id != samples_[c.corner[0]].id;
+        }
+        const glm::dvec2 at = position(key(c.x, c.y));
+        const double size = static_cast<double>(c.size) / unit_;
+        const SmallThings::Wanted wanted =
+            things_.wanted(at.x, at.y, size,
+                           hidden ? std::numeric_limits<double>::infinity() : static_cast<double>(farthest));
+        return size > wanted.find_px || (edge && size > wanted.outline_px);
     }
 
     // What comes to light is wanted as finely as what is seen. Corners that lack a layer say nothing of it.
@@ -406,6 +431,7 @@ class BandSampler {
     }
 
     const WhittedTracer& tracer_;
+    const SmallThings& things_;
     SampledWindow window_;
     SubdivisionSettings settings_;
     std::uint32_t unit_;
@@ -423,8 +449,8 @@ class BandSampler {
 
 RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window,
                          const SubdivisionSettings& settings,
-                         const std::function<void(const RecordBand&)>& take) {
-    BandSampler sampler(tracer, window, settings);
+                         const std::function<void(const RecordBand&)>& take, const SmallThings& things) {
+    BandSampler sampler(tracer, window, settings, things);
     RecordBand band;
     for (int y = window.y_begin; y < window.y_end; y += band_rows) {
         sampler.band(y, std::min(y + band_rows, window.y_end), band);

@@ -31,6 +31,16 @@ struct Hits {
     }
 };
 
+/// Whether a surface takes the place of one that a ray has met just as far away. Embree finds the two in an
+/// order that depends on the processor; what wins must not.
+inline bool precedes(unsigned instance, unsigned geometry, unsigned primitive, unsigned old_instance,
+                     unsigned old_geometry, unsigned old_primitive) {
+    const bool in_geometry =
+        (geometry < old_geometry) | ((geometry == old_geometry) & (primitive < old_primitive));
+    return (old_geometry != RTC_INVALID_GEOMETRY_ID) &
+           ((instance < old_instance) | ((instance == old_instance) & in_geometry));
+}
+
 inline bool leaves(const RayContext& context, unsigned ray_id, unsigned geometry, unsigned primitive) {
     if (context.sources == nullptr) return false;
     const HitKey& from = context.sources[ray_id];

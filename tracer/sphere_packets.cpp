@@ -45,7 +45,7 @@ template <int N>
         // The far crossing counts for rays that start inside.
         const float first = near[i] > rays.tnear[i] ? near[i] : far[i];
         const bool hit =
-            first > rays.tnear[i] && first < rays.tfar[i] && near[i] <= far[i] && args->valid[i] != 0;
+            first > rays.tnear[i] && first <= rays.tfar[i] && near[i] <= far[i] && args->valid[i] != 0;
         t[i] = hit ? first : std::numeric_limits<float>::infinity();
     }
     if (context.sources != nullptr) {
@@ -55,13 +55,15 @@ template <int N>
             if (from.geometry != args->geomID || from.primitive != args->primID) continue;
             // Leaving this very sphere: of the two crossings one is the start, the other may be the exit.
             const float other = std::abs(near[i]) < std::abs(far[i]) ? far[i] : near[i];
-            const bool hit = near[i] <= far[i] && other > rays.tnear[i] && other < rays.tfar[i];
+            const bool hit = near[i] <= far[i] && other > rays.tnear[i] && other <= rays.tfar[i];
             t[i] = hit ? other : std::numeric_limits<float>::infinity();
         }
     }
     const unsigned primitive = args->primID, geometry = args->geomID, instance = args->context->instID[0];
     for (int i = 0; i < N; ++i) {
-        const bool hit = t[i] < rays.tfar[i];
+        const bool wins_tie =
+            precedes(instance, geometry, primitive, hits.instance[i], hits.geometry[i], hits.primitive[i]);
+        const bool hit = (t[i] < rays.tfar[i]) | ((t[i] == rays.tfar[i]) & wins_tie);
         rays.tfar[i] = hit ? t[i] : rays.tfar[i];
         hits.primitive[i] = hit ? primitive : hits.primitive[i];
         hits.geometry[i] = hit ? geometry : hits.geometry[i];

@@ -12,6 +12,7 @@
 #include "tracer/lens_reach.h"
 #include "tracer/overscan.h"
 #include "tracer/recorded_motion.h"
+#include "tracer/small_things.h"
 
 namespace postlens {
 namespace {
@@ -241,6 +242,20 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     const CameraModel& camera = instant->camera();
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     const SampledWindow window{-o, width + o, -o, height + o};
+    // Of all instants, since a file has one grid.
+    std::vector<SmallThings> small_things(result.instants_s.size());
+    settings.subdivision.edge_levels = settings.subdivision.levels;
+    for (std::size_t i = 0; settings.seek_small_things && i < small_things.size(); ++i) {
+        const CameraModel at(of, result.instants_s[i], settings.camera);
+        SmallThings things(scene, at, result.instants_s[i], window.x_begin, window.x_end + 1, window.y_begin,
+                           window.y_end + 1);
+        const bool sought = asked.subdivision.levels > 0;
+        result.too_narrow_objects =
+            std::max(result.too_narrow_objects, things.lost() + (sought ? 0 : things.objects()));
+        if (!sought) continue;
+        settings.subdivision.levels = std::max(settings.subdivision.levels, things.levels());
+        small_things[i] = std::move(things);
+    }
     instant->look_through_lens(settings, window);
     SampleHeader header = sample_header(scene, settings, camera, time_s, o);
     header.has_w = instant->tracer().has_deeper_nodes();
@@ -258,13 +273,15 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
             instant->look_through_lens(settings, window);
             writer.next_instant();
         }
-        result.rays +=
-            sample_corners(instant->tracer(), window, settings.subdivision, [&](const RecordBand& band) {
+        result.rays += sample_corners(
+            instant->tracer(), window, settings.subdivision,
+            [&](const RecordBand& band) {
                 throw_if_interrupted();
                 writer.write(band);
                 result.records += band.records.size();
                 progress.advance(static_cast<std::uint64_t>(band.height()));
-            });
+            },
+            small_things[i]);
     }
     result.bytes = writer.finish();
     return result;

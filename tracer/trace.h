@@ -23,6 +23,7 @@ struct TraceSettings {
     /// `subdivision.levels`, which then holds for colours.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
+    bool seek_small_things = true;  ///< see SmallThings; where something is subdivided at all
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto = false;  ///< as wide as lens and shutter below ask for, found by a coarse trace first
@@ -44,6 +45,9 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
+    /// Objects narrower than the smallest cells, or too many, or all narrow ones without subdivision: corners
+    /// may miss them.
+    std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
     int keys = 1;                              ///< as asked for, or chosen
     std::vector<double> instants_s;            ///< recorded: the frame's own, then the others

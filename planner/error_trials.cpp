@@ -1,0 +1,90 @@
+#include "planner/error_trials.h"
+
+#include <algorithm>
+
+#include "focus/field_focus.h"
+#include "planner/retrace.h"
+#include "planner/scratch_file.h"
+#include "records/aperture_file.h"
+#include "tracer/trace.h"
+
+namespace postlens {
+namespace {
+
+constexpr int finest_levels = 6;
+constexpr int deepest_trees = NodePath::max_bounces + 1;
+
+/// As the file was traced, as far as it says.
+TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
+    TraceSettings s;
+    s.camera = camera.camera;
+    s.camera_name = camera.camera_name;
+    s.time_s = h.time_s;
+    s.subdivision.levels = h.subdivide_levels;
+    s.subdivision.threshold = h.subdivide_threshold;
+    s.whitted.max_depth = h.max_depth;
+    s.whitted.min_contribution = h.min_contribution;
+    s.overscan_px = h.overscan_px;
+    if (h.sufficient.shutter_open_s && h.sufficient.shutter_close_s) {
+        s.for_shutter = TimeSpan{*h.sufficient.shutter_open_s, *h.sufficient.shutter_close_s};
+        s.keys = std::max(1, static_cast<int>(h.key_times_s.size()));
+    }
+    s.for_f_number = h.sufficient.smallest_f_number;
+    s.for_focus_m = h.sufficient.nearest_focus_m;
+    if (!h.has_layers) s.hidden_layers = 0;
+    return s;
+}
+
+/// Of the lens and the shutter that are asked for.
+void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
+    if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
+        // A trace knows the lens by its diameter at the film's distance.
+        s.for_f_number = view.focus.lens.f_number * h.film_distance_mm / view.focus.lens.focal_length_mm;
+        s.for_focus_m = view.focus.focus_distance_m;
+    }
+    if (view.shutter) {
+        s.for_shutter = view.shutter;
+        s.keys = std::max(1, static_cast<int>(h.key_times_s.size()));
+    }
+}
+
+}  // namespace
+
+std::vector<ErrorTrial> error_trials(const SampleHeader& h, const Scene& scene, const HybridSettings& view,
+                                     int views) {
+    const Aperture aperture = read_aperture(view.focus.impulse);
+    const TraceSettings as_it_was =
+        settings_of(h, retrace_settings(h, view, checked_camera(h, scene), aperture));
+    TraceSettings wider = as_it_was, whole = as_it_was, finer = as_it_was;
+    know_the_view(view, h, wider);
+    if (wider.for_f_number || wider.for_shutter) wider.overscan_auto = true;
+    know_the_view(view, h, whole);
+    whole.hidden_layers = HiddenLayers::most;
+    if (view.shutter) whole.keys.reset();
+    finer.subdivision.levels = std::clamp(h.subdivide_levels + 1, 3, finest_levels);
+    finer.whitted.max_depth = deepest_trees;
+    finer.whitted.min_contribution = std::min(h.min_contribution, 1e-4);
+
+    const bool moves = view.motion != nullptr && view.shutter && view.shutter->open_s < view.shutter->close_s;
+    std::vector<ErrorTrial> out;
+    for (const auto& [cause, settings] : {std::pair{ErrorCause::frame_edge, wider},
+                                          {ErrorCause::hidden_surface, whole},
+                                          {ErrorCause::record_density, finer}}) {
+        const ScratchFile file("trial.exr");
+        (void)trace_to_file(scene, settings, file.path());
+        const SampleFileReader reader(file.path());
+        FocusFrame frame(reader);
+        FieldFocusSettings s{focus_geometry(view.focus.lens, view.focus.focus_distance_m, Framing::keep,
+                                            {h.film_distance_mm, h.pixel_pitch_mm}),
+                             aperture,
+                             {0, h.width, 0, h.height},
+                             views,
+                             {},
+                             {}};
+        if (moves) s.shutter = {view.motion, view.shutter->open_s, view.shutter->close_s, view.curve};
+        out.push_back({cause, field_focus(frame, s).image});
+    }
+    return out;
+}
+
+}  // namespace postlens

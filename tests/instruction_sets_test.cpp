@@ -1,0 +1,69 @@
+// The same bits from every clone of every kernel, and whatever variants the C library and Embree take.
+// scripts/check_instruction_sets.sh shows the same for whole processors, libraries included.
+#include <cstdlib>
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <iostream>
+#include <map>
+#include <string>
+
+#include "tests/command_test.h"
+
+namespace postlens::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class InstructionSets : public testing::Test {
+  protected:
+    // Name and bytes of every file that tests/instruction_sets/results.sh leaves.
+    std::map<std::string, std::string> results(const std::string& program, const std::string& settings = "") {
+        const fs::path out = folder_.path() / "results", err = folder_.path() / "errors";
+        fs::remove_all(out);
+        const std::string command = settings + quoted(POSTLENS_RESULTS) + " " + quoted(out.string()) + " " +
+                                    quoted(program) + " >" + quoted(err.string()) + " 2>&1";
+        EXPECT_EQ(std::system(command.c_str()), 0) << text_of(err);
+        std::map<std::string, std::string> files;
+        for (const auto& entry : fs::directory_iterator(out))
+            files.emplace(entry.path().filename().string(), text_of(entry.path()));
+        return files;
+    }
+    // What the program says that its resolvers choose.
+    std::string level(const std::string& program) {
+        const fs::path said = folder_.path() / "said";
+        const std::string command =
+            "POSTLENS_SAY_CPU_LEVEL=1 " + quoted(program) + " >" + quoted(said.string());
+        EXPECT_EQ(std::system(command.c_str()), 0);
+        return text_of(said);
+    }
+    TemporaryFolder folder_;
+};
+
+void expect_same(const std::map<std::string, std::string>& files,
+                 const std::map<std::string, std::string>& expected) {
+    ASSERT_GE(expected.size(), 15U);
+    EXPECT_EQ(files.size(), expected.size());
+    for (const auto& [name, bytes] : expected) {
+        const auto found = files.find(name);
+        ASSERT_NE(found, files.end()) << name;
+        EXPECT_FALSE(bytes.empty()) << name;
+        EXPECT_TRUE(found->second == bytes) << name << " differs";
+    }
+}
+
+TEST_F(InstructionSets, OlderProcessorsGiveTheSameBits) {
+    const auto expected = results(POSTLENS_BINARY);
+    ASSERT_EQ(level(POSTLENS_ANY_X86_64), "1\n");
+    // As on such a processor, libm takes its variants without fused multiply-add, and Embree those for SSE2.
+    expect_same(results(POSTLENS_ANY_X86_64, "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4 "), expected);
+    // Where x86-64-v3 is all there is, the program itself takes it.
+    if (__builtin_cpu_supports("x86-64-v4") == 0) {
+        std::cout << "This processor has no x86-64-v4: only two levels were compared.\n";
+        return;
+    }
+    ASSERT_EQ(level(POSTLENS_X86_64_V3), "3\n");
+    expect_same(results(POSTLENS_X86_64_V3), expected);
+}
+
+}  // namespace
+}  // namespace postlens::test

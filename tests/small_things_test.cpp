@@ -1,0 +1,229 @@
+// What is narrower than the distance of two corners is found all the same, and its light is right.
+#include "tracer/small_things.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <map>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "records/quadtree.h"
+#include "records/sample_file.h"
+#include "tests/scene_builder.h"
+#include "tests/temporary_folder.h"
+#include "tracer/corner_sampler.h"
+#include "tracer/trace.h"
+
+namespace postlens::test {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr int width = 64, height = 48;
+constexpr double depth_m = 10, pixel_m = 36.0 / width / 50 * depth_m;  // of a pixel at that depth
+
+// The point at that depth that the camera shows at raster position (x, y).
+dvec3 point_at(const dvec2& px) {
+    return {(px.x - width / 2.0) * pixel_m, -(px.y - height / 2.0) * pixel_m, -depth_m};
+}
+
+SmallThings things_of(const Scene& scene) {
+    return {scene, CameraModel(scene.cameras[0], scene.time_s), scene.time_s, 0, width, 0, height};
+}
+
+struct Sampled {
+    RayCounts counts;
+    std::vector<double> light;          // a pixel each
+    std::map<std::uint32_t, int> hits;  // point samples by what they met
+};
+Sampled sample(const Scene& scene, const SmallThings& things, int levels = 2) {
+    const RayScene rays(scene, scene.time_s);
+    const CameraModel camera(scene.cameras[0], scene.time_s);
+    const WhittedTracer tracer(rays, camera, {});
+    RecordBand all;
+    all.x_begin = 0;
+    all.x_end = width + 1;
+    all.y_end = 0;
+    Sampled out;
+    const SubdivisionSettings settings{.levels = std::max(levels, things.levels()), .edge_levels = levels};
+    out.counts = sample_corners(
+        tracer, {0, width, 0, height}, settings,
+        [&](const RecordBand& band) {
+            const auto before = static_cast<std::uint32_t>(all.records.size());
+            if (all.offsets.empty()) all.offsets.push_back(0);
+            for (std::size_t i = 1; i < band.offsets.size(); ++i)
+                all.offsets.push_back(before + band.offsets[i]);
+            all.records.insert(all.records.end(), band.records.begin(), band.records.end());
+            all.y_end = band.y_end;
+        },
+        things);
+    for (const Record& r : all.records) ++out.hits[r.id];
+    std::vector<float> rgb(3 * width);
+    for (int y = 0; y < height; ++y) {
+        picture_row(all, y, 0, width, rgb);
+        for (std::size_t x = 0; x < width; ++x) out.light.push_back(static_cast<double>(rgb[3 * x]));
+    }
+    return out;
+}
+
+double sum(const std::vector<double>& v) {
+    double out = 0;
+    for (const double x : v) out += x;
+    return out;
+}
+
+TEST(SmallThings, EveryLampIsFoundAndAsBrightAsItsAreaSays) {
+    // One to each block of 8 x 8 px, 0.2 to 1.4 px wide, anywhere within 5 px.
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> place(1.5, 6.5), wide(0.2, 1.4);
+    SceneBuilder b;
+    std::vector<double> expected;
+    for (int by = 0; by < height / 8; ++by) {
+        for (int bx = 0; bx < width / 8; ++bx) {
+            const dvec3 at = point_at({8 * bx + place(random), 8 * by + place(random)});
+            const double diameter_px = wide(random);
+            b.add(Sphere{at, diameter_px / 2 * pixel_m}, glowing(dvec3(20)));
+            // A small sphere off the axis is an ellipse on the film, larger by the angle's cosine.
+            expected.push_back(20 * std::numbers::pi / 4 * diameter_px * diameter_px * glm::length(at) /
+                               depth_m);
+        }
+    }
+    const Sampled without = sample(b.scene, {}), with = sample(b.scene, things_of(b.scene));
+    int missed = 0;
+    double mean = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        const auto id = static_cast<std::uint32_t>(i + 1);
+        missed += without.hits.contains(id) ? 0 : 1;
+        EXPECT_TRUE(with.hits.contains(id)) << i;
+        double light = 0;
+        for (std::size_t y = 0; y < 8; ++y) {
+            for (std::size_t x = 0; x < 8; ++x) light += with.light[(i / 8 * 8 + y) * width + i % 8 * 8 + x];
+        }
+        // The points of a lattice in a circle of R cells vary by 0.6765 R [kendall1948]; R is at least 8
+        // here, or what the deepest level leaves.
+        const double diameter_px = std::sqrt(expected[i] / 20 * 4 / std::numbers::pi);
+        const double cells = std::max(8.0, std::min(diameter_px / 2 * (1 << SmallThings::most_levels), 8.0));
+        const double deviation = std::sqrt(0.6765 * cells) / (std::numbers::pi * cells * cells);
+        EXPECT_NEAR(light / expected[i], 1, 4 * deviation) << i << ", " << diameter_px << " px";
+        mean += light / expected[i] / static_cast<double>(expected.size());
+    }
+    EXPECT_GT(missed, 5);         // or the scene shows nothing
+    EXPECT_NEAR(mean, 1, 0.007);  // four standard deviations of the mean of 48
+}
+
+TEST(SmallThings, AHairOfAFifthOfAPixelCoversWhatItShould) {
+    SceneBuilder b;
+    const dvec3 from = point_at({-4, 7.3}), to = point_at({width + 4.0, 37.9});
+    b.add(Cone{from, to, 0.1 * pixel_m, 0.1 * pixel_m}, glowing(dvec3(1)));
+    const Sampled s = sample(b.scene, things_of(b.scene));
+    // Each column of pixels holds the same piece of it, seen a little obliquely towards the sides.
+    const dvec2 slope(width + 8, 37.9 - 7.3);
+    const double across = 0.2 * glm::length(slope) / slope.x * width;
+    EXPECT_NEAR(sum(s.light) / across, 1, 0.02);
+    for (std::size_t x = 0; x < width; ++x) {
+        double column = 0;
+        for (std::size_t y = 0; y < height; ++y) column += s.light[y * width + x];
+        EXPECT_GT(column, 0.1) << x;
+    }
+}
+
+TEST(SmallThings, WhatStandsBehindAWallCostsNothing) {
+    SceneBuilder b;
+    b.add(square(point_at({32, 24}) + dvec3(0, 0, 2), {0, 0, 1}, 100), matte(dvec3(0.5)));
+    const std::uint64_t bare = sample(b.scene, {}).counts.eye;
+    for (int i = 0; i < 20; ++i)
+        b.add(Sphere{point_at({3.0 * i + 2.2, 20.3}), 0.3 * pixel_m}, glowing(dvec3(20)));
+    const SmallThings things = things_of(b.scene);
+    EXPECT_FALSE(things.empty());
+    EXPECT_EQ(sample(b.scene, things).counts.eye, bare);
+}
+
+TEST(SmallThings, OfTooManyTheBrightAndTheWiderComeFirst) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> x(0, width), y(0, height), wide(0.05, 0.2);
+    SceneBuilder b;
+    for (int i = 0; i < 3000; ++i)
+        b.add(Sphere{point_at({x(random), y(random)}), wide(random) * pixel_m}, matte(dvec3(0.5)));
+    b.add(Sphere{point_at({20.3, 20.6}), 0.05 * pixel_m}, glowing(dvec3(50)));
+    const SmallThings things = things_of(b.scene);
+    EXPECT_GT(things.lost(), 1000U);
+    const Sampled s = sample(b.scene, things);
+    EXPECT_TRUE(s.hits.contains(3001));
+    // A split costs five corners at most, and there are (4/3) splits for a smallest cell of four quarters.
+    EXPECT_LT(static_cast<double>(s.counts.eye),
+              (1 + 5 * 4.0 / 3 * SmallThings::most_cells_per_pixel) * (width + 1) * (height + 1));
+}
+
+TEST(SmallThings, BoxesDiscsAndMeshesAreFoundToo) {
+    SceneBuilder b;
+    const dvec3 half(0.12 * pixel_m, 0.12 * pixel_m, 0.12 * pixel_m);
+    b.add(Box{point_at({10.4, 10.4}) - half, point_at({10.4, 10.4}) + half}, glowing(dvec3(1)));
+    b.add(Disc{point_at({20.4, 10.4}), {0, 0, 1}, 0.15 * pixel_m}, glowing(dvec3(1)));
+    b.add(square(point_at({30.4, 10.4}), {0, 0, 1}, 0.3 * pixel_m), glowing(dvec3(1)));
+    b.add(sphere_mesh(8, 8, false), glowing(dvec3(1)),
+          glm::translate(glm::dmat4(1), point_at({40.4, 10.4})) *
+              glm::scale(glm::dmat4(1), dvec3(0.15 * pixel_m)));
+    const Sampled s = sample(b.scene, things_of(b.scene));
+    for (const std::uint32_t id : {1U, 2U, 3U, 4U}) EXPECT_TRUE(s.hits.contains(id)) << id;
+    EXPECT_EQ(sample(b.scene, {}).hits.size(), 1U);  // none of them is met by chance
+}
+
+TEST(SmallThings, WideAndInfiniteThingsAskForNothing) {
+    SceneBuilder b;
+    b.add(Sphere{point_at({20, 20}), 3 * pixel_m}, glowing(dvec3(20)));
+    b.add(Plane{{0, -1, 0}, {0, 1, 0}}, matte(dvec3(0.5)));
+    b.add(Sphere{{0, 0, 5}, 1e-3}, glowing(dvec3(20)));  // behind the camera
+    b.add(Sphere{point_at({-300, 20}), 0.2 * pixel_m}, glowing(dvec3(20)));
+    const SmallThings things = things_of(b.scene);
+    EXPECT_TRUE(things.empty());
+    EXPECT_EQ(things.levels(), 0);
+    EXPECT_EQ(things.lost(), 0U);
+}
+
+TEST(SmallThings, AreSoughtWhereTheyAreAtEachInstantOfAFile) {
+    SceneBuilder b;
+    Object& lamp = b.add(Sphere{{0, 0, 0}, 0.15 * pixel_m}, glowing(dvec3(20)));
+    lamp.motion_base = glm::dmat4(1);
+    lamp.keys = {{.time_s = 0, .translation = point_at({10.4, 20.4})},
+                 {.time_s = 1, .translation = point_at({50.4, 20.4})}};
+    lamp.world_from_object = transform_at(lamp.keys, 0);
+    const TemporaryFolder folder;
+    TraceSettings settings;
+    settings.for_shutter = TimeSpan{0, 1};
+    settings.keys = 3;
+    settings.hidden_layers = 0;
+    const TraceResult r = trace_to_file(b.scene, settings, folder.path() / "lamp.exr");
+    EXPECT_EQ(r.too_narrow_objects, 0U);
+    const SampleFileReader file(folder.path() / "lamp.exr");
+    EXPECT_EQ(file.header().subdivide_levels, 6);
+    RecordBand band;
+    for (std::size_t k = 0; k < file.instants(); ++k) {
+        int hits = 0;
+        double place = 0;
+        for (int y = file.y_begin(); y < file.y_end(); ++y) {
+            file.read(y, y + 1, band, k);
+            for (const Record& record : band.records) {
+                hits += record.id == 1 ? 1 : 0;
+                place += record.id == 1 ? static_cast<double>(record.x) : 0;
+            }
+        }
+        ASSERT_GT(hits, 20) << k;
+        EXPECT_NEAR(place / hits, 10.4 + 40 * file.instant_s(k), 0.15) << k;
+    }
+}
+
+TEST(SmallThings, AFileWithoutSubdivisionStaysWithoutIt) {
+    SceneBuilder b;
+    b.add(Sphere{point_at({20.4, 20.4}), 0.15 * pixel_m}, glowing(dvec3(20)));
+    const TemporaryFolder folder;
+    TraceSettings settings;
+    settings.subdivision.levels = 0;
+    const TraceResult r = trace_to_file(b.scene, settings, folder.path() / "bare.exr");
+    EXPECT_EQ(r.rays.eye, (width + 1U) * (height + 1U));
+    EXPECT_EQ(r.too_narrow_objects, 1U);  // and the command says so
+}
+
+}  // namespace
+}  // namespace postlens::test
