@@ -71,6 +71,33 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
+/// Scatters a picture whose splats do not fit: first the responses and runs of all rows, then strip by strip
+/// of the picture the splats that reach it. The same bits as all at once.
+void scatter_in_strips(FocusFrame& frame, SplatTables& splats, std::size_t splat_bytes, Image& image,
+                       const std::optional<Crop>& crop) {
+    splats.survey();
+    take_in(frame, splats);
+    const RasterWindow& picture = splats.picture();
+    const auto strips =
+        static_cast<int>(splats.splats_counted() * sizeof(Splat) / std::max<std::size_t>(1, splat_bytes) + 1);
+    // Whole blocks of scatter's.
+    const int blocks = (picture.height() + scatter_block_px - 1) / scatter_block_px,
+              height = (blocks + strips - 1) / strips * scatter_block_px;
+    for (int y = 0; y < picture.height(); y += height) {
+        const int end = std::min(y + height, picture.height());
+        Crop strip{0, y, picture.width(), end - y};
+        if (crop) {
+            if (!crop->meets(strip.x, strip.y, strip.width, strip.height)) continue;
+            const int top = std::max(y, crop->y);
+            strip = {crop->x, top, crop->width, std::min(end, crop->y + crop->height) - top};
+        }
+        const auto [first, last] = splats.begin_strip(picture.y_begin + y, picture.y_begin + end);
+        frame.visit_rows(first, last, [&](const FrameRows& rows) { splats.add_rows(rows); });
+        splats.finish_strip();
+        scatter(splats, image, strip);
+    }
+}
+
 /// Blur and magnification commute: everything is blurred in traced pixels, where the CoC is the framed one
 /// over the zoom.
 FocusGeometry in_traced_px(FocusGeometry geometry) {
@@ -94,17 +121,31 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
     FocusResult out;
     out.method = settings.method;
     const auto finish = [&](auto&& splats, const auto& method) {
-        take_in(frame, splats);
-        method(splats, out.image, crop);
+        method(splats);
         out.depths = levels.depths().value_or(splats.levels_used());
         out.largest_coc_px = splats.largest_coc_px() * geometry.zoom;
         if (auto warning = overscan_warning(splats.border(), corners, window, crop))
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
-        finish(LayerSplats(corners, window, traced, levels, settings.depth_model, response), layers);
+        finish(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
+               [&](LayerSplats& splats) {
+                   take_in(frame, splats);
+                   layers(splats, out.image, crop);
+               });
     } else {
-        finish(SplatTables(corners, window, traced, levels, settings.depth_model, response), scatter);
+        // A response between four positions of a pixel is four splats.
+        const bool in_strips = static_cast<double>(file.record_count()) * 4 * sizeof(Splat) >
+                               static_cast<double>(settings.splat_bytes);
+        finish(SplatTables(corners, window, traced, levels, settings.depth_model, response),
+               [&](SplatTables& splats) {
+                   if (in_strips) {
+                       scatter_in_strips(frame, splats, settings.splat_bytes, out.image, crop);
+                   } else {
+                       take_in(frame, splats);
+                       scatter(splats, out.image, crop);
+                   }
+               });
     }
     return out;
 }

@@ -17,8 +17,8 @@ namespace {
 // What is being added to fits the second-level cache: twice the radius in rows of 16 B a pixel. Taller blocks
 // share more filtered rows, wider ones more running sums; smaller ones keep more threads busy. Found with
 // bench/scatter_bench.cpp.
-constexpr int block_width = 256;
-constexpr int block_height = 256;
+constexpr int block_width = scatter_block_px;
+constexpr int block_height = scatter_block_px;
 /// PointScatter keeps 64 B a pixel and looks at every splat once for so many rows.
 constexpr int point_rows = 32;
 

@@ -10,6 +10,9 @@ namespace postlens {
 /// Below this sum of weights nothing is taken to have arrived at a pixel: it is black.
 inline constexpr double smallest_weight = 1e-12;
 
+/// Pictures are made in blocks of so many columns and rows, from their upper left.
+inline constexpr int scatter_block_px = 256;
+
 /// The picture of the tables' picture window, into an image that is made to fit. In parallel; the same bits
 /// for any number of threads. With `wanted`, a part of that picture, the blocks that have nothing of it are
 /// left out; the others have the same bits as without.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "core/threads.h"
 
@@ -169,7 +170,15 @@ void SplatTables::RowBuilder::store_row() {
     const auto row = static_cast<std::size_t>(y_ - t_.source_.y_begin);
     SplatRow& out = t_.rows_[row];
     out.runs.assign(runs_.begin(), runs_.end());
-    out.splats.assign(splats_.begin(), splats_.end());
+    t_.row_splats_[row] = static_cast<std::uint32_t>(splats_.size());
+    if (t_.keep_ == Keep::all) out.splats.assign(splats_.begin(), splats_.end());
+    if (t_.keep_ == Keep::strip) {
+        std::erase_if(splats_, [&](const Splat& s) {
+            const Reach reach = t_.reach_of(s);
+            return y_ + reach.dy_end <= t_.strip_begin_ || y_ + reach.dy_begin >= t_.strip_end_;
+        });
+        out.splats.assign(splats_.begin(), splats_.end());
+    }
     t_.row_largest_radius_px_[row] = largest_radius_px_;
     t_.row_negative_[row] = negative_ ? 1 : 0;
 }
@@ -213,6 +222,7 @@ SplatTables::SplatTables(const RasterWindow& source, const RasterWindow& picture
     const auto height = static_cast<std::size_t>(source.height());
     for (auto& plane : raster_) plane.resize(width * height);
     rows_.resize(height);
+    row_splats_.resize(height);
     row_largest_radius_px_.resize(height);
     row_negative_.resize(height);
 }
@@ -252,17 +262,21 @@ std::size_t reach_class(const Reach& reach) {
                                     limits_px.begin());
 }
 
-namespace {
+Reach SplatTables::reach_of(const Splat& splat) const {
+    Reach reach;
+    for (std::size_t channel = 0; channel < kernels_.channels(); ++channel) {
+        const Kernel& k = kernels_.kernel(splat.kernel, channel);
+        reach.include({k.y_begin, k.y_end(), k.x_begin, k.x_end});
+    }
+    return reach;
+}
 
 // Splats by reach class, their order by column kept within each.
-void sort_by_reach(SplatRow& row, const KernelTable& kernels) {
+void SplatTables::sort_by_reach(SplatRow& row) const {
     std::array<std::vector<Splat>, reach_classes> classes;
+    row.class_reach = {};
     for (const Splat& s : row.splats) {
-        Reach reach;
-        for (std::size_t channel = 0; channel < kernels.channels(); ++channel) {
-            const Kernel& k = kernels.kernel(s.kernel, channel);
-            reach.include({k.y_begin, k.y_end(), k.x_begin, k.x_end});
-        }
+        const Reach reach = reach_of(s);
         const std::size_t c = reach_class(reach);
         classes[c].push_back(s);
         row.class_reach[c].include(reach);
@@ -274,27 +288,44 @@ void sort_by_reach(SplatRow& row, const KernelTable& kernels) {
     }
 }
 
-}  // namespace
+void SplatTables::sort_rows() {
+    parallel_for(
+        rows_.size(), [&](std::size_t i) { sort_by_reach(rows_[i]); }, 16);
+    class_reach_ = {};
+    for (const SplatRow& row : rows_) {
+        for (std::size_t c = 0; c < reach_classes; ++c) class_reach_[c].include(row.class_reach[c]);
+    }
+}
 
 void SplatTables::finish() {
     kernels_.build();
-    parallel_for(
-        rows_.size(),
-        [&](std::size_t i) {
-            SplatRow& row = rows_[i];
-            for (const SplatRun& run : row.runs) {
-                row.run_dy_begin = std::min(row.run_dy_begin, kernels_[run.kernel].y_begin);
-                row.run_dy_end = std::max(row.run_dy_end, kernels_[run.kernel].y_end());
-            }
-            sort_by_reach(row, kernels_);
-        },
-        16);
-    for (const SplatRow& row : rows_) {
+    for (SplatRow& row : rows_) {
+        for (const SplatRun& run : row.runs) {
+            row.run_dy_begin = std::min(row.run_dy_begin, kernels_[run.kernel].y_begin);
+            row.run_dy_end = std::max(row.run_dy_end, kernels_[run.kernel].y_end());
+        }
         run_dy_begin_ = std::min(run_dy_begin_, row.run_dy_begin);
         run_dy_end_ = std::max(run_dy_end_, row.run_dy_end);
-        for (std::size_t c = 0; c < reach_classes; ++c) class_reach_[c].include(row.class_reach[c]);
     }
+    sort_rows();
     any_negative_ = std::find(row_negative_.begin(), row_negative_.end(), 1) != row_negative_.end();
+}
+
+std::uint64_t SplatTables::splats_counted() const {
+    return std::accumulate(row_splats_.begin(), row_splats_.end(), std::uint64_t{0});
+}
+
+std::pair<int, int> SplatTables::begin_strip(int y_begin, int y_end) {
+    keep_ = Keep::strip;
+    strip_begin_ = y_begin;
+    strip_end_ = y_end;
+    for (SplatRow& row : rows_) std::vector<Splat>().swap(row.splats);
+    const auto [dy_begin, dy_end] = kernels_.rows_reached();
+    return {std::max(source_.y_begin, y_begin - dy_end + 1), std::min(source_.y_end, y_end - dy_begin)};
+}
+
+void SplatTables::finish_strip() {
+    sort_rows();
 }
 
 double SplatTables::largest_coc_px() const {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "focus/border_radii.h"
@@ -83,6 +84,15 @@ class SplatTables {
     /// Makes the kernels; after the last row.
     void finish();
 
+    /// For pictures whose splats would take more memory than there is to be spent. Before the first row: what
+    /// is added up to finish() tells of responses and runs, splats are counted only.
+    void survey() { keep_ = Keep::none; }
+    [[nodiscard]] std::uint64_t splats_counted() const;
+    /// After finish(), any number of times: the splats that reach rows [y_begin, y_end) of the picture are to
+    /// be kept. Returns the rows that are then to be added again, before finish_strip().
+    std::pair<int, int> begin_strip(int y_begin, int y_end);
+    void finish_strip();
+
     [[nodiscard]] const RasterWindow& source() const { return source_; }
     [[nodiscard]] const RasterWindow& picture() const { return picture_; }
     [[nodiscard]] const SplatRow& row(int y) const {
@@ -110,7 +120,14 @@ class SplatTables {
 
   private:
     class RowBuilder;
+    enum class Keep : std::uint8_t { all, none, strip };
+    [[nodiscard]] Reach reach_of(const Splat& splat) const;
+    void sort_by_reach(SplatRow& row) const;
+    void sort_rows();
 
+    Keep keep_ = Keep::all;
+    int strip_begin_ = 0, strip_end_ = 0;    ///< rows of the picture
+    std::vector<std::uint32_t> row_splats_;  ///< how many there are, kept or not
     RasterWindow source_, picture_;
     NodeResponses responses_;
     KernelTable kernels_;

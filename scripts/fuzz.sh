@@ -67,11 +67,12 @@ with_first_byte 01 prescription_fuzz tests/data/lens/*.zmx
 with_first_byte 02 prescription_fuzz tests/data/lens/*.seq
 with_first_byte 03 prescription_fuzz tests/data/lens/*.toml samples/lenses/*.toml
 
-failed=()
-for target in "${targets[@]}"; do
+# run TARGET: leaves build/fuzz/TARGET.failed where something was found.
+run() {
+    local target=$1 log=build/fuzz/$1.log
+    rm -f "build/fuzz/$target.failed"
     # What is found to be new grows in a folder of its own and is kept from run to run.
     mkdir -p "build/fuzz/corpus/$target"
-    log=build/fuzz/$target.log
     if build/fuzz/fuzz/"$target" -max_total_time="$seconds" -rss_limit_mb=1024 -timeout=10 -max_len=262144 \
         -artifact_prefix="$findings/$target-" -print_final_stats=1 "build/fuzz/corpus/$target" "$seeds/$target" \
         </dev/null >"$log" 2>&1; then
@@ -79,7 +80,16 @@ for target in "${targets[@]}"; do
     else
         tail -n 60 "$log"
         echo "$target: FOUND something, the input is in ${findings#"$PWD"/}"
-        failed+=("$target")
+        touch "build/fuzz/$target.failed"
     fi
+}
+
+# As many at a time as there are processors.
+for target in "${targets[@]}"; do
+    while (($(jobs -rp | wc -l) >= $(nproc))); do wait -n; done
+    run "$target" &
 done
-((${#failed[@]} == 0))
+wait
+for target in "${targets[@]}"; do
+    [[ ! -e build/fuzz/$target.failed ]] || exit 1
+done

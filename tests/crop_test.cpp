@@ -94,6 +94,26 @@ TEST_F(CropTest, ScatterOfOtherApertures) {
     expect_bits_of_the_whole(s, {far_corner});
 }
 
+TEST_F(CropTest, ScatterInStripsHasTheBitsOfTheWhole) {
+    traced("still_life.toml", {.overscan_px = 8});
+    for (const Impulse& impulse :
+         {Impulse{}, Impulse{.kind = ImpulseKind::polygon, .blades = 6, .cats_eye = 0.6}}) {
+        FocusSettings s = wide;
+        s.impulse = impulse;
+        const FocusResult whole = focus_picture(*file_, s);
+        s.splat_bytes = 1;  // as many strips as there are rows of blocks: two
+        const FocusResult strips = focus_picture(*file_, s);
+        EXPECT_TRUE(strips.image.rgb == whole.image.rgb);
+        EXPECT_EQ(strips.depths, whole.depths);
+        EXPECT_EQ(strips.largest_coc_px, whole.largest_coc_px);
+        EXPECT_EQ(strips.warnings.size(), whole.warnings.size());
+        for (const Crop& crop : {inside, far_corner, one_pixel}) {
+            s.crop = crop;
+            expect_same(focus_picture(*file_, s).image, whole.image, crop);
+        }
+    }
+}
+
 TEST_F(CropTest, Layers) {
     traced("still_life.toml", {.overscan_px = 8, .hidden_layers = 1});
     FocusSettings s = wide;
