@@ -31,7 +31,9 @@ class ImpulseFocus : public testing::Test {
         folder_ = new TemporaryFolder();
         TraceSettings settings;
         settings.overscan_px = 24;
-        settings.subdivision.levels = 3;
+        // Tiles that meet on corners of pixels: the corners show the first, which shifts the border by half a
+        // cell.
+        settings.subdivision.levels = 5;
         trace_to_file(*scene_, settings, folder_->path() / "frame.exr");
         file_ = new SampleFileReader(folder_->path() / "frame.exr");
         std::ofstream letter(folder_->path() / "F.pgm");
@@ -83,7 +85,10 @@ TEST_F(ImpulseFocus, AgreesWithRaysThroughTheSameAperture) {
                             impulse.squeeze, impulse.cats_eye, impulse.spherical, focus_m);
             EXPECT_GT(psnr(got, truth, 12), 46) << what;
             // What is lost is lost in both.
-            EXPECT_NEAR(mean(got) / mean(truth), 1, 2e-3) << what;
+            // A cat's eye lets through what it does at the place of the light here and at that of the pixel
+            // there: over discs a fifth as wide as the frame that differs in the second order, by 0.25 % (at
+            // any subdivision).
+            EXPECT_NEAR(mean(got) / mean(truth), 1, impulse.cats_eye > 0 ? 4e-3 : 2e-3) << what;
         }
     }
 }

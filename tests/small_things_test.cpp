@@ -1,7 +1,9 @@
 // What is narrower than the distance of two corners is found all the same, and its light is right.
 #include "tracer/small_things.h"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <map>
 #include <numbers>
@@ -18,6 +20,7 @@
 namespace postlens::test {
 namespace {
 
+namespace fs = std::filesystem;
 using glm::dvec2;
 using glm::dvec3;
 
@@ -212,6 +215,31 @@ TEST(SmallThings, AreSoughtWhereTheyAreAtEachInstantOfAFile) {
         ASSERT_GT(hits, 20) << k;
         EXPECT_NEAR(place / hits, 10.4 + 40 * file.instant_s(k), 0.15) << k;
     }
+}
+
+TEST(SmallThings, OnlyTheyAreDividedFiner) {
+    // Stripes whose contrast asks for every level, and a lamp far from them that asks for more levels than
+    // they have.
+    SceneBuilder b;
+    for (int i = 0; i < 8; ++i) {
+        b.add(square(point_at({8 + 2.3 * i, 10}), {0, 0, 1}, 1.9 * pixel_m),
+              glowing(dvec3(i % 2 == 0 ? 0.9 : 0.1)));
+        b.scene.objects.back().id = 1;
+    }
+    const auto hits_of_stripes = [&](const fs::path& path) {
+        TraceSettings settings;
+        settings.subdivision.levels = 1;
+        (void)trace_to_file(b.scene, settings, path);
+        const SampleFileReader file(path);
+        RecordBand band;
+        file.read(file.y_begin(), file.y_end(), band);
+        return std::count_if(band.records.begin(), band.records.end(),
+                             [](const Record& r) { return r.id == 1; });
+    };
+    const TemporaryFolder folder;
+    const auto alone = hits_of_stripes(folder.path() / "stripes.exr");
+    b.add(Sphere{point_at({50.4, 40.4}), 0.1 * pixel_m}, glowing(dvec3(20)));
+    EXPECT_EQ(hits_of_stripes(folder.path() / "lamp.exr"), alone);
 }
 
 TEST(SmallThings, AFileWithoutSubdivisionStaysWithoutIt) {

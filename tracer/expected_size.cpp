@@ -22,8 +22,9 @@ int looked_at_rows(int rows) {
 }
 
 std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWindow& window,
-                                  const SubdivisionSettings& subdivision, const SampleHeader& header,
-                                  RecordCompression compression, std::size_t instants) {
+                                  const SubdivisionSettings& subdivision, const SmallThings& things,
+                                  const SampleHeader& header, RecordCompression compression,
+                                  std::size_t instants) {
     const int rows = window.y_end - window.y_begin, count = stripes(rows);
     std::uint64_t bytes = 0, picture_bytes = 0;
     int looked_at = 0, picture_rows = 0;
@@ -34,17 +35,20 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
         // The last row is the corners below the stripe, without what is sampled inside of their pixels.
-        sample_corners(tracer, stripe, subdivision, [&](const RecordBand& band) {
-            const int end = std::min(band.y_end, stripe.y_end);
-            bytes += packed_bytes(header, compression, band, band.y_begin, end);
-            looked_at += end - band.y_begin;
-            for (int y = std::max(0, band.y_begin); y < std::min(end, header.height); ++y) {
-                picture_bytes += packed_picture_bytes(header, compression, band, y);
-                ++picture_rows;
-            }
-        });
+        sample_corners(
+            tracer, stripe, subdivision,
+            [&](const RecordBand& band) {
+                const int end = std::min(band.y_end, stripe.y_end);
+                bytes += packed_bytes(header, compression, band, band.y_begin, end);
+                looked_at += end - band.y_begin;
+                for (int y = std::max(0, band.y_begin); y < std::min(end, header.height); ++y) {
+                    picture_bytes += packed_picture_bytes(header, compression, band, y);
+                    ++picture_rows;
+                }
+            },
+            things);
     }
-    const double per_instant = static_cast<double>(bytes) / looked_at * (rows + 1);
+    const double per_instant = static_cast<double>(bytes) / looked_at * rows;
     const double picture = picture_rows == 0
                                ? 12.0 * header.width * header.height
                                : static_cast<double>(picture_bytes) / picture_rows * header.height;

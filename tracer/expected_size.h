@@ -15,7 +15,7 @@ namespace postlens {
 /// are traced and packed as the file's will be. The header does not count.
 [[nodiscard]] std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWindow& window,
                                                 const SubdivisionSettings& subdivision,
-                                                const SampleHeader& header, RecordCompression compression,
-                                                std::size_t instants);
+                                                const SmallThings& things, const SampleHeader& header,
+                                                RecordCompression compression, std::size_t instants);
 
 }  // namespace postlens

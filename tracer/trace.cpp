@@ -246,6 +246,8 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     // Of all instants, since a file has one grid.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
+    settings.subdivision.colour_levels =
+        std::min(settings.subdivision.colour_levels, settings.subdivision.levels);
     for (std::size_t i = 0; settings.seek_small_things && i < small_things.size(); ++i) {
         const CameraModel at(of, result.instants_s[i], settings.camera);
         SmallThings things(scene, at, result.instants_s[i], window.x_begin, window.x_end + 1, window.y_begin,
@@ -266,7 +268,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     SampleFileWriter writer(path, header, settings.compression);
     if (settings.on_expected_bytes) {
         settings.on_expected_bytes(expected_file_bytes(instant->tracer(), window, settings.subdivision,
-                                                       header, settings.compression,
+                                                       small_things[0], header, settings.compression,
                                                        result.instants_s.size()));
     }
 
