@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. Under 30 minutes on two cores.
+# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. Five minutes on two cores.
 #
 #   scripts/charts.sh [--build BUILD] [--out DIR] [--charts-only | --atlas-only]
 #
