@@ -160,6 +160,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         margin.add(band);
     };
     const FieldFocus seen = field_focus(frame, by_field);
+    by_field.also = nullptr;
     std::optional<Image> finer;
     if (request.method == FocusMethod::scatter && request.depths) {
         FocusSettings s = v.focus;
@@ -190,7 +191,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             all += error;
             left += finer_explains(k, error) || views_explain(k, error) ? 0 : error;
         }
-        if (left > worth_trials * all) trials = error_trials(h, *v.scene, v, views);
+        if (left > worth_trials * all) trials = error_trials(h, *v.scene, v, by_field);
     }
 
     CauseMap out;

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 
-#include "focus/field_focus.h"
 #include "planner/retrace.h"
 #include "planner/scratch_file.h"
-#include "records/aperture_file.h"
 #include "tracer/trace.h"
 
 namespace postlens {
@@ -51,10 +49,9 @@ void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSetti
 }  // namespace
 
 std::vector<ErrorTrial> error_trials(const SampleHeader& h, const Scene& scene, const HybridSettings& view,
-                                     int views) {
-    const Aperture aperture = read_aperture(view.focus.impulse);
+                                     const FieldFocusSettings& by_field) {
     const TraceSettings as_it_was =
-        settings_of(h, retrace_settings(h, view, checked_camera(h, scene), aperture));
+        settings_of(h, retrace_settings(h, view, checked_camera(h, scene), by_field.aperture));
     TraceSettings wider = as_it_was, whole = as_it_was, finer = as_it_was;
     know_the_view(view, h, wider);
     if (wider.for_f_number || wider.for_shutter) wider.overscan_auto = true;
@@ -66,21 +63,12 @@ std::vector<ErrorTrial> error_trials(const SampleHeader& h, const Scene& scene, 
     finer.whitted.max_depth = deepest_trees;
     finer.whitted.min_contribution = std::min(h.min_contribution, 1e-4);
 
-    const bool moves = view.motion != nullptr && view.shutter && view.shutter->open_s < view.shutter->close_s;
     const auto tried = [&](ErrorCause cause, const TraceSettings& settings) {
         const ScratchFile file("trial.exr");
         (void)trace_to_file(scene, settings, file.path());
         const SampleFileReader reader(file.path());
         FocusFrame frame(reader);
-        FieldFocusSettings s{focus_geometry(view.focus.lens, view.focus.focus_distance_m, Framing::keep,
-                                            {h.film_distance_mm, h.pixel_pitch_mm}),
-                             aperture,
-                             {0, h.width, 0, h.height},
-                             views,
-                             {},
-                             {}};
-        if (moves) s.shutter = {view.motion, view.shutter->open_s, view.shutter->close_s, view.curve};
-        return ErrorTrial{cause, field_focus(frame, s).image};
+        return ErrorTrial{cause, field_focus(frame, by_field).image};
     };
     std::vector<ErrorTrial> out;
     out.push_back(tried(ErrorCause::record_density, finer));
@@ -88,7 +76,7 @@ std::vector<ErrorTrial> error_trials(const SampleHeader& h, const Scene& scene, 
     out.back().decides = true;
     out.push_back(tried(ErrorCause::frame_edge, wider));
     out.back().decides = true;
-    if (moves) {
+    if (by_field.shutter) {
         out.push_back(tried(ErrorCause::hidden_surface, longer));
         out.back().other_instants = true;
     }

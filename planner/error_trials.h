@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "focus/field_focus.h"
 #include "planner/error_causes.h"
 #include "records/image.h"
 
@@ -21,6 +22,7 @@ struct ErrorTrial {
 /// or one level finer, with whole shading trees and narrow things looked for (record_density). `scene` must
 /// be the file's own. Throws what tracing and field_focus throw.
 [[nodiscard]] std::vector<ErrorTrial> error_trials(const SampleHeader& header, const Scene& scene,
-                                                   const HybridSettings& view, int views);
+                                                   const HybridSettings& view,
+                                                   const FieldFocusSettings& by_field);
 
 }  // namespace postlens
