@@ -91,7 +91,7 @@ class LayerSplats::RowBuilder {
                            SurfaceKey surface);
     void add_mask(const PointSample& s, const Met& from, const Met& met, LayerPart part);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
-                  const std::array<float, 3>& rgb, double w_per_m, const LayerPart& part);
+                  const std::array<float, 3>& rgb, const LayerPart& part);
     void place(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                float weight, double inverse_depth, const LayerPart& part);
     void add(const LayerSplat& splat, std::uint32_t number, std::size_t hash);
@@ -186,10 +186,9 @@ void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number,
 // Light and weight by one response, or by two where the lens holds something back: what is missing from the
 // light is not missing from what it is divided by.
 void LayerSplats::RowBuilder::add_node(const PointSample& s, const NodeResponse& response, const Record& node,
-                                       const std::array<float, 3>& rgb, double w_per_m,
-                                       const LayerPart& part) {
+                                       const std::array<float, 3>& rgb, const LayerPart& part) {
     const NodeResponses& responses = t_.responses_;
-    const float share = responses.passing(response, w_per_m, place_px_);
+    const float share = responses.passing(response, place_px_);
     const std::array<float, 3> light{share * rgb[0], share * rgb[1], share * rgb[2]};
     const double inverse_depth = inverse_depth_per_m(node);
     if (responses.weighs_as_it_shines(response)) {
@@ -222,9 +221,7 @@ void LayerSplats::RowBuilder::add_mask(const PointSample& s, const Met& from, co
                                        LayerPart part) {
     part.path = met.node->path.bits();
     part.shown = {};
-    add_node(s, from.response, *from.node, met.subtree,
-             from.node->path == NodePath() ? inverse_depth_per_m(*from.node) : mean_w_per_m(*from.node),
-             part);
+    add_node(s, from.response, *from.node, met.subtree, part);
 }
 
 void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Record> nodes,
@@ -248,7 +245,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     if (!(s.total_weight() > 0)) return;
     LayerPart part{.surface = surface, .kind = kind};
     if (kind == LayerPart::Kind::hidden) covered_ = static_cast<float>(1 - apart);
-    add_node(s, primary, first, {first.r, first.g, first.b}, inverse_depth, part);
+    add_node(s, primary, first, {first.r, first.g, first.b}, part);
     covered_ = 0;
     if (nodes.size() == 1) {
         row_->colours.include({first.r, first.g, first.b});
@@ -270,7 +267,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
         part.kind = from == met_.begin() && kind == LayerPart::Kind::hidden ? LayerPart::Kind::hidden_mask
                                                                             : LayerPart::Kind::mask;
         add_mask(s, *from, met, part);
-        add_node(s, met.response, node, {node.r, node.g, node.b}, mean_w_per_m(node),
+        add_node(s, met.response, node, {node.r, node.g, node.b},
                  {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen});
         if (kind == LayerPart::Kind::seen)
             shown_.push_back(
@@ -302,7 +299,7 @@ void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<
             shown_.push_back(now);
             covered_ = static_cast<float>(1 - apart);
         }
-        add_node(s, met.response, node, {node.r, node.g, node.b}, mean_w_per_m(node), part);
+        add_node(s, met.response, node, {node.r, node.g, node.b}, part);
         covered_ = 0;
         row_->colours.include({node.r, node.g, node.b});
     }
@@ -370,7 +367,7 @@ void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
         row_->colours.include(
             {light.rgb[0] / light.weight, light.rgb[1] / light.weight, light.rgb[2] / light.weight});
     }
-    const float share = responses.passing(response, light.spread_depth, place_px_);
+    const float share = responses.passing(response, place_px_);
     const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};
     if (responses.weighs_as_it_shines(response)) {
         place(s, response, rgb, light.weight, light.inverse_depth, part);

@@ -27,7 +27,7 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
         out.radius_px = levels_.radius_px()[*level];
         if (!round) {
             out.key.upside_down = signed_radius_px < 0 && !response_->is_point_symmetric();
-            finish_other(out, glm::dmat2(out.radius_px), place_px);
+            finish_other(out, glm::dmat2(std::copysign(out.radius_px, signed_radius_px)), place_px);
         }
         return out;
     }
@@ -45,6 +45,11 @@ void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
+    // A share of another depth than the response's would not be what reaches a pixel through the second rim:
+    // with levels half a pixel apart 0.4 % of all light went missing.
+    out.inverse_depth_per_m =
+        geometry_.inverse_focus_per_m -
+        (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);
     const glm::dvec2 cell = glm::floor(place_px * std::ldexp(1.0, -out.key.cell_log2));
     out.key.cell_x = static_cast<std::int32_t>(cell.x);
     out.key.cell_y = static_cast<std::int32_t>(cell.y);
@@ -87,11 +92,10 @@ NodeResponse NodeResponses::of(const Record& node, const NodeResponse& primary,
     return to_w(node.w, place_px);
 }
 
-float NodeResponses::passing(const NodeResponse& response, double inverse_depth_per_m,
-                             const glm::dvec2& place_px) const {
+float NodeResponses::passing(const NodeResponse& response, const glm::dvec2& place_px) const {
     return response.key.cell_log2 == 0
                ? 1.0F
-               : static_cast<float>(response_->transmission(place_px, inverse_depth_per_m));
+               : static_cast<float>(response_->transmission(place_px, response.inverse_depth_per_m));
 }
 
 NodeResponse NodeResponses::whole(NodeResponse response) {

@@ -24,6 +24,9 @@ struct NodeResponse {
     KernelKey key;
     double radius_px = 0;        ///< of the kernel: half the longer side of its bounding box
     double exact_radius_px = 0;  ///< of the CoC itself
+    /// What it is made for, 1/m: not the node's own depth, but its level's. Only where it changes over the
+    /// field.
+    double inverse_depth_per_m = 0;
 };
 
 /// Responses of one lens setting. Places are counted from the middle of the picture.
@@ -38,8 +41,7 @@ class NodeResponses {
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
     /// Share of the light that the lens lets through. 1 where one kernel serves the whole picture.
-    [[nodiscard]] float passing(const NodeResponse& response, double inverse_depth_per_m,
-                                const glm::dvec2& place_px) const;
+    [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
     /// Whether the weights spread as the light does; else by `whole`.
     [[nodiscard]] bool weighs_as_it_shines(const NodeResponse& response) const {
         return response.key.cell_log2 == 0 || model().weighs_as_it_shines();

@@ -85,11 +85,10 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
             rgb = {rgb[0] + node.r, rgb[1] + node.g, rgb[2] + node.b};
             continue;
         }
-        const double w = (static_cast<double>(node.w.xx) + static_cast<double>(node.w.yy)) / 2;
-        const float share = responses.passing(response, w, place_px_);
+        const float share = responses.passing(response, place_px_);
         add_splats(s, response, {share * node.r, share * node.g, share * node.b}, 0);
     }
-    for (float& channel : rgb) channel *= responses.passing(primary, depth, place_px_);
+    for (float& channel : rgb) channel *= responses.passing(primary, place_px_);
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
 
     const bool whole_corner = s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
@@ -119,7 +118,7 @@ void SplatTables::RowBuilder::add_light(const PixelLight& light) {
     const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
     largest_radius_px_ = std::max(largest_radius_px_, response.exact_radius_px);
     t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
-    const float share = responses.passing(response, light.spread_depth, place_px_);
+    const float share = responses.passing(response, place_px_);
     const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
     if (responses.weighs_as_it_shines(response)) {
