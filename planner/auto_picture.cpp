@@ -67,6 +67,7 @@ class Planner {
             floor.add(band, y_begin, y_end);
         };
         const FieldFocuser focuser(frame_, by_field);
+        aligned_ = floor.aligned();
         floor_ = std::move(floor).picture();
         pilot(focuser, misplaced.picture());
         choose_views();
@@ -159,21 +160,31 @@ class Planner {
     void trace_again() {
         HybridResult& hybrid = out_.hybrid;
         const HybridSettings& s = settings_.hybrid;
-        std::vector<double> left(out_.tiles.size());
-        for (std::size_t t = 0; t < left.size(); ++t) left[t] = out_.tiles[t].mse() - aim_;
+        // What a tile has above its aim; and above its target, should its edges be worse than the mean.
+        std::vector<double> left(out_.tiles.size()), unlucky = out_.grid.means([&](std::size_t k) {
+            return floor_unseen * (aligned_nine_in_ten - 1) * static_cast<double>(aligned_[k]);
+        });
+        for (std::size_t t = 0; t < left.size(); ++t) {
+            left[t] = out_.tiles[t].mse() - aim_;
+            unlucky[t] += out_.tiles[t].mse() - most_mse_;
+        }
         std::vector<std::uint32_t> order(hidden_.size()), pixels;
         std::iota(order.begin(), order.end(), 0U);
         const auto error = [&](std::uint32_t k) {
             return static_cast<double>(hidden_[k]) + floor_unseen * static_cast<double>(floor_[k]);
         };
+        const auto at_worst = [&](std::uint32_t k) {
+            return error(k) + floor_unseen * (aligned_nine_in_ten - 1) * static_cast<double>(aligned_[k]);
+        };
         std::stable_sort(order.begin(), order.end(),
-                         [&](std::uint32_t a, std::uint32_t b) { return error(a) > error(b); });
+                         [&](std::uint32_t a, std::uint32_t b) { return at_worst(a) > at_worst(b); });
         for (const std::uint32_t k : order) {
             const auto x = static_cast<int>(k % static_cast<std::uint32_t>(h_.width)),
                        y = static_cast<int>(k / static_cast<std::uint32_t>(h_.width));
             const std::size_t t = out_.grid.at(x, y);
-            if (left[t] <= 0) continue;
+            if (left[t] <= 0 && unlucky[t] <= 0) continue;
             left[t] -= error(k) / out_.grid.pixels(t);
+            unlucky[t] -= at_worst(k) / out_.grid.pixels(t);
             pixels.push_back(k);
         }
         hybrid.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(order.size());
@@ -256,7 +267,7 @@ class Planner {
     Aperture aperture_;
     double most_mse_, aim_;
     std::vector<double> pilot_noise_;
-    std::vector<float> floor_, hidden_;
+    std::vector<float> floor_, aligned_, hidden_;
     AutoResult out_;
 };
 

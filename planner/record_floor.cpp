@@ -20,6 +20,7 @@ double averaged_by(double coc_px, bool aligned) {
 RecordFloor::RecordFloor(const SampleHeader& header, const FocusGeometry& geometry)
     : width_(header.width), height_(header.height), geometry_(geometry) {
     mse_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0F);
+    aligned_ = mse_;
 }
 
 void RecordFloor::add(const RecordBand& band, int y_begin, int y_end) {
@@ -39,19 +40,21 @@ void RecordFloor::add(const RecordBand& band, int y_begin, int y_end) {
             for (int y = y0; y < y1; ++y) {
                 for (int x = 0; x < width_; ++x) {
                     const std::size_t k = band.pixel(x, y) - band.pixel(band.x_begin, y0);
-                    mse_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                         static_cast<std::size_t>(x)] =
-                        static_cast<float>(
-                            pixel_error(std::span(leaves.leaves)
-                                            .subspan(leaves.leaf_offsets[k],
-                                                     leaves.leaf_offsets[k + 1] - leaves.leaf_offsets[k]),
-                                        corners));
+                    const PixelError error = pixel_error(
+                        std::span(leaves.leaves)
+                            .subspan(leaves.leaf_offsets[k], leaves.leaf_offsets[k + 1] - leaves.leaf_offsets[k]),
+                        corners);
+                    const std::size_t to = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                                           static_cast<std::size_t>(x);
+                    mse_[to] = error.mse;
+                    aligned_[to] = error.aligned;
                 }
             }
         });
 }
 
-double RecordFloor::pixel_error(std::span<const Leaf> leaves, std::span<const CellCorner> corners) const {
+RecordFloor::PixelError RecordFloor::pixel_error(std::span<const Leaf> leaves,
+                                                 std::span<const CellCorner> corners) const {
     PixelEdges edges;
     double coc_px = std::numeric_limits<double>::infinity(), bright = 0;
     for (const Leaf& leaf : leaves) {
@@ -72,7 +75,7 @@ double RecordFloor::pixel_error(std::span<const Leaf> leaves, std::span<const Ce
     }
     double mse = edges.mse();
     if (mse > 0 && std::isfinite(coc_px)) mse /= averaged_by(coc_px, edges.aligned());
-    return mse + bright;
+    return {static_cast<float>(mse + bright), static_cast<float>(edges.aligned() ? mse : 0)};
 }
 
 std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry) {

@@ -31,13 +31,19 @@ class RecordFloor {
     void add(const RecordBand& band, int y_begin, int y_end);
     [[nodiscard]] std::vector<float> picture() && { return std::move(mse_); }
     [[nodiscard]] const std::vector<float>& picture() const& { return mse_; }
+    /// What of it comes from edges along the cells, and may therefore be aligned_nine_in_ten times as much.
+    [[nodiscard]] const std::vector<float>& aligned() const { return aligned_; }
 
   private:
-    [[nodiscard]] double pixel_error(std::span<const Leaf> leaves, std::span<const CellCorner> corners) const;
+    struct PixelError {
+        float mse = 0, aligned = 0;
+    };
+    [[nodiscard]] PixelError pixel_error(std::span<const Leaf> leaves,
+                                         std::span<const CellCorner> corners) const;
 
     int width_, height_;
     FocusGeometry geometry_;
-    std::vector<float> mse_;
+    std::vector<float> mse_, aligned_;
 };
 
 /// The same of a whole file, whose records it reads once.
