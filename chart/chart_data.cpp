@@ -105,7 +105,13 @@ double ChartPoint::median_s() const {
 }
 
 double ChartPoint::seconds_each(const ChartTrace* from, double pictures) const {
-    return median_s() + (from != nullptr ? from->median_s() / pictures : 0);
+    double each = median_s();
+    if (!further_s.empty()) {
+        const double further = median(further_s);
+        const double in_sweep = further + (median(first_of_many_s) - further) / std::max(pictures, 1.0);
+        each = std::min(each, in_sweep);
+    }
+    return each + (from != nullptr ? from->median_s() / pictures : 0);
 }
 
 const ChartTrace* ChartData::trace_of(const ChartPoint& point) const {
@@ -155,6 +161,8 @@ Json to_json(const ChartData& data) {
                                  {"amount", p.amount},
                                  {"trace", p.trace},
                                  {"seconds", p.seconds},
+                                 {"first_of_many_s", p.first_of_many_s},
+                                 {"further_s", p.further_s},
                                  {"figures", p.figures ? to_json(*p.figures) : Json(nullptr)},
                                  {"retraced_share", p.retraced_share},
                                  {"warnings", p.warnings}});
@@ -184,6 +192,9 @@ ChartData chart_from_json(const std::string& text, const std::filesystem::path& 
             q.amount = p.at("amount").get<int>();
             q.trace = p.at("trace").get<std::string>();
             q.seconds = p.at("seconds").get<std::vector<double>>();
+            // Charts of before sweeps were timed have none.
+            q.first_of_many_s = p.value("first_of_many_s", std::vector<double>());
+            q.further_s = p.value("further_s", std::vector<double>());
             if (!p.at("figures").is_null()) q.figures = figures_from(p.at("figures"));
             q.retraced_share = p.at("retraced_share").get<double>();
             q.warnings = p.at("warnings").get<std::vector<std::string>>();
@@ -199,7 +210,8 @@ ChartData chart_from_json(const std::string& text, const std::filesystem::path& 
 
 std::string chart_csv(const ChartData& data) {
     std::string out =
-        "point,curve,setting,trace,trace_s,seconds,seconds_least,seconds_greatest,rounds,psnr_db,psnr_is_"
+        "point,curve,setting,trace,trace_s,seconds,seconds_least,seconds_greatest,rounds,further_s,psnr_db,"
+        "psnr_is_"
         "bound,"
         "affected_psnr_db,affected_is_bound,relmse,ssim,flip,retraced_share,warnings\n";
     for (const ChartPoint& p : data.points) {
@@ -211,15 +223,15 @@ std::string chart_csv(const ChartData& data) {
                                                                .flip = unknown});
         const auto least = std::min_element(p.seconds.begin(), p.seconds.end());
         const auto greatest = std::max_element(p.seconds.begin(), p.seconds.end());
-        out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(p.name),
-                           quoted(p.curve), p.amount > 0 ? std::to_string(p.amount) : "", quoted(p.trace),
-                           t != nullptr ? csv_number(t->median_s()) : "", csv_number(p.median_s()),
-                           p.seconds.empty() ? "" : csv_number(*least),
-                           p.seconds.empty() ? "" : csv_number(*greatest), p.seconds.size(),
-                           csv_number(f.whole.psnr_db), f.whole.is_bound ? 1 : 0,
-                           csv_number(f.affected.psnr_db), f.affected.is_bound ? 1 : 0, csv_number(f.relmse),
-                           csv_number(f.ssim), csv_number(f.flip), csv_number(p.retraced_share),
-                           quoted(fmt::format("{}", fmt::join(p.warnings, " "))));
+        out += fmt::format(
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(p.name), quoted(p.curve),
+            p.amount > 0 ? std::to_string(p.amount) : "", quoted(p.trace),
+            t != nullptr ? csv_number(t->median_s()) : "", csv_number(p.median_s()),
+            p.seconds.empty() ? "" : csv_number(*least), p.seconds.empty() ? "" : csv_number(*greatest),
+            p.seconds.size(), csv_number(median(p.further_s)), csv_number(f.whole.psnr_db),
+            f.whole.is_bound ? 1 : 0, csv_number(f.affected.psnr_db), f.affected.is_bound ? 1 : 0,
+            csv_number(f.relmse), csv_number(f.ssim), csv_number(f.flip), csv_number(p.retraced_share),
+            quoted(fmt::format("{}", fmt::join(p.warnings, " "))));
     }
     return out;
 }
@@ -230,9 +242,10 @@ std::string chart_markdown(const ChartData& data) {
         if (p.is_rays() && p.figures) rays.push_back({p.median_s(), p.figures->whole.rms()});
     }
     std::string out =
-        "| method | s | whole frame, dB | affected, dB | relMSE | traced again | rays of that error, s | "
+        "| method | s | in a sweep, s | whole frame, dB | affected, dB | relMSE | traced again | rays of "
+        "that error, s | "
         "faster with 1 / "
-        "10 / 100 pictures a trace |\n|---|---|---|---|---|---|---|---|\n";
+        "10 / 100 pictures a trace |\n|---|---|---|---|---|---|---|---|---|\n";
     for (const ChartPoint& p : data.points) {
         if (!p.figures) continue;
         std::string equal, factors;
@@ -244,10 +257,11 @@ std::string chart_markdown(const ChartData& data) {
                 factors = fmt::format("{:.2g} / {:.2g} / {:.2g}", *s / p.seconds_each(t, 1),
                                       *s / p.seconds_each(t, 10), *s / p.seconds_each(t, 100));
         }
-        out += fmt::format("| {} | {} | {} | {} | {:.2g} | {} | {} | {} |\n", p.name, spread_text(p.seconds),
-                           db_text(p.figures->whole), db_text(p.figures->affected), p.figures->relmse,
-                           p.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * p.retraced_share) : "", equal,
-                           factors);
+        out += fmt::format(
+            "| {} | {} | {} | {} | {} | {:.2g} | {} | {} | {} |\n", p.name, spread_text(p.seconds),
+            p.further_s.empty() ? "" : fmt::format("{:.3g}", median(p.further_s)), db_text(p.figures->whole),
+            db_text(p.figures->affected), p.figures->relmse,
+            p.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * p.retraced_share) : "", equal, factors);
     }
     out += fmt::format("\n{:.0f} % of the pixels are affected; ", 100 * data.affected_share);
     if (data.noise_rms)

@@ -42,13 +42,17 @@ struct ChartPoint {
     int amount = 0;               ///< K, M or samples per pixel; 0: has none
     std::string trace;            ///< name of the sample file; empty: rays
     std::vector<double> seconds;  ///< by round, without the trace
+    /// By round, of a sweep: its first picture, reading included, and one more through another lens. Empty:
+    /// shares nothing.
+    std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;
     std::vector<std::string> warnings;  ///< codes
 
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
-    /// Per picture, where one sample file serves so many: infinity for no end of them.
+    /// Per picture, where one sample file serves so many: infinity for no end of them. In single calls or in
+    /// a sweep, whatever takes less.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 

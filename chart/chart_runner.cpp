@@ -14,6 +14,7 @@
 #include "core/progress.h"
 #include "core/text_file.h"
 #include "core/threads.h"
+#include "focus/frame.h"
 #include "motionblur/paths_file.h"
 #include "planner/hybrid.h"
 #include "records/sample_file.h"
@@ -264,6 +265,10 @@ class Runner {
         double retraced = 0;
         const double seconds = seconds_of([&] { image = picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
+        // A picture of no lens is the same in every sweep.
+        if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
+            static_cast<int>(to->further_s.size()) <= round)
+            measure_sweep(p, path, *to);
         if (!to->figures) {
             const std::string name = point_file_name(p.name) + ".png";
             write_image(folder_ / "pictures" / name, image);
@@ -273,6 +278,19 @@ class Runner {
             to->warnings = warnings;
         }
         save();
+    }
+
+    // The point's own picture after one through a lens stopped down by a sixth of a stop.
+    void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
+        double retraced = 0;
+        std::vector<std::string> warnings;
+        ThinLens stopped_down = view_.lens;
+        stopped_down.f_number *= std::exp2(1.0 / 12);
+        const SampleFileReader file(path);
+        FocusFrame frame(file, true);
+        to.first_of_many_s.push_back(
+            seconds_of([&] { (void)focused(p, frame, stopped_down, retraced, warnings); }));
+        to.further_s.push_back(seconds_of([&] { (void)focused(p, frame, view_.lens, retraced, warnings); }));
     }
 
     [[nodiscard]] Image picture(const PlannedPoint& p, const fs::path& path, double& retraced,
@@ -293,25 +311,32 @@ class Runner {
             for (const MotionWarning& w : r.warnings) warnings.push_back(w.code);
             return std::move(r.image);
         }
-        FocusSettings f{.lens = view_.lens, .focus_distance_m = view_.focus_m, .method = p.focus};
+        FocusFrame frame(file);
+        return focused(p, frame, view_.lens, retraced, warnings);
+    }
+
+    [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
+                                double& retraced, std::vector<std::string>& warnings) const {
+        using Kind = PlannedPoint::Kind;
+        FocusSettings f{.lens = lens, .focus_distance_m = view_.focus_m, .method = p.focus};
         if (p.focus == FocusMethod::scatter && p.amount > 0) f.depths = p.amount;
         if ((p.focus == FocusMethod::lightfield || p.focus == FocusMethod::hybrid) && p.amount > 0)
             f.views = p.amount;
         if (p.kind == Kind::focus && p.focus != FocusMethod::hybrid) {
             if (p.focus == FocusMethod::pinhole) f.lens.f_number = std::numeric_limits<double>::infinity();
-            FocusResult r = focus_picture(file, f);
+            FocusResult r = focus_picture(frame, f);
             for (const FocusWarning& w : r.warnings) warnings.push_back(w.code);
             return std::move(r.image);
         }
         HybridSettings h{.focus = f};
         std::optional<FrameMotion> motion;
         if (view_.shutter) {
-            motion = motion_of(file.header(), {});
+            motion = motion_of(frame.file().header(), {});
             h.motion = &*motion;
             h.shutter = view_.shutter;
         }
         if (p.focus == FocusMethod::hybrid) h.scene = &scene_;
-        HybridResult r = hybrid_picture(file, h);
+        HybridResult r = hybrid_picture(frame, h);
         retraced = r.retraced_share;
         for (const FocusWarning& w : r.focus.warnings) warnings.push_back(w.code);
         return std::move(r.focus.image);

@@ -40,10 +40,11 @@ void RecordFloor::add(const RecordBand& band, int y_begin, int y_end) {
             for (int y = y0; y < y1; ++y) {
                 for (int x = 0; x < width_; ++x) {
                     const std::size_t k = band.pixel(x, y) - band.pixel(band.x_begin, y0);
-                    const PixelError error = pixel_error(
-                        std::span(leaves.leaves)
-                            .subspan(leaves.leaf_offsets[k], leaves.leaf_offsets[k + 1] - leaves.leaf_offsets[k]),
-                        corners);
+                    const PixelError error =
+                        pixel_error(std::span(leaves.leaves)
+                                        .subspan(leaves.leaf_offsets[k],
+                                                 leaves.leaf_offsets[k + 1] - leaves.leaf_offsets[k]),
+                                    corners);
                     const std::size_t to = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                                            static_cast<std::size_t>(x);
                     mse_[to] = error.mse;

@@ -50,6 +50,10 @@ TEST_F(ChartCommand, FillsAFolder) {
     const json j = json::parse(r.out);
     EXPECT_EQ(j["kept"], 0);
     EXPECT_EQ(j["points"].back()["name"], "rays spp=4");
+    for (const json& p : j["points"]) {
+        const bool shares = !p["trace"].get<std::string>().empty() && p["curve"] != "pinhole";
+        EXPECT_EQ(p["further_s"].size(), shares ? 1 : 0) << p["name"];
+    }
     for (const char* name : {"index.html", "chart.csv", "chart.json", "chart.md", "speed_accuracy.svg",
                              "speed_accuracy.png", "speed_accuracy_affected.svg", "cost.svg", "cost.png"})
         EXPECT_GT(fs::file_size(in("chart/") + name), 200) << name;

@@ -54,6 +54,15 @@ TEST(ChartData, ATraceIsSharedByItsPictures) {
     EXPECT_EQ(point.seconds_each(nullptr, 1), 2);
 }
 
+TEST(ChartData, PicturesOfASweepShareWhatNoLensChanges) {
+    const ChartTrace trace{.name = "records", .seconds = {20}};
+    const ChartPoint point{
+        .name = "a", .trace = "records", .seconds = {2}, .first_of_many_s = {3}, .further_s = {0.5}};
+    EXPECT_EQ(point.seconds_each(&trace, 1), 22);  // alone
+    EXPECT_EQ(point.seconds_each(&trace, 10), 2.75);
+    EXPECT_EQ(point.seconds_each(&trace, std::numeric_limits<double>::infinity()), 0.5);
+}
+
 Scene still(std::optional<double> f_number) {
     Scene out;
     out.cameras.push_back({.width = 32, .height = 18, .f_number = f_number, .focus_m = 2});

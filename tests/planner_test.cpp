@@ -1,6 +1,7 @@
 // What the planner expects, against what comes of it: the noise of views, the records' density, whole
 // pictures; and the traces that are planned.
 #include <cmath>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -19,6 +20,9 @@ namespace postlens::test {
 namespace {
 
 using glm::dvec3;
+using testing::ElementsAre;
+using testing::Field;
+using testing::IsEmpty;
 
 constexpr ThinLens wide{.focal_length_mm = 50, .f_number = 0.7};
 
@@ -192,6 +196,18 @@ TEST(AutoPicture, SaysWhereNoMethodGetsThere) {
     EXPECT_LE(again.hybrid.retraced_share, 0.5);
     EXPECT_GT(psnr_db(again.hybrid.focus.image, rays(b.scene, s)),
               psnr_db(poor.hybrid.focus.image, rays(b.scene, s)) + 3);
+}
+
+TEST(AutoPicture, SaysThatTheScenesGlossIsNotInTheRecords) {
+    SceneBuilder b = bar_and_wall();
+    const TracedFrame frame(b.scene, traced(true, 1));
+    FocusFrame of(frame.file(), true);
+    AutoSettings s = settings(20);
+    s.hybrid.scene = &b.scene;
+    EXPECT_THAT(auto_picture(of, s).hybrid.focus.warnings, IsEmpty());
+    b.scene.materials[0].reflection = dvec3(0.5);
+    b.scene.materials[0].reflection_exponent = 20;
+    EXPECT_THAT(auto_picture(of, s).hybrid.focus.warnings, ElementsAre(Field(&FocusWarning::code, "gloss")));
 }
 
 TEST(AutoPicture, SameBitsForAnyNumberOfThreads) {
