@@ -100,12 +100,12 @@ CommandResult run_focus(const FocusOptions& options) {
                                  .crop = options.crop};
     CommandResult out;
     warn_of_lost_rows(file, out.warnings);
-    FocusFrame frame(file);
+    FocusFrame frame(file, options.method == FocusMethod::automatic);
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
     if (options.method == FocusMethod::automatic && std::isfinite(lens.lens.f_number)) {
-        AutoResult planned = run_auto(file, {.hybrid = {.focus = settings}, .target_db = options.target_db},
+        AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
                                       options.retrace, out);
         plan = plan_json(planned);
         hybrid = std::move(planned.hybrid);
@@ -113,7 +113,7 @@ CommandResult run_focus(const FocusOptions& options) {
         result.method = FocusMethod::automatic;
         out.text = planned.plan + "\n";
     } else if (options.method == FocusMethod::hybrid && std::isfinite(lens.lens.f_number)) {
-        hybrid = run_hybrid(file, {.focus = settings}, options.retrace, out);
+        hybrid = run_hybrid(frame, {.focus = settings}, options.retrace, out);
         result = std::move(hybrid.focus);
         result.method = FocusMethod::hybrid;
     } else {

@@ -43,12 +43,12 @@ std::optional<Scene> scene_of(const RetraceOptions& retrace, CommandResult& out)
 
 }  // namespace
 
-HybridResult run_hybrid(const SampleFileReader& file, HybridSettings settings, const RetraceOptions& retrace,
+HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings, const RetraceOptions& retrace,
                         CommandResult& out) {
     const std::optional<Scene> scene = scene_of(retrace, out);
     settings.scene = scene ? &*scene : nullptr;
     settings.retrace_spp = retrace.spp;
-    HybridResult result = hybrid_picture(file, settings);
+    HybridResult result = hybrid_picture(frame, settings);
     if (retrace.explain) write_explanation(*retrace.explain, result, nullptr, settings.focus.crop);
     return result;
 }
@@ -59,11 +59,10 @@ nlohmann::ordered_json shares_json(const HybridResult& r) {
             {"rays", rays_json(r.rays)}};
 }
 
-AutoResult run_auto(const SampleFileReader& file, AutoSettings settings, const RetraceOptions& retrace,
+AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,
                     CommandResult& out) {
     const std::optional<Scene> scene = scene_of(retrace, out);
     settings.hybrid.scene = scene ? &*scene : nullptr;
-    FocusFrame frame(file, true);
     AutoResult result = auto_picture(frame, settings);
     if (!result.met(settings.target_db)) out.exit_code = ExitCode::shortfall;
     if (retrace.explain)

@@ -32,11 +32,12 @@ CommandResult run_shoot(const ShootOptions& options) {
                                   .shutter = TimeSpan{exposure.open_s, exposure.close_s},
                                   .curve = shutter_curve(options.curve)};
     const bool automatic = o.method == FocusMethod::automatic;
+    FocusFrame frame(file, automatic);
     AutoResult planned;
     if (automatic) {
-        planned = run_auto(file, {.hybrid = settings, .target_db = o.target_db}, o.retrace, out);
+        planned = run_auto(frame, {.hybrid = settings, .target_db = o.target_db}, o.retrace, out);
     } else {
-        planned.hybrid = run_hybrid(file, settings, o.retrace, out);
+        planned.hybrid = run_hybrid(frame, settings, o.retrace, out);
     }
     const HybridResult& result = planned.hybrid;
     write_image(o.output, result.focus.image, o.crop);

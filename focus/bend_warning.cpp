@@ -5,13 +5,12 @@
 #include <fmt/format.h>
 #include <vector>
 
-#include "core/threads.h"
+#include "focus/largest_bends.h"
 
 namespace postlens {
 namespace {
 
 constexpr double most_px = 0.5;
-constexpr float darkest = 1.0F / 255;  // what is darker no eight-bit picture shows
 
 /// Which nodes a lens shows elsewhere than W says.
 class Misplaced {
@@ -19,9 +18,11 @@ class Misplaced {
     explicit Misplaced(const FocusGeometry& lens)
         : px_per_bend_(lens.gain_px * lens.aperture_radius_m * lens.aperture_radius_m) {}
     [[nodiscard]] bool possible(const SampleHeader& h) const { return h.has_bend && px_per_bend_ > 0; }
+    [[nodiscard]] bool by_bend(float bend) const {
+        return px_per_bend_ * static_cast<double>(bend) > most_px;
+    }
     bool operator()(const Record& r) const {
-        return r.layer == 0 && std::max({r.r, r.g, r.b}) > darkest &&
-               px_per_bend_ * static_cast<double>(r.w_bend) > most_px;
+        return r.layer == 0 && std::max({r.r, r.g, r.b}) > darkest_shown && by_bend(r.w_bend);
     }
 
   private:
@@ -97,26 +98,17 @@ std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry&
     const SampleHeader& h = frame.file().header();
     const Misplaced is_misplaced(lens);
     if (!is_misplaced.possible(h)) return std::nullopt;
-    std::vector<int> misplaced(static_cast<std::size_t>(h.height), 0);
     const Crop looked_at = crop.value_or(Crop{0, 0, h.width, h.height});
     const int first = looked_at.y, last = looked_at.y + looked_at.height;
-    frame.visit_rows(first, last, [&](const FrameRows& rows) {
-        const RecordBand& band = *rows.band;
-        const int begin = std::max(rows.y_begin, first), end = std::min(rows.y_end, last);
-        parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i) {
-            const int y = begin + static_cast<int>(i);
-            for (int x = looked_at.x; x < looked_at.x + looked_at.width; ++x) {
-                const std::size_t k = band.pixel(x, y);
-                if (std::any_of(band.records.begin() + band.offsets[k],
-                                band.records.begin() + band.offsets[k + 1], is_misplaced))
-                    ++misplaced[static_cast<std::size_t>(y)];
-            }
-        });
-    });
-    double pixels = 0;
-    for (const int of_row : misplaced) pixels += of_row;
+    const LargestBends& bends = frame.largest_bends(first, last);
+    std::int64_t pixels = 0;
+    for (int y = first; y < last; ++y) {
+        const float* row = bends.row(y);
+        pixels += std::count_if(row + looked_at.x, row + looked_at.x + looked_at.width,
+                                [&](float bend) { return is_misplaced.by_bend(bend); });
+    }
     if (pixels == 0) return std::nullopt;
-    const double share = pixels / looked_at.width / looked_at.height;
+    const double share = static_cast<double>(pixels) / looked_at.width / looked_at.height;
     return FocusWarning{
         .code = "nonlinear",
         .share = share,

@@ -13,8 +13,9 @@ namespace postlens {
 /// A warning of code "nonlinear" with the share of the picture's pixels that have a visible node brighter
 /// than 1/255 which W misplaces by more than half a pixel for some point of the lens: where
 /// (d / pitch) W.bend (D / 2)^2 > 0.5 px. Nothing where there is none, for a pinhole, and for files that do
-/// not say (`SampleHeader::has_bend`). Reads the records of the picture once; the same for any number of
-/// threads. `crop`: of these pixels of the traced picture only.
+/// not say (`SampleHeader::has_bend`). Reads the records of the picture once, or not at all if `frame` has
+/// them (FocusFrame::largest_bends); the same for any number of threads. `crop`: of these pixels of the
+/// traced picture only.
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 

@@ -63,7 +63,19 @@ void FocusFrame::visit_rows(int y_begin, int y_end, const std::function<void(con
 
 std::shared_ptr<const TreeSheets> FocusFrame::sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also) {
-    if (!many_) return std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, also));
+    const auto read = [&] {
+        if (instant != 0 || !file_.header().has_bend)
+            return std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, also));
+        LargestBends bends(file_.header(), 0, file_.header().height);
+        const auto both = [&](const RecordBand& band, int y_begin, int y_end) {
+            bends.add(band, y_begin, y_end);
+            if (also) also(band, y_begin, y_end);
+        };
+        auto out = std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, both));
+        keep_bends(std::move(bends), 0, file_.header().height);
+        return out;
+    };
+    if (!many_) return read();
     std::shared_ptr<TreeSheets>& kept = sheets_[instant];
     if (kept) {
         take_highlights(*kept, rule);
@@ -72,9 +84,25 @@ std::shared_ptr<const TreeSheets> FocusFrame::sheets(std::size_t instant, const 
                        [&](const FrameRows& rows) { also(*rows.band, rows.y_begin, rows.y_end); });
         }
     } else {
-        kept = std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, also));
+        kept = read();
     }
     return kept;
+}
+
+void FocusFrame::keep_bends(LargestBends bends, int y_begin, int y_end) {
+    bends_.emplace(std::move(bends));
+    bends_y_begin_ = y_begin;
+    bends_y_end_ = y_end;
+}
+
+const LargestBends& FocusFrame::largest_bends(int y_begin, int y_end) {
+    if (!bends_ || y_begin < bends_y_begin_ || y_end > bends_y_end_) {
+        LargestBends bends(file_.header(), y_begin, y_end);
+        visit_rows(y_begin, y_end,
+                   [&](const FrameRows& rows) { bends.add(*rows.band, rows.y_begin, rows.y_end); });
+        keep_bends(std::move(bends), y_begin, y_end);
+    }
+    return *bends_;
 }
 
 }  // namespace postlens

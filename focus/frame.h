@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "focus/largest_bends.h"
 #include "records/quadtree.h"
 #include "records/sample_file.h"
 
@@ -47,6 +48,10 @@ class FocusFrame {
     [[nodiscard]] std::shared_ptr<const TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                            const RecordsRead& also = {});
 
+    /// Of rows [y_begin, y_end) of the picture at least. What the sheets of instant 0 were made of has not to
+    /// be read for it again.
+    [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
+
   private:
     struct Kept {
         RecordBand band;
@@ -54,11 +59,14 @@ class FocusFrame {
         std::vector<PointSamples> samples;
     };
     void keep_all();
+    void keep_bends(LargestBends bends, int y_begin, int y_end);
 
     const SampleFileReader& file_;
     bool many_;
     std::vector<Kept> rows_;
     std::vector<std::shared_ptr<TreeSheets>> sheets_;  ///< by instant
+    std::optional<LargestBends> bends_;                ///< of bends_y_begin_ to bends_y_end_
+    int bends_y_begin_ = 0, bends_y_end_ = 0;
 };
 
 }  // namespace postlens

@@ -302,11 +302,7 @@ class Sweep {
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);
-        if (is_new) {
-            FocusFrame once(file_);
-            known->second = bend_warning(maker_.method() == FocusMethod::lightfield ? once : maker_.frame(),
-                                         *made.geometry);
-        }
+        if (is_new) known->second = bend_warning(maker_.frame(), *made.geometry);
         if (known->second) note(*known->second);
     }
 
