@@ -23,6 +23,15 @@ constexpr float brightest = 1;
 constexpr int band_px = SeenTile::edge;  // tiles of views, to find what reaches one
 /// Nearer than the light by this share, a surface covers it.
 constexpr float nearer = 1.02F;
+/// Views of a tile that all drawings of its lights may cost at least.
+constexpr std::size_t least_drawn = 64;
+/// Of a drawing, however small, next to a view of the whole tile.
+constexpr double least_cost = 0.02;
+/// The squares whose lights are seen alike.
+constexpr double group_px = 1.5;
+/// Where in a pixel the eye looks that sees them: no two in one row or column.
+constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
+                                                  glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
 
 }  // namespace
 
@@ -73,6 +82,7 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
         for (const auto& [key, light] : merged) add_source(light.first, *mesh, cache);
     }
     kernels_->build();
+    group_sources();
     lay_nearest_views(views);
     view_count_ = views.size();
     rows_.resize(static_cast<std::size_t>((window.height() + band_px - 1) / band_px));
@@ -138,57 +148,175 @@ void FieldHighlights::lay_nearest_views(const std::vector<LensViewPoint>& views)
 bool FieldHighlights::reach(int x, int y, int width, int height) const {
     if (sources_.empty()) return false;
     const auto& row = rows_[static_cast<std::size_t>(y / band_px)];
-    return std::any_of(row.begin(), row.end(), [&](std::uint32_t i) {
-        const Source& s = sources_[i];
-        const Kernel& k = (*kernels_)[s.kernel];
-        return s.x + k.x_begin < x + width && s.x + k.x_end > x && s.y + k.y_begin < y + height &&
-               s.y + k.y_end() > y;
-    });
+    return std::any_of(row.begin(), row.end(),
+                       [&](std::uint32_t i) { return reaches(sources_[i], x, y, width, height); });
 }
 
-bool FieldHighlights::sees(const Source& s, const TileViews& views, std::size_t k) const {
-    const std::uint32_t texel = views.texel[k];
+bool FieldHighlights::reaches(const Source& s, int x, int y, int width, int height) const {
+    const Kernel& k = (*kernels_)[s.kernel];
+    return s.x + k.x_begin < x + width && s.x + k.x_end > x && s.y + k.y_begin < y + height &&
+           s.y + k.y_end() > y;
+}
+
+bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z) const {
     if (texel == SeenTile::no_texel) return true;
     const Texel& t = sheets_.primary.texels[texel];
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
-    if (s.key.path.bits() == 0) return seen.id == s.key.id || views.inverse_z[k] <= nearer * s.inverse_z;
+    if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
     // In a mirror: where the view sees the mirror.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
 
-void FieldHighlights::add(const TileViews& views, std::vector<double>& rgb) const {
+// Sources that lie within a pixel and a half, by sheet, so that what is drawn of one place serves all of
+// them: the shadow of what stands before them is then off by less than that.
+void FieldHighlights::group_sources() {
+    std::map<std::tuple<SheetKey, int, int, bool>, std::uint32_t> known;
+    for (Source& s : sources_) {
+        const auto cell = [](double at) { return static_cast<int>(std::floor(at / group_px)); };
+        const auto [found, is_new] = known.try_emplace({s.key, cell(s.at.x), cell(s.at.y), s.by_all},
+                                                       static_cast<std::uint32_t>(groups_.size()));
+        const Kernel& k = (*kernels_)[s.kernel];
+        s.group = found->second;
+        const auto light = static_cast<double>(s.rgb[0] + s.rgb[1] + s.rgb[2]);
+        if (is_new) {
+            groups_.push_back({s, light, s.x + k.x_begin, s.x + k.x_end, s.y + k.y_begin, s.y + k.y_end()});
+            continue;
+        }
+        Group& g = groups_[s.group];
+        g.light += light;
+        g.middle.at += light / g.light * (s.at - g.middle.at);
+        g.middle.lens_from_px += light / g.light * (s.lens_from_px - g.middle.lens_from_px);
+        g.middle.inverse_z = std::max(g.middle.inverse_z, s.inverse_z);
+        g.x_begin = std::min(g.x_begin, s.x + k.x_begin);
+        g.x_end = std::max(g.x_end, s.x + k.x_end);
+        g.y_begin = std::min(g.y_begin, s.y + k.y_begin);
+        g.y_end = std::max(g.y_end, s.y + k.y_end());
+    }
+    std::stable_sort(sources_.begin(), sources_.end(),
+                     [](const Source& a, const Source& b) { return a.group < b.group; });
+}
+
+std::vector<FieldHighlights::GroupHere> FieldHighlights::groups_in(const TileViews& views) const {
+    std::vector<GroupHere> out;
     for (const std::uint32_t i : rows_[static_cast<std::size_t>(views.y / band_px)]) {
-        const Source& s = sources_[i];
-        const Kernel& kernel = (*kernels_)[s.kernel];
-        const int y0 = std::max(views.y, s.y + kernel.y_begin),
-                  y1 = std::min(views.y + views.height, s.y + kernel.y_end());
-        for (int y = y0; y < y1; ++y) {
-            const KernelRow& row = kernel.rows[static_cast<std::size_t>(y - s.y - kernel.y_begin)];
-            const int x0 = std::max(views.x, s.x + row.x_begin),
-                      x1 = std::min(views.x + views.width, s.x + row.x_end);
-            for (int x = x0; x < x1; ++x) {
-                const int column = x - s.x;
-                const bool inner = column >= row.inner_begin && column < row.inner_end;
-                const int tap = column < row.inner_begin
-                                    ? column - row.x_begin
-                                    : column - row.x_begin - (row.inner_end - row.inner_begin);
-                const auto value = static_cast<double>(
-                    inner ? kernel.inner : kernel.taps[row.tap + static_cast<std::uint32_t>(tap)]);
-                const std::size_t pixel = static_cast<std::size_t>(y - views.y) * TileViews::row +
-                                          static_cast<std::size_t>(x - views.x);
-                double share = value;
-                if (s.by_all) {
-                    int seen = 0;
-                    for (std::size_t v = 0; v < view_count_; ++v)
-                        seen += sees(s, views, v * TileViews::view + pixel) ? 1 : 0;
-                    share *= static_cast<double>(seen) / static_cast<double>(view_count_);
-                } else {
-                    share *= seen_share(s, views, pixel, {x + 0.5, y + 0.5});
-                }
-                for (std::size_t c = 0; c < 3; ++c)
-                    rgb[3 * pixel + c] += share * static_cast<double>(s.rgb[c]);
+        if (!reaches(sources_[i], views.x, views.y, views.width, views.height)) continue;
+        if (out.empty() || sources_[out.back().sources.front()].group != sources_[i].group)
+            out.emplace_back();
+        out.back().sources.push_back(i);
+    }
+    // What is drawn costs by its area: in all as much as the views, or as least_drawn of them.
+    const auto group = [&](const GroupHere& here) -> const Group& {
+        return groups_[sources_[here.sources.front()].group];
+    };
+    std::vector<std::size_t> order;
+    double samples = 0;
+    const auto cost = [&](const GroupHere& here) {
+        const Group& g = group(here);
+        const int width = std::min(g.x_end, views.x + views.width) - std::max(g.x_begin, views.x),
+                  height = std::min(g.y_end, views.y + views.height) - std::max(g.y_begin, views.y);
+        return std::max(least_cost, static_cast<double>(width) * height / SeenTile::pixels);
+    };
+    for (std::size_t n = 0; n < out.size(); ++n) {
+        const Source& s = group(out[n]).middle;
+        if (s.by_all || s.key.path.bits() != 0) continue;
+        order.push_back(n);
+        samples += cost(out[n]);
+    }
+    auto left = static_cast<double>(std::max(least_drawn, view_count_));
+    const int each = samples * drawn_samples.size() <= left ? static_cast<int>(drawn_samples.size()) : 1;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return group(out[a]).light > group(out[b]).light; });
+    for (const std::size_t n : order) {
+        left -= each * cost(out[n]);
+        if (left < 0) break;
+        out[n].samples = each;
+    }
+    return out;
+}
+
+void FieldHighlights::draw_shares(const Source& s, const PatchMesh& patches, int samples, Part& part) const {
+    const PointRays rays{s.at + glm::dvec2(window_.x_begin, window_.y_begin),
+                         geometry_.gain_px * geometry_.aperture_radius_m * s.lens_from_px,
+                         geometry_.inverse_focus_per_m};
+    const int width = part.x1 - part.x0, height = part.y1 - part.y0;
+    // Elsewhere for each group: where many lights shine on one edge they must not all miss it.
+    const glm::dvec2 turn = glm::dvec2(s.group) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
+    SeenTile seen;
+    for (int n = 0; n < samples; ++n) {
+        const TilePlace place{
+            window_.x_begin + part.x0, window_.y_begin + part.y0, width, height,
+            glm::fract(turn + (samples == 1 ? glm::dvec2(0.5) : drawn_samples[static_cast<std::size_t>(n)]))};
+        seen.clear();
+        for (const Patch& patch : patches.patches) {
+            // Sorted by depth, but at their corners: of those that follow some may still be nearer.
+            if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
+            PatchPlace at;
+            if (place_patch(patches, patch, rays, at)) draw_patch(patches, patch, at, place, seen);
+        }
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                const std::size_t k =
+                    static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+                if (n == 0) part.share[k] = 0;
+                part.share[k] +=
+                    sees(s, seen.texel[k], seen.inverse_z[k]) ? 1.0F / static_cast<float>(samples) : 0;
             }
+        }
+    }
+}
+
+void FieldHighlights::add(const TileViews& views, std::vector<double>& rgb) const {
+    Part part;
+    for (const GroupHere& here : groups_in(views)) {
+        if (here.samples > 0) {
+            const Group& g = groups_[sources_[here.sources.front()].group];
+            part.x0 = std::max(views.x, g.x_begin);
+            part.x1 = std::min(views.x + views.width, g.x_end);
+            part.y0 = std::max(views.y, g.y_begin);
+            part.y1 = std::min(views.y + views.height, g.y_end);
+            draw_shares(g.middle, *views.patches, here.samples, part);
+        }
+        for (const std::uint32_t i : here.sources)
+            add(sources_[i], here.samples > 0 ? &part : nullptr, views, rgb);
+    }
+}
+
+void FieldHighlights::add(const Source& s, const Part* part, const TileViews& views,
+                          std::vector<double>& rgb) const {
+    const Kernel& kernel = (*kernels_)[s.kernel];
+    const int y0 = std::max(views.y, s.y + kernel.y_begin),
+              y1 = std::min(views.y + views.height, s.y + kernel.y_end());
+    for (int y = y0; y < y1; ++y) {
+        const KernelRow& row = kernel.rows[static_cast<std::size_t>(y - s.y - kernel.y_begin)];
+        const int x0 = std::max(views.x, s.x + row.x_begin),
+                  x1 = std::min(views.x + views.width, s.x + row.x_end);
+        for (int x = x0; x < x1; ++x) {
+            const int column = x - s.x;
+            const bool inner = column >= row.inner_begin && column < row.inner_end;
+            const int tap = column < row.inner_begin
+                                ? column - row.x_begin
+                                : column - row.x_begin - (row.inner_end - row.inner_begin);
+            const auto value = static_cast<double>(
+                inner ? kernel.inner : kernel.taps[row.tap + static_cast<std::uint32_t>(tap)]);
+            const std::size_t pixel = static_cast<std::size_t>(y - views.y) * TileViews::row +
+                                      static_cast<std::size_t>(x - views.x);
+            double share = value;
+            if (part != nullptr) {
+                share *=
+                    static_cast<double>(part->share[static_cast<std::size_t>(y - part->y0) * SeenTile::edge +
+                                                    static_cast<std::size_t>(x - part->x0)]);
+            } else if (s.by_all) {
+                int seen = 0;
+                for (std::size_t v = 0; v < view_count_; ++v) {
+                    const std::size_t k = v * TileViews::view + pixel;
+                    seen += sees(s, views.texel[k], views.inverse_z[k]) ? 1 : 0;
+                }
+                share *= static_cast<double>(seen) / static_cast<double>(view_count_);
+            } else {
+                share *= seen_share(s, views, pixel, {x + 0.5, y + 0.5});
+            }
+            for (std::size_t c = 0; c < 3; ++c) rgb[3 * pixel + c] += share * static_cast<double>(s.rgb[c]);
         }
     }
 }
@@ -201,8 +329,10 @@ double FieldHighlights::seen_share(const Source& s, const TileViews& views, std:
             std::clamp((v / table_reach + 1) / 2 * table_edge, 0.0, table_edge - 1.0));
     };
     int seen = 0;
-    for (const std::uint32_t v : nearest_[cell(q.y) * table_edge + cell(q.x)])
-        seen += sees(s, views, v * TileViews::view + pixel) ? 1 : 0;
+    for (const std::uint32_t v : nearest_[cell(q.y) * table_edge + cell(q.x)]) {
+        const std::size_t k = v * TileViews::view + pixel;
+        seen += sees(s, views.texel[k], views.inverse_z[k]) ? 1 : 0;
+    }
     return static_cast<double>(seen) / nearest;
 }
 

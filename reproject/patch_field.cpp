@@ -186,6 +186,7 @@ class Field {
             w.views.y = y0;
             w.views.width = at.width;
             w.views.height = at.height;
+            w.views.patches = &w.primary[field_.views.front().uses.front().instant].mesh;
             w.views.inverse_z.resize(field_.views.size() * TileViews::view);
             w.views.texel.resize(field_.views.size() * TileViews::view);
         }

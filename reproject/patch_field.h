@@ -54,6 +54,8 @@ struct TileViews {
     static constexpr std::size_t view = row * row;      ///< and to the next view
     std::vector<float> inverse_z;                       ///< -1: nothing known
     std::vector<std::uint32_t> texel;
+    /// The primary patches of the first use's instant that any view may have here, the nearest first.
+    const PatchMesh* patches = nullptr;
 };
 
 /// Light that is not in the sheets.

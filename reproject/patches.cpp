@@ -252,6 +252,26 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
     return true;
 }
 
+// At pixel p the lens's point is q = L (p - at), which shows there what lies at x with x + (s - w) q = p:
+// x - at = C (p - at), C = I - (s - w) L, where the depth w changes with x.
+bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, PatchPlace& out) {
+    constexpr double least_determinant = 1e-9;
+    const CellPlane& plane = mesh.planes[patch.first_plane];
+    out.inverse_z = {static_cast<double>(plane.value), static_cast<double>(plane.x),
+                     static_cast<double>(plane.y)};
+    const glm::dvec2 half(patch.width / 2.0, patch.height / 2.0), slope(out.inverse_z.y, out.inverse_z.z);
+    const double w = out.inverse_z.x + glm::dot(slope, half);
+    const glm::dmat2 c = glm::dmat2(1) - (rays.inverse_focus_per_m - w) * rays.lens_px_per_px;
+    if (!(std::abs(glm::determinant(c)) > least_determinant)) return false;
+    const glm::dmat2 back = glm::inverse(c);
+    const glm::dvec2 middle = back * (mesh.corner(patch) + half - rays.at);
+    const glm::dvec2 by_depth = back * (rays.lens_px_per_px * middle);
+    out.move[0] = back[0] - slope.x * by_depth;
+    out.move[1] = back[1] - slope.y * by_depth;
+    out.from = rays.at + middle - out.move * half;
+    return true;
+}
+
 RasterRect covered(const Patch& patch, const PatchPlace& place) {
     const glm::dvec2 across = static_cast<double>(patch.width) * place.move[0],
                      down = static_cast<double>(patch.height) * place.move[1];

@@ -57,6 +57,20 @@ struct PatchMesh {
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& motion,
                                const LensShift& lens, PatchPlace& out);
 
+/// All light of a point: what of it reaches a pixel has come through one point of the lens, another for each.
+struct PointRays {
+    glm::dvec2 at{0};  ///< raster px of the point
+    glm::dmat2 lens_px_per_px{
+        0};  ///< the light that reaches `at + d` has come through LensShift::lens_px = this * d
+    double inverse_focus_per_m = 0;
+};
+
+/// Where a primary patch lies for an eye that looks, at each pixel, through the lens's point that the light
+/// of `rays` comes through: what is nearer than the light there keeps it from the pixel. To first order
+/// around the patch's middle. False where it has no such place.
+[[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
+                               PatchPlace& out);
+
 /// The rectangle that it then covers, raster px.
 [[nodiscard]] RasterRect covered(const Patch& patch, const PatchPlace& place);
 

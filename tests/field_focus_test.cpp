@@ -234,6 +234,21 @@ TEST(FieldFocus, AHighlightIsCutByWhatStandsBeforeIt) {
     EXPECT_GT(psnr(got, truth), 36);
 }
 
+// The lamp's light comes to each pixel through a point of the lens of its own: what stands before it must not
+// be looked up at eight others. A post cuts a third out of the disc, with edges a pixel wide.
+TEST(FieldFocus, FewViewsCutAHighlightAsSharplyAsRays) {
+    SceneBuilder b;
+    b.add(board(-0.02, 0.02, -0.02, 0.02, 4), glowing({60, 40, 20}));
+    b.add(board(-0.006, 0.004, -3, 3, 0.6), glowing({0.1, 0.1, 0.1}));
+    b.add(board(-90, 90, -90, 90, 10), glowing({0.2, 0.2, 0.2}));
+    const TracedFrame frame(b.scene, for_lens(wide.f_number));
+    const FocusSettings f = by_field(1, 8);
+    const Image truth = rays(b.scene, f, 4096), got = focus_picture(frame.file(), f).image;
+    EXPECT_NEAR(sum(got) / sum(truth), 1, 0.02);
+    // By the views nearest to each point, 35.4.
+    EXPECT_GT(psnr(got, truth), 37.5);
+}
+
 TEST(FieldFocus, SameBitsOnAnyThreads) {
     const SceneBuilder b = layered();
     const TracedFrame frame(b.scene, for_lens(wide.f_number, 2));

@@ -208,6 +208,34 @@ TEST(Patches, AViewMissesOnlyWhatDrawsNothing) {
 }
 
 // A plane of 1/z' moves as the lens says, exactly: no patch needs to be smaller than its square.
+// Where the light of a point meets a patch on its way to a pixel is where an eye at the point of the lens
+// that the light comes through sees it.
+TEST(Patches, LieWhereTheEyesOfAPointsRaysSeeThem) {
+    const MadeSheets f({.levels = 2, .has_w = true}, [](Record& r) { r.id %= 3; });
+    const PatchMesh mesh = cut_patches(f.sheets.primary, {3.0, 0.4});
+    const PointRays rays{{17.3, 11.8}, glm::dmat2(0.9, 0.2, -0.1, 1.3), 0.4};
+    int placed = 0;
+    for (const Patch& patch : mesh.patches) {
+        PatchPlace by_rays, by_eye;
+        if (!place_patch(mesh, patch, rays, by_rays)) continue;
+        ++placed;
+        const glm::dvec2 half(patch.width / 2.0, patch.height / 2.0);
+        const auto error_px = [&](const glm::dvec2& place) {
+            const glm::dvec2 pixel = by_rays.from + by_rays.move * place;
+            const LensShift eye{rays.lens_px_per_px * (pixel - rays.at), rays.inverse_focus_per_m, {}};
+            EXPECT_TRUE(place_patch(mesh, patch, RasterMap(), eye, by_eye));
+            return glm::length(by_eye.from + by_eye.move * place - pixel);
+        };
+        EXPECT_LT(error_px(half), 1e-6 * (1 + glm::length(by_rays.from)));
+        // First order around the middle: what is left falls with the square.
+        const glm::dvec2 aside(0.3, -0.2);
+        const double far = error_px(half + aside), near = error_px(half + aside / 100.0);
+        EXPECT_LT(near, far / 5000 + 1e-9 * (1 + glm::length(by_rays.from)));
+        EXPECT_EQ(by_rays.inverse_z, by_eye.inverse_z);
+    }
+    EXPECT_GT(placed, 50);
+}
+
 TEST(Patches, APlaneIsCutNoFurtherThanSquares) {
     const MadeSheets f({.levels = 1}, [](Record& r) {
         r.id = 5;
