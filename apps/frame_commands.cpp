@@ -23,94 +23,84 @@ std::optional<TimeSpan> moved(std::optional<TimeSpan> span, double by_s) {
     return span;
 }
 
+/// Runs a command for each frame, with what `adapt` changes in its options; without a range as it is. Traces
+/// and renders have an instant of their own for each frame.
+template <typename Options, typename Adapt>
+CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, const Options& options,
+                         CommandResult (*run)(const Options&), const Adapt& adapt) {
+    if (!frames.frames) {
+        refuse_frames(frames, names);
+        return run(options);
+    }
+    constexpr bool has_time = requires(Options o) {
+        o.settings.time_s;
+    };
+    if (has_time) check_fps(frames);
+    return run_frame_range(frames, names, has_time, [&](const FrameFiles& files, int frame) {
+        Options o = options;
+        if constexpr (has_time) o.settings.time_s = time_of(frames, frame, options.settings.time_s);
+        adapt(o, files);
+        CommandResult out = run(o);
+        if constexpr (has_time) out.json["time_s"] = *o.settings.time_s;
+        return out;
+    });
+}
+
 }  // namespace
 
 CommandResult run_frames(const FrameOptions& frames, const TraceOptions& options) {
-    const FrameFiles names{options.scene, options.output, {}};
-    if (!frames.frames) refuse_frames(frames, names);
-    if (!frames.frames) return run_trace(options);
-    check_fps(frames);
-    return run_frame_range(frames, names, true, [&](const FrameFiles& files, int frame) {
-        TraceOptions o = options;
-        o.scene = files.input;
-        o.output = files.output;
-        const double time_s = time_of(frames, frame, options.settings.time_s);
-        o.settings.time_s = time_s;
-        o.settings.for_shutter = moved(options.settings.for_shutter, time_s);
-        CommandResult out = run_trace(o);
-        out.json["time_s"] = time_s;
-        return out;
-    });
+    return each_frame(frames, {options.scene, options.output, {}}, options, run_trace,
+                      [](TraceOptions& o, const FrameFiles& files) {
+                          o.scene = files.input;
+                          o.output = files.output;
+                          o.settings.for_shutter = moved(o.settings.for_shutter, *o.settings.time_s);
+                      });
 }
 
 CommandResult run_frames(const FrameOptions& frames, const RenderOptions& options) {
-    const FrameFiles names{options.scene, options.output, {}, options.settings.halves};
-    if (!frames.frames) refuse_frames(frames, names);
-    if (!frames.frames) return run_render(options);
-    check_fps(frames);
-    return run_frame_range(frames, names, true, [&](const FrameFiles& files, int frame) {
-        RenderOptions o = options;
-        o.scene = files.input;
-        o.output = files.output;
-        const double time_s = time_of(frames, frame, options.settings.time_s);
-        o.settings.time_s = time_s;
-        o.settings.shutter = moved(options.settings.shutter, time_s);
-        CommandResult out = run_render(o);
-        out.json["time_s"] = time_s;
-        return out;
-    });
+    return each_frame(frames, {options.scene, options.output, {}, options.settings.halves}, options,
+                      run_render, [](RenderOptions& o, const FrameFiles& files) {
+                          o.scene = files.input;
+                          o.output = files.output;
+                          o.settings.shutter = moved(o.settings.shutter, *o.settings.time_s);
+                      });
 }
 
 CommandResult run_frames(const FrameOptions& frames, const ImageOptions& options) {
-    const FrameFiles names{options.input, options.output, {}};
-    if (!frames.frames) refuse_frames(frames, names);
-    if (!frames.frames) return run_image(options);
-    return run_frame_range(frames, names, false, [&](const FrameFiles& files, int) {
-        ImageOptions o = options;
-        o.input = files.input;
-        o.output = files.output;
-        return run_image(o);
-    });
+    return each_frame(frames, {options.input, options.output, {}}, options, run_image,
+                      [](ImageOptions& o, const FrameFiles& files) {
+                          o.input = files.input;
+                          o.output = files.output;
+                      });
 }
 
 CommandResult run_frames(const FrameOptions& frames, const FocusOptions& options) {
-    const FrameFiles names{options.input, options.output, options.retrace.explain};
-    if (!frames.frames) refuse_frames(frames, names);
-    if (!frames.frames) return run_focus(options);
-    return run_frame_range(frames, names, false, [&](const FrameFiles& files, int) {
-        FocusOptions o = options;
-        o.input = files.input;
-        o.output = files.output;
-        o.retrace.explain = files.explain;
-        return run_focus(o);
-    });
+    return each_frame(frames, {options.input, options.output, options.retrace.explain}, options, run_focus,
+                      [](FocusOptions& o, const FrameFiles& files) {
+                          o.input = files.input;
+                          o.output = files.output;
+                          o.retrace.explain = files.explain;
+                      });
 }
 
 CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& options) {
-    const FrameFiles names{options.input, options.output, {}};
-    if (!frames.frames) refuse_frames(frames, names);
-    if (!frames.frames) return run_motionblur(options);
-    return run_frame_range(frames, names, false, [&](const FrameFiles& files, int) {
-        MotionBlurOptions o = options;
-        o.input = files.input;
-        o.output = files.output;
-        o.shutter_from_frame = true;
-        return run_motionblur(o);
-    });
+    return each_frame(frames, {options.input, options.output, {}}, options, run_motionblur,
+                      [](MotionBlurOptions& o, const FrameFiles& files) {
+                          o.input = files.input;
+                          o.output = files.output;
+                          o.shutter_from_frame = true;
+                      });
 }
 
 CommandResult run_frames(const FrameOptions& frames, const ShootOptions& options) {
-    const FrameFiles names{options.focus.input, options.focus.output, options.focus.retrace.explain};
-    if (!frames.frames) refuse_frames(frames, names);
-    if (!frames.frames) return run_shoot(options);
-    return run_frame_range(frames, names, false, [&](const FrameFiles& files, int) {
-        ShootOptions o = options;
-        o.focus.input = files.input;
-        o.focus.output = files.output;
-        o.focus.retrace.explain = files.explain;
-        o.shutter_from_frame = true;
-        return run_shoot(o);
-    });
+    const FocusOptions& focus = options.focus;
+    return each_frame(frames, {focus.input, focus.output, focus.retrace.explain}, options, run_shoot,
+                      [](ShootOptions& o, const FrameFiles& files) {
+                          o.focus.input = files.input;
+                          o.focus.output = files.output;
+                          o.focus.retrace.explain = files.explain;
+                          o.shutter_from_frame = true;
+                      });
 }
 
 }  // namespace postlens

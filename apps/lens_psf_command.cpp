@@ -43,7 +43,7 @@ CommandResult run_crossover(const LensPsfOptions& o) {
     const Crossover c =
         crossover(given("--focal-length", o.focal_length_mm, "mm"), given("--focus", o.focus_m, "metres"),
                   given("--depth", o.depth_m, "metres"), o.pixel_pitch_um * 1e-3, wavelength_nm);
-    if (o.profile) write_table(*o.profile, stops_table(c, o.pixel_pitch_um));
+    if (o.profile) write_file(*o.profile, stops_table(c, o.pixel_pitch_um));
     CommandResult out;
     out.json = {{"over_defocus_f_number", json_number(c.over_defocus_f_number)},
                 {"over_pixel_f_number", json_number(c.over_pixel_f_number)},
@@ -100,7 +100,7 @@ CommandResult run_lens_psf(const LensPsfOptions& o) {
              "--profile: the response is not round (got --impulse {}; expected disc or diffraction)",
              impulse_text(o.impulse));
     }
-    if (o.profile) write_table(*o.profile, profile_table(r, o.pixel_pitch_um));
+    if (o.profile) write_file(*o.profile, profile_table(r, o.pixel_pitch_um));
     write_response(o.output, r.grid);
 
     CommandResult out;

@@ -6,6 +6,7 @@
 #include "apps/lens_drawing.h"
 #include "apps/numbers.h"
 #include "apps/response_picture.h"
+#include "core/output_file.h"
 #include "lens/prescription/lens_models.h"
 #include "lens/prescription/mesh_response.h"
 #include "lens/prescription/read_prescription.h"
@@ -141,7 +142,7 @@ void write_curves(const std::string& path, const FieldCurves& c) {
             text += fmt::format("{},{},{},{},{}\n", c.deg[i], c.film_mm[i], c.distortion_percent[i],
                                 c.pupil_share[i], c.illumination[i]);
         }
-        write_table(path, text);
+        write_file(path, text);
         return;
     }
     write_drawing(path,
@@ -242,7 +243,7 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
                 {"fields", list}};
     std::vector<Spot> spots;
     for (const FieldResult& f : fields) spots.push_back(f.spot);
-    if (o.output && is_csv(*o.output)) write_table(*o.output, spots_csv(fields));
+    if (o.output && is_csv(*o.output)) write_file(*o.output, spots_csv(fields));
     if (o.output && !is_csv(*o.output)) write_drawing(*o.output, draw_spots(spots));
     if (o.curves)
         write_curves(*o.curves, field_curves(traced, depth, 0.5 * o.film_width_mm, axis.passing_area_mm2));

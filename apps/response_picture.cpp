@@ -36,8 +36,4 @@ void write_response(const std::filesystem::path& path, const ResponseGrid& grid)
     file.commit();
 }
 
-void write_table(const std::filesystem::path& path, const std::string& text) {
-    write_file(path, text);
-}
-
 }  // namespace postlens

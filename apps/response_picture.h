@@ -15,7 +15,4 @@ void check_response_path(const std::filesystem::path& path);
 /// Error(cannot_write).
 void write_response(const std::filesystem::path& path, const ResponseGrid& grid);
 
-/// Text of a table; the file appears whole or not at all. Throws Error(cannot_write).
-void write_table(const std::filesystem::path& path, const std::string& text);
-
 }  // namespace postlens
