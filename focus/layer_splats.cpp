@@ -529,6 +529,7 @@ void LayerSplats::join(std::vector<Segment>& segments) {
 
 void LayerSplats::finish() {
     kernels_.build();
+    kernels_.forget_keys();
     std::size_t count = 0;
     for (const Row& row : rows_) {
         parts_.insert(parts_.end(), row.parts.begin(), row.parts.end());
