@@ -1,7 +1,7 @@
 #include "focus/kernel.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <map>
@@ -127,31 +127,6 @@ KernelKey KernelKey::map(const glm::dmat2& m) {
     return out;
 }
 
-void KernelKey::round_to(std::int32_t unit) {
-    for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy}) {
-        // Always the nearest multiple, halves away from zero: the same key whatever order it comes in.
-        *n = (*n < 0 ? -1 : 1) * ((std::abs(*n) + unit / 2) / unit) * unit;
-    }
-}
-
-void KernelKey::round_map(int bits) {
-    const auto extent = static_cast<std::uint32_t>(std::max(
-        {std::abs(half_height), std::abs(half_chord), std::abs(top_displacement), std::abs(map_yy)}));
-    round_to(std::int32_t{1} << std::max(0, static_cast<int>(std::bit_width(extent)) - bits));
-}
-
-void KernelKey::coarsen(std::int32_t unit) {
-    if (!is_map) {
-        round_to(unit);
-        return;
-    }
-    round_map(map_bits - std::countr_zero(static_cast<std::uint32_t>(unit)));
-    if (cell_log2 == 0) return;
-    cell_x >>= 1;
-    cell_y >>= 1;
-    ++cell_log2;
-}
-
 KernelKey::Packed KernelKey::packed() const {
     const auto field = [](std::int32_t value, std::int32_t offset, int shift) {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value + offset)) << shift;
@@ -175,7 +150,6 @@ KernelTable::KernelTable(std::vector<double> disc_radius_px, KernelReach reach, 
       reach_(reach),
       model_(model),
       disc_used_(std::make_unique<std::atomic<bool>[]>(disc_radius_px_.size())) {
-    keys_.reserve(disc_radius_px_.size());
     for (std::uint32_t level = 0; level < disc_radius_px_.size(); ++level)
         keys_.push_back(KernelKey::disc(level));
 }
@@ -243,11 +217,14 @@ Kernel KernelTable::make(const KernelKey& key) const {
 }
 
 void KernelTable::make_channels(const std::vector<std::uint32_t>& numbers) {
-    std::map<std::pair<std::int32_t, std::int32_t>, std::vector<std::uint32_t>> by_phase;
-    for (const std::uint32_t i : numbers) by_phase[{keys_[i].phase_x, keys_[i].phase_y}].push_back(i);
+    std::map<std::pair<std::int32_t, std::int32_t>, std::vector<std::size_t>> by_phase;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const KernelKey& key = keys_[numbers[i]];
+        by_phase[{key.phase_x, key.phase_y}].push_back(i);
+    }
     for (const auto& [phase, group] : by_phase) {
         std::vector<ResponseRequest> requests;
-        for (const std::uint32_t i : group) requests.push_back(request(keys_[i]));
+        for (const std::size_t i : group) requests.push_back(request(keys_[numbers[i]]));
         std::vector<std::array<Kernel, 3>> made = model_.channel_kernels(requests);
         for (std::size_t k = 0; k < group.size(); ++k) {
             for (std::size_t c = 0; c < 3; ++c) kernels_[3 * group[k] + c] = std::move(made[k][c]);
@@ -255,53 +232,36 @@ void KernelTable::make_channels(const std::vector<std::uint32_t>& numbers) {
     }
 }
 
-void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
-    std::size_t total = 0;
-    for (const auto& [packed, number] : number_of_key_) {
-        if (!keys_[number].is_disc) total += bytes_of(keys_[number]);
-    }
-    for (std::int32_t unit = 2;
-         total > memory_limit_bytes && unit <= (model_.is_round() ? 1 << 12 : 1 << (KernelKey::map_bits - 1));
-         unit *= 2) {
-        total = 0;
-        std::unordered_map<KernelKey::Packed, bool, KernelKey::PackedHash> seen;
-        for (const auto& [packed, number] : number_of_key_) {
-            KernelKey& key = keys_[number];
-            if (key.is_disc) continue;
-            key.coarsen(unit);
-            if (seen.try_emplace(key.packed(), true).second) total += bytes_of(key);
-        }
-    }
-}
-
 void KernelTable::build(std::size_t memory_limit_bytes) {
     coarsen_ellipses(memory_limit_bytes);
     channels_ = model_.has_channels() ? 3 : 1;
-    kernels_.resize(channels_ * keys_.size());
     kernel_of_.assign(keys_.size(), 0);
     // Keys that coarsening made equal share the first one's kernel.
-    std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> first_with_key;
+    std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> place_of;
     std::vector<std::uint32_t> to_build;
+    std::size_t total = 0;
+    std::vector<bool> level_used(levels());
     for (std::uint32_t i = 0; i < keys_.size(); ++i) {
         if (i < levels() && !disc_used_[i].load(std::memory_order_relaxed)) continue;
-        const auto [entry, is_new] = first_with_key.try_emplace(keys_[i].packed(), i);
+        const auto [entry, is_new] =
+            place_of.try_emplace(keys_[i].packed(), static_cast<std::uint32_t>(to_build.size()));
         kernel_of_[i] = entry->second;
-        if (is_new) to_build.push_back(i);
-    }
-    std::size_t total = 0;
-    for (const std::uint32_t i : to_build) total += channels_ * bytes_of(keys_[i]);
-    require_memory(total, "impulse responses");
-    std::vector<bool> level_used(levels());
-    for (std::uint32_t i : to_build) {
+        if (!is_new) continue;
+        to_build.push_back(i);
+        total += channels_ * bytes_of(keys_[i]);
         if (keys_[i].is_disc) level_used[keys_[i].level] = true;
     }
+    place_of = {};
+    require_memory(total, "impulse responses");
     discs_used_ = static_cast<int>(std::count(level_used.begin(), level_used.end(), true));
+    kernels_.resize(channels_ * to_build.size());
     if (model_.has_channels()) {
         make_channels(to_build);
-        return;
+    } else {
+        parallel_for(
+            to_build.size(), [&](std::size_t i) { kernels_[i] = make(keys_[to_build[i]]); }, 4);
     }
-    parallel_for(
-        to_build.size(), [&](std::size_t i) { kernels_[to_build[i]] = make(keys_[to_build[i]]); }, 4);
+    keys_ = {};
 }
 
 std::pair<int, int> KernelTable::rows_reached() const {

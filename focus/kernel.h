@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -79,13 +80,18 @@ struct KernelKey {
     /// Maps are told apart by so many leading bits of their largest number, and by no less than a step.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px);
-    /// A shape for several of its like: an ellipse in steps of `unit` > 1 quarters of a pixel; a map with a
-    /// bit less for each doubling of it, and each time twice the place in the field.
-    void coarsen(std::int32_t unit);
+    /// A shape for several of its like. An ellipse keeps `ellipse_bits` - `times` leading bits of its largest
+    /// number, or as many fewer than it has, the others in the same steps, and its phase in half of these; a
+    /// map as many fewer than map_bits, and as many times twice the place in the field. 0: as it is.
+    void coarsen(int times);
+    static constexpr int ellipse_bits = 9;
+    static constexpr int most_coarsenings = 8;
+    /// Of its largest number, in steps: its octave.
+    [[nodiscard]] int extent_bits() const;
     /// All fields in 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
     struct PackedHash {
-        std::size_t operator()(const Packed& key) const {
+        std::size_t operator()(const Packed& key) const noexcept {
             return (key.first ^ key.second * 0xC2B2AE3D27D4EB4FU) * 0x9E3779B97F4A7C15U;
         }
     };
@@ -108,10 +114,14 @@ class KernelTable {
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
     /// Marks the phase (0, 0) disc of a level as needed.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
-    /// Makes the kernels, in parallel; to be called once, after the last number_of. Where those of ellipses
-    /// would take more than `memory_limit_bytes`, their steps are doubled until they fit. Throws
+    /// Makes the kernels, in parallel; to be called once, after the last number_of of a key that is new.
+    /// Where those of ellipses would take more than `memory_limit_bytes`, they are coarsened, octave by
+    /// octave of their size: each time that octave which gives most bytes for what it loses. Throws
     /// Error(out_of_memory) where all together would take more than there is.
-    void build(std::size_t memory_limit_bytes = std::size_t{512} << 20);
+    void build(std::size_t memory_limit_bytes = default_memory_bytes);
+    static constexpr std::size_t default_memory_bytes = std::size_t{384} << 20;
+    /// After build, where no number will be asked for any more.
+    void forget_keys() { number_of_key_ = {}; }
 
     /// `channel` below channels().
     [[nodiscard]] const Kernel& kernel(std::uint32_t number, std::size_t channel) const {
@@ -146,9 +156,9 @@ class KernelTable {
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
     std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> number_of_key_;
-    std::vector<KernelKey> keys_;           ///< by number
-    std::vector<Kernel> kernels_;           ///< by number and channel; empty where another one stands in
-    std::vector<std::uint32_t> kernel_of_;  ///< by number: which number's kernels it has
+    std::deque<KernelKey> keys_;            ///< by number; until build
+    std::vector<Kernel> kernels_;           ///< by place and channel
+    std::vector<std::uint32_t> kernel_of_;  ///< by number: the place of its kernels
     std::size_t channels_ = 1;
     int discs_used_ = 0;
 };

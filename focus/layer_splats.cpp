@@ -70,6 +70,7 @@ class LayerSplats::RowBuilder {
 
   private:
     void begin_row(int y);
+    void end_row();
     void add_light(const PixelLight& light);
     /// Nodes of one layer at one place.
     struct Nodes {
@@ -349,6 +350,12 @@ void LayerSplats::RowBuilder::begin_row(int y) {
     std::fill(slots_.begin(), slots_.end(), Slot{0, ~std::size_t{0}});
 }
 
+// Vectors that grow have up to as much again in reserve, and the rows are kept until the last.
+void LayerSplats::RowBuilder::end_row() {
+    row_->splats.shrink_to_fit();
+    row_->part.shrink_to_fit();
+}
+
 void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
     const PointSample s = middle_of_pixel(light.x, y_);
     const RasterWindow& p = t_.picture_;
@@ -382,6 +389,7 @@ void LayerSplats::RowBuilder::build(std::span<const PixelLight> lights, int y) {
     begin_row(y);
     alone_ = true;
     for (const PixelLight& light : lights) add_light(light);
+    end_row();
 }
 
 void LayerSplats::add_pixels(int y, std::span<const PixelLight> lights) {
@@ -408,6 +416,7 @@ void LayerSplats::RowBuilder::build(const RecordBand& band, const PointSamples& 
                        std::span(hidden_).subspan(h, last - h));
         }
     }
+    end_row();
 }
 
 LayerSplats::LayerSplats(const RasterWindow& source, const RasterWindow& picture,
@@ -444,7 +453,6 @@ struct LayerSplats::Segment {
     std::uint32_t tile = 0;  ///< tile_y * tiles in a row + tile_x
     std::uint32_t row = 0;
     std::uint32_t begin = 0, count = 0;  ///< in the row
-    std::uint32_t to = 0;
     [[nodiscard]] auto place() const { return std::tie(part, tile, row); }
 };
 
@@ -480,68 +488,68 @@ void LayerSplats::sort_row(std::size_t index, std::vector<Segment>& segments) {
     row.part = {};
 }
 
-// Brings the rows together, cell by cell.
-void LayerSplats::join(std::vector<Segment>& segments) {
+void LayerSplats::find_reach(LayerCell& cell) const {
+    bool any = false;
+    for (const LayerSplat& s : splats(cell)) {
+        for (std::size_t channel = 0; channel < kernels_.channels(); ++channel) {
+            const Kernel& k = kernels_.kernel(s.kernel, channel);
+            const RasterWindow r{s.x + k.x_begin, s.x + k.x_end, s.y + k.y_begin, s.y + k.y_end()};
+            RasterWindow& all = cell.reach;
+            all = any ? RasterWindow{std::min(all.x_begin, r.x_begin), std::max(all.x_end, r.x_end),
+                                     std::min(all.y_begin, r.y_begin), std::max(all.y_end, r.y_end)}
+                      : r;
+            any = true;
+        }
+    }
+}
+
+// Brings the rows of a row of tiles together, cell by cell, and gives up what they held: all splats are never
+// held twice.
+std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
+    const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
+    std::vector<Segment> segments;
+    for (std::size_t i = first_row; i < last_row; ++i) sort_row(i, segments);
     std::sort(segments.begin(), segments.end(),
               [](const Segment& a, const Segment& b) { return a.place() < b.place(); });
     std::uint32_t count = 0;
-    for (Segment& s : segments) {
-        s.to = count;
-        count += s.count;
-    }
-    std::vector<std::size_t> cell_begin;
+    for (const Segment& s : segments) count += s.count;
+    std::vector<LayerSplat>& to = tile_rows_[tile_row];
+    to.reserve(count);
+    std::vector<LayerCell> cells;
     for (std::size_t i = 0; i < segments.size(); ++i) {
-        if (i == 0 || segments[i].part != segments[i - 1].part || segments[i].tile != segments[i - 1].tile)
-            cell_begin.push_back(i);
+        const Segment& s = segments[i];
+        const auto at = static_cast<std::uint32_t>(to.size());
+        if (i == 0 || s.part != segments[i - 1].part || s.tile != segments[i - 1].tile)
+            cells.push_back({s.part, static_cast<std::uint32_t>(tile_row), at, at, {}});
+        const auto from = rows_[s.row].splats.begin() + s.begin;
+        to.insert(to.end(), from, from + s.count);
+        cells.back().end += s.count;
     }
-    cells_.resize(cell_begin.size());
-    cell_begin.push_back(segments.size());
-    splats_.resize(count);
-    parallel_for(
-        cells_.size(),
-        [&](std::size_t i) {
-            const Segment& first = segments[cell_begin[i]];
-            const Segment& last = segments[cell_begin[i + 1] - 1];
-            LayerCell& cell = cells_[i];
-            cell = {first.part, first.to, last.to + last.count, {}};
-            for (std::size_t k = cell_begin[i]; k < cell_begin[i + 1]; ++k) {
-                const Segment& s = segments[k];
-                std::copy_n(rows_[s.row].splats.data() + s.begin, s.count, splats_.data() + s.to);
-            }
-            bool any = false;
-            for (const LayerSplat& s : splats(cell)) {
-                for (std::size_t channel = 0; channel < kernels_.channels(); ++channel) {
-                    const Kernel& k = kernels_.kernel(s.kernel, channel);
-                    const RasterWindow r{s.x + k.x_begin, s.x + k.x_end, s.y + k.y_begin, s.y + k.y_end()};
-                    RasterWindow& all = cell.reach;
-                    all = any ? RasterWindow{std::min(all.x_begin, r.x_begin), std::max(all.x_end, r.x_end),
-                                             std::min(all.y_begin, r.y_begin), std::max(all.y_end, r.y_end)}
-                              : r;
-                    any = true;
-                }
-            }
-        },
-        8);
+    for (std::size_t i = first_row; i < last_row; ++i) rows_[i] = {};
+    for (LayerCell& cell : cells) find_reach(cell);
+    return cells;
 }
 
 void LayerSplats::finish() {
     kernels_.build();
-    std::size_t count = 0;
+    kernels_.forget_keys();
+    std::size_t most = 0;
     for (const Row& row : rows_) {
         parts_.insert(parts_.end(), row.parts.begin(), row.parts.end());
-        count += row.splats.size();
+        most = std::max(most, row.splats.size());
         largest_radius_px_ = std::max(largest_radius_px_, row.largest_radius_px);
         colours_.include(row.colours);
     }
-    require_memory(count * sizeof(LayerSplat), "the records of all layers");
+    require_memory(2 * tile_px * most * sizeof(LayerSplat), "the records of all layers");
     std::sort(parts_.begin(), parts_.end());
     parts_.erase(std::unique(parts_.begin(), parts_.end()), parts_.end());
-    std::vector<std::vector<Segment>> by_row(rows_.size());
-    parallel_for(
-        rows_.size(), [&](std::size_t i) { sort_row(i, by_row[i]); }, 8);
-    std::vector<Segment> segments;
-    for (const auto& some : by_row) segments.insert(segments.end(), some.begin(), some.end());
-    join(segments);
+    tile_rows_.resize((rows_.size() + tile_px - 1) / tile_px);
+    std::vector<std::vector<LayerCell>> by_tile_row(tile_rows_.size());
+    parallel_for(tile_rows_.size(), [&](std::size_t i) { by_tile_row[i] = join(i); });
+    for (const auto& some : by_tile_row) cells_.insert(cells_.end(), some.begin(), some.end());
+    // Within a part the tiles are in their order already.
+    std::stable_sort(cells_.begin(), cells_.end(),
+                     [](const LayerCell& a, const LayerCell& b) { return a.part < b.part; });
     rows_.clear();
     rows_.shrink_to_fit();
 }

@@ -61,7 +61,8 @@ struct LayerSplat {
 /// Splats of one part that stand in one tile of the raster.
 struct LayerCell {
     std::uint32_t part = 0;
-    std::uint32_t begin = 0, end = 0;  ///< of splats()
+    std::uint32_t tile_row = 0;
+    std::uint32_t begin = 0, end = 0;  ///< of the tile row's splats
     RasterWindow reach;                ///< pixels that they reach
 };
 
@@ -101,7 +102,7 @@ class LayerSplats {
     /// By part, then by tile, row and column.
     [[nodiscard]] std::span<const LayerCell> cells() const { return cells_; }
     [[nodiscard]] std::span<const LayerSplat> splats(const LayerCell& cell) const {
-        return std::span(splats_).subspan(cell.begin, cell.end - cell.begin);
+        return std::span(tile_rows_[cell.tile_row]).subspan(cell.begin, cell.end - cell.begin);
     }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
@@ -124,7 +125,8 @@ class LayerSplats {
     /// Splats of one row, part and tile.
     struct Segment;
     void sort_row(std::size_t index, std::vector<Segment>& segments);
-    void join(std::vector<Segment>& segments);
+    std::vector<LayerCell> join(std::size_t tile_row);
+    void find_reach(LayerCell& cell) const;
 
     RasterWindow source_, picture_;
     NodeResponses responses_;
@@ -133,7 +135,7 @@ class LayerSplats {
     std::vector<Row> rows_;
     std::vector<LayerPart> parts_;
     std::vector<LayerCell> cells_;
-    std::vector<LayerSplat> splats_;
+    std::vector<std::vector<LayerSplat>> tile_rows_;  ///< each by part, tile, row and column
     double largest_radius_px_ = 0;
     double from_anchor_px_ = 0;
     ColourRange colours_;

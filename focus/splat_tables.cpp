@@ -298,6 +298,7 @@ void SplatTables::sort_rows() {
 
 void SplatTables::finish() {
     kernels_.build();
+    if (keep_ == Keep::all) kernels_.forget_keys();
     for (SplatRow& row : rows_) {
         for (const SplatRun& run : row.runs) {
             row.run_dy_begin = std::min(row.run_dy_begin, kernels_[run.kernel].y_begin);

@@ -1,6 +1,7 @@
 // The scatter core on records in memory: kernels, depth levels, closed forms, fast forms against slow ones.
 #include "focus/scatter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
@@ -142,7 +143,7 @@ TEST(KernelTable, MapsKeepTheirLeadingBits) {
     key.cell_x = -3;
     key.cell_y = 5;
     key.cell_log2 = 4;
-    key.coarsen(2);
+    key.coarsen(1);
     EXPECT_EQ(table.map_px(key), glm::dmat2(3.25, -0.5, 0.75, 1));
     EXPECT_EQ(std::tuple(key.cell_x, key.cell_y, key.cell_log2), std::tuple(-2, 2, 5));
 }
@@ -168,6 +169,54 @@ TEST(KernelTable, CoarsensEllipsesToFitItsMemory) {
     };
     const std::size_t all = bytes_with(std::size_t{1} << 30);
     EXPECT_LT(bytes_with(all / 4), all / 4);
+}
+
+/// Tables that have been asked for small and large ellipses, far more of these than fit.
+struct ManySizes {
+    explicit ManySizes(bool backwards) {
+        for (int i = 0; i < 400; ++i) asked.push_back({200 + 2.0 * i, 150 + i / 4.0, 0.1});
+        for (int i = 0; i < 200; ++i) asked.push_back({4 + i / 20.0, 3 + i / 40.0, 0.2});
+        if (backwards) std::reverse(asked.begin(), asked.end());
+        for (const Ellipse& e : asked) numbers.push_back(table.number_of(KernelKey::ellipse(e)));
+        table.build(1 << 20);
+        if (!backwards) return;
+        std::reverse(asked.begin(), asked.end());
+        std::reverse(numbers.begin(), numbers.end());
+    }
+    [[nodiscard]] const Kernel& kernel(std::size_t i) const { return table[numbers[i]]; }
+
+    ResponseModel round;
+    KernelTable table{{1.0}, far, round};
+    std::vector<Ellipse> asked;
+    std::vector<std::uint32_t> numbers;
+};
+
+TEST(KernelTable, CoarsenedEllipsesKeepTheirSizeWhateverOthersThereAre) {
+    const ManySizes many(false);
+    std::size_t bytes = 0;
+    std::unordered_map<const Kernel*, bool> seen;
+    for (std::size_t i = 0; i < many.asked.size(); ++i) {
+        const Kernel& kernel = many.kernel(i);
+        if (seen.try_emplace(&kernel, true).second)
+            bytes += kernel.rows.size() * sizeof(KernelRow) + kernel.taps.size() * sizeof(float);
+        // Rows that are touched: up to one more on either side. Large ones give way first.
+        const double half_height = many.asked[i].half_height;
+        EXPECT_NEAR(static_cast<double>(kernel.rows.size()) / 2, half_height,
+                    half_height * (half_height < 20 ? 1.0 / 16 : 1.0 / 4) + 1)
+            << half_height;
+    }
+    EXPECT_LT(bytes, std::size_t{1} << 20);
+    EXPECT_LT(seen.size(), many.asked.size());
+}
+
+// Threads ask in any order.
+TEST(KernelTable, CoarsensTheSameInWhateverOrderShapesComeIn) {
+    const ManySizes forwards(false), backwards(true);
+    for (std::size_t i = 0; i < forwards.asked.size(); ++i) {
+        const Kernel &a = forwards.kernel(i), &b = backwards.kernel(i);
+        EXPECT_EQ(a.rows.size(), b.rows.size());
+        EXPECT_EQ(a.taps, b.taps) << i;
+    }
 }
 
 // --- depth levels
