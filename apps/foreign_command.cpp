@@ -167,10 +167,26 @@ CommandResult foreign_info(const std::string& input) {
     out.json["film_distance_mm"] = camera.film_distance_mm;
     out.json["film_width_mm"] = camera.film_width_mm;
     out.json["assumed"] = camera.assumed;
+    nlohmann::ordered_json mattes = nlohmann::ordered_json::array();
+    const Cryptomattes found =
+        file.parts()[channels.part].deep ? Cryptomattes() : find_cryptomattes(file, channels.part);
+    std::string ids;
+    for (const Cryptomatte& m : found.usable) {
+        const int names = m.manifest.empty() ? 0 : manifest_names(m.manifest);
+        mattes.push_back({{"name", m.name},
+                          {"ranks", m.ranks.size()},
+                          {"names", names >= 0 ? nlohmann::ordered_json(names) : nullptr}});
+        ids += fmt::format("\nCryptomatte {}, {} ranks, {}", m.name, m.ranks.size(),
+                           names < 0 ? "a manifest that is damaged" : fmt::format("{} names", names));
+    }
+    for (const std::string& problem : found.problems) out.warnings.push_back({"ids", problem, 0});
+    out.json["cryptomattes"] = mattes;
+    if (!channels.id.empty()) ids += "\nids " + channels.id;
     out.text +=
         fmt::format("\ncolour {}, {}, {}, alpha {}, depth {}\nfilm {:.5g} mm wide, {:.5g} mm away",
                     channels.r, channels.g, channels.b, channels.a.empty() ? "none" : channels.a,
                     channels.z.empty() ? "none" : channels.z, camera.film_width_mm, camera.film_distance_mm);
+    out.text += ids;
     for (const std::string& text : camera.assumed) out.text += "\n" + text;
     return out;
 }

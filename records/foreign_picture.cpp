@@ -135,11 +135,6 @@ class Reader {
         });
     }
 
-    /// Hashes of names and whole numbers alike tell surfaces apart by their bits.
-    static std::uint32_t id_of(float value, bool whole) {
-        return !whole && (value == 0 || std::isnan(value)) ? 0 : std::bit_cast<std::uint32_t>(value);
-    }
-
     struct MatteEntry {
         std::size_t pixel;
         SurfaceShare share;
@@ -171,7 +166,7 @@ class Reader {
                                 out.reserve(more);
                             }
                             out.push_back(
-                                {first + i, {id_of(values[c][from + i], false), std::min(share, 1.0F)}});
+                                {first + i, {surface_id(values[c][from + i], false), std::min(share, 1.0F)}});
                         }
                     }
                 });
@@ -186,6 +181,7 @@ class Reader {
     /// Gives the samples of a flat picture the ids of what fills most of their pixels.
     void take_matte(const Cryptomatte& matte) {
         const std::vector<MatteEntry> entries = matte_entries(matte);
+        require_memory(entries.size() * (sizeof(MixedPixel) + sizeof(SurfaceShare)), "the Cryptomatte");
         std::vector<SurfaceShare> here;
         for (std::size_t i = 0; i < entries.size();) {
             const std::size_t pixel = entries[i].pixel;
@@ -275,7 +271,7 @@ class Reader {
                 const float z = apart ? plane[row + x] : value(z_, std::numeric_limits<float>::infinity());
                 add({inverse(z, part_->data.x_min + static_cast<int>(x), y), value(r_, 0), value(g_, 0),
                      value(b_, 0), checked_alpha(value(a_, 1)),
-                     id_of(ids.empty() ? value(id_, 0) : ids[row + x], whole_ids_)});
+                     surface_id(ids.empty() ? value(id_, 0) : ids[row + x], whole_ids_)});
                 out_.offsets.push_back(out_.samples.size());
             }
         });
@@ -298,7 +294,7 @@ class Reader {
                                         value(g_, 0),
                                         value(b_, 0),
                                         checked_alpha(value(a_, 1)),
-                                        id_of(value(id_, 0), whole_ids_)};
+                                        surface_id(value(id_, 0), whole_ids_)};
                     add_volume(s, value(z_, 0), value(z_back_, 0));
                 }
                 out_.offsets.push_back(out_.samples.size());
@@ -448,6 +444,10 @@ class Reader {
 };
 
 }  // namespace
+
+std::uint32_t surface_id(float value, bool whole) {
+    return !whole && (value == 0 || std::isnan(value)) ? 0 : std::bit_cast<std::uint32_t>(value);
+}
 
 Image ForeignPicture::flattened() const {
     Image out(width, height);

@@ -22,6 +22,10 @@ struct StackSample {
     std::uint32_t id = 0;  ///< of the surface; 0: the file does not say
 };
 
+/// An id from its channel: the bits, which tell hashes of names and whole numbers alike apart; 0, for none,
+/// of a float that is zero of either sign or NaN.
+[[nodiscard]] std::uint32_t surface_id(float value, bool whole);
+
 /// A pixel that several surfaces share, as a Cryptomatte says.
 struct MixedPixel {
     std::size_t pixel = 0;             ///< number of its stack

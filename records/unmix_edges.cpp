@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/memory.h"
 #include "core/threads.h"
@@ -130,15 +131,25 @@ class Unmixer {
                 for (Portion& portion : portions)
                     portion.rgba[c] += (whole[c] - known) * portion.share / squares;
             }
-            if (!(whole[c] >= 0)) continue;
-            double sum = 0;
-            for (Portion& portion : portions) {
-                portion.rgba[c] = std::max(portion.rgba[c], 0.0);
-                if (c == 3) portion.rgba[c] = std::min(portion.rgba[c], 1.0);
-                sum += portion.share * portion.rgba[c];
-            }
-            if (sum > 0) {
-                for (Portion& portion : portions) portion.rgba[c] *= whole[c] / sum;
+            if (whole[c] >= 0) keep_within(whole[c], c, portions);
+        }
+    }
+
+    /// No channel below 0, no alpha above 1, and the sum still the whole.
+    static void keep_within(double whole, std::size_t c, std::vector<Portion>& portions) {
+        const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
+        double sum = 0, room = 0;
+        for (Portion& portion : portions) {
+            portion.rgba[c] = std::clamp(portion.rgba[c], 0.0, most);
+            sum += portion.share * portion.rgba[c];
+            room += portion.share * (1 - portion.rgba[c]);
+        }
+        for (Portion& portion : portions) {
+            double& value = portion.rgba[c];
+            if (c == 3 && whole > sum) {
+                if (room > 0) value = std::min(1.0, value + (1 - value) * (whole - sum) / room);
+            } else if (sum > 0) {
+                value *= whole / sum;
             }
         }
     }
