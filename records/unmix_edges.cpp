@@ -16,6 +16,12 @@ constexpr int reach_px = 2;
 /// Depths of one place of a surface differ by no more than this share of them.
 constexpr double same_depth = 0.05;
 
+/// Of the brightest colours there are a part may be brighter than a float holds.
+float within_float(double value) {
+    constexpr double most = std::numeric_limits<float>::max();
+    return static_cast<float>(std::clamp(value, -most, most));
+}
+
 /// A surface's part of a pixel: premultiplied colour and alpha of the part alone.
 struct Portion {
     std::uint32_t id = 0;
@@ -167,9 +173,9 @@ class Unmixer {
             StackSample s;
             s.inverse_z = static_cast<float>(portion.inverse_z);
             s.id = portion.id;
-            s.r = static_cast<float>(times * portion.rgba[0]);
-            s.g = static_cast<float>(times * portion.rgba[1]);
-            s.b = static_cast<float>(times * portion.rgba[2]);
+            s.r = within_float(times * portion.rgba[0]);
+            s.g = within_float(times * portion.rgba[1]);
+            s.b = within_float(times * portion.rgba[2]);
             s.alpha = static_cast<float>(std::clamp(times * portion.rgba[3], 0.0, 1.0));
             if (1 - s.alpha < static_cast<float>(nothing_left)) s.alpha = 1;
             left -= portion.share * portion.rgba[3];

@@ -7,6 +7,7 @@
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <bit>
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <gtest/gtest.h>
@@ -331,6 +332,16 @@ TEST(UnmixEdges, AWireThatFillsNoPixelGetsWhatIsLeft) {
     EXPECT_NEAR(stack[0].r, 0.2 * 5, 1e-5);
     EXPECT_NEAR(stack[0].g, 0.2 * 1, 1e-5);
     EXPECT_NEAR(stack[1].r, 0.1, 1e-6);
+}
+
+TEST(UnmixEdges, TheBrightestColoursStayFinite) {
+    const StackSample near{1, 0, 0, 0, 1, 1};
+    Row row(3);
+    row.add(near);
+    row.add({0.25F, 3e38F, -3e38F, 0, 1, 2}, {{1, 0.98F}, {2, 0.02F}});
+    row.add({0.25F, 3e38F, -3e38F, 0, 1, 2}, {{1, 0.98F}, {2, 0.02F}});
+    EXPECT_EQ(unmix_edges(row.p), 2U);
+    for (const StackSample& s : row.p.samples) EXPECT_TRUE(std::isfinite(s.r) && std::isfinite(s.g));
 }
 
 TEST(UnmixEdges, WhatNoPixelIsLikeStaysMixed) {
