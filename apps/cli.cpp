@@ -313,6 +313,10 @@ void add_motionblur(CLI::App& root, State& s) {
     app.add_option("--layer", o.layer,
                    "Which part, view or layer of a picture, by its name [default: docs/inputs.md]")
         ->type_name("NAME");
+    app.add_option(
+           "--ids", o.vectors.ids,
+           "Of a picture: the channel or the Cryptomatte of the surfaces' ids [default: docs/inputs.md]")
+        ->type_name("NAME|none");
     number(
         app, "--fit-paths", o.settings.fit_px,
         "Replace the paths of convolve by splines of few knots within so much, more than 0 [default: paths "

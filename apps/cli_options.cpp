@@ -134,6 +134,11 @@ void foreign_channel_options(CLI::App& app, ForeignChoice& to) {
            "--depth-channel", to.depth_channel,
            "Of another program's picture: the channel of the depths [default: Z, Depth.Z and the like]")
         ->type_name("NAME");
+    app.add_option(
+           "--ids", to.ids,
+           "Of another program's picture: the channel or the Cryptomatte of the surfaces' ids [default: a "
+           "Cryptomatte, else id, objectId and the like]")
+        ->type_name("NAME|none");
 }
 
 void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to) {

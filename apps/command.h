@@ -64,8 +64,8 @@ struct ForeignOptions {
     ForeignChoice choice;
     ForeignCameraChoice camera;
     [[nodiscard]] bool given() const {
-        return !choice.layer.empty() || !choice.depth_channel.empty() || camera.film_width_mm ||
-               camera.film_distance_mm || camera.depth_along;
+        return !choice.layer.empty() || !choice.depth_channel.empty() || !choice.ids.empty() ||
+               camera.film_width_mm || camera.film_distance_mm || camera.depth_along;
     }
 };
 

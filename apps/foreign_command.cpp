@@ -3,6 +3,7 @@
 #include "apps/command.h"
 #include "focus/foreign_focus.h"
 #include "records/crop.h"
+#include "records/unmix_edges.h"
 #include "sweep/picture_maker.h"
 
 namespace postlens {
@@ -26,6 +27,7 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     add("depth", c.z);
     add("depth_back", c.z_back);
     add("id", c.id);
+    add("cryptomatte", c.matte ? c.matte->name : "");
     return out;
 }
 
@@ -49,14 +51,16 @@ bool is_foreign(const std::string& input) {
 void refuse_foreign_options(const ForeignOptions& options) {
     if (!options.given()) return;
     fail(ExitCode::wrong_arguments,
-         "--layer, --depth-channel, --film-width, --film-distance, --z: not for a sample file, which knows "
+         "--layer, --depth-channel, --ids, --film-width, --film-distance, --z: not for a sample file, which "
+         "knows "
          "its camera "
          "(expected an OpenEXR picture of another program)");
 }
 
 CommandResult foreign_image(const ImageOptions& options) {
-    const ForeignPicture picture =
-        read_foreign_picture(options.input, options.foreign.choice, options.foreign.camera);
+    ForeignChoice choice = options.foreign.choice;
+    if (choice.ids.empty()) choice.ids = ForeignChoice::no_ids;  // what is laid together needs none
+    const ForeignPicture picture = read_foreign_picture(options.input, choice, options.foreign.camera);
     check_crop(options.crop, picture.width, picture.height);
     const Image image = picture.flattened();
     write_image(options.output, image, options.crop);
@@ -81,9 +85,10 @@ CommandResult focus_foreign(const FocusOptions& options) {
     // A real lens has a focal length of its own, which says nothing about how the picture was taken.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
-    const ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, choice);
-    check_crop(options.crop, picture.width, picture.height);
+    ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, choice);
     const bool pinhole = options.method == FocusMethod::pinhole;
+    const std::size_t unmixed = pinhole ? 0 : unmix_edges(picture);
+    check_crop(options.crop, picture.width, picture.height);
     const double f_number =
         pinhole ? std::numeric_limits<double>::infinity()
                 : asked_or_named(lens.f_number, picture.camera.f_number, "--f-number", "picture");
@@ -123,6 +128,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
                 {"metres_per_unit", picture.camera.metres_per_unit},
                 {"z", picture.camera.depth_along == DepthAlong::ray ? "ray" : "axial"},
                 {"samples", picture.samples.size()},
+                {"unmixed", unmixed},
                 {"has_alpha", !result.image.alpha.empty()},
                 {"channels", channels_json(picture.channels)}};
     out.text = fmt::format(
@@ -161,10 +167,26 @@ CommandResult foreign_info(const std::string& input) {
     out.json["film_distance_mm"] = camera.film_distance_mm;
     out.json["film_width_mm"] = camera.film_width_mm;
     out.json["assumed"] = camera.assumed;
+    nlohmann::ordered_json mattes = nlohmann::ordered_json::array();
+    const Cryptomattes found =
+        file.parts()[channels.part].deep ? Cryptomattes() : find_cryptomattes(file, channels.part);
+    std::string ids;
+    for (const Cryptomatte& m : found.usable) {
+        const int names = m.manifest.empty() ? 0 : manifest_names(m.manifest);
+        mattes.push_back({{"name", m.name},
+                          {"ranks", m.ranks.size()},
+                          {"names", names >= 0 ? nlohmann::ordered_json(names) : nullptr}});
+        ids += fmt::format("\nCryptomatte {}, {} ranks, {}", m.name, m.ranks.size(),
+                           names < 0 ? "a manifest that is damaged" : fmt::format("{} names", names));
+    }
+    for (const std::string& problem : found.problems) out.warnings.push_back({"ids", problem, 0});
+    out.json["cryptomattes"] = mattes;
+    if (!channels.id.empty()) ids += "\nids " + channels.id;
     out.text +=
         fmt::format("\ncolour {}, {}, {}, alpha {}, depth {}\nfilm {:.5g} mm wide, {:.5g} mm away",
                     channels.r, channels.g, channels.b, channels.a.empty() ? "none" : channels.a,
                     channels.z.empty() ? "none" : channels.z, camera.film_width_mm, camera.film_distance_mm);
+    out.text += ids;
     for (const std::string& text : camera.assumed) out.text += "\n" + text;
     return out;
 }

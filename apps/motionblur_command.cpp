@@ -112,6 +112,8 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
                      {"shutter_close_frames", exposure.close_s},
                      {"instants", 1},
                      {"vectors", {frame.u_name, frame.v_name}},
+                     {"ids", frame.id_name.empty() ? nlohmann::ordered_json(nullptr)
+                                                   : nlohmann::ordered_json(frame.id_name)},
                      {"has_depth", frame.has_z},
                      {"has_alpha", frame.has_alpha},
                      {"longest_vector_px", frame.largest_px},
@@ -149,9 +151,11 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_image_path(options.output);
     // What is to be salvaged is a sample file, even where its header no longer says so.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
-    if (options.vectors.channels || options.vectors.scale || !options.layer.empty()) {
+    if (options.vectors.channels || options.vectors.scale || !options.vectors.ids.empty() ||
+        !options.layer.empty()) {
         fail(ExitCode::wrong_arguments,
-             "--vectors, --layer: not for a sample file, which knows its motion (expected a flat OpenEXR "
+             "--vectors, --layer, --ids: not for a sample file, which knows its motion (expected a flat "
+             "OpenEXR "
              "picture)");
     }
     MotionBlurSettings settings = options.settings;

@@ -27,6 +27,8 @@ class Search {
           width_(picture.x_end - picture.x_begin),
           height_(picture.y_end - picture.y_begin),
           nothing_px_(std::numeric_limits<float>::infinity()),
+          has_ids_(std::any_of(picture.samples.begin(), picture.samples.end(),
+                               [](const StackSample& s) { return s.id != 0; })),
           last_px_(pixels()),
           opaque_(pixels()) {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -62,14 +64,14 @@ class Search {
             if (const Find f = look(x, y, d, last_px_[here]); f.distance_px > 0) finds[count++] = f;
         }
         if (count == 0) return {};
+        if (has_ids_) count = keep_most_seen(finds, count);
         const Find* nearest =
             std::min_element(finds.data(), finds.data() + count,
                              [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
         std::array<double, 5> sum{};
         for (std::size_t i = 0; i < count; ++i) {
             if (std::abs(finds[i].radius_px - nearest->radius_px) >= least_step_px) continue;
-            const double weight =
-                1 / (static_cast<double>(finds[i].distance_px) * static_cast<double>(finds[i].distance_px));
+            const double weight = weight_of(finds[i]);
             const std::array<double, 4> colour = flattened(finds[i]);
             for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * colour[c];
             sum[4] += weight;
@@ -130,6 +132,33 @@ class Search {
         return {};
     }
 
+    [[nodiscard]] std::uint32_t id_of(const Find& f) const {
+        return f.first != p_.offsets[f.pixel + 1] ? p_.samples[f.first].id : 0;
+    }
+    [[nodiscard]] static double weight_of(const Find& f) {
+        return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
+    }
+
+    /// Brings the finds of one surface to the front, in their order: of the one that is seen most around. A
+    /// lamp beside an edge does not shine all over what is behind it. Returns how many they are.
+    std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) const {
+        std::uint32_t most = 0;
+        double most_weight = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            double weight = 0;
+            for (std::size_t k = 0; k < count; ++k)
+                weight += id_of(finds[k]) == id_of(finds[i]) ? weight_of(finds[k]) : 0;
+            if (weight > most_weight) {
+                most_weight = weight;
+                most = id_of(finds[i]);
+            }
+        }
+        const auto kept =
+            std::stable_partition(finds.begin(), finds.begin() + static_cast<std::ptrdiff_t>(count),
+                                  [&](const Find& f) { return id_of(f) == most; });
+        return static_cast<std::size_t>(kept - finds.begin());
+    }
+
     [[nodiscard]] std::array<double, 4> flattened(const Find& f) const {
         std::array<double, 4> out{};
         double left = 1;
@@ -148,6 +177,7 @@ class Search {
     const FocusGeometry& geometry_;
     int width_, height_;
     float nothing_px_;
+    bool has_ids_;
     std::vector<float> last_px_;
     std::vector<std::uint8_t> opaque_;
     float widest_px_ = 0;

@@ -21,9 +21,10 @@ struct Behind {
 
 /// For each pixel stored, row by row. From an opaque pixel the picture is searched in eight directions, as
 /// far as the circles of both reach, for where something farther begins: a step of a pixel or more of signed
-/// radius. The nearest find gives the depth; finds of the same depth (within a pixel of radius) are averaged
-/// by one over their squared distances. Nothing counts as farther than all, and spreads by no circle. The
-/// same for any number of threads.
+/// radius. Where samples have ids, only the finds of the id count that has the greatest sum of one over the
+/// squared distances. The nearest find gives the depth; finds of the same depth (within a pixel of radius)
+/// are averaged by one over their squared distances. Nothing counts as farther than all, and spreads by no
+/// circle. The same for any number of threads.
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry);
 
 /// For each pixel of a window, row by row: one over the depth of the last sample of its own stack, else of

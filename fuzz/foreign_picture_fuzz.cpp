@@ -6,20 +6,34 @@
 #include "fuzz/fuzz_file.h"
 #include "records/foreign_file.h"
 #include "records/foreign_picture.h"
+#include "records/unmix_edges.h"
 
 namespace {
 
+// What is accepted is whole: stacks in order, finite colours, alphas and shares from 0 to 1.
+void check(const postlens::ForeignPicture& picture) {
+    if (picture.offsets.back() != picture.samples.size()) std::abort();
+    for (const postlens::StackSample& s : picture.samples) {
+        if (!std::isfinite(s.r) || !std::isfinite(s.g) || !std::isfinite(s.b)) std::abort();
+        if (!(s.alpha >= 0 && s.alpha <= 1) || !(s.inverse_z >= 0)) std::abort();
+    }
+    for (const postlens::MixedPixel& m : picture.mixed) {
+        if (m.pixel + 1 >= picture.offsets.size() || m.first + m.count > picture.shares.size()) std::abort();
+    }
+    for (const postlens::SurfaceShare& s : picture.shares) {
+        if (!(s.share > 0 && s.share <= 1)) std::abort();
+    }
+    (void)picture.flattened();
+    if (picture.stores(0, 0)) (void)picture.depth_at(0.5, 0.5);
+}
+
 void read(const std::filesystem::path& path, const postlens::ForeignChoice& choice) {
     try {
-        const postlens::ForeignPicture picture = postlens::read_foreign_picture(path, choice, {});
-        // What is accepted is whole: stacks in order, finite colours, alphas from 0 to 1.
-        if (picture.offsets.back() != picture.samples.size()) std::abort();
-        for (const postlens::StackSample& s : picture.samples) {
-            if (!std::isfinite(s.r) || !std::isfinite(s.g) || !std::isfinite(s.b)) std::abort();
-            if (!(s.alpha >= 0 && s.alpha <= 1) || !(s.inverse_z >= 0)) std::abort();
-        }
-        (void)picture.flattened();
-        if (picture.stores(0, 0)) (void)picture.depth_at(0.5, 0.5);
+        postlens::ForeignPicture picture = postlens::read_foreign_picture(path, choice, {});
+        check(picture);
+        if (picture.channels.matte) (void)postlens::manifest_names(picture.channels.matte->manifest);
+        // Pixels of several surfaces are taken apart to what is as whole.
+        if (postlens::unmix_edges(picture) > 0) check(picture);
     } catch (const postlens::Error&) {
         // Refused, as it may be.
     }

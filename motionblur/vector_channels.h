@@ -11,6 +11,7 @@ namespace postlens {
 struct VectorChoice {
     std::optional<std::pair<std::string, std::string>> channels;  ///< absent: found by well-known names
     std::optional<glm::dvec2> scale;  ///< px to the right and px down that 1 stands for; absent: by the names
+    std::string ids;                  ///< as ForeignChoice::ids
 };
 
 /// Names of channels.

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/memory.h"
 #include "records/foreign_channels.h"
+#include "records/foreign_picture.h"
 
 namespace postlens {
 namespace {
@@ -47,9 +48,12 @@ class Reader {
         std::vector<std::string> names{colours_.r, colours_.g, colours_.b, vectors_.u, vectors_.v};
         if (out.has_z) names.push_back(colours_.z);
         if (out.has_alpha) names.push_back(colours_.a);
+        alpha_ = names.size() - 1;
+        out.id_name = id_channel();
+        if (!out.id_name.empty()) names.push_back(out.id_name);
+        whole_ids_ = file_.kind(colours_.part, out.id_name) == ChannelKind::whole;
         file_.read_flat(colours_.part, names, [&](int y, std::span<const float* const> values) {
-            for (int x = 0; x < part_->width(); ++x)
-                out.pixels.push_back(pixel(values, names, out.has_z, out.has_alpha, x, y));
+            for (int x = 0; x < part_->width(); ++x) out.pixels.push_back(pixel(values, names, out, x, y));
         });
         for (const VectorPixel& p : out.pixels) {
             out.largest_px = std::max(
@@ -78,7 +82,8 @@ class Reader {
         const std::string& passes = vectors_.layer;
         const bool own = layer.empty() && !passes.empty() && !file_.parts()[0].has("R") &&
                          file_.parts()[0].has(passes + "Combined.R");
-        colours_ = find_foreign_channels(file_, {own ? passes.substr(0, passes.size() - 1) : layer, ""});
+        colours_ =
+            find_foreign_channels(file_, {own ? passes.substr(0, passes.size() - 1) : layer, "", choice.ids});
         part_ = &file_.parts()[colours_.part];
         if (part_->deep) {
             fail(ExitCode::invalid_input, "{}: cannot read (got deep pixels; expected a flat picture)",
@@ -92,14 +97,21 @@ class Reader {
         if (colours_.depth_part != colours_.part) colours_.z.clear();
     }
 
+    /// Of ids in the part of the colours; empty: none.
+    [[nodiscard]] std::string id_channel() const {
+        const std::string& name = colours_.matte ? colours_.matte->ranks[0].id : colours_.id;
+        const std::size_t part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
+        return part == colours_.part ? name : "";
+    }
+
     [[noreturn]] void refuse(const std::string& channel, int x, int y, float got,
                              const char* expected) const {
         fail(ExitCode::invalid_input, "{}: channel {} at pixel {},{} is unusable (got {}; expected {})",
              file_.name(), channel, part_->data.x_min + x, y, got, expected);
     }
 
-    VectorPixel pixel(std::span<const float* const> values, const std::vector<std::string>& names, bool has_z,
-                      bool has_alpha, int x, int y) const {
+    VectorPixel pixel(std::span<const float* const> values, const std::vector<std::string>& names,
+                      const VectorFrame& frame, int x, int y) const {
         const auto finite = [&](std::size_t channel) {
             const float v = values[channel][x];
             if (!std::isfinite(v)) refuse(names[channel], x, y, v, "a finite number");
@@ -116,7 +128,7 @@ class Reader {
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] = finite(c);
         out.right_px = vector_px(3, vectors_.scale.x);
         out.down_px = vector_px(4, vectors_.scale.y);
-        if (has_z) {
+        if (frame.has_z) {
             const float z = values[5][x];
             if (!(z >= 0)) refuse(names[5], x, y, z, "a depth of 0 or more");
             out.inverse_z = z == 0 || z >= background_z ? 0 : 1 / z;
@@ -124,7 +136,8 @@ class Reader {
             // Parallax: any growing function of the speed will do.
             out.inverse_z = 1 + std::hypot(out.right_px, out.down_px);
         }
-        if (has_alpha && finite(names.size() - 1) == 0) out.inverse_z = 0;
+        if (frame.has_alpha && finite(alpha_) == 0) out.inverse_z = 0;
+        if (!frame.id_name.empty()) out.id = surface_id(values.back()[x], whole_ids_);
         return out;
     }
 
@@ -132,6 +145,8 @@ class Reader {
     const ForeignPart* part_ = nullptr;
     ForeignChannels colours_;
     VectorChannels vectors_;
+    std::size_t alpha_ = 0;  ///< of the channels read
+    bool whole_ids_ = false;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ struct VectorPixel {
     std::array<float, 3> rgb{};       ///< scene-linear; premultiplied where the file has an alpha
     float inverse_z = 0;              ///< one over the file's unit of depth; 0: infinitely far
     float right_px = 0, down_px = 0;  ///< from this frame to the next
+    std::uint32_t id = 0;             ///< of the surface; 0: the file does not say
     [[nodiscard]] bool still() const { return right_px == 0 && down_px == 0; }
 };
 
@@ -27,6 +29,7 @@ struct VectorFrame {
     bool has_z = false, has_alpha = false;
     double largest_px = 0;  ///< the longest vector
     std::string u_name, v_name;
+    std::string id_name;  ///< empty: no ids
 
     [[nodiscard]] const VectorPixel& at(int x, int y) const {
         return pixels[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
@@ -42,7 +45,8 @@ struct VectorFrame {
 /// Reads the part that has the colours (records/foreign_channels.h; of a stereo file's views the hero), in
 /// which vectors, alpha and depth lie as well; `layer` as there. Depth grows with the distance; pixels of
 /// depth 0 or of at least 1e9 and, where there is an alpha, those of alpha 0 are the background, infinitely
-/// far. Without a depth, what moves faster on the raster is taken to be nearer. Throws Error(invalid_input)
+/// far. Without a depth, what moves faster on the raster is taken to be nearer. Ids are those of a
+/// Cryptomatte's first rank or of an id channel. Throws Error(invalid_input)
 /// for what is no such file, for windows out of bounds (65536 px an edge, 65536 px between the windows), for
 /// colours and vectors that are not finite or longer than 1e6 px and for negative depths, with their place;
 /// Error(out_of_memory) before memory is taken.

@@ -202,6 +202,7 @@ bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z) {
     if (apart <= nearly_equal_px) return true;
     const float longer = std::max(std::hypot(a.right_px, a.down_px), std::hypot(b.right_px, b.down_px));
     if (apart > std::max(same_vector_px, same_vector_share * longer)) return false;
+    if (a.id != 0 && b.id != 0) return a.id == b.id;
     return !has_z || std::abs(a.inverse_z - b.inverse_z) <= same_depth * std::max(a.inverse_z, b.inverse_z);
 }
 

@@ -19,7 +19,7 @@ inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 
 /// Whether two neighbours are one surface. Depths within 2 % and vectors within 2 px or 10 % of the longer;
 /// or vectors within 0.25 px, whatever the depths: a floor near the horizon has steep depths and must not
-/// tear. Without depths the vectors decide.
+/// tear. Where both have ids these stand in for the depths. Without either the vectors decide.
 [[nodiscard]] bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z);
 
 }  // namespace postlens

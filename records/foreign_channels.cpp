@@ -100,6 +100,51 @@ void find_depth(const ForeignFile& file, const ForeignChoice& choice, ForeignCha
     }
 }
 
+std::string id_of(const ForeignPart& part, const std::string& layer) {
+    std::vector<std::string> names;
+    for (const std::string& before : {layer, view_layer(layer), std::string()}) {
+        for (const char* name :
+             {"id", "ID", "Id", "objectid", "objectId", "ObjectId", "ObjectID", "object_id", "IndexOB"}) {
+            for (const char* end : {"", ".X", ".V"}) names.push_back(before + name + end);
+        }
+    }
+    return first_of(part, names);
+}
+
+void find_ids(const ForeignFile& file, const ForeignChoice& choice, ForeignChannels& out) {
+    out.id_part = out.part;
+    if (choice.ids == ForeignChoice::no_ids) return;
+    const ForeignPart& own = file.parts()[out.part];
+    std::vector<std::string> sets;
+    if (!own.deep) {
+        Cryptomattes found = find_cryptomattes(file, out.part);
+        out.problems = std::move(found.problems);
+        // Those of the same layer of a file that has several.
+        const std::string layer = view_layer(out.layer);
+        std::stable_partition(found.usable.begin(), found.usable.end(),
+                              [&](const Cryptomatte& m) { return m.name.starts_with(layer); });
+        for (Cryptomatte& set : found.usable) {
+            sets.push_back(set.name);
+            if (!out.matte && (choice.ids.empty() || choice.ids == set.name)) out.matte = std::move(set);
+        }
+    }
+    if (out.matte) return;
+    const auto look = [&](const ForeignPart& part) {
+        return choice.ids.empty() ? id_of(part, out.layer) : first_of(part, {choice.ids});
+    };
+    out.id = look(own);
+    for (std::size_t i = 0; out.id.empty() && !own.deep && i < file.parts().size(); ++i) {
+        if (file.parts()[i].deep || file.parts()[i].view != own.view) continue;
+        out.id = look(file.parts()[i]);
+        out.id_part = i;
+    }
+    if (out.id.empty() && !choice.ids.empty()) {
+        sets.insert(sets.end(), own.channels.begin(), own.channels.end());
+        fail(ExitCode::invalid_input, "{}: no ids {} (got {}; expected what --ids names)", file.name(),
+             choice.ids, listed(sets));
+    }
+}
+
 }  // namespace
 
 std::vector<std::string> colour_layers(const ForeignPart& part) {
@@ -163,9 +208,7 @@ ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoi
                  file.name(), listed(part.channels));
         }
     }
-    const std::string own = view_layer(out.layer);
-    out.id = first_of(part, {out.layer + "id", own + "id", "id", "objectid", "ID", own + "IndexOB.X",
-                             own + "CryptoObject00.R", own + "CryptoObject00.r", "CryptoObject00.R"});
+    find_ids(file, choice, out);
     return out;
 }
 

@@ -235,9 +235,28 @@ std::optional<std::string> ForeignFile::text(std::size_t part, const char* name)
     return a != nullptr ? std::optional<std::string>(a->value()) : std::nullopt;
 }
 
-bool ForeignFile::is_whole(std::size_t part, const std::string& channel) const {
+std::vector<std::pair<std::string, std::string>> ForeignFile::texts(std::size_t part,
+                                                                    std::string_view prefix) const {
+    std::vector<std::pair<std::string, std::string>> out;
+    const Imf::Header& h = impl_->header(part);
+    for (auto a = h.begin(); a != h.end(); ++a) {
+        const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute());
+        if (text != nullptr && std::string_view(a.name()).starts_with(prefix))
+            out.emplace_back(a.name(), text->value());
+    }
+    return out;
+}
+
+ChannelKind ForeignFile::kind(std::size_t part, const std::string& channel) const {
     const Imf::Channel* c = impl_->header(part).channels().findChannel(channel.c_str());
-    return c != nullptr && c->type == Imf::UINT;
+    if (c == nullptr || c->type == Imf::HALF) return ChannelKind::half;
+    return c->type == Imf::UINT ? ChannelKind::whole : ChannelKind::float32;
+}
+
+bool ForeignFile::loses_bits(std::size_t part) const {
+    const Imf::Compression c = impl_->header(part).compression();
+    // PXR24 rounds them, but what was equal stays so.
+    return c == Imf::DWAA_COMPRESSION || c == Imf::DWAB_COMPRESSION;
 }
 
 namespace {

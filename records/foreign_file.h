@@ -9,6 +9,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "records/exr_input.h"
@@ -28,12 +30,14 @@ struct ForeignPart {
     [[nodiscard]] bool has(const std::string& channel) const;
 };
 
+enum class ChannelKind { half, float32, whole };
+
 /// A band of rows of a deep part.
 struct DeepRows {
     int y_begin = 0, y_end = 0;            ///< file coordinates
     std::span<const std::uint32_t> count;  ///< samples of each pixel, row by row
     /// By channel, pixel by pixel, sample by sample: as many numbers as the counts add up to. Of channels of
-    /// whole numbers, their bits; see `bits`.
+    /// whole numbers, their bits.
     std::vector<std::span<const float>> values;
 };
 
@@ -57,6 +61,9 @@ class ForeignFile {
     [[nodiscard]] std::optional<std::array<double, 2>> pair(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<Matrix44> matrix(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<std::string> text(std::size_t part, const char* name) const;
+    /// All texts whose names begin with `prefix`: names and values.
+    [[nodiscard]] std::vector<std::pair<std::string, std::string>> texts(std::size_t part,
+                                                                         std::string_view prefix) const;
 
     /// The rows of a flat part from the top down, a band at a time: `take(y, values)` gets one row, channel
     /// by channel, each of the part's width. Channels of whole numbers come as the bits of floats.
@@ -65,8 +72,10 @@ class ForeignFile {
     /// The same of a deep part.
     void read_deep(std::size_t part, std::span<const std::string> channels,
                    const std::function<void(const DeepRows&)>& take) const;
-    /// Whether a channel holds whole numbers.
-    [[nodiscard]] bool is_whole(std::size_t part, const std::string& channel) const;
+    /// What a channel holds; `half` where there is none of that name.
+    [[nodiscard]] ChannelKind kind(std::size_t part, const std::string& channel) const;
+    /// Whether the part's compression may make different 32-bit floats of equal ones.
+    [[nodiscard]] bool loses_bits(std::size_t part) const;
 
   private:
     struct Impl;

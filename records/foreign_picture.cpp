@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "core/error.h"
 #include "core/memory.h"
@@ -16,6 +17,8 @@ constexpr float nothing_z = 1e9F;  ///< renderers write 1e9, 1e10 or infinity wh
 /// A volume is cut into slices that reach so much farther than they begin, and into no more than so many.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
+/// Of a pixel: less of a surface says nothing.
+constexpr float least_share = 0.01F;
 
 /// Names of channels that are read, each once, and which of them is what.
 class Wanted {
@@ -68,7 +71,9 @@ class Reader {
         a_ = wanted_.add(c.a);
         if (c.depth_part == c.part) z_ = wanted_.add(c.z);
         z_back_ = wanted_.add(c.z_back);
-        id_ = wanted_.add(c.id);
+        if (c.id_part == c.part) id_ = wanted_.add(c.id);
+        whole_ids_ = !c.id.empty() && file_.kind(c.id_part, c.id) == ChannelKind::whole;
+        for (const std::string& problem : c.problems) out_.repairs.push_back({"ids", problem, 0});
         const auto aspect = file_.number(c.part, "pixelAspectRatio");
         if (aspect && std::abs(*aspect - 1) > 1e-4) {
             out_.repairs.push_back(
@@ -101,26 +106,120 @@ class Reader {
         out_.samples.reserve(next);
     }
 
-    /// Depths of another part, of the pixels of the colours' part; infinity where that one has none.
-    std::vector<float> depths_of_another_part() const {
-        const ForeignChannels& c = out_.channels;
-        const ForeignPart& from = file_.parts()[c.depth_part];
-        require_memory(pixels() * sizeof(float), "the depths");
-        std::vector<float> plane(pixels(), std::numeric_limits<float>::infinity());
-        const int x_begin = std::max(from.data.x_min, part_->data.x_min),
-                  x_last = std::min(from.data.x_max, part_->data.x_max);
-        file_.read_flat(c.depth_part, std::span(&c.z, 1), [&](int y, std::span<const float* const> values) {
-            if (y < part_->data.y_min || y > part_->data.y_max || x_begin > x_last) return;
-            std::copy(values[0] + (x_begin - from.data.x_min), values[0] + (x_last + 1 - from.data.x_min),
-                      plane.begin() + (std::ptrdiff_t{y - part_->data.y_min} * part_->width() +
-                                       (x_begin - part_->data.x_min)));
-        });
+    /// What another part has for the pixels of the colours' part; `otherwise` where that one has nothing.
+    std::vector<float> plane_of(std::size_t other, const std::string& channel, float otherwise) const {
+        require_memory(pixels() * sizeof(float), "the channel of another part");
+        std::vector<float> plane(pixels(), otherwise);
+        each_row_of(other, std::span(&channel, 1),
+                    [&](std::size_t first, std::size_t count, std::size_t from,
+                        std::span<const float* const> values) {
+                        std::copy_n(values[0] + from, count,
+                                    plane.begin() + static_cast<std::ptrdiff_t>(first));
+                    });
         return plane;
     }
 
-    std::uint32_t id_of(float value) const {
-        // Hashes of names and whole numbers alike tell surfaces apart by their bits.
-        return std::bit_cast<std::uint32_t>(value);
+    /// Rows of another part as far as the colours' part has them: `take(pixel, count, from, values)`, of
+    /// `count` pixels from number `pixel` on, whose values begin at `from`.
+    template <typename Take>
+    void each_row_of(std::size_t other, std::span<const std::string> channels, const Take& take) const {
+        const ForeignPart& from = file_.parts()[other];
+        const int x_begin = std::max(from.data.x_min, part_->data.x_min),
+                  x_last = std::min(from.data.x_max, part_->data.x_max);
+        file_.read_flat(other, channels, [&](int y, std::span<const float* const> values) {
+            if (y < part_->data.y_min || y > part_->data.y_max || x_begin > x_last) return;
+            take(static_cast<std::size_t>(y - part_->data.y_min) * static_cast<std::size_t>(part_->width()) +
+                     static_cast<std::size_t>(x_begin - part_->data.x_min),
+                 static_cast<std::size_t>(x_last - x_begin + 1),
+                 static_cast<std::size_t>(x_begin - from.data.x_min), values);
+        });
+    }
+
+    struct MatteEntry {
+        std::size_t pixel;
+        SurfaceShare share;
+    };
+
+    /// The shares of all pixels, as they stand in the file, by pixel.
+    std::vector<MatteEntry> matte_entries(const Cryptomatte& matte) const {
+        std::vector<MatteEntry> out;
+        std::vector<std::size_t> parts;
+        for (const MatteRank& rank : matte.ranks) {
+            if (std::find(parts.begin(), parts.end(), rank.part) == parts.end()) parts.push_back(rank.part);
+        }
+        for (const std::size_t other : parts) {
+            std::vector<std::string> names;
+            for (const MatteRank& rank : matte.ranks) {
+                if (rank.part == other) names.insert(names.end(), {rank.id, rank.coverage});
+            }
+            each_row_of(
+                other, names,
+                [&](std::size_t first, std::size_t count, std::size_t from,
+                    std::span<const float* const> values) {
+                    for (std::size_t i = 0; i < count; ++i) {
+                        for (std::size_t c = 0; c < names.size(); c += 2) {
+                            const float share = values[c + 1][from + i];
+                            if (!(share >= least_share)) continue;  // NaN as well
+                            if (out.size() == out.capacity()) {
+                                const std::size_t more = std::max(out.size() * 3 / 2, pixels());
+                                require_memory(more * sizeof(MatteEntry), "the Cryptomatte");
+                                out.reserve(more);
+                            }
+                            out.push_back(
+                                {first + i, {surface_id(values[c][from + i], false), std::min(share, 1.0F)}});
+                        }
+                    }
+                });
+        }
+        if (parts.size() > 1) {
+            std::stable_sort(out.begin(), out.end(),
+                             [](const MatteEntry& a, const MatteEntry& b) { return a.pixel < b.pixel; });
+        }
+        return out;
+    }
+
+    /// Gives the samples of a flat picture the ids of what fills most of their pixels.
+    void take_matte(const Cryptomatte& matte) {
+        const std::vector<MatteEntry> entries = matte_entries(matte);
+        require_memory(entries.size() * (sizeof(MixedPixel) + sizeof(SurfaceShare)), "the Cryptomatte");
+        std::vector<SurfaceShare> here;
+        for (std::size_t i = 0; i < entries.size();) {
+            const std::size_t pixel = entries[i].pixel;
+            here.clear();
+            float sum = 0;
+            for (; i < entries.size() && entries[i].pixel == pixel; ++i) {
+                const SurfaceShare& s = entries[i].share;
+                const auto same = std::find_if(here.begin(), here.end(),
+                                               [&](const SurfaceShare& h) { return h.id == s.id; });
+                if (same != here.end()) {
+                    same->share += s.share;
+                } else {
+                    here.push_back(s);
+                }
+                sum += s.share;
+            }
+            add_shares(pixel, here, sum);
+        }
+    }
+
+    void add_shares(std::size_t pixel, std::vector<SurfaceShare>& here, float sum) {
+        if (1 - sum >= least_share) {
+            const auto none =
+                std::find_if(here.begin(), here.end(), [](const SurfaceShare& h) { return h.id == 0; });
+            if (none != here.end()) {
+                none->share += 1 - sum;
+            } else {
+                here.push_back({0, 1 - sum});
+            }
+            sum = 1;
+        }
+        std::stable_sort(here.begin(), here.end(),
+                         [](const SurfaceShare& a, const SurfaceShare& b) { return a.share > b.share; });
+        for (std::uint64_t k = out_.offsets[pixel]; k < out_.offsets[pixel + 1]; ++k)
+            out_.samples[k].id = here[0].id;
+        if (here.size() == 1) return;
+        out_.mixed.push_back({pixel, out_.shares.size(), here.size()});
+        for (const SurfaceShare& h : here) out_.shares.push_back({h.id, h.share / sum});
     }
 
     /// One over a depth as the file has it, its sign kept.
@@ -152,7 +251,10 @@ class Reader {
     void read_flat() {
         const bool apart = out_.channels.depth_part != out_.channels.part && !out_.channels.z.empty();
         std::vector<float> plane;
-        if (apart) plane = depths_of_another_part();
+        const ForeignChannels& c = out_.channels;
+        if (apart) plane = plane_of(c.depth_part, c.z, std::numeric_limits<float>::infinity());
+        std::vector<float> ids;
+        if (!c.id.empty() && c.id_part != c.part) ids = plane_of(c.id_part, c.id, 0);
         if (out_.channels.z.empty()) {
             out_.repairs.push_back(
                 {"assumed", "no depth is in the file: all is taken to be infinitely far (--depth-channel)",
@@ -168,10 +270,12 @@ class Reader {
                 };
                 const float z = apart ? plane[row + x] : value(z_, std::numeric_limits<float>::infinity());
                 add({inverse(z, part_->data.x_min + static_cast<int>(x), y), value(r_, 0), value(g_, 0),
-                     value(b_, 0), checked_alpha(value(a_, 1)), id_of(value(id_, 0))});
+                     value(b_, 0), checked_alpha(value(a_, 1)),
+                     surface_id(ids.empty() ? value(id_, 0) : ids[row + x], whole_ids_)});
                 out_.offsets.push_back(out_.samples.size());
             }
         });
+        if (c.matte) take_matte(*c.matte);
     }
 
     void read_deep() {
@@ -185,9 +289,12 @@ class Reader {
                     const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
                         return channel ? rows.values[*channel][at] : otherwise;
                     };
-                    const StackSample s{
-                        inverse(value(z_, 0), x, y), value(r_, 0),        value(g_, 0), value(b_, 0),
-                        checked_alpha(value(a_, 1)), id_of(value(id_, 0))};
+                    const StackSample s{inverse(value(z_, 0), x, y),
+                                        value(r_, 0),
+                                        value(g_, 0),
+                                        value(b_, 0),
+                                        checked_alpha(value(a_, 1)),
+                                        surface_id(value(id_, 0), whole_ids_)};
                     add_volume(s, value(z_, 0), value(z_back_, 0));
                 }
                 out_.offsets.push_back(out_.samples.size());
@@ -330,12 +437,17 @@ class Reader {
     const ForeignPart* part_ = nullptr;
     Wanted wanted_;
     std::optional<std::size_t> r_, g_, b_, a_, z_, z_back_, id_;
+    bool whole_ids_ = false;
     ForeignPicture out_;
     std::size_t negative_ = 0, positive_ = 0, bad_alphas_ = 0, bad_colours_ = 0;
     Place first_negative_;
 };
 
 }  // namespace
+
+std::uint32_t surface_id(float value, bool whole) {
+    return !whole && (value == 0 || std::isnan(value)) ? 0 : std::bit_cast<std::uint32_t>(value);
+}
 
 Image ForeignPicture::flattened() const {
     Image out(width, height);

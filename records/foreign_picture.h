@@ -19,7 +19,22 @@ struct StackSample {
     float inverse_z = 0;  ///< one over the depth along the axis, 1/m; 0: infinitely far
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
-    std::uint32_t id = 0;  ///< 0 where the file has none
+    std::uint32_t id = 0;  ///< of the surface; 0: the file does not say
+};
+
+/// An id from its channel: the bits, which tell hashes of names and whole numbers alike apart; 0, for none,
+/// of a float that is zero of either sign or NaN.
+[[nodiscard]] std::uint32_t surface_id(float value, bool whole);
+
+/// A pixel that several surfaces share, as a Cryptomatte says.
+struct MixedPixel {
+    std::size_t pixel = 0;             ///< number of its stack
+    std::size_t first = 0, count = 0;  ///< of ForeignPicture::shares
+};
+
+struct SurfaceShare {
+    std::uint32_t id = 0;  ///< 0: what has none, such as the sky
+    float share = 0;       ///< of the pixel; those of a pixel add up to 1
 };
 
 /// Something that was changed so that the picture could be used at all.
@@ -34,6 +49,10 @@ struct ForeignPicture {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint64_t> offsets{0};  ///< of each pixel's stack, row by row; one more at the end
     std::vector<StackSample> samples;       ///< each stack nearest first
+    /// Pixels of several surfaces, by growing number, and their shares, the greatest first: that one's id is
+    /// the sample's. Empty without a Cryptomatte. Shares below 1 % are left out.
+    std::vector<MixedPixel> mixed;
+    std::vector<SurfaceShare> shares;
     ForeignCamera camera;
     ForeignChannels channels;
     bool deep = false;
@@ -61,7 +80,8 @@ struct ForeignPicture {
 /// are finite are, are taken as distances (warned of); else they are refused with their place. Colours that
 /// are not finite get the mean of the finite ones around them (deep samples: black), alphas beyond 0..1 are
 /// cut off; both are warned of as "repaired". Deep samples from Z to ZBack become slices whose circles differ
-/// by little. Throws Error(invalid_input), Error(out_of_memory).
+/// by little. Ids are the bits of their channel; NaN and zero of either sign are none. What is wrong about
+/// ids is warned of as "ids", and they are left aside. Throws Error(invalid_input), Error(out_of_memory).
 [[nodiscard]] ForeignPicture read_foreign_picture(const std::filesystem::path& path,
                                                   const ForeignChoice& choice,
                                                   const ForeignCameraChoice& camera);

@@ -129,6 +129,27 @@ TEST_F(ForeignCommand, SaysWhatIsInAFile) {
     EXPECT_NEAR(said.at("film_distance_mm").get<double>(), 43.4558, 1e-3);
 }
 
+TEST_F(ForeignCommand, EdgesAreTakenApartByACryptomatte) {
+    const std::string input = data_folder + "cryptomatte.exr";
+    const std::vector<std::string> words{"focus", input,     "-o", in("o.exr"), "--f-number",
+                                         "1.4",   "--focus", "5",  "--method",  "layers"};
+    const json said = done(words);
+    EXPECT_EQ(said.at("channels").at("cryptomatte"), "CryptoObject");
+    EXPECT_GT(said.at("unmixed").get<int>(), 10);
+    const auto with = [&](const std::string& ids) {
+        std::vector<std::string> all = words;
+        all.insert(all.end(), {"--ids", ids});
+        return done(all);
+    };
+    EXPECT_EQ(with("none").at("unmixed"), 0);
+    EXPECT_GE(said.at("samples").get<int>(),
+              with("none").at("samples").get<int>() + said.at("unmixed").get<int>());
+    EXPECT_EQ(with("CryptoObject00.R").at("channels").at("id"), "CryptoObject00.R");
+    const json info = done({"info", input});
+    EXPECT_EQ(info.at("cryptomattes").at(0).at("ranks"), 4);
+    EXPECT_EQ(info.at("cryptomattes").at(0).at("names"), 1);
+}
+
 TEST_F(ForeignCommand, RefusesInOneLine) {
     write_half_plane(in("a.exr"));
     const std::string a = in("a.exr"), o = in("o.exr");
@@ -152,6 +173,10 @@ TEST_F(ForeignCommand, RefusesInOneLine) {
     refused({"focus", frame, "-o", o, "--f-number", "2", "--focus", "4", "--film-width", "24"}, two,
             "--film-width");
     refused({"image", frame, "-o", o, "--layer", "x"}, two, "--layer");
+    refused({"image", frame, "-o", o, "--ids", "x"}, two, "--ids");
+    refused({"motionblur", frame, "-o", o, "--shutter", "0:1", "--ids", "x"}, two, "--ids");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--ids", "x"}, ExitCode::invalid_input,
+            "no ids x");
     refused({"motionblur", frame, "-o", o, "--shutter", "0:1", "--layer", "x"}, two, "--layer");
 }
 

@@ -10,6 +10,8 @@
 
 #include "core/error.h"
 #include "core/threads.h"
+#include "focus/behind_fill.h"
+#include "records/unmix_edges.h"
 
 namespace postlens {
 namespace {
@@ -264,6 +266,76 @@ TEST(ForeignFocus, SameBitsForAnyNumberOfThreads) {
         const Image one = with(1), four = with(4);
         EXPECT_EQ(one.rgb, four.rgb);
         EXPECT_EQ(one.alpha, four.alpha);
+    }
+}
+
+TEST(ForeignFocus, AHalfPlaneThatEndsInsideAPixelIsItsOwnEdge) {
+    // The pixel at the edge has the depth of what is behind, or a mean that nothing has. Taken apart it
+    // is a pixel of the half-plane to one share and of the background to the rest.
+    const Bench bench{.width = 80, .height = 24, .margin_px = 40};
+    constexpr int x0 = 40;
+    constexpr float share = 0.7F;
+    for (const double near_px : {-3.3, -12.0}) {
+        for (const double far_px : {0.0, 3.0}) {
+            for (const double edge_px : {far_px, 0.7 * near_px + 0.3 * far_px}) {
+                ForeignPicture p = bench.picture([&](int x, int) {
+                    const StackSample near{bench.inverse_z(near_px), 1, 0.5F, 0, 1, 1},
+                        far{bench.inverse_z(far_px), 0, 0.25F, 1, 1, 2};
+                    if (x != x0) return Stack{x > x0 ? near : far};
+                    return Stack{{bench.inverse_z(edge_px), share, share * 0.5F + (1 - share) * 0.25F,
+                                  1 - share, 1, 1}};
+                });
+                const FocusResult mixed = bench.focus(p, FocusMethod::layers);
+                for (int y = p.y_begin; y < p.y_end; ++y) {
+                    const auto pixel =
+                        static_cast<std::size_t>((y - p.y_begin) * (p.x_end - p.x_begin) + (x0 - p.x_begin));
+                    p.mixed.push_back({pixel, p.shares.size(), 2});
+                    p.shares.push_back({1, share});
+                    p.shares.push_back({2, 1 - share});
+                }
+                EXPECT_EQ(unmix_edges(p), static_cast<std::size_t>(p.y_end - p.y_begin));
+                const FocusResult apart = bench.focus(p, FocusMethod::layers);
+                EXPECT_TRUE(apart.image.alpha.empty());
+                double largest = 0;
+                for (int x = 0; x < 80; ++x) {
+                    const double r = level_radius(near_px), t = x + 0.5 - x0;
+                    const double front = static_cast<double>(share) * edge_response(t / r) +
+                                         (1 - static_cast<double>(share)) * edge_response((t - 1) / r);
+                    ASSERT_NEAR(value(apart.image, x, 12, 0), front, 3e-6)
+                        << near_px << " " << far_px << " " << edge_px << " " << x;
+                    ASSERT_NEAR(value(apart.image, x, 12, 2), 1 - front, 3e-6) << x;
+                    largest = std::max(largest,
+                                       std::abs(static_cast<double>(value(mixed.image, x, 12, 0)) - front));
+                }
+                EXPECT_GT(largest, 0.01) << near_px << " " << far_px << " " << edge_px;
+            }
+        }
+    }
+}
+
+TEST(ForeignFocus, ALampBesideAnEdgeIsNotAllThatIsBehindIt) {
+    // A bar before a wall, a lamp of the same depth as the wall beside it.
+    const Bench bench{.width = 40, .height = 9};
+    for (const bool with_ids : {true, false}) {
+        const ForeignPicture p = bench.picture([&](int x, int y) {
+            const auto id = [&](std::uint32_t i) { return with_ids ? i : 0; };
+            if (x >= 18 && x < 22) return Stack{{bench.inverse_z(-20), 0, 0, 0, 1, id(1)}};
+            if (x == 22 && y == 4) return Stack{{bench.inverse_z(2), 50, 50, 50, 1, id(3)}};
+            return Stack{{bench.inverse_z(2), 0.25F, 0.5F, 1, 1, id(2)}};
+        });
+        const FocusGeometry geometry =
+            focus_geometry({.focal_length_mm = 2000, .f_number = 1}, 1, Framing::keep,
+                           {p.camera.film_distance_mm, p.pixel_pitch_mm()});
+        const std::vector<Behind> behind = behind_fill(p, geometry);
+        const Behind& next = behind[4 * 40 + 20];
+        ASSERT_TRUE(next.known);
+        if (with_ids) {
+            EXPECT_NEAR(next.r, 0.25, 1e-6);
+            EXPECT_NEAR(next.b, 1, 1e-6);
+            EXPECT_EQ(next.inverse_z, bench.inverse_z(2));
+        } else {
+            EXPECT_GT(next.r, 1);
+        }
     }
 }
 

@@ -101,6 +101,53 @@ class VectorFrameTest : public CommandTest {
     }
 };
 
+TEST_F(VectorFrameTest, IdsPartAndJoinSurfaces) {
+    // Depths half a percent apart, vectors a pixel apart: by these one surface, by ids two. And the other way
+    // about where the depth jumps.
+    const auto two = [](std::uint32_t id, std::uint32_t other, float z) {
+        return std::pair(VectorPixel{{}, 1, 10, 0, id}, VectorPixel{{}, 1 / z, 11, 0, other});
+    };
+    for (const auto& [id, other, z, joined] :
+         {std::tuple(0U, 0U, 1.005F, true), std::tuple(3U, 4U, 1.005F, false),
+          std::tuple(3U, 3U, 1.005F, true), std::tuple(3U, 0U, 1.005F, true), std::tuple(0U, 0U, 2.0F, false),
+          std::tuple(3U, 3U, 2.0F, true), std::tuple(3U, 0U, 2.0F, false)}) {
+        const auto [a, b] = two(id, other, z);
+        EXPECT_EQ(one_surface(a, b, true), joined) << id << " " << other << " " << static_cast<double>(z);
+    }
+    // What moves alike must not tear, whatever it is; what moves apart is no one thing.
+    EXPECT_TRUE(one_surface({{}, 1, 10, 0, 3}, {{}, 1, 10.2F, 0, 4}, true));
+    EXPECT_FALSE(one_surface({{}, 1, 10, 0, 3}, {{}, 1, 20, 0, 3}, true));
+}
+
+TEST_F(VectorFrameTest, TilesOfOneDepthPartByTheirIds) {
+    // Two tiles side by side at one depth, one a pixel and a half faster: by depth alone the seam between
+    // them is dragged along by the mean of both.
+    FlatPicture tiles;
+    tiles.channels = {"R", "G", "B", "Z", "forward.u", "forward.v", "objectId"};
+    const auto seam_px = [&](float id) {
+        tiles.values = [id](int x, int) {
+            return x < 32 ? std::vector<float>{1, 0, 0, 2, 6, 0, 7}
+                          : std::vector<float>{0, 1, 0, 2, 7.5F, 0, id};
+        };
+        const VectorFrame frame = frame_of(tiles);
+        EXPECT_EQ(frame.id_name, "objectId");
+        const SampleMesh mesh = vector_mesh(frame);
+        std::vector<float> speeds;
+        for (std::size_t i = 0; i < mesh.x.size(); ++i) {
+            if (mesh.x[i] == 32) speeds.push_back(mesh.vx[i]);
+        }
+        const auto [least, most] = std::minmax_element(speeds.begin(), speeds.end());
+        return std::pair(*least, *most);
+    };
+    EXPECT_EQ(seam_px(7), std::pair(6.75F, 6.75F));
+    EXPECT_EQ(seam_px(8), std::pair(6.0F, 7.5F));
+    EXPECT_EQ(frame_of(tiles, {.ids = "none"}).id_name, "");
+    EXPECT_EQ(frame_of(tiles, {.ids = "none"}).at(40, 3).id, 0U);
+    EXPECT_EQ(refusal(tiles), "");
+    tiles.channels.back() = "CryptoObject00.R";  // without its coverage
+    EXPECT_EQ(frame_of(tiles).id_name, "");
+}
+
 TEST_F(VectorFrameTest, PlateInMotionIsATrapezoid) {
     constexpr int views = 4096;
     const MotionBlurResult r = vector_blur(frame_of(plate()), {.exposure = {0, 1}, .views = views});

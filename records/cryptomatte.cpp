@@ -1,0 +1,192 @@
+#include "records/cryptomatte.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <fmt/format.h>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace postlens {
+namespace {
+
+/// Sets with more ranks say no more of an edge.
+constexpr int most_layers = 16;
+constexpr std::size_t most_sets = 64;
+/// Of names in messages.
+constexpr std::size_t longest_shown = 80;
+
+/// What no channel's name is longer than.
+constexpr std::size_t longest_name = 255;
+
+/// In a line of bearable length, whatever the file says.
+std::string shown(const std::string& name) {
+    std::string out = name.size() <= longest_shown ? name : name.substr(0, longest_shown) + "...";
+    std::replace_if(
+        out.begin(), out.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }, '?');
+    return out;
+}
+
+/// Where a channel is, of the part itself or of a flat one of the same view.
+std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
+    const auto parts = file.parts();
+    if (!parts[own].deep && parts[own].has(channel)) return own;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (i != own && !parts[i].deep && parts[i].view == parts[own].view && parts[i].has(channel)) return i;
+    }
+    return std::nullopt;
+}
+
+struct Letter {
+    std::array<const char*, 3> names;
+};
+constexpr Letter red{{"R", "r", "red"}}, green{{"G", "g", "green"}}, blue{{"B", "b", "blue"}},
+    alpha{{"A", "a", "alpha"}};
+
+std::optional<MatteRank> rank_of(const ForeignFile& file, std::size_t own, const std::string& layer,
+                                 const Letter& id, const Letter& coverage) {
+    for (std::size_t i = 0; i < id.names.size(); ++i) {
+        MatteRank rank{own, layer + id.names[i], layer + coverage.names[i]};
+        const auto part = part_with(file, own, rank.id);
+        if (!part || !file.parts()[*part].has(rank.coverage)) continue;
+        rank.part = *part;
+        return rank;
+    }
+    return std::nullopt;
+}
+
+std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const std::string& name) {
+    std::vector<MatteRank> out;
+    if (name.size() > longest_name) return out;
+    for (int i = 0; i < most_layers; ++i) {
+        const std::string layer = fmt::format("{}{:02}.", name, i);
+        for (const auto& [id, coverage] : {std::pair(&red, &green), std::pair(&blue, &alpha)}) {
+            const auto rank = rank_of(file, own, layer, *id, *coverage);
+            if (!rank) return out;
+            out.push_back(*rank);
+        }
+    }
+    return out;
+}
+
+/// Names of sets by their channels: what stands before "00.R".
+std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
+    std::vector<std::string> out;
+    for (const ForeignPart& part : file.parts()) {
+        if (part.deep || part.view != file.parts()[own].view) continue;
+        for (const std::string& channel : part.channels) {
+            for (const char* letter : red.names) {
+                const std::string end = std::string("00.") + letter;
+                if (channel.ends_with(end) && channel.find("rypto") != std::string::npos)
+                    out.push_back(channel.substr(0, channel.size() - end.size()));
+            }
+        }
+    }
+    return out;
+}
+
+/// Lower is better.
+int kind(const std::string& name) {
+    const auto has = [&](const char* upper, const char* lower) {
+        return name.find(upper) != std::string::npos || name.find(lower) != std::string::npos;
+    };
+    return has("Object", "object") ? 0 : has("Asset", "asset") ? 1 : 2;
+}
+
+std::string why_not(const ForeignFile& file, const Cryptomatte& set) {
+    if (set.ranks.empty()) return fmt::format("no channels {0}00.R and {0}00.G", shown(set.name));
+    for (const MatteRank& rank : set.ranks) {
+        if (file.kind(rank.part, rank.id) != ChannelKind::float32)
+            return fmt::format("channel {} does not have 32 bits", shown(rank.id));
+        if (file.loses_bits(rank.part)) return "the file's compression has changed its ids";
+    }
+    return "";
+}
+
+}  // namespace
+
+Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part) {
+    struct Said {
+        std::string name, manifest;
+    };
+    std::map<std::string, Said> keys;
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        if (file.parts()[i].deep || file.parts()[i].view != file.parts()[part].view) continue;
+        for (const char* prefix : {"cryptomatte/", "exr/cryptomatte/"}) {
+            for (auto& [name, text] : file.texts(i, prefix)) {
+                const std::string rest = name.substr(std::string(prefix).size());
+                const std::size_t slash = rest.find('/');
+                if (slash == std::string::npos) continue;
+                Said& said = keys[rest.substr(0, slash)];
+                const std::string what = rest.substr(slash + 1);
+                if (what == "name") said.name = std::move(text);
+                if (what == "manifest") said.manifest = std::move(text);
+            }
+        }
+    }
+    std::map<std::string, Cryptomatte> sets;
+    Cryptomattes out;
+    for (auto& [key, said] : keys) {
+        if (said.name.empty()) {
+            out.problems.push_back(fmt::format("Cryptomatte {} has no name", shown(key)));
+        } else {
+            sets[said.name] = {said.name, {}, std::move(said.manifest)};
+        }
+    }
+    for (const std::string& name : named_so(file, part)) sets.try_emplace(name, Cryptomatte{name, {}, ""});
+    for (auto& [name, set] : sets) {
+        if (out.usable.size() + out.problems.size() >= most_sets) break;
+        set.ranks = ranks_of(file, part, name);
+        const std::string why = why_not(file, set);
+        if (why.empty()) {
+            out.usable.push_back(std::move(set));
+        } else {
+            out.problems.push_back(fmt::format("Cryptomatte {} is not used: {}", shown(name), why));
+        }
+    }
+    std::stable_sort(out.usable.begin(), out.usable.end(),
+                     [](const Cryptomatte& a, const Cryptomatte& b) { return kind(a.name) < kind(b.name); });
+    return out;
+}
+
+int manifest_names(const std::string& manifest) {
+    // No exceptions, whatever it is; the parser keeps its own stack.
+    const auto json = nlohmann::json::parse(manifest, nullptr, false);
+    if (!json.is_object()) return -1;
+    for (const auto& [name, id] : json.items()) {
+        if (!id.is_string()) return -1;
+        const auto& digits = id.get_ref<const std::string&>();
+        if (digits.empty() || digits.size() > 8 ||
+            digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
+            return -1;
+    }
+    return static_cast<int>(json.size());
+}
+
+std::uint32_t cryptomatte_id(std::string_view name) {
+    constexpr std::uint32_t c1 = 0xcc9e2d51U, c2 = 0x1b873593U;
+    std::uint32_t hash = 0;
+    const auto scrambled = [](std::uint32_t k) { return std::rotl(k * c1, 15) * c2; };
+    const auto byte = [&](std::size_t i) {
+        return static_cast<std::uint32_t>(static_cast<unsigned char>(name[i]));
+    };
+    std::size_t i = 0;
+    for (; i + 4 <= name.size(); i += 4) {
+        const std::uint32_t k = byte(i) | byte(i + 1) << 8U | byte(i + 2) << 16U | byte(i + 3) << 24U;
+        hash = std::rotl(hash ^ scrambled(k), 13) * 5 + 0xe6546b64U;
+    }
+    std::uint32_t tail = 0;
+    for (std::size_t k = name.size(); k > i; --k) tail = tail << 8U | byte(k - 1);
+    hash ^= scrambled(tail);
+    hash ^= static_cast<std::uint32_t>(name.size());
+    hash = (hash ^ hash >> 16U) * 0x85ebca6bU;
+    hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
+    hash ^= hash >> 16U;
+    // Zero, denormal, infinite or no number: compositors change such bits.
+    const std::uint32_t exponent = hash >> 23U & 255U;
+    if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
+    return hash;
+}
+
+}  // namespace postlens

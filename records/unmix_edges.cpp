@@ -1,0 +1,236 @@
+#include "records/unmix_edges.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/memory.h"
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+/// How far is looked for pixels that are not mixed, px.
+constexpr int reach_px = 2;
+/// Depths of one place of a surface differ by no more than this share of them.
+constexpr double same_depth = 0.05;
+
+/// Of the brightest colours there are a part may be brighter than a float holds.
+float within_float(double value) {
+    constexpr double most = std::numeric_limits<float>::max();
+    return static_cast<float>(std::clamp(value, -most, most));
+}
+
+/// A surface's part of a pixel: premultiplied colour and alpha of the part alone.
+struct Portion {
+    std::uint32_t id = 0;
+    double share = 0;
+    std::array<double, 4> rgba{};
+    double inverse_z = 0;
+    bool has_colour = false, has_depth = false;
+};
+
+class Unmixer {
+  public:
+    explicit Unmixer(const ForeignPicture& picture)
+        : p_(picture), width_(picture.x_end - picture.x_begin), mixed_(picture.offsets.size() - 1) {
+        for (const MixedPixel& m : p_.mixed) mixed_[m.pixel] = 1;
+    }
+
+    /// The samples of a mixed pixel; empty: it stays as it is.
+    [[nodiscard]] std::vector<StackSample> apart(const MixedPixel& m) const {
+        std::vector<Portion> portions;
+        for (std::size_t i = m.first; i < m.first + m.count; ++i) {
+            Portion portion{p_.shares[i].id, static_cast<double>(p_.shares[i].share), {}, 0, false, false};
+            find(m.pixel, portion);
+            if (portion.has_depth) portions.push_back(portion);
+        }
+        if (portions.size() < 2) return {};
+        double sum = 0;
+        for (const Portion& portion : portions) sum += portion.share;
+        for (Portion& portion : portions) portion.share /= sum;
+        const std::array<double, 4> whole = value_of(m.pixel);
+        give_colours(whole, portions);
+        return stack_of(whole[3], portions);
+    }
+
+  private:
+    [[nodiscard]] std::array<double, 4> value_of(std::size_t pixel) const {
+        if (p_.offsets[pixel] == p_.offsets[pixel + 1]) return {};
+        const StackSample& s = p_.samples[p_.offsets[pixel]];
+        return {static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
+                static_cast<double>(s.alpha)};
+    }
+    /// 0 as well where nothing is.
+    [[nodiscard]] std::uint32_t id_of(std::size_t pixel) const {
+        return p_.offsets[pixel] == p_.offsets[pixel + 1] ? 0 : p_.samples[p_.offsets[pixel]].id;
+    }
+    [[nodiscard]] double inverse_z_of(std::size_t pixel) const {
+        return p_.offsets[pixel] == p_.offsets[pixel + 1]
+                   ? 0
+                   : static_cast<double>(p_.samples[p_.offsets[pixel]].inverse_z);
+    }
+
+    /// Calls visit(pixel, squared distance) for the pixels around.
+    template <typename Visit>
+    void around(std::size_t pixel, const Visit& visit) const {
+        const auto width = static_cast<std::size_t>(width_);
+        const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
+        const int height = p_.y_end - p_.y_begin;
+        for (int v = std::max(0, y - reach_px); v <= std::min(height - 1, y + reach_px); ++v) {
+            for (int u = std::max(0, x - reach_px); u <= std::min(width_ - 1, x + reach_px); ++u)
+                visit(static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u),
+                      (u - x) * (u - x) + (v - y) * (v - y));
+        }
+    }
+
+    void find(std::size_t pixel, Portion& portion) const {
+        for (const bool pure : {true, false}) {
+            int nearest = 0;
+            double depth = 0;
+            const auto is_one = [&](std::size_t at) {
+                return id_of(at) == portion.id && (mixed_[at] == 0) == pure;
+            };
+            around(pixel, [&](std::size_t at, int distance) {
+                if (!is_one(at) || (portion.has_depth && distance >= nearest)) return;
+                nearest = distance;
+                depth = inverse_z_of(at);
+                portion.has_depth = true;
+            });
+            if (!portion.has_depth) continue;
+            // The pixel itself may be one of those that are mixed.
+            double sum = 0, depths = 0;
+            around(pixel, [&](std::size_t at, int distance) {
+                const double z = inverse_z_of(at);
+                if (!is_one(at) || std::abs(z - depth) > same_depth * std::max(z, depth)) return;
+                const double weight = 1 / (distance + (pure ? 0.0 : 0.5));
+                const auto value = value_of(at);
+                for (std::size_t c = 0; c < 4; ++c) portion.rgba[c] += weight * value[c];
+                depths += weight * z;
+                sum += weight;
+            });
+            for (double& channel : portion.rgba) channel /= sum;
+            portion.inverse_z = depths / sum;
+            portion.has_colour = pure;
+            return;
+        }
+    }
+
+    /// So that the shares' sum is the whole.
+    static void give_colours(const std::array<double, 4>& whole, std::vector<Portion>& portions) {
+        double unknown = 0, squares = 0;
+        for (const Portion& portion : portions) {
+            if (!portion.has_colour) unknown += portion.share;
+            squares += portion.share * portion.share;
+        }
+        for (std::size_t c = 0; c < 4; ++c) {
+            double known = 0;
+            for (const Portion& portion : portions) {
+                if (portion.has_colour) known += portion.share * portion.rgba[c];
+            }
+            if (unknown > 0) {
+                for (Portion& portion : portions) {
+                    if (!portion.has_colour) portion.rgba[c] = (whole[c] - known) / unknown;
+                }
+            } else {
+                for (Portion& portion : portions)
+                    portion.rgba[c] += (whole[c] - known) * portion.share / squares;
+            }
+            if (whole[c] >= 0) keep_within(whole[c], c, portions);
+        }
+    }
+
+    /// No channel below 0, no alpha above 1, and the sum still the whole.
+    static void keep_within(double whole, std::size_t c, std::vector<Portion>& portions) {
+        const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
+        double sum = 0, room = 0;
+        for (Portion& portion : portions) {
+            portion.rgba[c] = std::clamp(portion.rgba[c], 0.0, most);
+            sum += portion.share * portion.rgba[c];
+            room += portion.share * (1 - portion.rgba[c]);
+        }
+        for (Portion& portion : portions) {
+            double& value = portion.rgba[c];
+            if (c == 3 && whole > sum) {
+                if (room > 0) value = std::min(1.0, value + (1 - value) * (whole - sum) / room);
+            } else if (sum > 0) {
+                value *= whole / sum;
+            }
+        }
+    }
+
+    /// Side by side, as samples that lie over each other.
+    static std::vector<StackSample> stack_of(double whole_alpha, std::vector<Portion>& portions) {
+        std::stable_sort(portions.begin(), portions.end(),
+                         [](const Portion& a, const Portion& b) { return a.inverse_z > b.inverse_z; });
+        std::vector<StackSample> out;
+        double left = 1;
+        constexpr double nothing_left = 1e-5;
+        for (const Portion& portion : portions) {
+            if (left <= nothing_left) break;
+            const double times = portion.share / left;
+            StackSample s;
+            s.inverse_z = static_cast<float>(portion.inverse_z);
+            s.id = portion.id;
+            s.r = within_float(times * portion.rgba[0]);
+            s.g = within_float(times * portion.rgba[1]);
+            s.b = within_float(times * portion.rgba[2]);
+            s.alpha = static_cast<float>(std::clamp(times * portion.rgba[3], 0.0, 1.0));
+            if (1 - s.alpha < static_cast<float>(nothing_left)) s.alpha = 1;
+            left -= portion.share * portion.rgba[3];
+            out.push_back(s);
+        }
+        // Sums of rounded shares must not let through what is behind.
+        if (!out.empty() && whole_alpha == 1) out.back().alpha = 1;
+        return out;
+    }
+
+    const ForeignPicture& p_;
+    int width_;
+    std::vector<std::uint8_t> mixed_;
+};
+
+}  // namespace
+
+std::size_t unmix_edges(ForeignPicture& picture) {
+    if (picture.mixed.empty()) return 0;
+    const std::size_t pixels = picture.offsets.size() - 1;
+    require_memory(picture.mixed.size() * sizeof(std::vector<StackSample>) +
+                       picture.shares.size() * sizeof(StackSample) + pixels,
+                   "edges taken apart");
+    std::vector<std::vector<StackSample>> stacks(picture.mixed.size());
+    {
+        const Unmixer unmixer(picture);
+        parallel_for(
+            stacks.size(), [&](std::size_t i) { stacks[i] = unmixer.apart(picture.mixed[i]); }, 64);
+    }
+    require_memory((picture.samples.size() + picture.shares.size()) * sizeof(StackSample) +
+                       picture.offsets.size() * sizeof(std::uint64_t),
+                   "edges taken apart");
+    std::vector<StackSample> samples;
+    samples.reserve(picture.samples.size() + picture.shares.size());
+    std::vector<std::uint64_t> offsets{0};
+    offsets.reserve(picture.offsets.size());
+    std::size_t next = 0, count = 0;
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+        const bool is_mixed = next < picture.mixed.size() && picture.mixed[next].pixel == pixel;
+        if (is_mixed && !stacks[next].empty()) {
+            samples.insert(samples.end(), stacks[next].begin(), stacks[next].end());
+            ++count;
+        } else {
+            samples.insert(samples.end(),
+                           picture.samples.begin() + static_cast<std::ptrdiff_t>(picture.offsets[pixel]),
+                           picture.samples.begin() + static_cast<std::ptrdiff_t>(picture.offsets[pixel + 1]));
+        }
+        if (is_mixed) ++next;
+        offsets.push_back(samples.size());
+    }
+    picture.samples = std::move(samples);
+    picture.offsets = std::move(offsets);
+    picture.mixed.clear();
+    picture.shares.clear();
+    return count;
+}
+
+}  // namespace postlens
