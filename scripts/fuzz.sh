@@ -35,6 +35,8 @@ CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo 
     --log-level=WARNING
 cmake --build build/fuzz --parallel "$(nproc)" --target "${targets[@]}"
 
+export LSAN_OPTIONS=suppressions=$PWD/scripts/lsan_suppressions.txt:print_suppressions=0
+
 seeds=build/fuzz/seeds findings=$PWD/build/fuzz/findings
 rm -rf "$seeds"
 mkdir -p "$findings"
@@ -95,3 +97,4 @@ wait
 for target in "${targets[@]}"; do
     [[ ! -e build/fuzz/$target.failed ]] || exit 1
 done
+echo "fuzz: ${#targets[@]} targets, nothing found in $seconds s each"
