@@ -8,6 +8,7 @@
 #include "apps/command.h"
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/read_prescription.h"
+#include "records/exr_attributes.h"
 
 namespace postlens {
 namespace {
@@ -178,6 +179,7 @@ CommandResult lens_info(const std::string& input) {
 }
 
 CommandResult image_info(const std::string& input) {
+    check_exr_headers(input);
     const auto file = OIIO::ImageInput::open(input);
     if (!file) {
         (void)OIIO::geterror();

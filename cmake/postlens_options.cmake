@@ -6,7 +6,12 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+  # With precompiled headers it keeps nothing unless told that neither their macros nor __TIME__ matter (nothing here says
+  # __TIME__), and what the preprocessor writes has to name the header instead of repeating it.
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND};-E;env;CCACHE_SLOPPINESS=pch_defines,time_macros;${CCACHE_PROGRAM}")
+  if(POSTLENS_PRECOMPILED_HEADERS AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    add_compile_options(-fpch-preprocess)
+  endif()
 endif()
 
 # Most of the link time of some hundred small programs, where it is installed (it comes with GNU's own linker).
@@ -44,10 +49,14 @@ if(POSTLENS_SANITIZE)
   target_compile_definitions(postlens_options INTERFACE POSTLENS_NO_MULTIVERSION)
 endif()
 
-# One library per folder: postlens_library(NAME sources... LINK libraries...)
+# One library per folder: postlens_library(NAME SOURCES sources... LINK libraries... PRIVATE libraries... PRECOMPILED set)
 function(postlens_library name)
-  cmake_parse_arguments(arg "" "" "SOURCES;LINK;PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "" "PRECOMPILED" "SOURCES;LINK;PRIVATE" ${ARGN})
   add_library(postlens_${name} STATIC ${arg_SOURCES})
   add_library(postlens::${name} ALIAS postlens_${name})
   target_link_libraries(postlens_${name} PUBLIC postlens_options ${arg_LINK} PRIVATE ${arg_PRIVATE})
+  if(NOT arg_PRECOMPILED)
+    set(arg_PRECOMPILED postlens_library_headers)
+  endif()
+  postlens_use_precompiled(postlens_${name} ${arg_PRECOMPILED})
 endfunction()

@@ -10,6 +10,8 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/text.h"
+#include "records/exr_attributes.h"
 
 namespace postlens {
 namespace {
@@ -208,7 +210,7 @@ std::optional<std::vector<ExrChannel>> ExrPart::channels() const {
     }
 }
 
-ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts) {
+ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, AttributeSizes sizes) {
     HeaderReader reader(file);
     if (file.size() < 8 || reader.take_number<std::uint32_t>() != exr_magic) {
         fail(ExitCode::invalid_input, "{}: not a postlens sample file (not an OpenEXR file)", file.name());
@@ -241,7 +243,13 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts) {
                 fail(ExitCode::invalid_input, "{}: header is damaged (an attribute of {} bytes)", file.name(),
                      bytes);
             }
-            part.add(std::move(name), std::move(type), reader.take(static_cast<std::uint64_t>(bytes)));
+            const ByteView value = reader.take(static_cast<std::uint64_t>(bytes));
+            if (sizes == AttributeSizes::filled && !fills_its_size(type, value)) {
+                fail(ExitCode::invalid_input,
+                     "{}: header is damaged (got an attribute of type {} in {} bytes)", file.name(),
+                     excerpt(type), bytes);
+            }
+            part.add(std::move(name), std::move(type), value);
             name = reader.take_name();
         }
         if (!multi_part) {

@@ -85,8 +85,14 @@ struct ExrHeaders {
     std::uint64_t end = 0;       ///< where the chunk offset tables begin
 };
 
+enum class AttributeSizes {
+    any,     ///< whatever the header says
+    filled,  ///< those that the OpenEXR library would read as many bytes for: see fills_its_size
+};
+
 /// Reads the headers of the first `most_parts` parts; `end` is valid if that is all of them.
 /// Refuses what is not OpenEXR 2, and headers beyond 64 MB or 1000 attributes a part.
-[[nodiscard]] ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts);
+[[nodiscard]] ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts,
+                                          AttributeSizes sizes = AttributeSizes::any);
 
 }  // namespace postlens

@@ -170,7 +170,7 @@ ForeignFile::ForeignFile(const fs::path& path) : name_(path.string()), impl_(std
         const InputFile file(path);
         if (!is_openexr(path)) fail(ExitCode::invalid_input, "{}: cannot read (not an OpenEXR file)", name_);
         impl_->bytes = file.size();
-        const ExrHeaders headers = read_exr_headers(file, most_parts + 1);
+        const ExrHeaders headers = read_exr_headers(file, most_parts + 1, AttributeSizes::filled);
         if (headers.parts.size() > most_parts) {
             fail(ExitCode::invalid_input, "{}: too many parts (expected at most {})", name_, most_parts);
         }

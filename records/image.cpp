@@ -16,6 +16,7 @@
 #include "core/output_file.h"
 #include "core/threads.h"
 #include "records/crop.h"
+#include "records/exr_attributes.h"
 #include "records/srgb.h"
 
 namespace postlens {
@@ -163,6 +164,7 @@ OpenedImage open_image(const fs::path& path) {
     if (!fs::is_regular_file(path, ec)) {
         fail(ExitCode::invalid_input, "{}: cannot read (expected an image file)", name);
     }
+    check_exr_headers(path);
     OpenedImage out{OIIO::ImageInput::open(name)};
     if (!out.in) fail(ExitCode::invalid_input, "{}: cannot read ({})", name, one_line(OIIO::geterror()));
     const OIIO::ImageSpec& spec = out.in->spec();

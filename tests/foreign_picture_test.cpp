@@ -18,6 +18,8 @@
 #include <map>
 
 #include "core/error.h"
+#include "records/exr_attributes.h"
+#include "records/image.h"
 #include "tests/temporary_folder.h"
 
 namespace postlens {
@@ -393,6 +395,46 @@ TEST_F(ForeignPictureTest, RefusesWhatIsNoWholeFile) {
             refusal([&] { (void)read_foreign_picture(in("absurd.exr"), {}, {}); }).find("out of bounds"),
             std::string::npos);
     }
+}
+
+// The OpenEXR library reads four bytes of an int whatever its size is, goes on in the middle of the next
+// attribute and asks for 2 GB. Found by fuzzing.
+TEST_F(ForeignPictureTest, RefusesAnAttributeOfAnotherSizeThanItsType) {
+    const std::string shorter_int = data_folder + "damaged_int_size.exr";
+    const auto damaged = [](const std::string& what) { return what.find("damaged (") != std::string::npos; };
+    EXPECT_PRED1(damaged, refusal([&] { (void)read_foreign_picture(shorter_int, {}, {}); }));
+    EXPECT_PRED1(damaged, refusal([&] { (void)read_image(shorter_int); }));
+    const std::string huge_size = data_folder + "damaged_attribute_size.exr";
+    EXPECT_PRED1(damaged, refusal([&] { (void)read_image(huge_size); }));
+    // The list of channels with a byte less than it has.
+    write_parts(in("whole.exr"), {{rgbz(1, 2)}});
+    std::ifstream file(in("whole.exr"), std::ios::binary);
+    std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    char& size = bytes.at(bytes.find("chlist") + sizeof("chlist"));
+    size = static_cast<char>(size - 1);
+    std::ofstream(in("channels.exr"), std::ios::binary) << bytes;
+    EXPECT_PRED1(damaged, refusal([&] { (void)read_foreign_picture(in("channels.exr"), {}, {}); }));
+}
+
+TEST(ExrAttribute, FillsItsSize) {
+    using B = std::vector<std::uint8_t>;
+    EXPECT_TRUE(fills_its_size("int", B(4)));
+    EXPECT_FALSE(fills_its_size("int", B(1)));
+    EXPECT_FALSE(fills_its_size("m44f", B(60)));
+    EXPECT_TRUE(fills_its_size("string", B(7)));
+    EXPECT_TRUE(fills_its_size("of.another.program", B(7)));
+    EXPECT_TRUE(fills_its_size("stringvector", B{2, 0, 0, 0, 'a', 'b', 0, 0, 0, 0}));
+    EXPECT_TRUE(fills_its_size("stringvector", B{}));
+    EXPECT_FALSE(fills_its_size("stringvector", B{2, 0, 0, 0, 'a'}));
+    EXPECT_FALSE(fills_its_size("stringvector", B{255, 255, 255, 255, 'a'}));
+    EXPECT_TRUE(fills_its_size("preview", B{1, 0, 0, 0, 1, 0, 0, 0, 9, 9, 9, 9}));
+    EXPECT_FALSE(fills_its_size("preview", B{1, 0, 0, 0, 2, 0, 0, 0, 9, 9, 9, 9}));
+    EXPECT_FALSE(fills_its_size("preview", B{255, 255, 255, 255, 255, 255, 255, 255, 9, 9, 9, 9}));
+    EXPECT_TRUE(fills_its_size("chlist", B{0}));
+    EXPECT_FALSE(fills_its_size("chlist", B{}));
+    EXPECT_FALSE(fills_its_size("chlist", B{'R', 0, 2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}));
+    EXPECT_TRUE(fills_its_size("chlist", B{'R', 0, 2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0}));
+    EXPECT_FALSE(fills_its_size("chlist", B{0, 0}));
 }
 
 TEST_F(ForeignPictureTest, CameraOptionsOutOfRangeAreRefused) {

@@ -105,7 +105,8 @@ class GltfReader {
     }
 
     void move_objects(const GltfNodes& nodes) {
-        for (const auto& [frame, objects] : moving_) {
+        for (const auto& [moving_frame, objects] : moving_) {
+            const auto frame = moving_frame;  // clang 14 lets no lambda capture a structured binding
             Bounds box;
             for (const std::size_t i : objects) {
                 box.add(shape_bounds(scene_.objects[i].shape, scene_.objects[i].motion_base));

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/output_file.h"
+#include "records/exr_attributes.h"
 
 namespace postlens {
 namespace {
@@ -139,6 +140,11 @@ void read_state(const std::filesystem::path& path, const std::string& settings, 
         fail(ExitCode::invalid_input,
              "{}: cannot go on from this file: {} (without --resume it is made anew)", path.string(), what);
     };
+    try {
+        check_exr_headers(path);
+    } catch (const Error& e) {
+        bad(e.what());
+    }
     auto in = OIIO::ImageInput::open(path.string());
     if (!in) {
         OIIO::geterror();

@@ -1,0 +1,100 @@
+#include "records/exr_attributes.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <utility>
+
+#include "records/exr_input.h"
+
+namespace postlens {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, std::size_t>, 24> fixed_sizes{{
+    {"box2f", 16},
+    {"box2i", 16},
+    {"chromaticities", 32},
+    {"compression", 1},
+    {"deepImageState", 1},
+    {"double", 8},
+    {"envmap", 1},
+    {"float", 4},
+    {"int", 4},
+    {"keycode", 28},
+    {"lineOrder", 1},
+    {"m33d", 72},
+    {"m33f", 36},
+    {"m44d", 128},
+    {"m44f", 64},
+    {"rational", 8},
+    {"tiledesc", 9},
+    {"timecode", 8},
+    {"v2d", 16},
+    {"v2f", 8},
+    {"v2i", 8},
+    {"v3d", 24},
+    {"v3f", 12},
+    {"v3i", 12},
+}};
+
+/// Where a list of channels ends that begins with the first byte; 0 where it does not end.
+std::size_t end_of_channels(ByteView value) {
+    std::size_t at = 0;
+    for (;;) {
+        const auto name_end =
+            std::find(value.begin() + static_cast<std::ptrdiff_t>(at), value.end(), std::uint8_t{0});
+        if (name_end == value.end()) return 0;
+        const auto name = static_cast<std::size_t>(name_end - value.begin());
+        if (name == at) return name + 1;
+        constexpr std::size_t type_and_sampling = 16;
+        at = name + 1 + type_and_sampling;
+        if (at >= value.size()) return 0;
+    }
+}
+
+bool strings_fill(ByteView value) {
+    std::uint64_t at = 0;
+    while (at < value.size()) {
+        std::uint32_t length = 0;
+        if (value.size() - at < sizeof(length)) return false;
+        std::memcpy(&length, value.data() + at, sizeof(length));
+        at += sizeof(length) + std::uint64_t{length};
+    }
+    return at == value.size();
+}
+
+bool preview_fills(ByteView value) {
+    std::array<std::uint32_t, 2> edges{};
+    if (value.size() < sizeof(edges)) return false;
+    std::memcpy(edges.data(), value.data(), sizeof(edges));
+    // No product of these overflows.
+    if (std::max(edges[0], edges[1]) > std::numeric_limits<std::int32_t>::max() / 4) return false;
+    return value.size() == sizeof(edges) + 4 * std::uint64_t{edges[0]} * edges[1];
+}
+
+}  // namespace
+
+bool fills_its_size(std::string_view type, ByteView value) {
+    for (const auto& [name, size] : fixed_sizes) {
+        if (type == name) return value.size() == size;
+    }
+    if (type == "chlist") return !value.empty() && end_of_channels(value) == value.size();
+    if (type == "stringvector") return strings_fill(value);
+    if (type == "preview") return preview_fills(value);
+    if (type == "floatvector") return value.size() % sizeof(float) == 0;
+    if (type == "idmanifest") return value.size() >= 4;
+    return true;
+}
+
+void check_exr_headers(const std::filesystem::path& path) {
+    std::array<char, 5> begin{};
+    std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
+    constexpr std::array<char, 5> openexr_2{0x76, 0x2f, 0x31, 0x01, 2};
+    if (begin != openexr_2) return;
+    (void)read_exr_headers(InputFile(path), std::numeric_limits<std::size_t>::max(), AttributeSizes::filled);
+}
+
+}  // namespace postlens
