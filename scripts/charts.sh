@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. Five minutes on two cores.
+# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. Twenty minutes on two cores.
 #
 #   scripts/charts.sh [--build BUILD] [--out DIR] [--charts-only | --atlas-only]
 #
@@ -44,14 +44,14 @@ chart() {
 
 if $charts; then
     # Cheap shading: everything shines by itself, so that rays cost next to nothing.
-    chart cheap bars.toml --size 640x360 --f-number 1.4 --focus 5 --reference-spp 512 --rays 1,4,16,64,256 \
+    chart cheap bars.toml --size 960x540 --f-number 1.4 --focus 5 --reference-spp 1024 --rays 1,4,16,64,256,1024 \
         --views 16,64,256 --depths 32 --rounds 2 --once-above 5
     # Costly shading: shadows of three lights, a mirror ball, a glass ball, a polished table.
-    chart costly still_life.toml --size 240x135 --f-number 1.4 --focus 1.2 --reference-spp 256 --rays 1,4,16,64,256 \
-        --views 16,64 --depths 32 --rounds 1 --once-above 2
+    chart costly still_life.toml --size 384x216 --f-number 1.4 --focus 1.2 --reference-spp 1024 --rays 1,4,16,64,256,1024 \
+        --views 16,64,256 --depths 32 --rounds 2 --once-above 5
     # Lens and motion together.
-    chart both motion.toml --size 384x216 --f-number 1.4 --focus 4 --shutter 0:1 --reference-spp 512 \
-        --rays 1,4,16,64,256 --views 16,64,256 --depths 32 --rounds 2 --once-above 5
+    chart both motion.toml --size 384x216 --f-number 1.4 --focus 4 --shutter 0:1 --reference-spp 2048 \
+        --rays 1,4,16,64,256,1024 --views 16,64,256 --depths 32 --rounds 2 --once-above 5
 fi
 if $atlas; then
     echo "== atlas"
