@@ -23,8 +23,10 @@ std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
 }  // namespace
 
 void KernelKey::round_to(std::int32_t unit) {
+    // What packed() has room for: beyond, shapes that are not equal would be taken for it.
+    constexpr std::int32_t most = (1 << 16) - 1;
     for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy})
-        *n = nearest_multiple(*n, unit);
+        *n = std::clamp(nearest_multiple(*n, unit), -most, most);
 }
 
 void KernelKey::round_map(int bits) {

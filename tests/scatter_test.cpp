@@ -132,6 +132,17 @@ TEST(KernelTable, PacksKeysWithoutCollision) {
     }
 }
 
+TEST(KernelTable, CoarsenedKeysOfOppositeShearDoNotCollide) {
+    for (int times = 0; times <= KernelKey::most_coarsenings; ++times) {
+        KernelKey left = KernelKey::ellipse({1, 1, -20000}), right = KernelKey::ellipse({1, 1, 20000});
+        left.coarsen(times);
+        right.coarsen(times);
+        EXPECT_LT(left.top_displacement, 0);
+        EXPECT_GT(right.top_displacement, 0);
+        EXPECT_NE(left.packed(), right.packed()) << times;
+    }
+}
+
 TEST(KernelTable, MapsKeepTheirLeadingBits) {
     const ResponseModel round;
     const KernelTable table({1.0}, far, round);
