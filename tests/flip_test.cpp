@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <limits>
 
@@ -19,7 +20,7 @@ using test::constant_picture;
 using test::every_pixel;
 
 Image data(const char* name) {
-    return read_image(std::string(POSTLENS_TEST_DATA) + "/flip/" + name);
+    return read_image(std::filesystem::path(POSTLENS_TEST_DATA) / "flip" / name);
 }
 
 struct Extremes {
