@@ -68,7 +68,7 @@ class Case:
 
     @property
     def file(self):
-        return self.name.replace(" ", "_")
+        return self.name.replace(" ", "_").replace(":", "")
 
 
 def sample_cases(size):
@@ -91,7 +91,7 @@ def atlas_cases():
         key = (scene, tuple(lens), tuple(view.get("shutter_s", ())))
         if key not in seen:
             seen.add(key)
-            out.append(Case(os.path.basename(path)[:-5], scene, lens, case["set"], tuple(view["size_px"]), view.get("shutter_s")))
+            out.append(Case("atlas: " + os.path.basename(path)[:-5].replace("_", " "), scene, lens, case["set"], tuple(view["size_px"]), view.get("shutter_s")))
     return out
 
 
@@ -261,7 +261,7 @@ def main():
         file.write("| scene | set | target, dB | expected | measured | tiles at the target | traced again | s | cheapest fixed, whole "
                    "picture | ratio | on nine tiles in ten too | ratio |\n|" + "---|" * 12 + "\n")
         for p in pictures:
-            file.write(f"| {p['case'].replace('_', ' ')} | {p['set']} | {p['target']} | {p['expected']:.1f}"
+            file.write(f"| {p['case']} | {p['set']} | {p['target']} | {p['expected']:.1f}"
                        f"{' (said so)' if p['warned'] else ''} | {p['measured']:.1f} | {100 * p['tiles']:.0f} % | "
                        f"{100 * p['again']:.1f} % | {p['seconds']:.2f} | {setting(p['whole'])} | {ratio(p, 'whole')} | "
                        f"{setting(p['by_tiles'])} | {ratio(p, 'by_tiles')} |\n")
