@@ -7,6 +7,7 @@
 #
 #   SECONDS  for each target (default: 60)
 #   TARGET   such as sample_file_fuzz (default: all in fuzz/)
+#   FUZZ_SEED  (environment) of the random changes; a number makes the same again (default: another each time)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -77,7 +78,7 @@ run() {
     rm -f "build/fuzz/$target.failed"
     # What is found to be new grows in a folder of its own and is kept from run to run.
     mkdir -p "build/fuzz/corpus/$target"
-    if build/fuzz/fuzz/"$target" -max_total_time="$seconds" -rss_limit_mb=1024 -timeout=10 -max_len=262144 \
+    if build/fuzz/fuzz/"$target" -max_total_time="$seconds" -rss_limit_mb=1024 -timeout=10 -max_len=262144 -seed="${FUZZ_SEED:-0}" \
         -artifact_prefix="$findings/$target-" -print_final_stats=1 "build/fuzz/corpus/$target" "$seeds/$target" \
         </dev/null >"$log" 2>&1; then
         echo "$target: nothing in $(sed -nE 's/^stat::number_of_executed_units: *//p' "$log") inputs"
