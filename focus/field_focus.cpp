@@ -158,8 +158,12 @@ FieldFocus FieldFocuser::draw(const FieldViews& views) const {
         field.instants.push_back({&p.primary[i], p.deeper[i].patches.empty() ? nullptr : &p.deeper[i]});
     if (p.moves) field.motion_class = [&p](std::uint32_t id) { return p.motions->class_of(id); };
     const std::vector<LensViewPoint> points = lens_view_points(settings_.aperture, g, views.count, views.set);
-    const FieldHighlights highlights(*p.sheets[0], settings_.aperture, g, points, settings_.window);
-    if (highlights.any()) field.lights = &highlights;
+    const FieldHighlights highlights(*p.sheets[0], settings_.aperture, g, points, views.set,
+                                     settings_.window);
+    if (highlights.any()) {
+        field.lights = &highlights;
+        field.lens_reach_px = g.gain_px * g.aperture_radius_m * settings_.aperture.half_extent();
+    }
     for (std::size_t i = 0; i < points.size(); ++i) {
         PatchView v;
         v.sample = points[i].place;

@@ -26,12 +26,16 @@ constexpr float nearer = 1.02F;
 /// Views of a tile that all drawings of its lights may cost at least.
 constexpr std::size_t least_drawn = 64;
 /// Of a drawing, however small, next to a view of the whole tile.
-constexpr double least_cost = 0.02;
+constexpr double least_cost = 0.1;
 /// The squares whose lights are seen alike.
 constexpr double group_px = 1.5;
 /// Where in a pixel the eye looks that sees them: no two in one row or column.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
+
+double light_of(const std::array<float, 3>& rgb) {
+    return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
+}
 
 }  // namespace
 
@@ -48,8 +52,8 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
 
 FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& aperture,
                                  const FocusGeometry& geometry, const std::vector<LensViewPoint>& views,
-                                 const RasterWindow& window)
-    : sheets_(sheets), geometry_(geometry), window_(window), round_(aperture.is_round()) {
+                                 int set, const RasterWindow& window)
+    : sheets_(sheets), geometry_(geometry), window_(window), round_(aperture.is_round()), set_(set) {
     if (sheets.primary.highlights.empty() && sheets.deeper.highlights.empty()) return;
     model_ = aperture_model(aperture, geometry, std::hypot(window.width(), window.height()) / 2.0);
     const KernelReach reach{window.width() + 1, window.height() + 1};
@@ -60,7 +64,7 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
         const PatchLens lens{geometry.gain_px * geometry.aperture_radius_m, geometry.inverse_focus_per_m};
         std::map<std::tuple<std::uint32_t, int, int>, std::pair<Highlight, double>> merged;
         for (const Highlight& h : mesh->highlights) {
-            const double energy = static_cast<double>(h.rgb[0] + h.rgb[1] + h.rgb[2]);
+            const double energy = light_of(h.rgb);
             const float side = lens.least_blur_px(h.w) >= spread_from_px ? merged_px : merged_sharp_px;
             const auto [found, is_new] = merged.try_emplace(
                 {h.sheet, static_cast<int>(std::floor(h.x / side)), static_cast<int>(std::floor(h.y / side))},
@@ -120,6 +124,7 @@ void FieldHighlights::add_source(const Highlight& h, const SheetMesh& mesh, Kern
     // A pixel that is as large as the response gets light from all of the lens.
     s.by_all = PatchLens{scale, geometry_.inverse_focus_per_m}.least_blur_px(h.w) < spread_from_px;
     s.key = mesh.sheets[h.sheet].key;
+    s.sheet = h.sheet;
     sources_.push_back(s);
 }
 
@@ -171,14 +176,15 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
 // Sources that lie within a pixel and a half, by sheet, so that what is drawn of one place serves all of
 // them: the shadow of what stands before them is then off by less than that.
 void FieldHighlights::group_sources() {
-    std::map<std::tuple<SheetKey, int, int, bool>, std::uint32_t> known;
+    std::map<std::tuple<bool, std::uint32_t, int, int, bool>, std::uint32_t> known;
     for (Source& s : sources_) {
         const auto cell = [](double at) { return static_cast<int>(std::floor(at / group_px)); };
-        const auto [found, is_new] = known.try_emplace({s.key, cell(s.at.x), cell(s.at.y), s.by_all},
-                                                       static_cast<std::uint32_t>(groups_.size()));
+        const auto [found, is_new] =
+            known.try_emplace({s.key.path.bits() == 0, s.sheet, cell(s.at.x), cell(s.at.y), s.by_all},
+                              static_cast<std::uint32_t>(groups_.size()));
         const Kernel& k = (*kernels_)[s.kernel];
         s.group = found->second;
-        const auto light = static_cast<double>(s.rgb[0] + s.rgb[1] + s.rgb[2]);
+        const double light = light_of(s.rgb);
         if (is_new) {
             groups_.push_back({s, light, s.x + k.x_begin, s.x + k.x_end, s.y + k.y_begin, s.y + k.y_end()});
             continue;
@@ -219,7 +225,7 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::groups_in(const TileVie
     };
     for (std::size_t n = 0; n < out.size(); ++n) {
         const Source& s = group(out[n]).middle;
-        if (s.by_all || s.key.path.bits() != 0) continue;
+        if (views.patches == nullptr || s.by_all || s.key.path.bits() != 0) continue;
         order.push_back(n);
         samples += cost(out[n]);
     }
@@ -240,20 +246,28 @@ void FieldHighlights::draw_shares(const Source& s, const PatchMesh& patches, int
                          geometry_.gain_px * geometry_.aperture_radius_m * s.lens_from_px,
                          geometry_.inverse_focus_per_m};
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Elsewhere for each group: where many lights shine on one edge they must not all miss it.
-    const glm::dvec2 turn = glm::dvec2(s.group) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
+    // Elsewhere for each group: where many lights shine on one edge they must not all miss it. And for each
+    // set, so that two of them tell how much that matters.
+    const glm::dvec2 turn = glm::dvec2(s.group) * glm::dvec2(0.7548776662466927, 0.5698402909980532) +
+                            glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);
+    std::vector<std::pair<const Patch*, PatchPlace>> before;
+    for (const Patch& patch : patches.patches) {
+        // Sorted by depth, but at their corners: of those that follow some may still be nearer.
+        if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
+        PatchPlace at;
+        if (!place_patch(patches, patch, rays, at)) continue;
+        const RasterRect r = covered(patch, at);
+        const double x = window_.x_begin + part.x0, y = window_.y_begin + part.y0;
+        if (r.x_max + 1 >= x && r.x_min - 1 <= x + width && r.y_max + 1 >= y && r.y_min - 1 <= y + height)
+            before.emplace_back(&patch, at);
+    }
     SeenTile seen;
     for (int n = 0; n < samples; ++n) {
         const TilePlace place{
             window_.x_begin + part.x0, window_.y_begin + part.y0, width, height,
             glm::fract(turn + (samples == 1 ? glm::dvec2(0.5) : drawn_samples[static_cast<std::size_t>(n)]))};
         seen.clear();
-        for (const Patch& patch : patches.patches) {
-            // Sorted by depth, but at their corners: of those that follow some may still be nearer.
-            if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
-            PatchPlace at;
-            if (place_patch(patches, patch, rays, at)) draw_patch(patches, patch, at, place, seen);
-        }
+        for (const auto& [patch, at] : before) draw_patch(patches, *patch, at, place, seen);
         for (int y = 0; y < height; ++y) {
             for (int x = 0; x < width; ++x) {
                 const std::size_t k =

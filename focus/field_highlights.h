@@ -24,9 +24,10 @@ namespace postlens {
 /// brightest of a tile, by the views nearest to the point.
 class FieldHighlights final : public Lights {
   public:
-    /// Keeps references to `sheets`. `window`: the picture's pixels.
+    /// Keeps references to `sheets`. `set`: of the views; what is drawn is sampled elsewhere for each, as
+    /// they are. `window`: the picture's pixels.
     FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
-                    const std::vector<LensViewPoint>& views, const RasterWindow& window);
+                    const std::vector<LensViewPoint>& views, int set, const RasterWindow& window);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
     [[nodiscard]] bool reach(int x, int y, int width, int height) const override;
@@ -42,6 +43,7 @@ class FieldHighlights final : public Lights {
         float inverse_z = 0;
         bool by_all = false;  ///< all views are asked, not those near one point of the lens
         SheetKey key;
+        std::uint32_t sheet = 0;
         std::uint32_t group = 0;  ///< neighbours that one drawing serves
     };
     /// Sources close together, as one in their middle.
@@ -82,6 +84,7 @@ class FieldHighlights final : public Lights {
     RasterWindow window_;
     bool round_;
     std::size_t view_count_ = 0;
+    int set_;
     std::unique_ptr<ResponseModel> model_;
     std::unique_ptr<KernelTable> kernels_;
     std::vector<Source> sources_;  ///< those of a group together

@@ -52,6 +52,7 @@ class Field {
                 std::max(farthest_shift_px_,
                          glm::length(v.lens.inverse_focus_per_m * v.lens.lens_px + v.lens.offset_px));
         }
+        farthest_px_ = glm::max(farthest_px_, field.lens_reach_px);
         for (std::size_t i = 0; i < field.instants.size(); ++i) {
             primary_.push_back(sorted(*field.instants[i].primary, i));
             deeper_.push_back(field.instants[i].deeper != nullptr ? sorted(*field.instants[i].deeper, i)
@@ -150,6 +151,8 @@ class Field {
             }
         }
         if (!still || first) return out;
+        low.lens_px = glm::min(low.lens_px, -field_.lens_reach_px);
+        high.lens_px = glm::max(high.lens_px, field_.lens_reach_px);
         for (int k = 0; k < 16; ++k) {
             LensShift corner = low;
             if ((k & 1) != 0) corner.lens_px.x = high.lens_px.x;
@@ -186,7 +189,8 @@ class Field {
             w.views.y = y0;
             w.views.width = at.width;
             w.views.height = at.height;
-            w.views.patches = &w.primary[field_.views.front().uses.front().instant].mesh;
+            const PatchView::Use& use = field_.views.front().uses.front();
+            w.views.patches = use.motions.empty() ? &w.primary[use.instant].mesh : nullptr;
             w.views.inverse_z.resize(field_.views.size() * TileViews::view);
             w.views.texel.resize(field_.views.size() * TileViews::view);
         }

@@ -45,6 +45,9 @@ struct PatchField {
     /// May add light of its own to a tile, knowing what every view sees there; from several threads. None:
     /// nothing is added.
     const class Lights* lights = nullptr;
+    /// Where `lights` look at TileViews::patches: how far the lens goes from its middle, as
+    /// LensShift::lens_px.
+    glm::dvec2 lens_reach_px{0};
 };
 
 /// What every view sees in a tile, of its first use's primary sheets.
@@ -54,7 +57,8 @@ struct TileViews {
     static constexpr std::size_t view = row * row;      ///< and to the next view
     std::vector<float> inverse_z;                       ///< -1: nothing known
     std::vector<std::uint32_t> texel;
-    /// The primary patches of the first use's instant that any view may have here, the nearest first.
+    /// The primary patches that any point of the lens may see here, the nearest first; null where things
+    /// move.
     const PatchMesh* patches = nullptr;
 };
 

@@ -207,7 +207,6 @@ TEST(Patches, AViewMissesOnlyWhatDrawsNothing) {
     }
 }
 
-// A plane of 1/z' moves as the lens says, exactly: no patch needs to be smaller than its square.
 // Where the light of a point meets a patch on its way to a pixel is where an eye at the point of the lens
 // that the light comes through sees it.
 TEST(Patches, LieWhereTheEyesOfAPointsRaysSeeThem) {
@@ -236,6 +235,7 @@ TEST(Patches, LieWhereTheEyesOfAPointsRaysSeeThem) {
     EXPECT_GT(placed, 50);
 }
 
+// A plane of 1/z' moves as the lens says, exactly: no patch needs to be smaller than its square.
 TEST(Patches, APlaneIsCutNoFurtherThanSquares) {
     const MadeSheets f({.levels = 1}, [](Record& r) {
         r.id = 5;
