@@ -207,6 +207,20 @@ TEST(Shoot, LensAndShutterAtOnceAreWhatRaysSee) {
     EXPECT_LT(psnr(hybrid_picture(shot.frame.file(), still).focus.image, truth), 30);
 }
 
+// What stands before a lamp is drawn where it was recorded; where it moves the views say where it is.
+TEST(Shoot, AStillLampShinesPastAMovingBar) {
+    SceneBuilder b = bar_and_wall();
+    b.scene.objects[0].keys = from_to({0.35, 0, 0});
+    b.add(board(-0.1, 0.1, -0.1, 0.1, 8), glowing({30, 20, 10})).id = 4;
+    TraceSettings trace = traced(true);
+    trace.for_shutter = TimeSpan{0, 1};
+    const Shot shot(b, trace);
+    const HybridSettings s = shot.settings(0.7, 512);
+    const Image truth = rays(b.scene, s), got = hybrid_picture(shot.frame.file(), s).focus.image;
+    // 29.0 with the bar's shadow where it was recorded.
+    EXPECT_GT(psnr(got, truth), 33.5);
+}
+
 /// The frame's corners as they lie, with the colours of a picture: what blurring a blurred picture starts
 /// from.
 class Recoloured {
