@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/error.h"
 #include "records/exr_input.h"
 
 namespace postlens {
@@ -75,6 +76,35 @@ bool preview_fills(ByteView value) {
     return value.size() == sizeof(edges) + 4 * std::uint64_t{edges[0]} * edges[1];
 }
 
+/// Bytes of the samples of a chunk, which the OpenEXR library makes room for when it opens a part: at most,
+/// as 4 bytes a channel. What is no header of a picture has none.
+std::uint64_t chunk_bytes(const ExrPart& part) {
+    const auto window = part.get_window("dataWindow");
+    const auto channels = part.raw("channels", "chlist");
+    const auto compression = part.raw("compression", "compression");
+    if (!window || !channels || !compression || compression->size() != 1) return 0;
+    constexpr std::size_t after_name = 16;
+    std::uint64_t pixel = 0;
+    for (std::size_t at = 0; at < channels->size() && (*channels)[at] != 0; pixel += 4) {
+        while (at < channels->size() && (*channels)[at] != 0) ++at;
+        at += 1 + after_name;
+    }
+    // No product of these overflows.
+    pixel = std::min<std::uint64_t>(pixel, 1U << 20U);
+    constexpr std::uint32_t widest_tile = 1U << 20U;
+    constexpr std::array<std::uint64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+    std::array<std::uint32_t, 2> tile{};
+    const auto tiles = part.raw("tiles", "tiledesc");
+    if (tiles && tiles->size() > sizeof(tile)) {
+        std::memcpy(tile.data(), tiles->data(), sizeof(tile));
+        return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
+    }
+    const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
+    return width > 0 ? pixel * static_cast<std::uint64_t>(width) *
+                           rows[std::min<std::size_t>((*compression)[0], rows.size() - 1)]
+                     : 0;
+}
+
 }  // namespace
 
 bool fills_its_size(std::string_view type, ByteView value) {
@@ -94,7 +124,16 @@ void check_exr_headers(const std::filesystem::path& path) {
     std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
     constexpr std::array<char, 5> openexr_2{0x76, 0x2f, 0x31, 0x01, 2};
     if (begin != openexr_2) return;
-    (void)read_exr_headers(InputFile(path), std::numeric_limits<std::size_t>::max(), AttributeSizes::filled);
+    const InputFile file(path);
+    const ExrHeaders headers =
+        read_exr_headers(file, std::numeric_limits<std::size_t>::max(), AttributeSizes::filled);
+    for (const ExrPart& part : headers.parts) {
+        const std::uint64_t bytes = chunk_bytes(part);
+        if (bytes > largest_chunk_bytes) {
+            fail(ExitCode::invalid_input, "{}: too wide (got {} bytes a chunk of rows; expected {} or less)",
+                 file.name(), bytes, largest_chunk_bytes);
+        }
+    }
 }
 
 }  // namespace postlens

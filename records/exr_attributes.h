@@ -1,6 +1,7 @@
 // Attributes of OpenEXR headers, checked before the OpenEXR library sees them.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -15,8 +16,13 @@ namespace postlens {
 /// value of a type that OpenEXR has, and for every value of other types.
 [[nodiscard]] bool fills_its_size(std::string_view type, ByteView value);
 
-/// Throws Error(invalid_input) where a header of an OpenEXR 2 file is cut off, or has a value for which
-/// fills_its_size is false. Other files are left to who reads them.
+/// Of what is compressed together: 64 channels of 65536 px in chunks of 16 rows, or 4 of them in chunks of
+/// 256.
+inline constexpr std::uint64_t largest_chunk_bytes = 256U << 20U;
+
+/// Throws Error(invalid_input) where a header of an OpenEXR 2 file is cut off, has a value for which
+/// fills_its_size is false, or would have the library make room for more than largest_chunk_bytes at once.
+/// Other files are left to who reads them.
 void check_exr_headers(const std::filesystem::path& path);
 
 }  // namespace postlens

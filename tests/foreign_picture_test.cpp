@@ -416,6 +416,15 @@ TEST_F(ForeignPictureTest, RefusesAnAttributeOfAnotherSizeThanItsType) {
     EXPECT_PRED1(damaged, refusal([&] { (void)read_foreign_picture(in("channels.exr"), {}, {}); }));
 }
 
+// The library makes room for some rows of a part when it opens it, however wide the header says they are.
+// Found by fuzzing.
+TEST_F(ForeignPictureTest, RefusesRowsWiderThanThereIsReasonFor) {
+    const auto too_wide = [](const std::string& what) { return what.find("too wide") != std::string::npos; };
+    const std::string file = data_folder + "damaged_window.exr";
+    EXPECT_PRED1(too_wide, refusal([&] { (void)read_image(file); }));
+    EXPECT_PRED1(too_wide, refusal([&] { (void)read_foreign_picture(file, {}, {}); }));
+}
+
 TEST(ExrAttribute, FillsItsSize) {
     using B = std::vector<std::uint8_t>;
     EXPECT_TRUE(fills_its_size("int", B(4)));
