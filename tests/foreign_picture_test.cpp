@@ -420,9 +420,7 @@ TEST_F(ForeignPictureTest, RefusesAnAttributeOfAnotherSizeThanItsType) {
 // Found by fuzzing.
 TEST_F(ForeignPictureTest, RefusesRowsWiderThanThereIsReasonFor) {
     const auto too_wide = [](const std::string& what) { return what.find("too wide") != std::string::npos; };
-    const std::string file = data_folder + "damaged_window.exr";
-    EXPECT_PRED1(too_wide, refusal([&] { (void)read_image(file); }));
-    EXPECT_PRED1(too_wide, refusal([&] { (void)read_foreign_picture(file, {}, {}); }));
+    EXPECT_PRED1(too_wide, refusal([] { (void)read_image(data_folder + "damaged_window.exr"); }));
 }
 
 TEST(ExrAttribute, FillsItsSize) {
