@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. Twenty minutes on two cores.
+# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. A quarter of an hour on two cores.
 #
 #   scripts/charts.sh [--build BUILD] [--out DIR] [--charts-only | --atlas-only]
 #
@@ -48,7 +48,7 @@ if $charts; then
         --views 16,64,256 --depths 32 --rounds 2 --once-above 5
     # Costly shading: shadows of three lights, a mirror ball, a glass ball, a polished table.
     chart costly still_life.toml --size 384x216 --f-number 1.4 --focus 1.2 --reference-spp 1024 --rays 1,4,16,64,256,1024 \
-        --views 16,64,256 --depths 32 --rounds 2 --once-above 5
+        --views 16,32,64,256 --depths 32 --rounds 2 --once-above 5
     # Lens and motion together.
     chart both motion.toml --size 384x216 --f-number 1.4 --focus 4 --shutter 0:1 --reference-spp 2048 \
         --rays 1,4,16,64,256,1024 --views 16,64,256 --depths 32 --rounds 2 --once-above 5
