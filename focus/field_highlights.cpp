@@ -322,10 +322,7 @@ void FieldHighlights::add(const Source& s, const Part* part, const TileViews& vi
                                                     static_cast<std::size_t>(x - part->x0)]);
             } else if (s.by_all) {
                 int seen = 0;
-                for (std::size_t v = 0; v < view_count_; ++v) {
-                    const std::size_t k = v * TileViews::view + pixel;
-                    seen += sees(s, views.texel[k], views.inverse_z[k]) ? 1 : 0;
-                }
+                for (std::size_t v = 0; v < view_count_; ++v) seen += sees(s, views, v, pixel) ? 1 : 0;
                 share *= static_cast<double>(seen) / static_cast<double>(view_count_);
             } else {
                 share *= seen_share(s, views, pixel, {x + 0.5, y + 0.5});
@@ -343,10 +340,8 @@ double FieldHighlights::seen_share(const Source& s, const TileViews& views, std:
             std::clamp((v / table_reach + 1) / 2 * table_edge, 0.0, table_edge - 1.0));
     };
     int seen = 0;
-    for (const std::uint32_t v : nearest_[cell(q.y) * table_edge + cell(q.x)]) {
-        const std::size_t k = v * TileViews::view + pixel;
-        seen += sees(s, views.texel[k], views.inverse_z[k]) ? 1 : 0;
-    }
+    for (const std::uint32_t v : nearest_[cell(q.y) * table_edge + cell(q.x)])
+        seen += sees(s, views, v, pixel) ? 1 : 0;
     return static_cast<double>(seen) / nearest;
 }
 

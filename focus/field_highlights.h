@@ -75,6 +75,12 @@ class FieldHighlights final : public Lights {
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
     [[nodiscard]] bool sees(const Source& s, std::uint32_t texel, float inverse_z) const;
+    /// In a view, at a pixel of its tile.
+    [[nodiscard]] bool sees(const Source& s, const TileViews& views, std::size_t view,
+                            std::size_t pixel) const {
+        const std::size_t k = view * TileViews::view + pixel;
+        return sees(s, views.texel[k], views.inverse_z[k]);
+    }
 
     static constexpr int table_edge = 64;       ///< cells across the lens
     static constexpr int nearest = 3;           ///< views that are asked

@@ -167,9 +167,10 @@ class Planner {
         HybridResult& hybrid = out_.hybrid;
         const HybridSettings& s = settings_.hybrid;
         // What a tile has above its aim; and above its target, should its edges be worse than the mean.
-        std::vector<double> left(out_.tiles.size()), unlucky = out_.grid.means([&](std::size_t k) {
+        const auto bad_luck = [&](std::size_t k) {
             return floor_unseen * (aligned_nine_in_ten - 1) * static_cast<double>(aligned_[k]);
-        });
+        };
+        std::vector<double> left(out_.tiles.size()), unlucky = out_.grid.means(bad_luck);
         for (std::size_t t = 0; t < left.size(); ++t) {
             left[t] = out_.tiles[t].mse() - aim_;
             unlucky[t] += out_.tiles[t].mse() - most_mse_;
@@ -179,9 +180,7 @@ class Planner {
         const auto error = [&](std::uint32_t k) {
             return static_cast<double>(hidden_[k]) + floor_unseen * static_cast<double>(floor_[k]);
         };
-        const auto at_worst = [&](std::uint32_t k) {
-            return error(k) + floor_unseen * (aligned_nine_in_ten - 1) * static_cast<double>(aligned_[k]);
-        };
+        const auto at_worst = [&](std::uint32_t k) { return error(k) + bad_luck(k); };
         std::stable_sort(order.begin(), order.end(),
                          [&](std::uint32_t a, std::uint32_t b) { return at_worst(a) > at_worst(b); });
         for (const std::uint32_t k : order) {
