@@ -107,7 +107,9 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
                                                         .crop = options.settings.crop});
     write_image(options.output, result.image, options.settings.crop);
 
-    CommandResult out = report(options, result);
+    std::vector<Warning> warnings;
+    for (const std::string& problem : frame.problems) warnings.push_back({"ids", problem, 0});
+    CommandResult out = report(options, result, std::move(warnings));
     out.json.update({{"shutter_open_frames", exposure.open_s},
                      {"shutter_close_frames", exposure.close_s},
                      {"instants", 1},

@@ -6,6 +6,10 @@
 
 #include "core/error.h"
 
+#ifdef __GLIBC__  // which the headers above say
+#include <malloc.h>
+#endif
+
 namespace postlens {
 
 std::uint64_t available_memory_bytes() {
@@ -29,6 +33,12 @@ void require_memory(std::uint64_t bytes, const std::string& what) {
     if (bytes <= free) return;
     fail(ExitCode::out_of_memory, "{} needs {} MB of memory ({} MB are free)", what, bytes / 1'000'000,
          free / 1'000'000);
+}
+
+void give_back_memory() {
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
 }
 
 }  // namespace postlens

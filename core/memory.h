@@ -16,4 +16,8 @@ namespace postlens {
 /// Throws Error(out_of_memory) "WHAT needs N MB of memory (M MB are free)" where `bytes` are not to be had.
 void require_memory(std::uint64_t bytes, const std::string& what);
 
+/// Gives memory that was freed and is kept for what may come back to the system, where the C library can.
+/// For work in parts of which each takes much, in pieces of other sizes than the one before.
+void give_back_memory();
+
 }  // namespace postlens

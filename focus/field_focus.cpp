@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "focus/field_highlights.h"
+#include "focus/field_surfaces.h"
 #include "focus/lens_views.h"
 #include "focus/one_surface.h"
 #include "records/crop.h"
@@ -79,26 +80,16 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
-/// The tiles that have something of the crop. Gaps in it are filled from around, however far away that is:
-/// then all are.
-PatchPicture drawn(PatchField& field, const std::optional<OneSurface>& simple,
-                   const std::optional<Crop>& crop) {
-    if (!crop) return patch_field(field);
-    const auto all = field.wanted;
-    field.wanted = [all, part = *crop](int x, int y, int width, int height) {
-        return part.meets(x, y, width, height) && (!all || all(x, y, width, height));
-    };
-    PatchPicture seen = patch_field(field);
-    for (int y = crop->y; y < crop->y + crop->height; ++y) {
-        for (int x = crop->x; x < crop->x + crop->width; ++x) {
-            const std::size_t k = static_cast<std::size_t>(y) * static_cast<std::size_t>(field.width) +
+/// Whether gaps in the crop are to be filled from around, however far away that is.
+bool has_gaps(const PatchPicture& seen, const std::optional<OneSurface>& simple, const Crop& crop) {
+    for (int y = crop.y; y < crop.y + crop.height; ++y) {
+        for (int x = crop.x; x < crop.x + crop.width; ++x) {
+            const std::size_t k = static_cast<std::size_t>(y) * static_cast<std::size_t>(seen.image.width) +
                                   static_cast<std::size_t>(x);
-            if (seen.unknown[k] < 1 || (simple && simple->at(x, y))) continue;
-            field.wanted = all;
-            return patch_field(field);
+            if (seen.unknown[k] >= 1 && !(simple && simple->at(x, y))) return true;
         }
     }
-    return seen;
+    return false;
 }
 
 }  // namespace
@@ -112,65 +103,64 @@ double FieldFocus::unknown_share(const std::optional<Crop>& crop) const {
 struct FieldFocuser::Prepared {
     std::optional<Motions> motions;
     bool moves = false;
-    std::vector<std::shared_ptr<const TreeSheets>> sheets;
-    std::vector<PatchMesh> primary, deeper;
+    PatchLens lens;
+    HighlightRule rule;
     std::vector<double> instants_s;
+    std::optional<FieldSurfaces> all;  ///< none: they are read strip by strip
 };
 
 FieldFocuser::~FieldFocuser() = default;
 
 FieldFocuser::FieldFocuser(FocusFrame& frame, const FieldFocusSettings& settings)
-    : settings_(settings), prepared_(std::make_unique<Prepared>()) {
+    : frame_(frame), settings_(settings), prepared_(std::make_unique<Prepared>()) {
     const SampleFileReader& file = frame.file();
     const FocusGeometry& g = settings_.geometry;
     Prepared& p = *prepared_;
-    const PatchLens lens{g.gain_px * g.aperture_radius_m, g.inverse_focus_per_m};
+    p.lens = {g.gain_px * g.aperture_radius_m, g.inverse_focus_per_m};
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
+    const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
+    if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
     // What moves through the frame blurs its highlights itself.
-    HighlightRule rule = highlight_rule(settings_.aperture, g);
-    if (rule.takes && p.moves) {
-        rule.takes = [takes = rule.takes, &p](const Mat2& w, std::uint32_t id, float area_px2) {
+    if (p.rule.takes && p.moves) {
+        p.rule.takes = [takes = p.rule.takes, &p](const Mat2& w, std::uint32_t id, float area_px2) {
             return !p.motions->moves(id) && takes(w, id, area_px2);
         };
     }
-    const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
-    p.sheets.reserve(instants);
+    std::uint64_t records = 0;
     for (std::size_t i = 0; i < instants; ++i) {
-        p.sheets.push_back(
-            frame.sheets(i, instants == 1 ? rule : HighlightRule{}, i == 0 ? settings_.also : RecordsRead{}));
         p.instants_s.push_back(file.instant_s(i));
-        p.primary.push_back(cut_patches(p.sheets[i]->primary, lens));
-        p.deeper.push_back(cut_patches(p.sheets[i]->deeper, lens));
+        for (const ScanlineFacts& facts : file.scanlines(i)) records += facts.records;
     }
+    if (!frame.many() && records * surface_bytes_of_record > settings_.surface_bytes) {
+        if (settings_.also) {
+            frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
+                settings_.also(*rows.band, rows.y_begin, rows.y_end);
+            });
+        }
+        return;
+    }
+    p.all.emplace();
+    for (std::size_t i = 0; i < instants; ++i)
+        p.all->add(frame.sheets(i, p.rule, i == 0 ? settings_.also : RecordsRead{}), p.lens);
 }
 
-FieldFocus FieldFocuser::draw(const FieldViews& views) const {
+/// Views of surfaces that are to come.
+PatchField FieldFocuser::outline(const FieldViews& views, std::span<const LensViewPoint> points) const {
     const Prepared& p = *prepared_;
-    const FocusGeometry& g = settings_.geometry;
-    const std::size_t instants = p.sheets.size();
     PatchField field;
     field.x = settings_.window.x_begin;
     field.y = settings_.window.y_begin;
     field.width = settings_.window.width();
     field.height = settings_.window.height();
-    for (std::size_t i = 0; i < instants; ++i)
-        field.instants.push_back({&p.primary[i], p.deeper[i].patches.empty() ? nullptr : &p.deeper[i]});
     if (p.moves) field.motion_class = [&p](std::uint32_t id) { return p.motions->class_of(id); };
-    const std::vector<LensViewPoint> points = lens_view_points(settings_.aperture, g, views.count, views.set);
-    const FieldHighlights highlights(*p.sheets[0], settings_.aperture, g, points, views.set,
-                                     settings_.window);
-    if (highlights.any()) {
-        field.lights = &highlights;
-        field.lens_reach_px = g.gain_px * g.aperture_radius_m * settings_.aperture.half_extent();
-    }
     for (std::size_t i = 0; i < points.size(); ++i) {
         PatchView v;
         v.sample = points[i].place;
         v.lens = points[i].shift;
         v.passes = passing(settings_, points[i]);
         v.uses = {{0, 1, {}}};
-        if (settings_.shutter && (p.moves || instants > 1)) {
+        if (settings_.shutter && (p.moves || p.instants_s.size() > 1)) {
             const FieldShutter& s = *settings_.shutter;
             double u = std::min(1.0, reversed(static_cast<std::uint32_t>(i)) + 0.5 / views.count);
             if (views.set > 0) u = std::fmod(u + views.set * set_shift, 1.0);
@@ -181,25 +171,66 @@ FieldFocus FieldFocuser::draw(const FieldViews& views) const {
         }
         field.views.push_back(std::move(v));
     }
+    return field;
+}
+
+FieldFocus FieldFocuser::draw(const FieldViews& views) const {
+    const Prepared& p = *prepared_;
+    const FocusGeometry& g = settings_.geometry;
+    const RasterWindow& window = settings_.window;
+    const std::vector<LensViewPoint> points = lens_view_points(settings_.aperture, g, views.count, views.set);
+    const glm::dvec2 lens_box_px = g.gain_px * g.aperture_radius_m * settings_.aperture.half_extent();
+    PatchField field = outline(views, points);
+    std::optional<FieldStrips> strips;
+    PatchField with_lights = field;
+    if (!p.all) {
+        with_lights.lens_reach_px = lens_box_px;
+        strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, with_lights, lens_box_px);
+    }
     std::optional<OneSurface> simple;
-    if (views.leave_out_from_share && !p.moves && instants == 1) {
-        simple = find_one_surface(p.primary[0], p.deeper[0],
-                                  g.gain_px * g.aperture_radius_m * settings_.aperture.half_extent(),
-                                  g.inverse_focus_per_m, settings_.window);
+    if (views.leave_out_from_share && !p.moves && p.instants_s.size() == 1) {
+        OneSurfaceFinder finder(lens_box_px, g.inverse_focus_per_m, window);
+        if (p.all) {
+            finder.add(p.all->primary[0], p.all->deeper[0]);
+        } else {
+            strips->visit(
+                0, [&](const PatchMesh& primary, const PatchMesh& deeper) { finder.add(primary, deeper); });
+        }
+        simple = finder.found();
         if (simple->share() < *views.leave_out_from_share) simple.reset();
     }
-    field.wanted = views.wanted;
-    if (simple) {
-        field.wanted = [&simple, &views](int x, int y, int width, int height) {
-            return !simple->all(x, y, width, height) && (!views.wanted || views.wanted(x, y, width, height));
+    PatchPicture seen(window.width(), window.height());
+    const auto draw_part = [&](const FieldSurfaces& surfaces, const Crop& part) {
+        surfaces.show(field);
+        const FieldHighlights highlights(*surfaces.sheets[0], settings_.aperture, g, points, views.set,
+                                         window);
+        field.lights = highlights.any() ? &highlights : nullptr;
+        field.lens_reach_px = highlights.any() ? lens_box_px : glm::dvec2(0);
+        field.wanted = [&](int x, int y, int width, int height) {
+            return part.meets(x, y, width, height) && !(simple && simple->all(x, y, width, height)) &&
+                   (!views.wanted || views.wanted(x, y, width, height));
         };
-    }
-    PatchPicture seen = drawn(field, simple, settings_.crop);
+        patch_field(field, seen);
+    };
+    const auto draw_crop = [&](const Crop& crop) {
+        if (p.all) {
+            draw_part(*p.all, crop);
+            return;
+        }
+        for (const auto& [first, last] : strips->strips(window, settings_.surface_bytes / 4)) {
+            const int top = std::max(crop.y, first - window.y_begin),
+                      end = std::min(crop.y + crop.height, last - window.y_begin);
+            if (top < end) draw_part(strips->read(first, last), {crop.x, top, crop.width, end - top});
+        }
+    };
+    const Crop whole{0, 0, window.width(), window.height()};
+    draw_crop(settings_.crop.value_or(whole));
+    if (settings_.crop && has_gaps(seen, simple, *settings_.crop)) draw_crop(whole);
     FieldFocus out;
     if (simple) {
         out.left_out.resize(seen.unknown.size());
         for (std::size_t k = 0; k < out.left_out.size(); ++k) {
-            const auto width = static_cast<std::size_t>(field.width);
+            const auto width = static_cast<std::size_t>(window.width());
             const bool left = simple->at(static_cast<int>(k % width), static_cast<int>(k / width));
             out.left_out[k] = left ? 1 : 0;
             if (left) seen.unknown[k] = 0;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "focus/frame.h"
 #include "focus/lens_views.h"
@@ -14,6 +15,7 @@
 #include "lens/shutter_curve.h"
 #include "records/image.h"
 #include "records/sample_file.h"
+#include "reproject/patch_field.h"
 #include "reproject/raster_map.h"
 #include "reproject/sheet_mesh.h"
 
@@ -39,6 +41,9 @@ struct FieldFocusSettings {
     /// Only these pixels of the window are drawn; whatever else is in the result says nothing. What is drawn
     /// has the same bits as without.
     std::optional<Crop> crop;
+    /// What the surfaces may take; where they would take more, they are read for each picture, strip by strip
+    /// of it, a quarter of that at a time. The same bits.
+    std::uint64_t surface_bytes = std::uint64_t{1} << 30;
 };
 
 struct FieldFocus {
@@ -62,7 +67,7 @@ struct FieldViews {
     std::optional<double> leave_out_from_share;  ///< as in FieldFocusSettings
 };
 
-/// The surfaces prepared for one lens, of which several pictures are drawn.
+/// The surfaces prepared for one lens, of which several pictures are drawn. Keeps a reference to the frame.
 class FieldFocuser {
   public:
     /// `views` and `leave_out_from_share` of the settings do not count.
@@ -78,6 +83,8 @@ class FieldFocuser {
 
   private:
     struct Prepared;
+    [[nodiscard]] PatchField outline(const FieldViews& views, std::span<const LensViewPoint> points) const;
+    FocusFrame& frame_;
     FieldFocusSettings settings_;
     std::unique_ptr<Prepared> prepared_;
 };

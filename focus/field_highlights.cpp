@@ -186,7 +186,8 @@ void FieldHighlights::group_sources() {
         s.group = found->second;
         const double light = light_of(s.rgb);
         if (is_new) {
-            groups_.push_back({s, light, s.x + k.x_begin, s.x + k.x_end, s.y + k.y_begin, s.y + k.y_end()});
+            groups_.push_back({s, cell(s.at.x), cell(s.at.y), light, s.x + k.x_begin, s.x + k.x_end,
+                               s.y + k.y_begin, s.y + k.y_end()});
             continue;
         }
         Group& g = groups_[s.group];
@@ -241,14 +242,18 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::groups_in(const TileVie
     return out;
 }
 
-void FieldHighlights::draw_shares(const Source& s, const PatchMesh& patches, int samples, Part& part) const {
+void FieldHighlights::draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const {
+    const Source& s = g.middle;
     const PointRays rays{s.at + glm::dvec2(window_.x_begin, window_.y_begin),
                          geometry_.gain_px * geometry_.aperture_radius_m * s.lens_from_px,
                          geometry_.inverse_focus_per_m};
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Elsewhere for each group: where many lights shine on one edge they must not all miss it. And for each
-    // set, so that two of them tell how much that matters.
-    const glm::dvec2 turn = glm::dvec2(s.group) * glm::dvec2(0.7548776662466927, 0.5698402909980532) +
+    // Elsewhere for each group: where many lights shine on one edge they must not all miss it. By its place,
+    // as groups are counted otherwise where a part of the picture is made alone. And for each set, so that
+    // two of them tell how much that matters.
+    constexpr int next_row = 89;
+    const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
+                                glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);
     std::vector<std::pair<const Patch*, PatchPlace>> before;
     for (const Patch& patch : patches.patches) {
@@ -289,7 +294,7 @@ void FieldHighlights::add(const TileViews& views, std::vector<double>& rgb) cons
             part.x1 = std::min(views.x + views.width, g.x_end);
             part.y0 = std::max(views.y, g.y_begin);
             part.y1 = std::min(views.y + views.height, g.y_end);
-            draw_shares(g.middle, *views.patches, here.samples, part);
+            draw_shares(g, *views.patches, here.samples, part);
         }
         for (const std::uint32_t i : here.sources)
             add(sources_[i], here.samples > 0 ? &part : nullptr, views, rgb);

@@ -49,6 +49,7 @@ class FieldHighlights final : public Lights {
     /// Sources close together, as one in their middle.
     struct Group {
         Source middle;
+        int column = 0, row = 0;  ///< among the squares whose lights are seen alike
         double light = 0;
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< picture px that their responses reach
     };
@@ -66,7 +67,7 @@ class FieldHighlights final : public Lights {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< picture px
         std::array<float, SeenTile::pixels> share{};
     };
-    void draw_shares(const Source& s, const PatchMesh& patches, int samples, Part& part) const;
+    void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
     /// Those that reach the tile.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& rgb) const;

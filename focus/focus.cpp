@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/memory.h"
 #include "core/threads.h"
 #include "focus/field_focus.h"
 #include "focus/layers.h"
@@ -71,30 +72,45 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
-/// Scatters a picture whose splats do not fit: first the responses and runs of all rows, then strip by strip
-/// of the picture the splats that reach it. The same bits as all at once.
-void scatter_in_strips(FocusFrame& frame, SplatTables& splats, std::size_t splat_bytes, Image& image,
-                       const std::optional<Crop>& crop) {
+/// A picture whose splats do not fit: first the responses of all rows, then what they reach, then strip by
+/// strip of the picture the splats that reach it. The same bits as all at once. `block_px`: squares that are
+/// drawn together; `draw(part)`: of the picture.
+template <typename Splats, typename Draw>
+void in_strips(FocusFrame& frame, Splats& splats, std::size_t bytes_of_splat, std::size_t most_bytes,
+               int block_px, const std::optional<Crop>& crop, const Draw& draw) {
     splats.survey();
     take_in(frame, splats);
-    const RasterWindow& picture = splats.picture();
-    const auto strips =
-        static_cast<int>(splats.splats_counted() * sizeof(Splat) / std::max<std::size_t>(1, splat_bytes) + 1);
-    // Whole blocks of scatter's.
-    const int blocks = (picture.height() + scatter_block_px - 1) / scatter_block_px,
-              height = (blocks + strips - 1) / strips * scatter_block_px;
-    for (int y = 0; y < picture.height(); y += height) {
-        const int end = std::min(y + height, picture.height());
-        Crop strip{0, y, picture.width(), end - y};
-        if (crop) {
-            if (!crop->meets(strip.x, strip.y, strip.width, strip.height)) continue;
-            const int top = std::max(y, crop->y);
-            strip = {crop->x, top, crop->width, std::min(end, crop->y + crop->height) - top};
-        }
-        const auto [first, last] = splats.begin_strip(picture.y_begin + y, picture.y_begin + end);
-        frame.visit_rows(first, last, [&](const FrameRows& rows) { splats.add_rows(rows); });
+    const auto add = [&](const RasterWindow& part) {
+        give_back_memory();
+        for (const auto& [first, last] : splats.begin_strip(part, block_px))
+            frame.visit_rows(first, last, [&](const FrameRows& rows) { splats.add_rows(rows); });
         splats.finish_strip();
-        scatter(splats, image, strip);
+    };
+    add({});
+    const RasterWindow& picture = splats.picture();
+    const Crop all{0, 0, picture.width(), picture.height()}, wanted = crop.value_or(all);
+    const auto draw_part = [&](int x, int x_end, int y, int y_end) {
+        if (!wanted.meets(x, y, x_end - x, y_end - y)) return;
+        add({picture.x_begin + x, picture.x_begin + x_end, picture.y_begin + y, picture.y_begin + y_end});
+        const int left = std::max(x, wanted.x), top = std::max(y, wanted.y);
+        draw(Crop{left, top, std::min(x_end, wanted.x + wanted.width) - left,
+                  std::min(y_end, wanted.y + wanted.height) - top});
+    };
+    const int rows = (picture.height() + block_px - 1) / block_px,
+              columns = (picture.width() + block_px - 1) / block_px;
+    const auto bytes = [&](int begin, int end) {
+        return splats.splats_reaching(begin, end) * bytes_of_splat;
+    };
+    for (int row = 0, end = 0; row < rows; row = end) {
+        end = row + 1;
+        while (end < rows && bytes(row, end + 1) <= most_bytes) ++end;
+        const int y = row * block_px, y_end = std::min(end * block_px, picture.height());
+        // Where a row of blocks is too much, some of its columns at a time.
+        const auto parts = static_cast<int>(std::min<std::uint64_t>(
+            bytes(row, end) / std::max<std::size_t>(most_bytes, 1) + 1, static_cast<std::uint64_t>(columns)));
+        const int width = (columns + parts - 1) / parts * block_px;
+        for (int x = 0; x < picture.width(); x += width)
+            draw_part(x, std::min(x + width, picture.width()), y, y_end);
     }
 }
 
@@ -127,23 +143,42 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
         if (auto warning = overscan_warning(splats.border(), corners, window, crop))
             out.warnings.push_back(*std::move(warning));
     };
+    const auto too_many = [&](double splats_per_record, std::size_t bytes_of_splat) {
+        return static_cast<double>(file.record_count()) * splats_per_record *
+                   static_cast<double>(bytes_of_splat) >
+               static_cast<double>(settings.splat_bytes);
+    };
     if (settings.method == FocusMethod::layers) {
+        // The samples of a pixel mostly become few.
+        const bool strips = too_many(1, sizeof(LayerSplat));
         finish(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                [&](LayerSplats& splats) {
-                   take_in(frame, splats);
-                   layers(splats, out.image, crop);
+                   const auto draw = [&](const std::optional<Crop>& part) {
+                       layers(splats, out.image, part);
+                   };
+                   if (strips) {
+                       // With more beside them than scatter: surfaces, and rows before they are sorted.
+                       in_strips(frame, splats, sizeof(LayerSplat), settings.splat_bytes / 5, layers_block_px,
+                                 crop, draw);
+                   } else {
+                       take_in(frame, splats);
+                       draw(crop);
+                   }
                });
     } else {
         // A response between four positions of a pixel is four splats.
-        const bool in_strips = static_cast<double>(file.record_count()) * 4 * sizeof(Splat) >
-                               static_cast<double>(settings.splat_bytes);
+        const bool strips = too_many(4, sizeof(Splat));
         finish(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                [&](SplatTables& splats) {
-                   if (in_strips) {
-                       scatter_in_strips(frame, splats, settings.splat_bytes, out.image, crop);
+                   const auto draw = [&](const std::optional<Crop>& part) {
+                       scatter(splats, out.image, part);
+                   };
+                   if (strips) {
+                       in_strips(frame, splats, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px,
+                                 crop, draw);
                    } else {
                        take_in(frame, splats);
-                       scatter(splats, out.image, crop);
+                       draw(crop);
                    }
                });
     }

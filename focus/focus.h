@@ -35,9 +35,10 @@ struct FocusSettings {
     /// What of the picture is wanted; the rest of the image is black or anything. These pixels have the same
     /// bits as without; warnings tell of them alone.
     std::optional<Crop> crop;
-    /// What the splats of `scatter` may take; where they would take more, the picture is made in strips, for
-    /// each of which the file is read again. The same bits.
-    std::size_t splat_bytes = std::size_t{512} << 20;
+    /// What the splats of `scatter` and `layers` may take; where they might take more, the picture is made in
+    /// strips whose splats take a third of it or less, for each of which what reaches it is read again. The
+    /// same bits.
+    std::size_t splat_bytes = std::size_t{672} << 20;
 };
 
 struct FocusWarning {

@@ -9,8 +9,19 @@
 namespace postlens {
 namespace {
 
-/// Rows read at a time: with 4096 px a row and 3 records a pixel 40 MB.
-constexpr int rows_per_band = 64;
+/// Rows read at a time, and at least where so many hold more than enough records, of 60 bytes about.
+constexpr int rows_per_band = 64, fewest_rows = 32;
+constexpr std::uint64_t enough_records = 1U << 20U;
+
+int band_end(const SampleFileReader& file, int y_begin, int y_end) {
+    const auto facts = file.scanlines();
+    std::uint64_t records = 0;
+    for (int y = y_begin; y < std::min(y_end, y_begin + rows_per_band); ++y) {
+        if (y >= y_begin + fewest_rows && records >= enough_records) return y;
+        records += facts[static_cast<std::size_t>(y - file.y_begin())].records;
+    }
+    return std::min(y_end, y_begin + rows_per_band);
+}
 
 void read_rows(const SampleFileReader& file, int y_begin, int y_end, RecordBand& band) {
     file.read(std::max(y_begin - 1, file.y_begin()), std::min(y_end + 1, file.y_end()), band);
@@ -54,8 +65,8 @@ void FocusFrame::visit_rows(int y_begin, int y_end, const std::function<void(con
         return;
     }
     RecordBand band;
-    for (int begin = y_begin; begin < y_end; begin += rows_per_band) {
-        const int end = std::min(begin + rows_per_band, y_end);
+    for (int begin = y_begin, end = begin; begin < y_end; begin = end) {
+        end = band_end(file_, begin, y_end);
         read_rows(file_, begin, end, band);
         visit({&band, begin, end, {}});
     }
@@ -72,7 +83,7 @@ std::shared_ptr<const TreeSheets> FocusFrame::sheets(std::size_t instant, const 
             if (also) also(band, y_begin, y_end);
         };
         auto out = std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, both));
-        keep_bends(std::move(bends), 0, file_.header().height);
+        bends_.emplace(std::move(bends));
         return out;
     };
     if (!many_) return read();
@@ -89,18 +100,12 @@ std::shared_ptr<const TreeSheets> FocusFrame::sheets(std::size_t instant, const 
     return kept;
 }
 
-void FocusFrame::keep_bends(LargestBends bends, int y_begin, int y_end) {
-    bends_.emplace(std::move(bends));
-    bends_y_begin_ = y_begin;
-    bends_y_end_ = y_end;
-}
-
 const LargestBends& FocusFrame::largest_bends(int y_begin, int y_end) {
-    if (!bends_ || y_begin < bends_y_begin_ || y_end > bends_y_end_) {
+    if (!bends_ || !bends_->covers(y_begin, y_end)) {
         LargestBends bends(file_.header(), y_begin, y_end);
         visit_rows(y_begin, y_end,
                    [&](const FrameRows& rows) { bends.add(*rows.band, rows.y_begin, rows.y_end); });
-        keep_bends(std::move(bends), y_begin, y_end);
+        bends_.emplace(std::move(bends));
     }
     return *bends_;
 }

@@ -37,6 +37,7 @@ class FocusFrame {
     explicit FocusFrame(const SampleFileReader& file, bool many = false);
 
     [[nodiscard]] const SampleFileReader& file() const { return file_; }
+    [[nodiscard]] bool many() const { return many_; }
 
     /// Calls visit(rows) from the top for bands of rows that together hold [y_begin, y_end), and maybe more.
     /// Throws what the reader throws and, before more is kept than there is room for, Error(out_of_memory).
@@ -59,14 +60,12 @@ class FocusFrame {
         std::vector<PointSamples> samples;
     };
     void keep_all();
-    void keep_bends(LargestBends bends, int y_begin, int y_end);
 
     const SampleFileReader& file_;
     bool many_;
     std::vector<Kept> rows_;
     std::vector<std::shared_ptr<TreeSheets>> sheets_;  ///< by instant
-    std::optional<LargestBends> bends_;                ///< of bends_y_begin_ to bends_y_end_
-    int bends_y_begin_ = 0, bends_y_end_ = 0;
+    std::optional<LargestBends> bends_;
 };
 
 }  // namespace postlens

@@ -159,6 +159,10 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         use_disc(key.level);
         return key.level;
     }
+    if (built_) {
+        // No key is new any more, and nobody waits for another.
+        return number_of_key_.at(key.packed());
+    }
     const std::lock_guard lock(mutex_);
     const auto [entry, is_new] =
         number_of_key_.try_emplace(key.packed(), static_cast<std::uint32_t>(keys_.size()));
@@ -262,6 +266,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
             to_build.size(), [&](std::size_t i) { kernels_[i] = make(keys_[to_build[i]]); }, 4);
     }
     keys_ = {};
+    built_ = true;
 }
 
 std::pair<int, int> KernelTable::rows_reached() const {

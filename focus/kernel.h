@@ -111,6 +111,7 @@ class KernelTable {
     /// `model`: whose responses these are; must outlive the table.
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
+    /// After build: of keys that were asked for before.
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
     /// Marks the phase (0, 0) disc of a level as needed.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
@@ -160,6 +161,7 @@ class KernelTable {
     std::vector<Kernel> kernels_;           ///< by place and channel
     std::vector<std::uint32_t> kernel_of_;  ///< by number: the place of its kernels
     std::size_t channels_ = 1;
+    bool built_ = false;
     int discs_used_ = 0;
 };
 

@@ -20,6 +20,8 @@ class LargestBends {
     /// Takes in the records of rows [y_begin, y_end) of `band`, in parallel; rows beyond its own do not
     /// count.
     void add(const RecordBand& band, int y_begin, int y_end);
+    /// Whether it is of all these rows of the picture.
+    [[nodiscard]] bool covers(int y_begin, int y_end) const { return y_begin >= y_begin_ && y_end <= y_end_; }
     /// Of a row of the picture, as wide as it.
     [[nodiscard]] const float* row(int y) const {
         return values_.data() + static_cast<std::size_t>(y - y_begin_) * static_cast<std::size_t>(width_);

@@ -109,7 +109,7 @@ class LayerSplats::RowBuilder {
 
     LayerSplats& t_;
     KernelNumberCache cache_;
-    Row* row_ = nullptr;
+    Row row_;
     std::map<LayerPart, std::uint32_t> number_;
     LayerPart last_part_;  ///< most samples go where the one before went
     std::uint32_t last_number_ = ~std::uint32_t{0};
@@ -128,8 +128,8 @@ class LayerSplats::RowBuilder {
 
 std::uint32_t LayerSplats::RowBuilder::number_of(const LayerPart& part) {
     if (last_number_ != ~std::uint32_t{0} && part == last_part_) return last_number_;
-    const auto [entry, is_new] = number_.try_emplace(part, static_cast<std::uint32_t>(row_->parts.size()));
-    if (is_new) row_->parts.push_back(part);
+    const auto [entry, is_new] = number_.try_emplace(part, static_cast<std::uint32_t>(row_.parts.size()));
+    if (is_new) row_.parts.push_back(part);
     last_part_ = part;
     return last_number_ = entry->second;
 }
@@ -168,8 +168,8 @@ void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number,
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
         // Fibonacci hashing; what meets a slot that is taken stays on its own.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
-        if (slot.index >= pixel_begin_ && slot.index < row_->splats.size() && slot.key == key) {
-            LayerSplat& to = row_->splats[slot.index];
+        if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
+            LayerSplat& to = row_.splats[slot.index];
             to.r += splat.r;
             to.g += splat.g;
             to.b += splat.b;
@@ -178,10 +178,10 @@ void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number,
             to.covered += splat.covered;
             return;
         }
-        slot = {key, row_->splats.size()};
+        slot = {key, row_.splats.size()};
     }
-    row_->part.push_back(number);
-    row_->splats.push_back(splat);
+    row_.part.push_back(number);
+    row_.splats.push_back(splat);
 }
 
 // Light and weight by one response, or by two where the lens holds something back: what is missing from the
@@ -240,7 +240,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
         // Of primary nodes that the pinhole sees, as in scatter.
-        row_->largest_radius_px = std::max(row_->largest_radius_px, primary.exact_radius_px);
+        row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
         t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
     }
     if (!(s.total_weight() > 0)) return;
@@ -249,11 +249,11 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     add_node(s, primary, first, {first.r, first.g, first.b}, part);
     covered_ = 0;
     if (nodes.size() == 1) {
-        row_->colours.include({first.r, first.g, first.b});
+        row_.colours.include({first.r, first.g, first.b});
         return;
     }
     meet(nodes, primary);
-    row_->colours.include(met_.front().subtree);
+    row_.colours.include(met_.front().subtree);
     for (const Met& met : met_) {
         const Record& node = *met.node;
         if (node.path == NodePath()) continue;
@@ -302,7 +302,7 @@ void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<
         }
         add_node(s, met.response, node, {node.r, node.g, node.b}, part);
         covered_ = 0;
-        row_->colours.include({node.r, node.g, node.b});
+        row_.colours.include({node.r, node.g, node.b});
     }
 }
 
@@ -344,16 +344,14 @@ void LayerSplats::RowBuilder::find_hidden(const RecordBand& band, std::size_t pi
 
 void LayerSplats::RowBuilder::begin_row(int y) {
     y_ = y;
-    row_ = &t_.rows_[static_cast<std::size_t>(y - t_.source_.y_begin)];
+    row_.clear();
     number_.clear();
     last_number_ = ~std::uint32_t{0};
     std::fill(slots_.begin(), slots_.end(), Slot{0, ~std::size_t{0}});
 }
 
-// Vectors that grow have up to as much again in reserve, and the rows are kept until the last.
 void LayerSplats::RowBuilder::end_row() {
-    row_->splats.shrink_to_fit();
-    row_->part.shrink_to_fit();
+    t_.store(y_, row_);
 }
 
 void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
@@ -364,14 +362,14 @@ void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
     const NodeResponses& responses = t_.responses_;
     const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
     if (!light.hidden) {
-        row_->largest_radius_px = std::max(row_->largest_radius_px, response.exact_radius_px);
+        row_.largest_radius_px = std::max(row_.largest_radius_px, response.exact_radius_px);
         t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
     }
     const LayerPart part{.surface = {light.surface, 0},
                          .kind = light.hidden ? LayerPart::Kind::hidden : LayerPart::Kind::seen};
     covered_ = light.weight > 0 ? light.covered / light.weight : 0;
     if (light.weight > 0) {
-        row_->colours.include(
+        row_.colours.include(
             {light.rgb[0] / light.weight, light.rgb[1] / light.weight, light.rgb[2] / light.weight});
     }
     const float share = responses.passing(response, place_px_);
@@ -406,7 +404,7 @@ void LayerSplats::RowBuilder::build(const RecordBand& band, const PointSamples& 
         const std::uint32_t begin = samples.offsets[first_pixel + k],
                             end = samples.offsets[first_pixel + k + 1];
         alone_ = end - begin == 1;
-        pixel_begin_ = row_->splats.size();
+        pixel_begin_ = row_.splats.size();
         for (std::uint32_t i = begin; i < end; ++i) {
             const PointSample& s = samples.samples[i];
             while (h < hidden_.size() && std::tie(hidden_[h].y, hidden_[h].x) < std::tie(s.y, s.x)) ++h;
@@ -446,6 +444,42 @@ void LayerSplats::add_rows(const FrameRows& rows) {
                           static_cast<std::size_t>(y - first) * static_cast<std::size_t>(band.width()), y);
         }
     });
+    if (keep_ != Keep::strip) return;
+    strip_rows_.settle();
+    // Rows come from the top: what is above the next ones is complete.
+    join_rows(static_cast<std::size_t>(rows.y_end - source_.y_begin) / tile_px);
+}
+
+void LayerSplats::Row::clear() {
+    parts.clear();
+    part.clear();
+    splats.clear();
+    largest_radius_px = 0;
+    colours = {};
+}
+
+void LayerSplats::store(int y, Row& made) {
+    const auto index = static_cast<std::size_t>(y - source_.y_begin);
+    if (index < joined_ * tile_px) return;  // added already: it came with the rows before
+    if (keep_ == Keep::none) {
+        made.splats.clear();
+        made.part.clear();
+    }
+    if (keep_ == Keep::strip) {
+        strip_rows_.begin_row(y);
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < made.splats.size(); ++i) {
+            const RasterWindow reach = reach_of(made.splats[i]);
+            strip_rows_.add(y, {made.parts[made.part[i]], made.splats[i]}, reach.y_begin, reach.y_end);
+            if (!meet(reach, strip_)) continue;
+            made.splats[kept] = made.splats[i];
+            made.part[kept++] = made.part[i];
+        }
+        made.splats.resize(kept);
+        made.part.resize(kept);
+    }
+    // A copy has no more memory than it needs.
+    rows_[index] = made;
 }
 
 struct LayerSplats::Segment {
@@ -488,27 +522,30 @@ void LayerSplats::sort_row(std::size_t index, std::vector<Segment>& segments) {
     row.part = {};
 }
 
-void LayerSplats::find_reach(LayerCell& cell) const {
-    bool any = false;
-    for (const LayerSplat& s : splats(cell)) {
-        for (std::size_t channel = 0; channel < kernels_.channels(); ++channel) {
-            const Kernel& k = kernels_.kernel(s.kernel, channel);
-            const RasterWindow r{s.x + k.x_begin, s.x + k.x_end, s.y + k.y_begin, s.y + k.y_end()};
-            RasterWindow& all = cell.reach;
-            all = any ? RasterWindow{std::min(all.x_begin, r.x_begin), std::max(all.x_end, r.x_end),
-                                     std::min(all.y_begin, r.y_begin), std::max(all.y_end, r.y_end)}
-                      : r;
-            any = true;
-        }
+RasterWindow LayerSplats::reach_of(const LayerSplat& s) const {
+    RasterWindow out;
+    for (std::size_t channel = 0; channel < kernels_.channels(); ++channel) {
+        const Kernel& k = kernels_.kernel(s.kernel, channel);
+        const RasterWindow r{s.x + k.x_begin, s.x + k.x_end, s.y + k.y_begin, s.y + k.y_end()};
+        out = channel == 0 ? r : around(out, r);
     }
+    return out;
+}
+
+void LayerSplats::find_reach(LayerCell& cell) const {
+    const std::span<const LayerSplat> all = splats(cell);
+    for (std::size_t i = 0; i < all.size(); ++i)
+        cell.reach = i == 0 ? reach_of(all[i]) : around(cell.reach, reach_of(all[i]));
 }
 
 // Brings the rows of a row of tiles together, cell by cell, and gives up what they held: all splats are never
 // held twice.
 std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
     const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
+    std::vector<std::vector<Segment>> by_row(last_row - first_row);
+    parallel_for(by_row.size(), [&](std::size_t i) { sort_row(first_row + i, by_row[i]); });
     std::vector<Segment> segments;
-    for (std::size_t i = first_row; i < last_row; ++i) sort_row(i, segments);
+    for (const auto& some : by_row) segments.insert(segments.end(), some.begin(), some.end());
     std::sort(segments.begin(), segments.end(),
               [](const Segment& a, const Segment& b) { return a.place() < b.place(); });
     std::uint32_t count = 0;
@@ -530,9 +567,32 @@ std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
     return cells;
 }
 
+void LayerSplats::join_rows(std::size_t end) {
+    if (end <= joined_) return;
+    const std::size_t first = joined_;
+    parallel_for(end - first, [&](std::size_t i) { tile_cells_[first + i] = join(first + i); });
+    joined_ = end;
+}
+
+void LayerSplats::sort_cells() {
+    cells_.clear();
+    for (const auto& some : tile_cells_) cells_.insert(cells_.end(), some.begin(), some.end());
+    tile_cells_.clear();
+    // Within a part the tiles are in their order already.
+    std::stable_sort(cells_.begin(), cells_.end(),
+                     [](const LayerCell& a, const LayerCell& b) { return a.part < b.part; });
+}
+
+void LayerSplats::begin_tile_rows() {
+    const std::size_t count = (static_cast<std::size_t>(source_.height()) + tile_px - 1) / tile_px;
+    joined_ = 0;
+    tile_rows_.clear();
+    tile_rows_.resize(count);
+    tile_cells_.assign(count, {});
+}
+
 void LayerSplats::finish() {
     kernels_.build();
-    kernels_.forget_keys();
     std::size_t most = 0;
     for (const Row& row : rows_) {
         parts_.insert(parts_.end(), row.parts.begin(), row.parts.end());
@@ -540,18 +600,45 @@ void LayerSplats::finish() {
         largest_radius_px_ = std::max(largest_radius_px_, row.largest_radius_px);
         colours_.include(row.colours);
     }
-    require_memory(2 * tile_px * most * sizeof(LayerSplat), "the records of all layers");
     std::sort(parts_.begin(), parts_.end());
     parts_.erase(std::unique(parts_.begin(), parts_.end()), parts_.end());
-    tile_rows_.resize((rows_.size() + tile_px - 1) / tile_px);
-    std::vector<std::vector<LayerCell>> by_tile_row(tile_rows_.size());
-    parallel_for(tile_rows_.size(), [&](std::size_t i) { by_tile_row[i] = join(i); });
-    for (const auto& some : by_tile_row) cells_.insert(cells_.end(), some.begin(), some.end());
-    // Within a part the tiles are in their order already.
-    std::stable_sort(cells_.begin(), cells_.end(),
-                     [](const LayerCell& a, const LayerCell& b) { return a.part < b.part; });
+    if (keep_ != Keep::all) return;
+    kernels_.forget_keys();
+    require_memory(2 * tile_px * most * sizeof(LayerSplat), "the records of all layers");
+    begin_tile_rows();
+    finish_strip();
+}
+
+std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& part, int block_px) {
+    if (keep_ != Keep::strip) {
+        strip_rows_ = StripRows<PartSplat>(source_.y_begin, source_.y_end, picture_.y_begin, picture_.y_end,
+                                           block_px, far_bytes / sizeof(StripRows<PartSplat>::Far));
+    }
+    keep_ = Keep::strip;
+    strip_ = part;
+    begin_tile_rows();
     rows_.clear();
-    rows_.shrink_to_fit();
+    rows_.resize(static_cast<std::size_t>(source_.height()));
+    // What reaches far stands already where its row is not added again.
+    for (int y = source_.y_begin; y < source_.y_end; ++y) {
+        Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
+        std::map<LayerPart, std::uint32_t> number;
+        for (const auto& far : strip_rows_.far(y)) {
+            if (!meet(reach_of(far.item.splat), part)) continue;
+            const auto [found, is_new] =
+                number.try_emplace(far.item.part, static_cast<std::uint32_t>(row.parts.size()));
+            if (is_new) row.parts.push_back(far.item.part);
+            row.part.push_back(found->second);
+            row.splats.push_back(far.item.splat);
+        }
+    }
+    return strip_rows_.to_be_read(part.y_begin, part.y_end);
+}
+
+void LayerSplats::finish_strip() {
+    join_rows(tile_rows_.size());
+    sort_cells();
+    std::vector<Row>().swap(rows_);
 }
 
 double LayerSplats::largest_coc_px() const {

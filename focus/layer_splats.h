@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "focus/border_radii.h"
@@ -14,6 +15,7 @@
 #include "focus/node_response.h"
 #include "focus/pixel_light.h"
 #include "focus/splat_tables.h"
+#include "focus/strip_rows.h"
 #include "records/quadtree.h"
 #include "records/record.h"
 
@@ -94,6 +96,15 @@ class LayerSplats {
     /// Makes the kernels and sorts; after the last row.
     void finish();
 
+    /// As SplatTables::survey() and what comes after it: for pictures whose splats would take too much
+    /// memory.
+    void survey() { keep_ = Keep::none; }
+    [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
+    void finish_strip();
+    [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
+        return strip_rows_.reaching(begin, end);
+    }
+
     [[nodiscard]] const RasterWindow& source() const { return source_; }
     [[nodiscard]] const RasterWindow& picture() const { return picture_; }
     [[nodiscard]] const FocusGeometry& geometry() const { return responses_.geometry(); }
@@ -114,11 +125,14 @@ class LayerSplats {
 
   private:
     class RowBuilder;
+    enum class Keep : std::uint8_t { all, none, strip };
     /// What a row came to: parts by a number of its own.
     struct Row {
         std::vector<LayerPart> parts;
         std::vector<std::uint32_t> part;  ///< of each splat
         std::vector<LayerSplat> splats;
+        /// Empty again, with the memory it had.
+        void clear();
         double largest_radius_px = 0;
         ColourRange colours;
     };
@@ -126,8 +140,22 @@ class LayerSplats {
     struct Segment;
     void sort_row(std::size_t index, std::vector<Segment>& segments);
     std::vector<LayerCell> join(std::size_t tile_row);
+    /// Tile rows [joined_, end).
+    void join_rows(std::size_t end);
+    void sort_cells();
+    void begin_tile_rows();
     void find_reach(LayerCell& cell) const;
+    /// What a row keeps of what was made of it, which is cut down to that.
+    void store(int y, Row& made);
+    [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 
+    Keep keep_ = Keep::all;
+    RasterWindow strip_;  ///< raster px
+    struct PartSplat {
+        LayerPart part;
+        LayerSplat splat;
+    };
+    StripRows<PartSplat> strip_rows_;  ///< while there are strips
     RasterWindow source_, picture_;
     NodeResponses responses_;
     KernelTable kernels_;
@@ -136,6 +164,8 @@ class LayerSplats {
     std::vector<LayerPart> parts_;
     std::vector<LayerCell> cells_;
     std::vector<std::vector<LayerSplat>> tile_rows_;  ///< each by part, tile, row and column
+    std::size_t joined_ = 0;                          ///< of tile_rows_, from the first on
+    std::vector<std::vector<LayerCell>> tile_cells_;  ///< of each of these; until they are sorted
     double largest_radius_px_ = 0;
     double from_anchor_px_ = 0;
     ColourRange colours_;

@@ -14,24 +14,10 @@ namespace {
 
 /// LayerSums keep up to 280 B a pixel: one fits the second-level cache.
 constexpr int block_width = 64;
-constexpr int block_height = 64;
+constexpr int block_height = layers_block_px;
 /// Fragments and sums held at a time, of 270 B about: where very many surfaces meet in a block it is done row
 /// by row.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
-
-bool meet(const RasterWindow& a, const RasterWindow& b) {
-    return a.x_begin < b.x_end && b.x_begin < a.x_end && a.y_begin < b.y_end && b.y_begin < a.y_end;
-}
-
-RasterWindow common(const RasterWindow& a, const RasterWindow& b) {
-    return {std::max(a.x_begin, b.x_begin), std::min(a.x_end, b.x_end), std::max(a.y_begin, b.y_begin),
-            std::min(a.y_end, b.y_end)};
-}
-
-RasterWindow around(const RasterWindow& a, const RasterWindow& b) {
-    return {std::min(a.x_begin, b.x_begin), std::max(a.x_end, b.x_end), std::min(a.y_begin, b.y_begin),
-            std::max(a.y_end, b.y_end)};
-}
 
 /// Values of the three channels that one pass is right about: all, or one where each has kernels of its own.
 void store(const LayerSplats& splats, const std::array<double, 3>& rgb, std::size_t channel, float* out) {

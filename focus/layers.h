@@ -6,6 +6,9 @@
 
 namespace postlens {
 
+/// Pixels are worked on in blocks of so many rows, counted from the window's first.
+inline constexpr int layers_block_px = 64;
+
 /// The picture of the splats' picture window, into an image that is made to fit. In parallel; the same bits
 /// for any number of threads. `wanted`: as of scatter().
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);

@@ -1,6 +1,7 @@
 // Which impulse response a node of a shading tree has.
 #pragma once
 
+#include <algorithm>
 #include <glm/glm.hpp>
 #include <memory>
 
@@ -18,6 +19,19 @@ struct RasterWindow {
     [[nodiscard]] int width() const { return x_end - x_begin; }
     [[nodiscard]] int height() const { return y_end - y_begin; }
 };
+
+[[nodiscard]] inline bool meet(const RasterWindow& a, const RasterWindow& b) {
+    return a.x_begin < b.x_end && b.x_begin < a.x_end && a.y_begin < b.y_end && b.y_begin < a.y_end;
+}
+[[nodiscard]] inline RasterWindow common(const RasterWindow& a, const RasterWindow& b) {
+    return {std::max(a.x_begin, b.x_begin), std::min(a.x_end, b.x_end), std::max(a.y_begin, b.y_begin),
+            std::min(a.y_end, b.y_end)};
+}
+/// The least that holds both.
+[[nodiscard]] inline RasterWindow around(const RasterWindow& a, const RasterWindow& b) {
+    return {std::min(a.x_begin, b.x_begin), std::max(a.x_end, b.x_end), std::min(a.y_begin, b.y_begin),
+            std::max(a.y_end, b.y_end)};
+}
 
 /// A node's response: its key without phase, and its size.
 struct NodeResponse {

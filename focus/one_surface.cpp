@@ -45,60 +45,66 @@ bool OneSurface::all(int x, int y, int width, int height) const {
     return true;
 }
 
-OneSurface find_one_surface(const PatchMesh& primary, const PatchMesh& deeper, const glm::dvec2& lens_px,
-                            double inverse_focus_per_m, const RasterWindow& window) {
-    OneSurface out;
-    out.columns = (window.width() + OneSurface::edge - 1) / OneSurface::edge;
-    out.rows = (window.height() + OneSurface::edge - 1) / OneSurface::edge;
-    const auto count = static_cast<std::size_t>(out.columns) * static_cast<std::size_t>(out.rows);
-    std::vector<std::uint32_t> owner(count, nobody);
-    std::vector<double> recorded(count, 0);  // area of the recorded patches that lie there, unmoved
+OneSurfaceFinder::OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m,
+                                   const RasterWindow& window)
+    : lens_px_(lens_px),
+      inverse_focus_per_m_(inverse_focus_per_m),
+      window_(window),
+      columns_((window.width() + OneSurface::edge - 1) / OneSurface::edge),
+      rows_((window.height() + OneSurface::edge - 1) / OneSurface::edge),
+      owner_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), nobody),
+      recorded_(owner_.size(), 0) {}
+
+void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
     for (const PatchMesh* mesh : {&primary, &deeper}) {
         for (const Patch& p : mesh->patches) {
             RasterRect swept;
             PatchPlace place;
             double stretch = 0;
             for (int k = 0; k < 4; ++k) {
-                const glm::dvec2 q((k & 1) != 0 ? lens_px.x : -lens_px.x,
-                                   (k & 2) != 0 ? lens_px.y : -lens_px.y);
-                if (!place_patch(*mesh, p, {}, {q, inverse_focus_per_m, {}}, place)) continue;
+                const glm::dvec2 q((k & 1) != 0 ? lens_px_.x : -lens_px_.x,
+                                   (k & 2) != 0 ? lens_px_.y : -lens_px_.y);
+                if (!place_patch(*mesh, p, {}, {q, inverse_focus_per_m_, {}}, place)) continue;
                 swept.add(covered(p, place));
                 const glm::dmat2 d = place.move - glm::dmat2(1);
                 stretch = std::max(
                     {stretch, std::abs(d[0].x), std::abs(d[0].y), std::abs(d[1].x), std::abs(d[1].y)});
             }
-            const SheetKey& key = mesh->sheet(p).key;
-            const std::uint32_t id = mesh == &deeper || stretch > most_stretch ? several : key.id;
-            each_cell(swept, window, out.columns, out.rows, [&](std::size_t c) {
-                if (owner[c] == nobody) owner[c] = id;
-                if (owner[c] != id) owner[c] = several;
+            const Sheet& s = mesh->sheet(p);
+            const std::uint32_t id = mesh == &deeper || stretch > most_stretch ? several : s.key.id;
+            each_cell(swept, window_, columns_, rows_, [&](std::size_t c) {
+                if (owner_[c] == nobody) owner_[c] = id;
+                if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
             // One surface seen twice lies over itself: more area than the cell has.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {
-                    const int i = static_cast<int>(corner.x) + x - window.x_begin,
-                              j = static_cast<int>(corner.y) + y - window.y_begin;
-                    if (i < 0 || j < 0 || i >= window.width() || j >= window.height()) continue;
-                    const Sheet& s = mesh->sheet(p);
+                    const int i = static_cast<int>(corner.x) + x - window_.x_begin,
+                              j = static_cast<int>(corner.y) + y - window_.y_begin;
+                    if (i < 0 || j < 0 || i >= window_.width() || j >= window_.height()) continue;
                     const std::size_t cell =
                         s.first_cell + static_cast<std::size_t>(p.y + y) * static_cast<std::size_t>(s.width) +
                         static_cast<std::size_t>(p.x + x);
                     if (mesh->sheets->fine[cell] == SheetNode::none) continue;
-                    recorded[static_cast<std::size_t>(j / OneSurface::edge) *
-                                 static_cast<std::size_t>(out.columns) +
-                             static_cast<std::size_t>(i / OneSurface::edge)] += 1;
+                    ++recorded_[static_cast<std::size_t>(j / OneSurface::edge) *
+                                    static_cast<std::size_t>(columns_) +
+                                static_cast<std::size_t>(i / OneSurface::edge)];
                 }
             }
         }
     }
-    out.cells.resize(count);
-    for (std::size_t c = 0; c < count; ++c) {
-        out.cells[c] =
-            owner[c] != nobody && owner[c] != several && recorded[c] <= OneSurface::edge * OneSurface::edge
-                ? 1
-                : 0;
+}
+
+OneSurface OneSurfaceFinder::found() const {
+    OneSurface out;
+    out.columns = columns_;
+    out.rows = rows_;
+    out.cells.resize(owner_.size());
+    for (std::size_t c = 0; c < owner_.size(); ++c) {
+        const bool one = owner_[c] != nobody && owner_[c] != several;
+        out.cells[c] = one && recorded_[c] <= OneSurface::edge * OneSurface::edge ? 1 : 0;
     }
     return out;
 }

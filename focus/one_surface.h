@@ -27,10 +27,22 @@ struct OneSurface {
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
-/// `lens_px`: half the width and height of the lens's box, times film distance / pitch, px m. `deeper` may be
-/// empty.
-[[nodiscard]] OneSurface find_one_surface(const PatchMesh& primary, const PatchMesh& deeper,
-                                          const glm::dvec2& lens_px, double inverse_focus_per_m,
-                                          const RasterWindow& window);
+/// Finds it from the patches of a picture, which may come in any order and any number at a time.
+class OneSurfaceFinder {
+  public:
+    /// `lens_px`: half the width and height of the lens's box, times film distance / pitch, px m.
+    OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
+    /// `deeper` may be empty.
+    void add(const PatchMesh& primary, const PatchMesh& deeper);
+    [[nodiscard]] OneSurface found() const;
+
+  private:
+    glm::dvec2 lens_px_;
+    double inverse_focus_per_m_;
+    RasterWindow window_;
+    int columns_, rows_;
+    std::vector<std::uint32_t> owner_;
+    std::vector<int> recorded_;  ///< px^2 of the recorded patches that lie there, unmoved
+};
 
 }  // namespace postlens

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "core/threads.h"
 
@@ -169,12 +168,13 @@ void SplatTables::RowBuilder::store_row() {
     const auto row = static_cast<std::size_t>(y_ - t_.source_.y_begin);
     SplatRow& out = t_.rows_[row];
     out.runs.assign(runs_.begin(), runs_.end());
-    t_.row_splats_[row] = static_cast<std::uint32_t>(splats_.size());
     if (t_.keep_ == Keep::all) out.splats.assign(splats_.begin(), splats_.end());
     if (t_.keep_ == Keep::strip) {
+        t_.strip_rows_.begin_row(y_);
         std::erase_if(splats_, [&](const Splat& s) {
             const Reach reach = t_.reach_of(s);
-            return y_ + reach.dy_end <= t_.strip_begin_ || y_ + reach.dy_begin >= t_.strip_end_;
+            t_.strip_rows_.add(y_, s, y_ + reach.dy_begin, y_ + reach.dy_end);
+            return !t_.reaches_strip(s, reach, y_);
         });
         out.splats.assign(splats_.begin(), splats_.end());
     }
@@ -221,7 +221,6 @@ SplatTables::SplatTables(const RasterWindow& source, const RasterWindow& picture
     const auto height = static_cast<std::size_t>(source.height());
     for (auto& plane : raster_) plane.resize(width * height);
     rows_.resize(height);
-    row_splats_.resize(height);
     row_largest_radius_px_.resize(height);
     row_negative_.resize(height);
 }
@@ -245,6 +244,7 @@ void SplatTables::add_rows(const FrameRows& rows) {
                           samples.offsets[k + static_cast<std::size_t>(band.width())], y);
         }
     });
+    if (keep_ == Keep::strip) strip_rows_.settle();
 }
 
 void Reach::include(const Reach& other) {
@@ -311,17 +311,27 @@ void SplatTables::finish() {
     any_negative_ = std::find(row_negative_.begin(), row_negative_.end(), 1) != row_negative_.end();
 }
 
-std::uint64_t SplatTables::splats_counted() const {
-    return std::accumulate(row_splats_.begin(), row_splats_.end(), std::uint64_t{0});
+bool SplatTables::reaches_strip(const Splat& splat, const Reach& reach, int y) const {
+    return y + reach.dy_end > strip_.y_begin && y + reach.dy_begin < strip_.y_end &&
+           splat.x + reach.dx_end > strip_.x_begin && splat.x + reach.dx_begin < strip_.x_end;
 }
 
-std::pair<int, int> SplatTables::begin_strip(int y_begin, int y_end) {
+std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& part, int block_px) {
+    if (keep_ != Keep::strip) {
+        strip_rows_ = StripRows<Splat>(source_.y_begin, source_.y_end, picture_.y_begin, picture_.y_end,
+                                       block_px, far_bytes / sizeof(StripRows<Splat>::Far));
+    }
     keep_ = Keep::strip;
-    strip_begin_ = y_begin;
-    strip_end_ = y_end;
-    for (SplatRow& row : rows_) std::vector<Splat>().swap(row.splats);
-    const auto [dy_begin, dy_end] = kernels_.rows_reached();
-    return {std::max(source_.y_begin, y_begin - dy_end + 1), std::min(source_.y_end, y_end - dy_begin)};
+    strip_ = part;
+    // What reaches far stands already where its row is not added again.
+    for (int y = source_.y_begin; y < source_.y_end; ++y) {
+        std::vector<Splat> splats;
+        for (const auto& far : strip_rows_.far(y)) {
+            if (reaches_strip(far.item, reach_of(far.item), y)) splats.push_back(far.item);
+        }
+        rows_[static_cast<std::size_t>(y - source_.y_begin)].splats = std::move(splats);
+    }
+    return strip_rows_.to_be_read(part.y_begin, part.y_end);
 }
 
 void SplatTables::finish_strip() {

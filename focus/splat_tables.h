@@ -15,6 +15,7 @@
 #include "focus/node_response.h"
 #include "focus/pixel_light.h"
 #include "focus/response_model.h"
+#include "focus/strip_rows.h"
 #include "records/quadtree.h"
 #include "records/record.h"
 
@@ -85,13 +86,17 @@ class SplatTables {
     void finish();
 
     /// For pictures whose splats would take more memory than there is to be spent. Before the first row: what
-    /// is added up to finish() tells of responses and runs, splats are counted only.
+    /// is added up to finish() tells of responses and runs only.
     void survey() { keep_ = Keep::none; }
-    [[nodiscard]] std::uint64_t splats_counted() const;
-    /// After finish(), any number of times: the splats that reach rows [y_begin, y_end) of the picture are to
-    /// be kept. Returns the rows that are then to be added again, before finish_strip().
-    std::pair<int, int> begin_strip(int y_begin, int y_end);
+    /// After finish(), any number of times: the splats that reach `part`, raster px, are to be kept. Returns
+    /// the runs of rows [begin, end) that are then to be added again, in this order, before finish_strip():
+    /// at first all. `block_px`: of which the parts will be made; the same for all.
+    [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
+    /// After a first strip, of nothing: how many reach rows [begin, end) of blocks.
+    [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
+        return strip_rows_.reaching(begin, end);
+    }
 
     [[nodiscard]] const RasterWindow& source() const { return source_; }
     [[nodiscard]] const RasterWindow& picture() const { return picture_; }
@@ -122,12 +127,13 @@ class SplatTables {
     class RowBuilder;
     enum class Keep : std::uint8_t { all, none, strip };
     [[nodiscard]] Reach reach_of(const Splat& splat) const;
+    [[nodiscard]] bool reaches_strip(const Splat& splat, const Reach& reach, int y) const;
     void sort_by_reach(SplatRow& row) const;
     void sort_rows();
 
     Keep keep_ = Keep::all;
-    int strip_begin_ = 0, strip_end_ = 0;    ///< rows of the picture
-    std::vector<std::uint32_t> row_splats_;  ///< how many there are, kept or not
+    RasterWindow strip_;           ///< raster px
+    StripRows<Splat> strip_rows_;  ///< while there are strips
     RasterWindow source_, picture_;
     NodeResponses responses_;
     KernelTable kernels_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
+#include <optional>
 
 #include "core/error.h"
 #include "core/memory.h"
@@ -45,15 +47,16 @@ class Reader {
         out.v_name = vectors_.v;
         out.has_z = !colours_.z.empty();
         out.has_alpha = !colours_.a.empty();
-        std::vector<std::string> names{colours_.r, colours_.g, colours_.b, vectors_.u, vectors_.v};
-        if (out.has_z) names.push_back(colours_.z);
-        if (out.has_alpha) names.push_back(colours_.a);
-        alpha_ = names.size() - 1;
-        out.id_name = id_channel();
-        if (!out.id_name.empty()) names.push_back(out.id_name);
+        find_ids(choice.ids, out);
+        rgb_ = {list_.add(colours_.r), list_.add(colours_.g), list_.add(colours_.b)};
+        u_ = list_.add(vectors_.u);
+        v_ = list_.add(vectors_.v);
+        z_ = list_.add(colours_.z);
+        alpha_ = list_.add(colours_.a);
+        id_ = list_.add(out.id_name);
         whole_ids_ = file_.kind(colours_.part, out.id_name) == ChannelKind::whole;
-        file_.read_flat(colours_.part, names, [&](int y, std::span<const float* const> values) {
-            for (int x = 0; x < part_->width(); ++x) out.pixels.push_back(pixel(values, names, out, x, y));
+        file_.read_flat(colours_.part, list_.names(), [&](int y, std::span<const float* const> values) {
+            for (int x = 0; x < part_->width(); ++x) out.pixels.push_back(pixel(values, x, y));
         });
         for (const VectorPixel& p : out.pixels) {
             out.largest_px = std::max(
@@ -97,11 +100,23 @@ class Reader {
         if (colours_.depth_part != colours_.part) colours_.z.clear();
     }
 
-    /// Of ids in the part of the colours; empty: none.
-    [[nodiscard]] std::string id_channel() const {
+    /// Ids have to lie in the part of the colours.
+    void find_ids(const std::string& asked, VectorFrame& out) const {
+        out.problems = colours_.problems;
         const std::string& name = colours_.matte ? colours_.matte->ranks[0].id : colours_.id;
         const std::size_t part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
-        return part == colours_.part ? name : "";
+        if (name.empty() || part == colours_.part) {
+            out.id_name = name;
+            return;
+        }
+        if (!asked.empty()) {
+            fail(ExitCode::invalid_input,
+                 "{}: ids {} are unusable (got part {}; expected them in part {}, beside the colours)",
+                 file_.name(), asked, part, colours_.part);
+        }
+        out.problems.push_back(
+            fmt::format("ids {} are not used: they lie in part {}, the colours and vectors in part {}", name,
+                        part, colours_.part));
     }
 
     [[noreturn]] void refuse(const std::string& channel, int x, int y, float got,
@@ -110,34 +125,33 @@ class Reader {
              file_.name(), channel, part_->data.x_min + x, y, got, expected);
     }
 
-    VectorPixel pixel(std::span<const float* const> values, const std::vector<std::string>& names,
-                      const VectorFrame& frame, int x, int y) const {
-        const auto finite = [&](std::size_t channel) {
-            const float v = values[channel][x];
-            if (!std::isfinite(v)) refuse(names[channel], x, y, v, "a finite number");
+    VectorPixel pixel(std::span<const float* const> values, int x, int y) const {
+        const auto finite = [&](std::optional<std::size_t> channel) {
+            const float v = values[*channel][x];
+            if (!std::isfinite(v)) refuse(list_.names()[*channel], x, y, v, "a finite number");
             return v;
         };
-        const auto vector_px = [&](std::size_t channel, double scale) {
+        const auto vector_px = [&](std::optional<std::size_t> channel, double scale) {
             const float v = finite(channel);
             const double px = scale * static_cast<double>(v);
             if (!(std::abs(px) <= longest_vector))
-                refuse(names[channel], x, y, v, "a vector of at most 1e6 px");
+                refuse(list_.names()[*channel], x, y, v, "a vector of at most 1e6 px");
             return static_cast<float>(px);
         };
         VectorPixel out;
-        for (std::size_t c = 0; c < 3; ++c) out.rgb[c] = finite(c);
-        out.right_px = vector_px(3, vectors_.scale.x);
-        out.down_px = vector_px(4, vectors_.scale.y);
-        if (frame.has_z) {
-            const float z = values[5][x];
-            if (!(z >= 0)) refuse(names[5], x, y, z, "a depth of 0 or more");
+        for (std::size_t c = 0; c < 3; ++c) out.rgb[c] = finite(rgb_[c]);
+        out.right_px = vector_px(u_, vectors_.scale.x);
+        out.down_px = vector_px(v_, vectors_.scale.y);
+        if (z_) {
+            const float z = values[*z_][x];
+            if (!(z >= 0)) refuse(list_.names()[*z_], x, y, z, "a depth of 0 or more");
             out.inverse_z = z == 0 || z >= background_z ? 0 : 1 / z;
         } else {
             // Parallax: any growing function of the speed will do.
             out.inverse_z = 1 + std::hypot(out.right_px, out.down_px);
         }
-        if (frame.has_alpha && finite(alpha_) == 0) out.inverse_z = 0;
-        if (!frame.id_name.empty()) out.id = surface_id(values.back()[x], whole_ids_);
+        if (alpha_ && finite(alpha_) == 0) out.inverse_z = 0;
+        if (id_) out.id = surface_id(values[*id_][x], whole_ids_);
         return out;
     }
 
@@ -145,7 +159,9 @@ class Reader {
     const ForeignPart* part_ = nullptr;
     ForeignChannels colours_;
     VectorChannels vectors_;
-    std::size_t alpha_ = 0;  ///< of the channels read
+    ChannelList list_;
+    std::array<std::optional<std::size_t>, 3> rgb_;
+    std::optional<std::size_t> u_, v_, z_, alpha_, id_;
     bool whole_ids_ = false;
 };
 

@@ -29,7 +29,8 @@ struct VectorFrame {
     bool has_z = false, has_alpha = false;
     double largest_px = 0;  ///< the longest vector
     std::string u_name, v_name;
-    std::string id_name;  ///< empty: no ids
+    std::string id_name;                ///< empty: no ids
+    std::vector<std::string> problems;  ///< about ids: a line for each that are there and are not used
 
     [[nodiscard]] const VectorPixel& at(int x, int y) const {
         return pixels[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
@@ -47,9 +48,9 @@ struct VectorFrame {
 /// depth 0 or of at least 1e9 and, where there is an alpha, those of alpha 0 are the background, infinitely
 /// far. Without a depth, what moves faster on the raster is taken to be nearer. Ids are those of a
 /// Cryptomatte's first rank or of an id channel. Throws Error(invalid_input)
-/// for what is no such file, for windows out of bounds (65536 px an edge, 65536 px between the windows), for
-/// colours and vectors that are not finite or longer than 1e6 px and for negative depths, with their place;
-/// Error(out_of_memory) before memory is taken.
+/// for what is no such file, for ids asked for that lie elsewhere, for windows out of bounds (65536 px an
+/// edge, 65536 px between the windows), for colours and vectors that are not finite or longer than 1e6 px and
+/// for negative depths, with their place; Error(out_of_memory) before memory is taken.
 [[nodiscard]] VectorFrame read_vector_frame(const std::filesystem::path& path, const VectorChoice& choice,
                                             const std::string& layer = "");
 

@@ -22,18 +22,29 @@ namespace postlens {
 namespace {
 
 constexpr int pilot_views = 8;
-/// Numbers of views that tiles are grouped by: a step of two costs a third more than needed on the mean, and
-/// each group costs a pass over the surfaces. The first is both pilots together.
-constexpr std::array<int, 8> ladder{2 * pilot_views, 32, 64, 128, 256, 512, 1024, 2048};
+constexpr int both_pilots = 2 * pilot_views;
+/// Numbers of views that tiles are grouped by: more than needed by a fifth on the mean. The first is both
+/// pilots together, to which the others add.
+constexpr std::array<int, 14> ladder{both_pilots, 24,  32,  48,  64,  96,   128,
+                                     192,         256, 384, 512, 768, 1024, 2048};
 /// What is expected of a tile strays by a few dB; so much of what its target allows is aimed at, that nine
 /// tiles in ten get there (docs/planner.md).
-constexpr double aimed_at = 0.6;
+constexpr double aimed_at = 0.5;
 /// What is filled in or misplaced is off by less than filled_in_error and misplaced_error say, which are
 /// upper bounds: where they are most of what a tile expects, nine in ten of the calibrating tiles came to
 /// 0.38 of it.
 constexpr double hidden_seen = 0.5;
 /// See noise_of_views.
-constexpr double noise_exponent = 1.15, both_pilots = 0.6;
+constexpr double noise_exponent = 1.15, two_sets = 0.6;
+/// What retraced pixels may add to what a tile may be off by; how many rays tell how many are needed for
+/// that.
+constexpr double left_by_rays = 0.1;
+constexpr int pilot_rays = 32, most_rays = 1024;
+
+/// Of a set of views by itself, for a pilot whose error is 1.
+double noise_of_set(int pilot, int views) {
+    return views <= pilot ? 1 : two_sets * std::pow(2.0 * pilot / views, noise_exponent);
+}
 
 /// Encoded values of a picture, three a pixel.
 std::vector<float> encoded(const Image& image) {
@@ -151,13 +162,19 @@ class Planner {
             const auto wanted = [&, views = views](int x, int y) {
                 return out_.tiles[out_.grid.at(x, y)].views == views;
             };
-            // Another set than the pilots', which chose the tile: what happened to be small there must not be
-            // small here again.
+            // A set of its own, and the pilots' for what they are worth beside it: their noise chose the
+            // tile, and what happened to be small there is not small in the other again.
+            const int own = views - both_pilots;
             const FieldFocus f =
-                focuser.draw({views, 2, [&](int x, int y, int, int) { return wanted(x, y); }, {}});
+                focuser.draw({own, 2, [&](int x, int y, int, int) { return wanted(x, y); }, {}});
+            const double noise = noise_of_set(pilot_views, own);
+            const auto share = static_cast<float>(two_sets / (two_sets + noise));
             for (int y = 0; y < h_.height; ++y) {
                 for (int x = 0; x < h_.width; ++x) {
-                    if (wanted(x, y)) std::copy_n(f.image.pixel(x, y), 3, picture.pixel(x, y));
+                    if (!wanted(x, y)) continue;
+                    float* to = picture.pixel(x, y);
+                    const float* from = f.image.pixel(x, y);
+                    for (std::size_t c = 0; c < 3; ++c) to[c] += share * (from[c] - to[c]);
                 }
             }
         }
@@ -175,8 +192,11 @@ class Planner {
             left[t] = out_.tiles[t].mse() - aim_;
             unlucky[t] += out_.tiles[t].mse() - most_mse_;
         }
-        std::vector<std::uint32_t> order(hidden_.size()), pixels;
-        std::iota(order.begin(), order.end(), 0U);
+        std::vector<std::uint32_t> order, pixels;
+        for (std::uint32_t k = 0; k < hidden_.size(); ++k) {
+            const std::size_t t = tile_of(k);
+            if (left[t] > 0 || unlucky[t] > 0) order.push_back(k);
+        }
         const auto error = [&](std::uint32_t k) {
             return static_cast<double>(hidden_[k]) + floor_unseen * static_cast<double>(floor_[k]);
         };
@@ -184,34 +204,72 @@ class Planner {
         std::stable_sort(order.begin(), order.end(),
                          [&](std::uint32_t a, std::uint32_t b) { return at_worst(a) > at_worst(b); });
         for (const std::uint32_t k : order) {
-            const auto x = static_cast<int>(k % static_cast<std::uint32_t>(h_.width)),
-                       y = static_cast<int>(k / static_cast<std::uint32_t>(h_.width));
-            const std::size_t t = out_.grid.at(x, y);
+            const std::size_t t = tile_of(k);
             if (left[t] <= 0 && unlucky[t] <= 0) continue;
             left[t] -= error(k) / out_.grid.pixels(t);
             unlucky[t] -= at_worst(k) / out_.grid.pixels(t);
             pixels.push_back(k);
         }
-        hybrid.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(order.size());
+        hybrid.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(hidden_.size());
         if (s.scene == nullptr || pixels.empty()) return;
-        HybridSettings with_rays = s;
-        // A pixel across an edge, the worst there is, has a variance of a quarter; Sobol points of n rays
-        // leave about a twentieth of it over n.
-        const double rays = 0.25 / (20 * most_mse_);
-        with_rays.retrace_spp =
-            static_cast<int>(std::clamp(std::exp2(std::ceil(std::log2(rays * 4))), 64.0, 1024.0));
-        retrace(*s.scene, retrace_settings(h_, with_rays, checked_camera(h_, *s.scene), aperture_),
-                s.most_retraced, pixels, hybrid);
+        limit_retraced(s.most_retraced, pixels, hybrid);
+        trace_pixels(pixels);
         for (std::size_t k = 0; k < hybrid.what.size(); ++k) {
             if (hybrid.what[k] != 2) continue;
-            const auto x = static_cast<int>(k % static_cast<std::size_t>(h_.width)),
-                       y = static_cast<int>(k / static_cast<std::size_t>(h_.width));
-            TilePlan& p = out_.tiles[out_.grid.at(x, y)];
-            const double share = 1.0 / out_.grid.pixels(out_.grid.at(x, y));
-            p.retraced += share;
-            p.floor_mse = std::max(0.0, p.floor_mse - share * floor_unseen * static_cast<double>(floor_[k]));
-            p.hidden_mse = std::max(0.0, p.hidden_mse - share * static_cast<double>(hidden_[k]));
+            TilePlan& p = out_.tiles[tile_of(k)];
+            const double part = 1.0 / out_.grid.pixels(tile_of(k));
+            p.retraced += part;
+            p.floor_mse = std::max(0.0, p.floor_mse - part * floor_unseen * static_cast<double>(floor_[k]));
+            p.hidden_mse = std::max(0.0, p.hidden_mse - part * static_cast<double>(hidden_[k]));
         }
+    }
+
+    /// Two sets of rays, whose difference tells their noise; more where that is too much of what a tile may
+    /// be off by. By tiles, as a pixel where both sets miss a lamp does not know.
+    void trace_pixels(const std::vector<std::uint32_t>& pixels) {
+        const HybridSettings& s = settings_.hybrid;
+        RenderSettings rays = retrace_settings(h_, s, checked_camera(h_, *s.scene), aperture_);
+        rays.spp = pilot_rays;
+        rays.seed = 1;
+        retrace(*s.scene, rays, pixels, out_.hybrid);
+        Image& picture = out_.hybrid.focus.image;
+        const Image first = picture;
+        rays.seed = 2;
+        retrace(*s.scene, rays, pixels, out_.hybrid);
+        std::vector<double> noise(out_.tiles.size());
+        for (const std::uint32_t k : pixels) {
+            for (std::size_t c = 3 * std::size_t{k}; c < 3 * std::size_t{k} + 3; ++c) {
+                const double d = static_cast<double>(srgb_from_linear(first.rgb[c])) -
+                                 static_cast<double>(srgb_from_linear(picture.rgb[c]));
+                noise[tile_of(k)] += d * d / 12 / out_.grid.pixels(tile_of(k));
+                picture.rgb[c] = (first.rgb[c] + picture.rgb[c]) / 2;
+            }
+        }
+        std::map<int, std::vector<std::uint32_t>> by_rays;
+        for (const std::uint32_t k : pixels) {
+            const double factor = noise[tile_of(k)] / (left_by_rays * most_mse_);
+            int spp = pilot_rays;
+            while (spp < most_rays && spp < 2 * pilot_rays * (factor - 1)) spp *= 2;
+            if (factor > 1) by_rays[spp].push_back(k);
+        }
+        const Image both = picture;
+        rays.seed = 3;
+        for (const auto& [spp, some] : by_rays) {
+            rays.spp = spp;
+            retrace(*s.scene, rays, some, out_.hybrid);
+            const float share = static_cast<float>(spp) / static_cast<float>(spp + 2 * pilot_rays);
+            for (const std::uint32_t k : some) {
+                for (std::size_t c = 3 * std::size_t{k}; c < 3 * std::size_t{k} + 3; ++c)
+                    picture.rgb[c] = both.rgb[c] + share * (picture.rgb[c] - both.rgb[c]);
+            }
+        }
+        out_.hybrid.retraced_share =
+            static_cast<double>(pixels.size()) / static_cast<double>(out_.hybrid.what.size());
+    }
+
+    [[nodiscard]] std::size_t tile_of(std::size_t pixel) const {
+        const auto width = static_cast<std::size_t>(h_.width);
+        return out_.grid.at(static_cast<int>(pixel % width), static_cast<int>(pixel / width));
     }
 
     void sum_up() {
@@ -287,8 +345,8 @@ class Planner {
 double noise_of_views(double pilot_mse, int pilot, int views) {
     if (views <= pilot) return pilot_mse;
     // Two sets are not quite independent: both are evenly spread over the lens.
-    if (views <= 2 * pilot) return both_pilots * pilot_mse;
-    return both_pilots * pilot_mse * std::pow(2.0 * pilot / views, noise_exponent);
+    if (views <= 2 * pilot) return two_sets * pilot_mse;
+    return pilot_mse / (1 / two_sets + 1 / noise_of_set(pilot, views - 2 * pilot));
 }
 
 AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {

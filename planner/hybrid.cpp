@@ -114,8 +114,9 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
         insufficient(field, misplaced.picture(), settings.tolerated, focus.crop);
     out.wanted_share = static_cast<double>(pixels.size()) / drawn;
     if (settings.scene != nullptr) {
-        retrace(*settings.scene, retrace_settings(h, settings, camera, by_field.aperture),
-                settings.most_retraced, std::move(pixels), out);
+        limit_retraced(settings.most_retraced, pixels, out);
+        retrace(*settings.scene, retrace_settings(h, settings, camera, by_field.aperture), std::move(pixels),
+                out);
     } else if (out.wanted_share > 1e-3) {
         out.focus.warnings.push_back(
             {"uncovered", out.wanted_share,

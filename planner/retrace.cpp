@@ -65,18 +65,19 @@ RenderSettings retrace_settings(const SampleHeader& h, const HybridSettings& s, 
     return r;
 }
 
-void retrace(const Scene& scene, const RenderSettings& render, double most_retraced,
-             std::vector<std::uint32_t> pixels, HybridResult& out) {
+void limit_retraced(double most_retraced, std::vector<std::uint32_t>& pixels, HybridResult& out) {
     const auto most = static_cast<std::size_t>(most_retraced * static_cast<double>(out.what.size()));
-    if (pixels.size() > most) {
-        out.focus.warnings.push_back(
-            {"retraced", static_cast<double>(pixels.size() - most) / static_cast<double>(out.what.size()),
-             fmt::format(
-                 "the records do not suffice for {:.1f} % of the pixels, of which {:.1f} % are traced "
-                 "again (expected a trace with --hidden-layers for this lens)",
-                 100 * out.wanted_share, 100 * most_retraced)});
-        pixels.resize(most);
-    }
+    if (pixels.size() <= most) return;
+    out.focus.warnings.push_back(
+        {"retraced", static_cast<double>(pixels.size() - most) / static_cast<double>(out.what.size()),
+         fmt::format("the records do not suffice for {:.1f} % of the pixels, of which {:.1f} % are traced "
+                     "again (expected a trace with --hidden-layers for this lens)",
+                     100 * out.wanted_share, 100 * most_retraced)});
+    pixels.resize(most);
+}
+
+void retrace(const Scene& scene, const RenderSettings& render, std::vector<std::uint32_t> pixels,
+             HybridResult& out) {
     if (pixels.empty()) return;
     std::sort(pixels.begin(), pixels.end());  // neighbours together
     const RenderedPixels traced = render_pixels(scene, render, pixels);
@@ -85,8 +86,8 @@ void retrace(const Scene& scene, const RenderSettings& render, double most_retra
                   out.focus.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * pixels[i]));
         out.what[pixels[i]] = 2;
     }
-    out.rays = traced.rays;
-    out.retraced_share = static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
+    out.rays += traced.rays;
+    out.retraced_share += static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
 }
 
 }  // namespace postlens

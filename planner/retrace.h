@@ -21,9 +21,12 @@ namespace postlens {
 [[nodiscard]] RenderSettings retrace_settings(const SampleHeader& header, const HybridSettings& settings,
                                               const std::string& camera, const Aperture& aperture);
 
-/// Traces pixels of the picture in `out` again, those at the front of `pixels` first, up to a share of all;
-/// where that is not all of them, it warns. Fills in `what`, `rays` and `retraced_share`.
-void retrace(const Scene& scene, const RenderSettings& render, double most_retraced,
-             std::vector<std::uint32_t> pixels, HybridResult& out);
+/// Leaves those at the front of `pixels` that are no more than a share of all; where that is not all of them,
+/// it warns.
+void limit_retraced(double most_retraced, std::vector<std::uint32_t>& pixels, HybridResult& out);
+
+/// Traces pixels of the picture in `out` again. Adds to `what`, `rays` and `retraced_share`.
+void retrace(const Scene& scene, const RenderSettings& render, std::vector<std::uint32_t> pixels,
+             HybridResult& out);
 
 }  // namespace postlens

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/ranges.h>
+#include <utility>
 
 #include "core/error.h"
 
@@ -128,6 +129,9 @@ void find_ids(const ForeignFile& file, const ForeignChoice& choice, ForeignChann
             if (!out.matte && (choice.ids.empty() || choice.ids == set.name)) out.matte = std::move(set);
         }
     }
+    // Who names what to use is not told of the others.
+    const std::vector<std::string> unusable =
+        choice.ids.empty() ? std::vector<std::string>() : std::exchange(out.problems, {});
     if (out.matte) return;
     const auto look = [&](const ForeignPart& part) {
         return choice.ids.empty() ? id_of(part, out.layer) : first_of(part, {choice.ids});
@@ -139,6 +143,10 @@ void find_ids(const ForeignFile& file, const ForeignChoice& choice, ForeignChann
         out.id_part = i;
     }
     if (out.id.empty() && !choice.ids.empty()) {
+        for (const std::string& problem : unusable) {
+            if (problem.starts_with("Cryptomatte " + choice.ids + " "))
+                fail(ExitCode::invalid_input, "{}: {}", file.name(), problem);
+        }
         sets.insert(sets.end(), own.channels.begin(), own.channels.end());
         fail(ExitCode::invalid_input, "{}: no ids {} (got {}; expected what --ids names)", file.name(),
              choice.ids, listed(sets));

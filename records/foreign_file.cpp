@@ -275,6 +275,14 @@ Imf::PixelType read_as(const Imf::Header& h, const std::string& channel, const s
 
 }  // namespace
 
+std::optional<std::size_t> ChannelList::add(const std::string& name) {
+    if (name.empty()) return std::nullopt;
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    const auto number = static_cast<std::size_t>(found - names_.begin());
+    if (found == names_.end()) names_.push_back(name);
+    return number;
+}
+
 void ForeignFile::read_flat(std::size_t part, std::span<const std::string> channels,
                             const std::function<void(int, std::span<const float* const>)>& take) const {
     const ForeignPart& p = parts_[part];

@@ -84,6 +84,17 @@ class ForeignFile {
     std::unique_ptr<Impl> impl_;
 };
 
+/// Names of channels to be read, each once: numbers are those of the values read.
+class ChannelList {
+  public:
+    /// Absent for a channel without a name.
+    std::optional<std::size_t> add(const std::string& name);
+    [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+
+  private:
+    std::vector<std::string> names_;
+};
+
 /// An OpenEXR file, whatever is in it.
 [[nodiscard]] bool is_openexr(const std::filesystem::path& path);
 

@@ -20,20 +20,6 @@ constexpr int most_slices = 32;
 /// Of a pixel: less of a surface says nothing.
 constexpr float least_share = 0.01F;
 
-/// Names of channels that are read, each once, and which of them is what.
-class Wanted {
-  public:
-    /// Number of a channel among those that are read; absent for one without a name.
-    std::optional<std::size_t> add(const std::string& name) {
-        if (name.empty()) return std::nullopt;
-        const auto found = std::find(names.begin(), names.end(), name);
-        if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-        names.push_back(name);
-        return names.size() - 1;
-    }
-    std::vector<std::string> names;
-};
-
 /// Takes numbers as they stand in the file and makes stacks of them.
 class Reader {
   public:
@@ -261,26 +247,28 @@ class Reader {
                  1});
         }
         const auto width = static_cast<std::size_t>(part_->width());
-        file_.read_flat(out_.channels.part, wanted_.names, [&](int y, std::span<const float* const> values) {
-            make_room(width);
-            const std::size_t row = static_cast<std::size_t>(y - part_->data.y_min) * width;
-            for (std::size_t x = 0; x < width; ++x) {
-                const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
-                    return channel ? values[*channel][x] : otherwise;
-                };
-                const float z = apart ? plane[row + x] : value(z_, std::numeric_limits<float>::infinity());
-                add({inverse(z, part_->data.x_min + static_cast<int>(x), y), value(r_, 0), value(g_, 0),
-                     value(b_, 0), checked_alpha(value(a_, 1)),
-                     surface_id(ids.empty() ? value(id_, 0) : ids[row + x], whole_ids_)});
-                out_.offsets.push_back(out_.samples.size());
-            }
-        });
+        file_.read_flat(
+            out_.channels.part, wanted_.names(), [&](int y, std::span<const float* const> values) {
+                make_room(width);
+                const std::size_t row = static_cast<std::size_t>(y - part_->data.y_min) * width;
+                for (std::size_t x = 0; x < width; ++x) {
+                    const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
+                        return channel ? values[*channel][x] : otherwise;
+                    };
+                    const float z =
+                        apart ? plane[row + x] : value(z_, std::numeric_limits<float>::infinity());
+                    add({inverse(z, part_->data.x_min + static_cast<int>(x), y), value(r_, 0), value(g_, 0),
+                         value(b_, 0), checked_alpha(value(a_, 1)),
+                         surface_id(ids.empty() ? value(id_, 0) : ids[row + x], whole_ids_)});
+                    out_.offsets.push_back(out_.samples.size());
+                }
+            });
         if (c.matte) take_matte(*c.matte);
     }
 
     void read_deep() {
         const auto width = static_cast<std::size_t>(part_->width());
-        file_.read_deep(out_.channels.part, wanted_.names, [&](const DeepRows& rows) {
+        file_.read_deep(out_.channels.part, wanted_.names(), [&](const DeepRows& rows) {
             std::size_t at = 0;
             for (std::size_t i = 0; i < rows.count.size(); ++i) {
                 const int x = part_->data.x_min + static_cast<int>(i % width),
@@ -435,7 +423,7 @@ class Reader {
     };
     ForeignFile file_;
     const ForeignPart* part_ = nullptr;
-    Wanted wanted_;
+    ChannelList wanted_;
     std::optional<std::size_t> r_, g_, b_, a_, z_, z_back_, id_;
     bool whole_ids_ = false;
     ForeignPicture out_;

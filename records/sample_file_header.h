@@ -13,7 +13,8 @@ namespace postlens {
 /// Rasters no wider or higher, overscan and corners included: what float positions hold in 1/64 px.
 inline constexpr int largest_extent_px = 262144;
 
-/// Throws Error(invalid_input), naming `file` and the field, where a value is out of range.
+/// Throws Error(invalid_input), naming `file` and the field, where a value is out of range. Of the motion
+/// nothing is looked at: motion_of_text() refuses it when it is read.
 void check_sample_header(const SampleHeader& header, const std::string& file);
 
 /// Sixteen hexadecimal digits over all fields; docs/sample_file.md lists the bytes.

@@ -52,6 +52,7 @@ struct SampleFileWriter::Impl {
           picture_codec(compression == RecordCompression::zips ? ChunkCompression::zip : codec),
           name(path.string()) {
         check_sample_header(header, name);
+        static_cast<void>(motion_of_text(motion_text(header.motion), name));
         window = data_window(records_part, header);
         next_y = window.y_min;
         picture = Image(header.width, header.height);

@@ -7,6 +7,7 @@
 #include "core/threads.h"
 #include "reproject/patch_raster.h"
 #include "reproject/patch_reach.h"
+#include "reproject/patch_sweep.h"
 #include "reproject/tree_sums.h"
 
 namespace postlens {
@@ -61,37 +62,25 @@ class Field {
         }
     }
 
-    PatchPicture picture() {
-        PatchPicture out;
-        const auto n = static_cast<std::size_t>(field_.width) * static_cast<std::size_t>(field_.height);
-        out.image = Image(field_.width, field_.height);
-        out.unknown.assign(n, 0);
-        out.unknown_below.assign(n, 0);
+    void draw(PatchPicture& out) {
         parallel_for(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_),
                      [&](std::size_t tile) {
                          thread_local std::unique_ptr<Workplace> w;
                          if (!w) w = std::make_unique<Workplace>();
                          draw_tile(tile, *w, out);
                      });
-        return out;
     }
 
   private:
     static int tiles(int px) { return (px + SeenTile::edge - 1) / SeenTile::edge; }
 
-    [[nodiscard]] RasterMap motion_of(const PatchMesh& mesh, const Patch& patch,
-                                      const PatchView::Use& use) const {
-        if (use.motions.empty()) return {};
-        const SheetKey& key = mesh.sheet(patch).key;
-        return use.motions[field_.motion_class(key.path.bits() == 0 ? key.id : key.parent_id)];
-    }
-
     /// By tile, the patches that reach it in some view: by path, so that what is seen in something comes
     /// after that, then the nearest first, so that what they hide is soon done with.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant) const {
+        const PatchSweep sweep(field_);
         std::vector<RasterRect> swept(mesh.patches.size());
         parallel_for(
-            swept.size(), [&](std::size_t i) { swept[i] = swept_rect(mesh, mesh.patches[i], instant); }, 256);
+            swept.size(), [&](std::size_t i) { swept[i] = sweep.of(mesh, mesh.patches[i], instant); }, 256);
         Bins bins(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
         const auto tile_of = [](double px, int first, int count) {
             return static_cast<int>(
@@ -123,59 +112,12 @@ class Field {
         return bins;
     }
 
-    /// Where nothing moves a patch lies affinely in the lens's point: the corners of a box around all of them
-    /// bound it.
-    [[nodiscard]] RasterRect swept_rect(const PatchMesh& mesh, const Patch& patch,
-                                        std::size_t instant) const {
-        RasterRect out;
-        PatchPlace place;
-        const auto add = [&](const RasterMap& motion, const LensShift& lens) {
-            if (place_patch(mesh, patch, motion, lens, place)) out.add(covered(patch, place));
-        };
-        LensShift low, high;
-        bool still = true, first = true;
-        for (const PatchView& v : field_.views) {
-            for (const auto& use : v.uses) {
-                if (use.instant != instant) continue;
-                if (!use.motions.empty()) {
-                    still = false;
-                    add(motion_of(mesh, patch, use), v.lens);
-                    continue;
-                }
-                if (first) low = high = v.lens;
-                first = false;
-                low.lens_px = glm::min(low.lens_px, v.lens.lens_px);
-                high.lens_px = glm::max(high.lens_px, v.lens.lens_px);
-                low.offset_px = glm::min(low.offset_px, v.lens.offset_px);
-                high.offset_px = glm::max(high.offset_px, v.lens.offset_px);
-            }
-        }
-        if (!still || first) return out;
-        low.lens_px = glm::min(low.lens_px, -field_.lens_reach_px);
-        high.lens_px = glm::max(high.lens_px, field_.lens_reach_px);
-        for (int k = 0; k < 16; ++k) {
-            LensShift corner = low;
-            if ((k & 1) != 0) corner.lens_px.x = high.lens_px.x;
-            if ((k & 2) != 0) corner.lens_px.y = high.lens_px.y;
-            if ((k & 4) != 0) corner.offset_px.x = high.offset_px.x;
-            if ((k & 8) != 0) corner.offset_px.y = high.offset_px.y;
-            if (k >= 4 && low.offset_px == high.offset_px) break;
-            add({}, corner);
-        }
-        return out;
-    }
-
     void draw_tile(std::size_t tile, Workplace& w, PatchPicture& out) const {
         const int x0 = static_cast<int>(tile) % columns_ * SeenTile::edge,
                   y0 = static_cast<int>(tile) / columns_ * SeenTile::edge;
         TilePlace at{field_.x + x0, field_.y + y0, std::min(SeenTile::edge, field_.width - x0),
                      std::min(SeenTile::edge, field_.height - y0)};
-        if (field_.wanted && !field_.wanted(x0, y0, at.width, at.height)) {
-            for (int y = y0; y < y0 + at.height; ++y)
-                std::fill_n(out.unknown.begin() + static_cast<std::ptrdiff_t>(y) * field_.width + x0,
-                            at.width, 1.0F);
-            return;
-        }
+        if (field_.wanted && !field_.wanted(x0, y0, at.width, at.height)) return;
         w.sum.fill({});
         w.primary.resize(field_.instants.size());
         w.deeper.resize(field_.instants.size());
@@ -268,7 +210,7 @@ class Field {
         for (std::size_t i = 0; i < mesh.patches.size(); ++i) {
             if (still && misses(patches.reach[i], v.lens, at, 0, at.width, 0, at.height)) continue;
             const Patch& patch = mesh.patches[i];
-            if (place_patch(mesh, patch, motion_of(mesh, patch, use), v.lens, place))
+            if (place_patch(mesh, patch, motion_of(field_, mesh, patch, use), v.lens, place))
                 draw_patch(mesh, patch, place, at, seen);
         }
     }
@@ -292,7 +234,7 @@ class Field {
                                     wanted.y_begin, wanted.y_end))
                     continue;
                 const Patch& patch = mesh.patches[i];
-                if (place_patch(mesh, patch, motion_of(mesh, patch, use), v.lens, place))
+                if (place_patch(mesh, patch, motion_of(field_, mesh, patch, use), v.lens, place))
                     draw_patch_in(mesh, patch, place, at, wanted, *out);
             }
         }
@@ -373,8 +315,19 @@ class Field {
 
 }  // namespace
 
+PatchPicture::PatchPicture(int width, int height) : image(width, height) {
+    unknown.assign(image.rgb.size() / 3, 1);
+    unknown_below.assign(unknown.size(), 0);
+}
+
+void patch_field(const PatchField& field, PatchPicture& out) {
+    Field(field).draw(out);
+}
+
 PatchPicture patch_field(const PatchField& field) {
-    return Field(field).picture();
+    PatchPicture out(field.width, field.height);
+    patch_field(field, out);
+    return out;
 }
 
 }  // namespace postlens

@@ -77,6 +77,9 @@ class Lights {
 };
 
 struct PatchPicture {
+    PatchPicture() = default;
+    /// Of which nothing is known yet.
+    PatchPicture(int width, int height);
     Image image;                 ///< mean of what is known; black where nothing is
     std::vector<float> unknown;  ///< share of the views' weight in which no surface is known there
     /// Share of the views' weight in which something is seen in a mirror or glass that was not recorded.
@@ -85,5 +88,7 @@ struct PatchPicture {
 
 /// Same bits for any number of threads.
 [[nodiscard]] PatchPicture patch_field(const PatchField& field);
+/// Into a picture of the field's size: what is not wanted keeps what it has.
+void patch_field(const PatchField& field, PatchPicture& out);
 
 }  // namespace postlens

@@ -108,14 +108,16 @@ void clear(SheetMesh& m) {
 
 /// The strips, of `edge` rows each, to be read at once from row y on: enough work for several threads, little
 /// enough to stay in a cache.
-std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y) {
+std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y,
+                           const SheetChoice& choice) {
     constexpr std::size_t least = 4, most = 64;
-    constexpr std::uint64_t enough = 1U << 18U;
+    constexpr std::uint64_t enough = 1U << 18U, too_many = 1U << 20U;
     const auto rows = file.scanlines(instant).subspan(static_cast<std::size_t>(y - file.y_begin()));
     std::uint64_t records = 0;
     std::size_t strips = 0;
     for (std::size_t row = 0; row + 1 < rows.size() && strips < most; ++strips) {
-        if (strips >= least && records >= enough) break;
+        if (records >= (strips >= least ? enough : too_many)) break;
+        if (choice.rows && !choice.rows(y + static_cast<int>(strips) * edge)) break;
         for (int i = 0; i < edge && row + 1 < rows.size(); ++i) records += rows[row++].records;
     }
     return strips;
@@ -124,21 +126,28 @@ std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, in
 }  // namespace
 
 TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const HighlightRule& rule,
-                       const RecordsRead& also) {
+                       const RecordsRead& also, const SheetChoice& choice) {
     constexpr std::size_t bytes_of_record =
         2 * sizeof(Texel) + 2 * sizeof(std::uint32_t) + 2 * sizeof(CellPlane);
-    require_memory(file.record_count() * bytes_of_record, "the sheets of the light field");
+    if (!choice.squares) {
+        require_memory(file.record_count() * bytes_of_record, "the sheets of the light field");
+    }
     const SampleHeader& h = file.header();
     RecordBand band;
     std::vector<Strip> strips;
     std::vector<TreeSheets> parts;
-    constexpr int squares_per_task = 8;
+    constexpr int squares_per_task = SheetChoice::squares_per_part;
     const int width = file.x_end() - file.x_begin() - 1;
     const int squares = (width + edge - 1) / edge;
     const auto tasks_per_strip =
         static_cast<std::size_t>((squares + squares_per_task - 1) / squares_per_task);
     for (int y = file.y_begin(); y < file.y_end() - 1;) {
-        const std::size_t count = strips_at_once(file, instant, y);
+        const std::size_t count = strips_at_once(file, instant, y, choice);
+        if (count == 0) {
+            if (choice.known) choice.known(parts, y);
+            y += edge;
+            continue;
+        }
         if (strips.size() < count) strips.resize(count);
         const int y_first = y;
         for (std::size_t s = 0; s < count; ++s, y = strips[s - 1].y_end) {
@@ -172,7 +181,10 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             build(strip.deeper, strip.deeper_keys, made.deeper);
-            parts[first_part + t] = made;
+            // From here on others may work in this thread, and in `made`.
+            TreeSheets& part = parts[first_part + t];
+            part = made;
+            if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);
         });
     }
     TreeSheets out;

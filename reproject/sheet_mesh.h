@@ -110,10 +110,25 @@ struct HighlightRule {
 /// Told of the records that are read, each row once and in order: rows [y_begin, y_end) of `band`.
 using RecordsRead = std::function<void(const RecordBand& band, int y_begin, int y_end)>;
 
+/// Which of an instant's sheets are wanted. Those that are have the same bits as among all, but other
+/// numbers.
+struct SheetChoice {
+    /// Whether the squares from row y of the raster on are to be looked at; none: all are.
+    std::function<bool(int y)> rows;
+    /// Takes from `squares_per_part` neighbouring squares, those from row y on and the `part`th of them from
+    /// the left, the sheets that are not wanted; highlights are not taken yet. From several threads. None:
+    /// all are wanted.
+    std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
+    /// Of rows that are not looked at: appends what is wanted of them nevertheless, from the left.
+    std::function<void(std::vector<TreeSheets>& parts, int y)> known;
+    static constexpr int squares_per_part = 8;
+};
+
 /// Reads an instant of the file. Throws Error(out_of_memory) before it would take more than there is, and
-/// what the reader and `also` throw.
+/// what the reader and `also` throw. `also` is told of rows that are looked at.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
-                                     const HighlightRule& rule, const RecordsRead& also = {});
+                                     const HighlightRule& rule, const RecordsRead& also = {},
+                                     const SheetChoice& choice = {});
 
 /// Makes of sheets those of another rule with the same limit: bit for bit what `tree_sheets` gives for it.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);

@@ -1,6 +1,7 @@
 // A crop has the bits of the whole picture, whatever the method leaves out for it.
 #include "records/crop.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <limits>
 #include <optional>
@@ -8,9 +9,11 @@
 #include <vector>
 
 #include "core/error.h"
+#include "focus/field_focus.h"
 #include "focus/focus.h"
 #include "motionblur/motion_blur.h"
 #include "planner/auto_picture.h"
+#include "records/aperture_file.h"
 #include "tests/temporary_folder.h"
 #include "tracer/render.h"
 #include "tracer/scene.h"
@@ -94,31 +97,100 @@ TEST_F(CropTest, ScatterOfOtherApertures) {
     expect_bits_of_the_whole(s, {far_corner});
 }
 
-TEST_F(CropTest, ScatterInStripsHasTheBitsOfTheWhole) {
-    traced("still_life.toml", {.overscan_px = 8});
+class InStrips : public CropTest, public testing::WithParamInterface<FocusMethod> {};
+
+TEST_P(InStrips, HasTheBitsOfTheWhole) {
+    traced("still_life.toml", {.overscan_px = 8, .hidden_layers = 1});
     for (const Impulse& impulse :
          {Impulse{}, Impulse{.kind = ImpulseKind::polygon, .blades = 6, .cats_eye = 0.6}}) {
         FocusSettings s = wide;
+        s.method = GetParam();
+        if (s.method == FocusMethod::layers && impulse.kind == ImpulseKind::disc) continue;  // slow
+        s.lens.f_number = 8;
         s.impulse = impulse;
         const FocusResult whole = focus_picture(*file_, s);
-        s.splat_bytes = 1;  // as many strips as there are rows of blocks: two
+        s.splat_bytes = 3 << 20;  // several strips, some of them of several parts
         const FocusResult strips = focus_picture(*file_, s);
         EXPECT_TRUE(strips.image.rgb == whole.image.rgb);
         EXPECT_EQ(strips.depths, whole.depths);
         EXPECT_EQ(strips.largest_coc_px, whole.largest_coc_px);
         EXPECT_EQ(strips.warnings.size(), whole.warnings.size());
-        for (const Crop& crop : {inside, far_corner, one_pixel}) {
+        for (const Crop& crop : {far_corner, one_pixel}) {
             s.crop = crop;
             expect_same(focus_picture(*file_, s).image, whole.image, crop);
         }
     }
 }
 
+INSTANTIATE_TEST_SUITE_P(CropTest, InStrips, testing::Values(FocusMethod::scatter, FocusMethod::layers));
+
 TEST_F(CropTest, Layers) {
     traced("still_life.toml", {.overscan_px = 8, .hidden_layers = 1});
     FocusSettings s = wide;
     s.method = FocusMethod::layers;
     expect_bits_of_the_whole(s, {inside, far_corner});
+}
+
+TEST_F(CropTest, LightFieldInStripsHasTheBitsOfTheWhole) {
+    // Mirrors, glass and lights; and so much in focus that what shows one surface is left out.
+    for (const bool leave_out : {false, true}) {
+        if (leave_out) {
+            traced("motion.toml");
+        } else {
+            traced("still_life.toml", {.overscan_px = 8, .hidden_layers = 1});
+        }
+        const SampleHeader& h = file_->header();
+        FieldFocusSettings s{focus_geometry({50, leave_out ? 16 : 2.8}, leave_out ? 3 : 1, Framing::keep,
+                                            {h.film_distance_mm, h.pixel_pitch_mm}),
+                             read_aperture({.kind = ImpulseKind::polygon, .blades = 6}),
+                             {0, width, 0, height},
+                             8,
+                             {},
+                             {},
+                             {}};
+        if (leave_out) s.leave_out_from_share = 0.05;
+        std::uint64_t told = 0;
+        s.also = [&](const RecordBand& band, int y_begin, int y_end) {
+            told +=
+                band.offsets[band.pixel(band.x_begin, y_end - 1) + static_cast<std::size_t>(band.width())] -
+                band.offsets[band.pixel(band.x_begin, y_begin)];
+        };
+        FocusFrame frame(*file_);
+        const FieldFocus whole = field_focus(frame, s);
+        EXPECT_EQ(told, file_->record_count());
+        s.surface_bytes = 1;  // a strip for every row of tiles
+        told = 0;
+        const FieldFocus strips = field_focus(frame, s);
+        EXPECT_EQ(told, file_->record_count());
+        EXPECT_TRUE(strips.image.rgb == whole.image.rgb);
+        EXPECT_TRUE(strips.unknown == whole.unknown);
+        EXPECT_TRUE(strips.unknown_below == whole.unknown_below);
+        EXPECT_TRUE(strips.left_out == whole.left_out);
+        EXPECT_EQ(std::find(whole.left_out.begin(), whole.left_out.end(), 1) != whole.left_out.end(),
+                  leave_out);
+        s.crop = far_corner;
+        expect_same(field_focus(frame, s).image, whole.image, far_corner);
+    }
+}
+
+TEST_F(CropTest, LightFieldOverLensAndShutterInStripsHasTheBitsOfTheWhole) {
+    traced("motion.toml", {.for_shutter = TimeSpan{0, 1}, .keys = 2});
+    const SampleHeader& h = file_->header();
+    const FrameMotion motion(h);
+    FieldFocusSettings s{focus_geometry({50, 2.8}, 3, Framing::keep, {h.film_distance_mm, h.pixel_pitch_mm}),
+                         read_aperture({}),
+                         {0, width, 0, height},
+                         8,
+                         {},
+                         {},
+                         {}};
+    s.shutter = FieldShutter{.motion = &motion, .open_s = 0, .close_s = 1};
+    FocusFrame frame(*file_);
+    const FieldFocus whole = field_focus(frame, s);
+    s.surface_bytes = 1;
+    const FieldFocus strips = field_focus(frame, s);
+    EXPECT_TRUE(strips.image.rgb == whole.image.rgb);
+    EXPECT_TRUE(strips.unknown == whole.unknown);
 }
 
 TEST_F(CropTest, LightFieldAndHybrid) {

@@ -16,6 +16,7 @@
 #include <random>
 
 #include "core/error.h"
+#include "motionblur/vector_frame.h"
 #include "records/cryptomatte.h"
 #include "records/foreign_picture.h"
 #include "records/unmix_edges.h"
@@ -267,6 +268,43 @@ TEST_F(ForeignIds, BrokenCryptomattesAreWarnedOfAndLeftAside) {
     ASSERT_TRUE(p.channels.matte.has_value());
     EXPECT_EQ(p.channels.matte->ranks.size(), 1U);
     EXPECT_EQ(p.stack(0, 0)[0].id, cryptomatte_id("bunny"));
+}
+
+TEST_F(ForeignIds, WhoNamesWhatToUseIsToldOfThatAlone) {
+    Part part = with_matte();
+    part.texts["cryptomatte/7654321/name"] = "CryptoMaterial";
+    EXPECT_EQ(warnings(read({part})), 1);
+    EXPECT_EQ(warnings(read({part}, {.ids = "CryptoObject"})), 0);
+    EXPECT_EQ(warnings(read({part}, {.ids = "CryptoObject00.G"})), 0);
+    try {
+        (void)read({part}, {.ids = "CryptoMaterial"});
+        FAIL() << "taken";
+    } catch (const Error& e) {
+        EXPECT_NE(std::string(e.what()).find("Cryptomatte CryptoMaterial is not used: no channels"),
+                  std::string::npos)
+            << e.what();
+    }
+}
+
+TEST_F(ForeignIds, ThoseOfMotionVectorsLieBesideTheColours) {
+    Part part = colours();
+    part.name = "beauty";
+    part.channels["forward.u"] = {even(2)};
+    part.channels["forward.v"] = {even(0)};
+    Part ids{{{"id", {even(7)}}}, "ids", {}};
+    write_parts(in("a.exr"), {part, ids});
+    const VectorFrame frame = read_vector_frame(in("a.exr"), {});
+    EXPECT_EQ(frame.id_name, "");
+    ASSERT_EQ(frame.problems.size(), 1U);
+    EXPECT_EQ(frame.problems[0],
+              "ids id are not used: they lie in part 1, the colours and vectors in part 0");
+    EXPECT_TRUE(read_vector_frame(in("a.exr"), {.ids = "none"}).problems.empty());
+    EXPECT_THROW((void)read_vector_frame(in("a.exr"), {.ids = "id"}), Error);
+    // A channel may be asked for twice, as depth and as ids.
+    const VectorFrame by_depth = read_vector_frame(in("a.exr"), {.ids = "Z"});
+    EXPECT_EQ(by_depth.id_name, "Z");
+    EXPECT_EQ(by_depth.at(1, 1).inverse_z, 0.25F);
+    EXPECT_EQ(by_depth.at(1, 1).id, std::bit_cast<std::uint32_t>(4.0F));
 }
 
 // --- edges taken apart

@@ -9,6 +9,7 @@
 #include "records/quadtree.h"
 #include "reproject/patch_raster.h"
 #include "reproject/patch_reach.h"
+#include "reproject/sheet_subset.h"
 #include "tests/random_records.h"
 #include "tests/temporary_folder.h"
 
@@ -106,6 +107,69 @@ TEST(Sheets, TellOfEveryRowOnceAndInOrder) {
     EXPECT_EQ(next, f.file->y_end());
     EXPECT_EQ(records, f.band.records.size());
     EXPECT_EQ(again.primary.texels.size(), f.sheets.primary.texels.size());
+}
+
+TEST(Sheets, SomeOfThemHaveWhatTheyHadAmongAll) {
+    const MadeSheets f({.levels = 3, .has_w = true}, [](Record& r) { r.id %= 5; });
+    for (const SheetMesh* mesh : {&f.sheets.primary, &f.sheets.deeper}) {
+        ASSERT_GT(mesh->sheets.size(), 10U);
+        ASSERT_GT(mesh->bright.size(), 10U);
+        std::vector<std::uint8_t> wanted(mesh->sheets.size());
+        std::vector<std::uint32_t> old;
+        for (std::uint32_t i = 1; i < wanted.size(); i += 1 + i % 3) {
+            wanted[i] = 1;
+            old.push_back(i);
+        }
+        const SheetMesh some = sheet_subset(*mesh, wanted);
+        ASSERT_EQ(some.sheets.size(), old.size());
+        EXPECT_EQ(some.values, mesh->values);
+        for (std::uint32_t i = 0; i < old.size(); ++i) {
+            const Sheet &now = some.sheets[i], &was = mesh->sheets[old[i]];
+            EXPECT_TRUE(now.key == was.key && now.x == was.x && now.y == was.y && now.depth == was.depth);
+            ASSERT_TRUE(now.width == was.width && now.height == was.height);
+            const auto cells = static_cast<std::uint32_t>(now.width * now.height);
+            for (std::uint32_t c = 0; c < cells; ++c) {
+                for (int k = 0; k < 64; ++k) {
+                    const double x = (k % 8 + 0.5) / 8, y = (k / 8 + 0.5) / 8;
+                    for (const auto lists : {&SheetMesh::fine, &SheetMesh::coarse}) {
+                        const std::uint32_t a = texel_at(some, (some.*lists)[now.first_cell + c], x, y),
+                                            b = texel_at(*mesh, (mesh->*lists)[was.first_cell + c], x, y);
+                        ASSERT_EQ(a == SeenTile::no_texel, b == SeenTile::no_texel);
+                        if (a == SeenTile::no_texel) continue;
+                        const Texel &p = some.texels[a], &q = mesh->texels[b];
+                        EXPECT_TRUE(p.r == q.r && p.g == q.g && p.b == q.b && p.children() == q.children());
+                        EXPECT_EQ(p.sheet(), i);
+                        if (!mesh->below.empty()) {
+                            EXPECT_EQ(some.below[a], mesh->below[b]);
+                        }
+                    }
+                }
+                for (std::size_t v = 0; v < mesh->values; ++v) {
+                    const CellPlane &p = some.planes[(now.first_cell + c) * mesh->values + v],
+                                    &q = mesh->planes[(was.first_cell + c) * mesh->values + v];
+                    EXPECT_TRUE(p.value == q.value && p.x == q.x && p.y == q.y);
+                }
+            }
+            const auto light = [](const SheetMesh& of, std::uint32_t sheet) {
+                double sum = 0;
+                for (const Highlight& h : of.bright)
+                    sum += h.sheet == sheet ? static_cast<double>(h.rgb[1]) : 0;
+                return sum;
+            };
+            EXPECT_EQ(light(some, i), light(*mesh, old[i]));
+        }
+        // What a bright texel has beside its lights is still the texel.
+        for (const BrightTexel& b : some.bright_texels) {
+            double green = static_cast<double>(b.rgb[1]);
+            for (std::uint32_t l = b.first_light; l < b.first_light + b.lights; ++l) {
+                EXPECT_EQ(some.bright[l].sheet, some.texels[b.texel].sheet());
+                green += static_cast<double>(some.bright[l].rgb[1]) / static_cast<double>(b.area);
+            }
+            EXPECT_NEAR(green, static_cast<double>(some.texels[b.texel].g), 1e-5 * std::max(1.0, green));
+        }
+        EXPECT_EQ(sheet_subset(*mesh, std::vector<std::uint8_t>(mesh->sheets.size(), 1)).texels.size(),
+                  mesh->texels.size());
+    }
 }
 
 /// Patches drawn one after the other and pixel by pixel, in double.

@@ -1,0 +1,142 @@
+// What the rows of a file reach in a picture that is made strip by strip: what has to be read again for a
+// strip, and what need not be.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace postlens {
+
+/// Most of what stands in a row of a file reaches the rows of pixels around it, and little reaches far: that
+/// is kept, so that for a strip only its own rows and those close to it have to be read again. `Item`:
+/// something of a row that reaches rows of pixels.
+template <typename Item>
+class StripRows {
+  public:
+    struct Far {
+        Item item;
+        int first = 0, last = 0;  ///< reaches pixels of rows [first, last)
+    };
+
+    StripRows() = default;
+    /// Rows [y_begin, y_end) of the file, and those of the picture, [first, last), in blocks of `block_px`.
+    /// `most_far`: items kept. All rows of the file have to be read for any strip until they were added.
+    StripRows(int y_begin, int y_end, int first, int last, int block_px, std::size_t most_far)
+        : y_begin_(y_begin),
+          first_(first),
+          block_px_(block_px),
+          blocks_((last - first + block_px - 1) / block_px),
+          most_far_(most_far),
+          rows_(static_cast<std::size_t>(y_end - y_begin)) {}
+
+    /// Forgets the row, of which all is then added in order. Safe for several rows at once, as add is.
+    void begin_row(int y) {
+        Row& to = row(y);
+        to.first = std::numeric_limits<int>::max();
+        to.last = std::numeric_limits<int>::min();
+        to.far.clear();
+        to.begins.assign(static_cast<std::size_t>(blocks_), 0);
+        to.ends = to.begins;
+    }
+    void add(int y, const Item& item, int first, int last) {
+        Row& to = row(y);
+        const int from = std::max(0, block_of(first)), to_block = std::min(blocks_ - 1, block_of(last - 1));
+        if (from <= to_block) {
+            ++to.begins[static_cast<std::size_t>(from)];
+            ++to.ends[static_cast<std::size_t>(to_block)];
+        }
+        if (is_far(y, first, last)) {
+            to.far.push_back({item, first, last});
+        } else {
+            to.include(first, last);
+        }
+    }
+    /// Once some rows are complete: keeps less where it has become too much.
+    void settle() {
+        const auto kept = [&] {
+            std::size_t out = 0;
+            for (const Row& r : rows_) out += r.far.size();
+            return out;
+        };
+        while (kept() > most_far_) {
+            far_px_ *= 2;
+            for (std::size_t i = 0; i < rows_.size(); ++i) {
+                const int y = y_begin_ + static_cast<int>(i);
+                Row& r = rows_[i];
+                std::erase_if(r.far, [&](const Far& f) {
+                    const bool near = !is_far(y, f.first, f.last);
+                    if (near) r.include(f.first, f.last);
+                    return near;
+                });
+                r.far.shrink_to_fit();
+            }
+        }
+    }
+
+    /// The rows that have to be read for pixels of rows [first, last), as runs [begin, end) in order; with
+    /// them come rows between that have not, where reading them costs less than beginning anew.
+    [[nodiscard]] std::vector<std::pair<int, int>> to_be_read(int first, int last) const {
+        constexpr int worth_a_gap = 16;
+        std::vector<std::pair<int, int>> out;
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            const Row& r = rows_[i];
+            if (r.known() && (r.first >= r.last || r.last <= first || r.first >= last)) continue;
+            const int y = y_begin_ + static_cast<int>(i);
+            if (!out.empty() && y - out.back().second < worth_a_gap) {
+                out.back().second = y + 1;
+            } else {
+                out.emplace_back(y, y + 1);
+            }
+        }
+        return out;
+    }
+    /// How many items reach blocks [begin, end), once all rows were added.
+    [[nodiscard]] std::uint64_t reaching(int begin, int end) const {
+        std::uint64_t out = 0, gone = 0;
+        for (const Row& r : rows_) {
+            if (!r.known()) continue;
+            out = std::accumulate(r.begins.begin(), r.begins.begin() + end, out);
+            gone = std::accumulate(r.ends.begin(), r.ends.begin() + begin, gone);
+        }
+        return out - gone;
+    }
+    /// What a row has that reaches far, in order: all there is of a row that has not to be read.
+    [[nodiscard]] std::span<const Far> far(int y) const {
+        return rows_[static_cast<std::size_t>(y - y_begin_)].far;
+    }
+
+  private:
+    struct Row {
+        int first = 0, last = 0;  ///< reached by what is not kept
+        std::vector<Far> far;
+        std::vector<std::uint32_t> begins, ends;  ///< by block, the items that it is the first or last for
+        [[nodiscard]] bool known() const { return !begins.empty(); }
+        void include(int begin, int end) {
+            first = std::min(first, begin);
+            last = std::max(last, end);
+        }
+    };
+    [[nodiscard]] Row& row(int y) { return rows_[static_cast<std::size_t>(y - y_begin_)]; }
+    [[nodiscard]] bool is_far(int y, int first, int last) const {
+        return std::max(y - first, last - y) > far_px_;
+    }
+
+    [[nodiscard]] int block_of(int y) const { return y < first_ ? -1 : (y - first_) / block_px_; }
+
+    int y_begin_ = 0;
+    int first_ = 0, block_px_ = 1, blocks_ = 0;
+    int far_px_ = 32;
+    std::size_t most_far_ = 0;
+    std::vector<Row> rows_;
+};
+
+/// Of items kept at a time.
+inline constexpr std::size_t far_bytes = std::size_t{32} << 20;
+
+}  // namespace postlens

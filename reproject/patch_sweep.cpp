@@ -1,0 +1,64 @@
+#include "reproject/patch_sweep.h"
+
+namespace postlens {
+
+RasterMap motion_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch,
+                    const PatchView::Use& use) {
+    if (use.motions.empty()) return {};
+    const SheetKey& key = mesh.sheet(patch).key;
+    return use.motions[field.motion_class(key.path.bits() == 0 ? key.id : key.parent_id)];
+}
+
+PatchSweep::PatchSweep(const PatchField& field) : field_(field) {
+    for (const PatchView& v : field.views) {
+        for (const auto& use : v.uses) {
+            if (boxes_.size() <= use.instant) boxes_.resize(use.instant + 1);
+            Box& box = boxes_[use.instant];
+            if (!use.motions.empty()) {
+                box.still = false;
+                continue;
+            }
+            if (!box.any) box.low = box.high = v.lens;
+            box.any = true;
+            box.low.lens_px = glm::min(box.low.lens_px, v.lens.lens_px);
+            box.high.lens_px = glm::max(box.high.lens_px, v.lens.lens_px);
+            box.low.offset_px = glm::min(box.low.offset_px, v.lens.offset_px);
+            box.high.offset_px = glm::max(box.high.offset_px, v.lens.offset_px);
+        }
+    }
+    for (Box& box : boxes_) {
+        box.low.lens_px = glm::min(box.low.lens_px, -field.lens_reach_px);
+        box.high.lens_px = glm::max(box.high.lens_px, field.lens_reach_px);
+    }
+}
+
+RasterRect PatchSweep::of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const {
+    RasterRect out;
+    if (instant >= boxes_.size()) return out;
+    PatchPlace place;
+    const auto add = [&](const RasterMap& motion, const LensShift& lens) {
+        if (place_patch(mesh, patch, motion, lens, place)) out.add(covered(patch, place));
+    };
+    const Box& box = boxes_[instant];
+    if (!box.still) {
+        for (const PatchView& v : field_.views) {
+            for (const auto& use : v.uses) {
+                if (use.instant == instant) add(motion_of(field_, mesh, patch, use), v.lens);
+            }
+        }
+        return out;
+    }
+    if (!box.any) return out;
+    for (int k = 0; k < 16; ++k) {
+        LensShift corner = box.low;
+        if ((k & 1) != 0) corner.lens_px.x = box.high.lens_px.x;
+        if ((k & 2) != 0) corner.lens_px.y = box.high.lens_px.y;
+        if ((k & 4) != 0) corner.offset_px.x = box.high.offset_px.x;
+        if ((k & 8) != 0) corner.offset_px.y = box.high.offset_px.y;
+        if (k >= 4 && box.low.offset_px == box.high.offset_px) break;
+        add({}, corner);
+    }
+    return out;
+}
+
+}  // namespace postlens

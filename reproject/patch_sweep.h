@@ -1,0 +1,36 @@
+// Where patches come to lie in all views together.
+#pragma once
+
+#include <vector>
+
+#include "reproject/patch_field.h"
+#include "reproject/patches.h"
+#include "reproject/raster_rect.h"
+
+namespace postlens {
+
+/// The motion that a view gives to a patch, as PatchField says; none: it stands still.
+[[nodiscard]] RasterMap motion_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch,
+                                  const PatchView::Use& use);
+
+/// Rectangles that hold all that the views of a field have of a patch, and all that any point of the lens as
+/// far as `lens_reach_px` has.
+class PatchSweep {
+  public:
+    /// Keeps a reference to `field`, of which views, motion_class and lens_reach_px are asked for.
+    explicit PatchSweep(const PatchField& field);
+    /// Raster px; nothing where no view has anything of it.
+    [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
+
+  private:
+    /// Where nothing moves a patch lies affinely in the lens's point: the corners of a box around all of
+    /// them bound it.
+    struct Box {
+        LensShift low, high;
+        bool any = false, still = true;
+    };
+    const PatchField& field_;
+    std::vector<Box> boxes_;  ///< by instant
+};
+
+}  // namespace postlens
