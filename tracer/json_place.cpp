@@ -20,7 +20,7 @@ std::string shown(const json& value) {
 }
 
 // The parser's own text without its number and position, which the end of this project's message has.
-std::string one_line(const json::parse_error& error) {
+std::string one_line(const json::exception& error) {
     std::string text = error.what();
     const auto end = text.find("] ");
     if (end != std::string::npos) text.erase(0, end + 2);
@@ -62,7 +62,8 @@ json parse_json(std::string_view text, const std::string& file) {
     check_extent(text, file);
     try {
         return json::parse(text.begin(), text.end());
-    } catch (const json::parse_error& error) {
+    } catch (const json::exception& error) {
+        // Not a parse_error alone: a number beyond what a double holds is an out_of_range.
         fail(ExitCode::invalid_input, "{}: is no JSON ({})", file, one_line(error));
     }
 }
