@@ -182,10 +182,10 @@ FieldFocus FieldFocuser::draw(const FieldViews& views) const {
     const glm::dvec2 lens_box_px = g.gain_px * g.aperture_radius_m * settings_.aperture.half_extent();
     PatchField field = outline(views, points);
     std::optional<FieldStrips> strips;
-    PatchField with_lights = field;
     if (!p.all) {
-        with_lights.lens_reach_px = lens_box_px;
-        strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, with_lights, lens_box_px);
+        // What is read for a strip may have lights.
+        field.lens_reach_px = lens_box_px;
+        strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px);
     }
     std::optional<OneSurface> simple;
     if (views.leave_out_from_share && !p.moves && p.instants_s.size() == 1) {

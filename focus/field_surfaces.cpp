@@ -71,8 +71,11 @@ std::vector<std::pair<int, int>> FieldStrips::strips(const RasterWindow& window,
     };
     std::vector<std::pair<int, int>> out;
     for (int y = window.y_begin, end = y; y < window.y_end; y = end) {
-        end = y + tile;
-        while (end < window.y_end && records(y, end + tile) * surface_bytes_of_record <= bytes) end += tile;
+        std::uint64_t held = records(y, y + tile);
+        for (end = y + tile; end < window.y_end; end += tile) {
+            held += records(end, end + tile);
+            if (held * surface_bytes_of_record > bytes) break;
+        }
         end = std::min(end, window.y_end);
         out.emplace_back(y, end);
     }

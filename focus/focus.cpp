@@ -72,12 +72,21 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
+/// How a picture is taken apart whose splats do not fit.
+struct StripPlan {
+    double splats_per_record;
+    std::size_t bytes_of_splat;
+    std::size_t most_bytes;  ///< of the splats of a strip
+    int block_px;            ///< squares that are drawn together
+};
+
 /// A picture whose splats do not fit: first the responses of all rows, then what they reach, then strip by
-/// strip of the picture the splats that reach it. The same bits as all at once. `block_px`: squares that are
-/// drawn together; `draw(part)`: of the picture.
+/// strip of the picture the splats that reach it. The same bits as all at once. `draw(part)`: of the picture.
 template <typename Splats, typename Draw>
-void in_strips(FocusFrame& frame, Splats& splats, std::size_t bytes_of_splat, std::size_t most_bytes,
-               int block_px, const std::optional<Crop>& crop, const Draw& draw) {
+void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const std::optional<Crop>& crop,
+               const Draw& draw) {
+    const int block_px = plan.block_px;
+    const std::size_t most_bytes = plan.most_bytes;
     splats.survey();
     take_in(frame, splats);
     const auto add = [&](const RasterWindow& part) {
@@ -99,7 +108,7 @@ void in_strips(FocusFrame& frame, Splats& splats, std::size_t bytes_of_splat, st
     const int rows = (picture.height() + block_px - 1) / block_px,
               columns = (picture.width() + block_px - 1) / block_px;
     const auto bytes = [&](int begin, int end) {
-        return splats.splats_reaching(begin, end) * bytes_of_splat;
+        return splats.splats_reaching(begin, end) * plan.bytes_of_splat;
     };
     for (int row = 0, end = 0; row < rows; row = end) {
         end = row + 1;
@@ -136,51 +145,36 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             : response_model(settings.impulse, traced, std::hypot(window.width(), window.height()) / 2.0);
     FocusResult out;
     out.method = settings.method;
-    const auto finish = [&](auto&& splats, const auto& method) {
-        method(splats);
+    const auto spread_all = [&](auto&& splats, const StripPlan& plan, const auto& method) {
+        const auto draw = [&](const std::optional<Crop>& part) { method(splats, out.image, part); };
+        if (static_cast<double>(file.record_count()) * plan.splats_per_record *
+                static_cast<double>(plan.bytes_of_splat) >
+            static_cast<double>(settings.splat_bytes)) {
+            in_strips(frame, splats, plan, crop, draw);
+        } else {
+            take_in(frame, splats);
+            draw(crop);
+        }
         out.depths = levels.depths().value_or(splats.levels_used());
         out.largest_coc_px = splats.largest_coc_px() * geometry.zoom;
         if (auto warning = overscan_warning(splats.border(), corners, window, crop))
             out.warnings.push_back(*std::move(warning));
     };
-    const auto too_many = [&](double splats_per_record, std::size_t bytes_of_splat) {
-        return static_cast<double>(file.record_count()) * splats_per_record *
-                   static_cast<double>(bytes_of_splat) >
-               static_cast<double>(settings.splat_bytes);
-    };
     if (settings.method == FocusMethod::layers) {
-        // The samples of a pixel mostly become few.
-        const bool strips = too_many(1, sizeof(LayerSplat));
-        finish(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
-               [&](LayerSplats& splats) {
-                   const auto draw = [&](const std::optional<Crop>& part) {
-                       layers(splats, out.image, part);
-                   };
-                   if (strips) {
-                       // With more beside them than scatter: surfaces, and rows before they are sorted.
-                       in_strips(frame, splats, sizeof(LayerSplat), settings.splat_bytes / 5, layers_block_px,
-                                 crop, draw);
-                   } else {
-                       take_in(frame, splats);
-                       draw(crop);
-                   }
-               });
+        // The samples of a pixel mostly become few splats; beside them stand surfaces, and rows before they
+        // are sorted.
+        spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
+                   {1, sizeof(LayerSplat), settings.splat_bytes / 5, layers_block_px},
+                   [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
+                       layers(splats, image, part);
+                   });
     } else {
         // A response between four positions of a pixel is four splats.
-        const bool strips = too_many(4, sizeof(Splat));
-        finish(SplatTables(corners, window, traced, levels, settings.depth_model, response),
-               [&](SplatTables& splats) {
-                   const auto draw = [&](const std::optional<Crop>& part) {
-                       scatter(splats, out.image, part);
-                   };
-                   if (strips) {
-                       in_strips(frame, splats, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px,
-                                 crop, draw);
-                   } else {
-                       take_in(frame, splats);
-                       draw(crop);
-                   }
-               });
+        spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
+                   {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
+                   [](const SplatTables& splats, Image& image, const std::optional<Crop>& part) {
+                       scatter(splats, image, part);
+                   });
     }
     return out;
 }

@@ -269,15 +269,6 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     built_ = true;
 }
 
-std::pair<int, int> KernelTable::rows_reached() const {
-    std::pair<int, int> out{0, 0};
-    for (const Kernel& k : kernels_) {
-        if (k.rows.empty()) continue;
-        out = {std::min(out.first, k.y_begin), std::max(out.second, k.y_end())};
-    }
-    return out;
-}
-
 std::uint32_t KernelNumberCache::number_of(const KernelKey& key) {
     const KernelKey::Packed packed = key.packed();
     // Fibonacci hashing; the top 12 bits choose the entry.

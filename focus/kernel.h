@@ -133,8 +133,6 @@ class KernelTable {
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
-    /// Rows that one of the kernels or another reaches, relative to its anchor: [first, second); after build.
-    [[nodiscard]] std::pair<int, int> rows_reached() const;
     /// How many levels have a kernel, of any phase; after build.
     [[nodiscard]] int discs_used() const { return discs_used_; }
     /// The outline that a key of a round aperture stands for.

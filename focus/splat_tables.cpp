@@ -317,10 +317,7 @@ bool SplatTables::reaches_strip(const Splat& splat, const Reach& reach, int y) c
 }
 
 std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& part, int block_px) {
-    if (keep_ != Keep::strip) {
-        strip_rows_ = StripRows<Splat>(source_.y_begin, source_.y_end, picture_.y_begin, picture_.y_end,
-                                       block_px, far_bytes / sizeof(StripRows<Splat>::Far));
-    }
+    if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
     // What reaches far stands already where its row is not added again.

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "focus/node_response.h"
+
 namespace postlens {
 
 /// Most of what stands in a row of a file reaches the rows of pixels around it, and little reaches far: that
@@ -25,15 +27,14 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// Rows [y_begin, y_end) of the file, and those of the picture, [first, last), in blocks of `block_px`.
-    /// `most_far`: items kept. All rows of the file have to be read for any strip until they were added.
-    StripRows(int y_begin, int y_end, int first, int last, int block_px, std::size_t most_far)
-        : y_begin_(y_begin),
-          first_(first),
+    /// Of a file's rows, `source`, in a picture of blocks of `block_px`. All rows of the file have to be read
+    /// for any strip until they were added.
+    StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
+        : y_begin_(source.y_begin),
+          first_(picture.y_begin),
           block_px_(block_px),
-          blocks_((last - first + block_px - 1) / block_px),
-          most_far_(most_far),
-          rows_(static_cast<std::size_t>(y_end - y_begin)) {}
+          blocks_((picture.height() + block_px - 1) / block_px),
+          rows_(static_cast<std::size_t>(source.height())) {}
 
     /// Forgets the row, of which all is then added in order. Safe for several rows at once, as add is.
     void begin_row(int y) {
@@ -64,7 +65,7 @@ class StripRows {
             for (const Row& r : rows_) out += r.far.size();
             return out;
         };
-        while (kept() > most_far_) {
+        while (kept() > far_bytes / sizeof(Far)) {
             far_px_ *= 2;
             for (std::size_t i = 0; i < rows_.size(); ++i) {
                 const int y = y_begin_ + static_cast<int>(i);
@@ -112,6 +113,9 @@ class StripRows {
     }
 
   private:
+    /// Of items kept at a time.
+    static constexpr std::size_t far_bytes = std::size_t{32} << 20;
+
     struct Row {
         int first = 0, last = 0;  ///< reached by what is not kept
         std::vector<Far> far;
@@ -132,11 +136,7 @@ class StripRows {
     int y_begin_ = 0;
     int first_ = 0, block_px_ = 1, blocks_ = 0;
     int far_px_ = 32;
-    std::size_t most_far_ = 0;
     std::vector<Row> rows_;
 };
-
-/// Of items kept at a time.
-inline constexpr std::size_t far_bytes = std::size_t{32} << 20;
 
 }  // namespace postlens

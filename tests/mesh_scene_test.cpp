@@ -743,7 +743,8 @@ TEST_F(BrokenGltf, NumbersAndReferencesAreChecked) {
                 HasSubstr("requires an extension"));
     EXPECT_THAT(error("t.gltf", "{"), HasSubstr("is no JSON"));
     EXPECT_THAT(error("t.gltf", ""), HasSubstr("is no JSON"));
-    EXPECT_THAT(error("t.gltf", R"({"asset": {"version": 1e999999}})"), HasSubstr("is no JSON (number overflow"));
+    EXPECT_THAT(error("t.gltf", R"({"asset": {"version": 1e999999}})"),
+                HasSubstr("is no JSON (number overflow"));
     EXPECT_THAT(error("t.gltf", "[]"), HasSubstr("holds no object"));
 }
 

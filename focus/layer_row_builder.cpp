@@ -1,0 +1,324 @@
+#include "focus/layer_row_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace postlens {
+namespace {
+
+/// Where a pixel has several samples their places are shared out to fewer: to quarters of a pixel from this
+/// radius on, and from the next to whole ones. An edge changes by (step / radius)^2 / 8 < 1e-3 of its height
+/// (see phases_of), and the samples of a pixel become few splats.
+constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
+/// Radii for which phases_of has these steps.
+constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
+
+constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
+
+double mean_w_per_m(const Record& node) {
+    return (static_cast<double>(node.w.xx) + static_cast<double>(node.w.yy)) / 2;
+}
+
+double signed_radius_px(const FocusGeometry& geometry, double inverse_depth_per_m) {
+    constexpr double most = DepthLevels::largest_radius_px;
+    return std::clamp(geometry.coc_diameter_px(inverse_depth_per_m) / 2, -most, most);
+}
+
+/// The best linear guess of the lens point that light came through, from where it arrived: a disc of radius R
+/// has the variance R^2 / 4 along each axis, a pixel 1 / 12.
+double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m) {
+    const double radius_px = signed_radius_px(geometry, inverse_depth_per_m);
+    return radius_px / (radius_px * radius_px + 1.0 / 3);
+}
+
+}  // namespace
+
+std::uint32_t LayerSplats::RowBuilder::number_of(const LayerPart& part) {
+    if (last_number_ != ~std::uint32_t{0} && part == last_part_) return last_number_;
+    const auto [entry, is_new] = number_.try_emplace(part, static_cast<std::uint32_t>(row_.parts.size()));
+    if (is_new) row_.parts.push_back(part);
+    last_part_ = part;
+    return last_number_ = entry->second;
+}
+
+void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& response,
+                                    const std::array<float, 3>& rgb, float weight, double inverse_depth,
+                                    const LayerPart& part) {
+    const std::uint32_t number = number_of(part);
+    NodeResponse coarser = response;
+    if (!alone_ && response.radius_px >= quarter_steps_from_px)
+        coarser.radius_px =
+            std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
+                                                                                   : quarter_steps_radius_px);
+    const Phases phases = t_.responses_.phases(s, coarser);
+    const auto lens_per_px = static_cast<float>(lens_radii_per_px(t_.geometry(), inverse_depth));
+    for (std::size_t i = 0; i < phases.count; ++i) {
+        const Phase& p = phases.items[i];
+        KernelKey key = response.key;
+        // A disc that fits into any part of a pixel is the same wherever it stands in there.
+        constexpr std::int32_t middle = KernelKey::phase_steps / 2;
+        const bool tiny = response.radius_px < tiny_px;
+        key.phase_x = tiny ? middle * ((p.x > 0) - (p.x < 0)) : p.x;
+        key.phase_y = tiny ? middle * ((p.y > 0) - (p.y < 0)) : p.y;
+        const float w = weight * p.weight;
+        add({static_cast<std::int32_t>(std::floor(s.x)), y_, cache_.number_of(key), rgb[0] * p.weight,
+             rgb[1] * p.weight, rgb[2] * p.weight, w,
+             static_cast<float>(static_cast<double>(w) * inverse_depth), lens_per_px, w * covered_},
+            number, alone_ ? 0 : KernelKey::PackedHash()(key.packed()));
+    }
+}
+
+// Samples of a pixel that share a response become one splat. The numbers of kernels depend on timing; the
+// slots must not.
+void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
+    if (!alone_) {
+        const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
+        // Fibonacci hashing; what meets a slot that is taken stays on its own.
+        Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
+        if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
+            LayerSplat& to = row_.splats[slot.index];
+            to.r += splat.r;
+            to.g += splat.g;
+            to.b += splat.b;
+            to.weight += splat.weight;
+            to.depth += splat.depth;
+            to.covered += splat.covered;
+            return;
+        }
+        slot = {key, row_.splats.size()};
+    }
+    row_.part.push_back(number);
+    row_.splats.push_back(splat);
+}
+
+// Light and weight by one response, or by two where the lens holds something back: what is missing from the
+// light is not missing from what it is divided by.
+void LayerSplats::RowBuilder::add_node(const PointSample& s, const NodeResponse& response, const Record& node,
+                                       const std::array<float, 3>& rgb, const LayerPart& part) {
+    const NodeResponses& responses = t_.responses_;
+    const float share = responses.passing(response, place_px_);
+    const std::array<float, 3> light{share * rgb[0], share * rgb[1], share * rgb[2]};
+    const double inverse_depth = inverse_depth_per_m(node);
+    if (responses.weighs_as_it_shines(response)) {
+        place(s, response, light, 1, inverse_depth, part);
+        return;
+    }
+    place(s, response, light, 0, 0, part);
+    place(s, NodeResponses::whole(response), {0, 0, 0}, 1, inverse_depth, part);
+}
+
+void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResponse& primary) {
+    met_.clear();
+    for (const Record& node : nodes) {
+        const bool is_primary = node.path == NodePath();
+        met_.push_back({&node,
+                        is_primary ? primary : t_.responses_.of(node, primary, place_px_),
+                        {node.r, node.g, node.b}});
+    }
+    // Nodes stand by growing path, and a chain's number is greater than that of the chain it goes on from.
+    for (std::size_t i = met_.size(); i-- > 0;) {
+        if (met_[i].node->path == NodePath()) continue;
+        for (Met& parent : met_) {
+            if (parent.node->path != met_[i].node->path.parent()) continue;
+            for (std::size_t c = 0; c < 3; ++c) parent.subtree[c] += met_[i].subtree[c];
+        }
+    }
+}
+
+void LayerSplats::RowBuilder::add_mask(const PointSample& s, const Met& from, const Met& met,
+                                       LayerPart part) {
+    part.path = met.node->path.bits();
+    part.shown = {};
+    add_node(s, from.response, *from.node, met.subtree, part);
+}
+
+void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Record> nodes,
+                                       LayerPart::Kind kind) {
+    const Record& first = nodes[0];
+    const SurfaceKey surface{first.id,
+                             static_cast<std::uint32_t>(std::count(ids_.begin(), ids_.end(), first.id))};
+    ids_.push_back(first.id);
+    const double inverse_depth = inverse_depth_per_m(first);
+    const double radius_px = signed_radius_px(t_.geometry(), inverse_depth);
+    double apart = 1;
+    for (const double before : radii_px_) apart = std::min(apart, std::abs(radius_px - before));
+    radii_px_.push_back(radius_px);
+    covered_ = 0;
+    const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
+    if (kind == LayerPart::Kind::seen) {
+        // Of primary nodes that the pinhole sees, as in scatter.
+        row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
+        t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
+    }
+    if (!(s.total_weight() > 0)) return;
+    LayerPart part{.surface = surface, .kind = kind};
+    if (kind == LayerPart::Kind::hidden) covered_ = static_cast<float>(1 - apart);
+    add_node(s, primary, first, {first.r, first.g, first.b}, part);
+    covered_ = 0;
+    if (nodes.size() == 1) {
+        row_.colours.include({first.r, first.g, first.b});
+        return;
+    }
+    meet(nodes, primary);
+    row_.colours.include(met_.front().subtree);
+    for (const Met& met : met_) {
+        const Record& node = *met.node;
+        if (node.path == NodePath()) continue;
+        // A node whose parent was not recorded goes on from the nearest that was.
+        NodePath parent = node.path.parent();
+        const auto with_path = [&](NodePath path) {
+            return std::find_if(met_.begin(), met_.end(),
+                                [path](const Met& m) { return m.node->path == path; });
+        };
+        auto from = with_path(parent);
+        while (from == met_.end()) from = with_path(parent = parent.parent());
+        part.kind = from == met_.begin() && kind == LayerPart::Kind::hidden ? LayerPart::Kind::hidden_mask
+                                                                            : LayerPart::Kind::mask;
+        add_mask(s, *from, met, part);
+        add_node(s, met.response, node, {node.r, node.g, node.b},
+                 {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen});
+        if (kind == LayerPart::Kind::seen)
+            shown_.push_back(
+                {node.path.bits(), node.id, signed_radius_px(t_.geometry(), mean_w_per_m(node))});
+    }
+}
+
+// What stands behind what a chain shows: of the surface that the chain begins at, which is seen.
+void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
+                                                const NodeResponse& primary, SurfaceKey surface) {
+    meet(nodes, primary);
+    for (const Met& met : met_) {
+        const Record& node = *met.node;
+        Shown now{node.path.bits(), node.id, signed_radius_px(t_.geometry(), mean_w_per_m(node))};
+        std::uint32_t before = 0;
+        double apart = 1;
+        for (const Shown& other : shown_) {
+            if (other.path != now.path) continue;
+            before += other.id == now.id ? 1 : 0;
+            apart = std::min(apart, std::abs(now.radius_px - other.radius_px));
+        }
+        const auto from = std::find_if(met_.begin(), met_.end(),
+                                       [&](const Met& m) { return m.node->path == node.path.parent(); });
+        LayerPart part{surface, node.path.bits(), {node.id, before}, LayerPart::Kind::hidden};
+        if (from != met_.end()) {
+            add_mask(s, *from, met, {.surface = surface, .kind = LayerPart::Kind::mask});
+            part = {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen};
+        } else {
+            shown_.push_back(now);
+            covered_ = static_cast<float>(1 - apart);
+        }
+        add_node(s, met.response, node, {node.r, node.g, node.b}, part);
+        covered_ = 0;
+        row_.colours.include({node.r, node.g, node.b});
+    }
+}
+
+void LayerSplats::RowBuilder::add_sample(const PointSample& s, std::span<const Record> nodes,
+                                         std::span<const Nodes> hidden) {
+    const RasterWindow& p = t_.picture_;
+    place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
+                 static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
+    ids_.clear();
+    radii_px_.clear();
+    shown_.clear();
+    add_tree(s, nodes, LayerPart::Kind::seen);
+    if (!(s.total_weight() > 0)) return;
+    for (const Nodes& behind : hidden) {
+        if (behind.records[0].path == NodePath()) {
+            add_tree(s, behind.records, LayerPart::Kind::hidden);
+        } else {
+            add_hidden_chains(s, behind.records,
+                              t_.responses_.to_depth(inverse_depth_per_m(nodes[0]), place_px_),
+                              {nodes[0].id, 0});
+        }
+    }
+}
+
+void LayerSplats::RowBuilder::find_hidden(const RecordBand& band, std::size_t pixel) {
+    hidden_.clear();
+    const Record* end = band.records.data() + band.offsets[pixel + 1];
+    const Record* at = band.records.data() + band.offsets[pixel];
+    at = std::partition_point(at, end, [](const Record& r) { return r.layer == 0; });
+    while (at != end) {
+        const Record* next = at + 1;
+        while (next != end && next->layer == at->layer && next->x == at->x && next->y == at->y) ++next;
+        hidden_.push_back({at->x, at->y, {at, next}});
+        at = next;
+    }
+    std::stable_sort(hidden_.begin(), hidden_.end(),
+                     [](const Nodes& a, const Nodes& b) { return std::tie(a.y, a.x) < std::tie(b.y, b.x); });
+}
+
+void LayerSplats::RowBuilder::begin_row(int y) {
+    y_ = y;
+    row_.clear();
+    number_.clear();
+    last_number_ = ~std::uint32_t{0};
+    std::fill(slots_.begin(), slots_.end(), Slot{0, ~std::size_t{0}});
+}
+
+void LayerSplats::RowBuilder::end_row() {
+    t_.store(y_, row_);
+}
+
+void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
+    const PointSample s = middle_of_pixel(light.x, y_);
+    const RasterWindow& p = t_.picture_;
+    place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
+                 static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
+    const NodeResponses& responses = t_.responses_;
+    const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
+    if (!light.hidden) {
+        row_.largest_radius_px = std::max(row_.largest_radius_px, response.exact_radius_px);
+        t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
+    }
+    const LayerPart part{.surface = {light.surface, 0},
+                         .kind = light.hidden ? LayerPart::Kind::hidden : LayerPart::Kind::seen};
+    covered_ = light.weight > 0 ? light.covered / light.weight : 0;
+    if (light.weight > 0) {
+        row_.colours.include(
+            {light.rgb[0] / light.weight, light.rgb[1] / light.weight, light.rgb[2] / light.weight});
+    }
+    const float share = responses.passing(response, place_px_);
+    const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};
+    if (responses.weighs_as_it_shines(response)) {
+        place(s, response, rgb, light.weight, light.inverse_depth, part);
+    } else {
+        place(s, response, rgb, 0, 0, part);
+        place(s, NodeResponses::whole(response), {0, 0, 0}, light.weight, light.inverse_depth, part);
+    }
+    covered_ = 0;
+}
+
+void LayerSplats::RowBuilder::build(std::span<const PixelLight> lights, int y) {
+    begin_row(y);
+    alone_ = true;
+    for (const PixelLight& light : lights) add_light(light);
+    end_row();
+}
+
+void LayerSplats::RowBuilder::build(const RecordBand& band, const PointSamples& samples,
+                                    std::size_t first_pixel, int y) {
+    begin_row(y);
+    const std::size_t band_pixel = band.pixel(band.x_begin, y);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(band.width()); ++k) {
+        find_hidden(band, band_pixel + k);
+        std::size_t h = 0;
+        const std::uint32_t begin = samples.offsets[first_pixel + k],
+                            end = samples.offsets[first_pixel + k + 1];
+        alone_ = end - begin == 1;
+        pixel_begin_ = row_.splats.size();
+        for (std::uint32_t i = begin; i < end; ++i) {
+            const PointSample& s = samples.samples[i];
+            while (h < hidden_.size() && std::tie(hidden_[h].y, hidden_[h].x) < std::tie(s.y, s.x)) ++h;
+            std::size_t last = h;
+            while (last < hidden_.size() && hidden_[last].x == s.x && hidden_[last].y == s.y) ++last;
+            add_sample(s, std::span(band.records).subspan(s.first_record, s.record_count),
+                       std::span(hidden_).subspan(h, last - h));
+        }
+    }
+    end_row();
+}
+
+}  // namespace postlens
