@@ -133,9 +133,9 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, const FieldFocusSettings& settings
         for (const ScanlineFacts& facts : file.scanlines(i)) records += facts.records;
     }
     if (!frame.many() && records * surface_bytes_of_record > settings_.surface_bytes) {
-        if (settings_.also) {
+        if (settings_.also.rows || settings_.also.leaves) {
             frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
-                settings_.also(*rows.band, rows.y_begin, rows.y_end);
+                tell(settings_.also, *rows.band, rows.y_begin, rows.y_end);
             });
         }
         return;

@@ -37,7 +37,7 @@ struct FieldFocusSettings {
     /// Leave out where nothing moves and the picture shows one surface only (what is scattered is right
     /// there), if that is at least this share of the pixels; absent: nothing is left out.
     std::optional<double> leave_out_from_share;
-    RecordsRead also;  ///< told of the records of the frame's own instant; none: nobody is
+    RecordsRead also;  ///< told of the records of the frame's own instant
     /// Only these pixels of the window are drawn; whatever else is in the result says nothing. What is drawn
     /// has the same bits as without.
     std::optional<Crop> crop;

@@ -78,9 +78,10 @@ std::shared_ptr<const TreeSheets> FocusFrame::sheets(std::size_t instant, const 
         if (instant != 0 || !file_.header().has_bend)
             return std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, also));
         LargestBends bends(file_.header(), 0, file_.header().height);
-        const auto both = [&](const RecordBand& band, int y_begin, int y_end) {
+        RecordsRead both = also;
+        both.rows = [&](const RecordBand& band, int y_begin, int y_end) {
             bends.add(band, y_begin, y_end);
-            if (also) also(band, y_begin, y_end);
+            if (also.rows) also.rows(band, y_begin, y_end);
         };
         auto out = std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, both));
         bends_.emplace(std::move(bends));
@@ -90,9 +91,9 @@ std::shared_ptr<const TreeSheets> FocusFrame::sheets(std::size_t instant, const 
     std::shared_ptr<TreeSheets>& kept = sheets_[instant];
     if (kept) {
         take_highlights(*kept, rule);
-        if (also && instant == 0) {
+        if ((also.rows || also.leaves) && instant == 0) {
             visit_rows(file_.y_begin(), file_.y_end(),
-                       [&](const FrameRows& rows) { also(*rows.band, rows.y_begin, rows.y_end); });
+                       [&](const FrameRows& rows) { tell(also, *rows.band, rows.y_begin, rows.y_end); });
         }
     } else {
         kept = read();

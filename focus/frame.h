@@ -9,13 +9,13 @@
 
 #include "focus/largest_bends.h"
 #include "records/quadtree.h"
+#include "records/records_read.h"
 #include "records/sample_file.h"
 
 namespace postlens {
 
 struct HighlightRule;
 struct TreeSheets;
-using RecordsRead = std::function<void(const RecordBand& band, int y_begin, int y_end)>;
 
 /// Corner rows [y_begin, y_end) of the frame's own instant. `band` has one row more above and below, where
 /// the file has one. `samples`: their point samples, `rows_per_task` rows together; empty: not looked for.
@@ -44,8 +44,7 @@ class FocusFrame {
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
     /// `tree_sheets`; good until the next call for the same instant. All rules must have the same limit.
-    /// `also` is told of the records of the instant, each row of the file once, in order, and with instant 0
-    /// only.
+    /// `also` is told of the records of the instant, each row of the file once, and with instant 0 only.
     [[nodiscard]] std::shared_ptr<const TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                            const RecordsRead& also = {});
 

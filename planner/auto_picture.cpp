@@ -39,6 +39,9 @@ constexpr double noise_exponent = 1.15, two_sets = 0.6;
 /// that.
 constexpr double left_by_rays = 0.1;
 constexpr int pilot_rays = 32, most_rays = 1024;
+/// What a pixel that is traced again costs, in pixels of views: its first rays, of ten views' pixels each
+/// (docs/planner.md). From the highest on nothing more is saved.
+constexpr double retraced_price = 2 * pilot_rays * 10, highest_price = 1024 * retraced_price;
 
 /// Of a set of views by itself, for a pilot whose error is 1.
 double noise_of_set(int pilot, int views) {
@@ -77,15 +80,15 @@ class Planner {
             by_field.shutter = {s.motion, s.shutter->open_s, s.shutter->close_s, s.curve};
         MisplacedLight misplaced(h_, geometry_);
         RecordFloor floor(h_, geometry_);
-        by_field.also = [&](const RecordBand& band, int y_begin, int y_end) {
+        by_field.also.rows = [&](const RecordBand& band, int y_begin, int y_end) {
             misplaced.add(band, y_begin, y_end);
-            floor.add(band, y_begin, y_end);
         };
+        by_field.also.leaves = floor.adds();
         const FieldFocuser focuser(frame_, by_field);
         aligned_ = floor.aligned();
         floor_ = std::move(floor).picture();
         pilot(focuser, misplaced.picture());
-        choose_views();
+        choose();
         draw(focuser);
         trace_again();
         sum_up();
@@ -133,23 +136,120 @@ class Planner {
         out_.hybrid.what.assign(hidden_.size(), 0);
     }
 
-    void choose_views() {
-        for (std::size_t t = 0; t < out_.tiles.size(); ++t) {
-            TilePlan& p = out_.tiles[t];
-            const double rest = p.floor_mse + p.hidden_mse;
-            // Where the rest alone is too much, views that add a third of it are as good as any; unless what
-            // keeps the tile from its target can be traced again.
-            const double room = settings_.hybrid.scene != nullptr ? std::max(aim_ - rest, aim_ / 3)
-                                                                  : std::max(aim_ - rest, rest / 3);
-            p.views = ladder.back();
-            for (const int m : ladder) {
-                p.noise_mse = noise_of_views(pilot_noise_[t], pilot_views, m);
-                if (p.noise_mse <= room) {
-                    p.views = m;
-                    break;
-                }
+    /// Of each tile the cheapest number of views, and of its pixels those that are then to be traced again.
+    void choose() {
+        const std::size_t tiles = out_.tiles.size();
+        std::vector<std::vector<Choice>> choices(tiles);
+        parallel_for(tiles, [&](std::size_t t) { choices[t] = choices_of(t); });
+        // Where more would have to be traced again than may be, a pixel less is worth more views.
+        const auto most =
+            static_cast<std::size_t>(settings_.hybrid.most_retraced * static_cast<double>(hidden_.size()));
+        std::vector<Choice> chosen(tiles);
+        std::size_t wanted = 0;
+        for (double price = retraced_price; price <= highest_price; price *= 2) {
+            wanted = 0;
+            for (std::size_t t = 0; t < tiles; ++t) {
+                chosen[t] = cheapest(choices[t], out_.grid.pixels(t), price);
+                wanted += chosen[t].retraced;
+            }
+            if (wanted <= most) break;
+        }
+        std::vector<std::vector<std::uint32_t>> pixels(tiles);
+        parallel_for(tiles, [&](std::size_t t) {
+            out_.tiles[t].views = chosen[t].views;
+            out_.tiles[t].noise_mse = chosen[t].noise_mse;
+            if (chosen[t].retraced == 0) return;
+            pixels[t] = rest_of(t).pixels;
+            pixels[t].resize(chosen[t].retraced);
+        });
+        for (const auto& some : pixels) pixels_.insert(pixels_.end(), some.begin(), some.end());
+        std::sort(pixels_.begin(), pixels_.end(), [&](std::uint32_t a, std::uint32_t b) {
+            const double p = at_worst(a), q = at_worst(b);
+            return p != q ? p > q : a < b;
+        });
+        out_.hybrid.wanted_share = static_cast<double>(wanted) / static_cast<double>(hidden_.size());
+    }
+
+    /// So many views of a tile, and so many of its pixels traced again.
+    struct Choice {
+        int views = ladder.back();
+        double noise_mse = 0;
+        std::size_t retraced = 0;
+    };
+
+    /// Those that bring a tile to its aim, or as near as can be; by growing number of views.
+    [[nodiscard]] std::vector<Choice> choices_of(std::size_t t) const {
+        const Rest rest = rest_of(t);
+        // Where the rest alone is too much, views that add a third of it are as good as any; unless what
+        // keeps the tile from its target can be traced again.
+        const bool has_scene = settings_.hybrid.scene != nullptr;
+        const double room = std::max(aim_ - rest.mean[0], has_scene ? aim_ / 3 : rest.mean[0] / 3);
+        std::vector<Choice> out;
+        for (const int views : ladder) {
+            const double noise = noise_of_views(pilot_noise_[t], pilot_views, views);
+            const Choice choice{views, noise, rest.needed(aim_ - noise, most_mse_ - noise)};
+            if (has_scene || out.empty()) {
+                out.push_back(choice);
+            } else {
+                out.back() = choice;
+            }
+            if (noise <= room) break;
+        }
+        return out;
+    }
+
+    static Choice cheapest(const std::vector<Choice>& choices, int pixels, double price) {
+        const auto cost = [&](const Choice& c) {
+            return static_cast<double>(c.views) * pixels + price * static_cast<double>(c.retraced);
+        };
+        return *std::min_element(choices.begin(), choices.end(),
+                                 [&](const Choice& a, const Choice& b) { return cost(a) < cost(b); });
+    }
+
+    /// What a tile is off by beside the noise of its views, when the worst n of its pixels are traced again.
+    struct Rest {
+        std::vector<std::uint32_t> pixels;  ///< the worst first
+        std::vector<double> mean;           ///< by n
+        std::vector<double> at_worst;       ///< by n: should its edges be worse than the mean
+        /// How many have to be traced again, so that no more than that is left of either.
+        [[nodiscard]] std::size_t needed(double most_mean, double most_at_worst) const {
+            std::size_t n = 0;
+            while (n < pixels.size() && (mean[n] > most_mean || at_worst[n] > most_at_worst)) ++n;
+            return n;
+        }
+    };
+    [[nodiscard]] Rest rest_of(std::size_t t) const {
+        const int edge = TileGrid::edge, x0 = static_cast<int>(t) % out_.grid.columns() * edge,
+                  y0 = static_cast<int>(t) / out_.grid.columns() * edge;
+        Rest out;
+        double mean = 0, worst = 0;
+        for (int y = y0; y < std::min(y0 + edge, h_.height); ++y) {
+            for (int x = x0; x < std::min(x0 + edge, h_.width); ++x) {
+                const std::uint32_t k = static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(h_.width) +
+                                        static_cast<std::uint32_t>(x);
+                out.pixels.push_back(k);
+                mean += error(k);
+                worst += at_worst(k);
             }
         }
+        std::stable_sort(out.pixels.begin(), out.pixels.end(),
+                         [&](std::uint32_t a, std::uint32_t b) { return at_worst(a) > at_worst(b); });
+        const double share = 1.0 / static_cast<double>(out.pixels.size());
+        out.mean.push_back(share * mean);
+        out.at_worst.push_back(share * worst);
+        for (const std::uint32_t k : out.pixels) {
+            out.mean.push_back(out.mean.back() - share * error(k));
+            out.at_worst.push_back(out.at_worst.back() - share * at_worst(k));
+        }
+        return out;
+    }
+
+    /// What a pixel is off by that is traced again or not, and should its edges be worse than the mean.
+    [[nodiscard]] double error(std::uint32_t k) const {
+        return static_cast<double>(hidden_[k]) + floor_unseen * static_cast<double>(floor_[k]);
+    }
+    [[nodiscard]] double at_worst(std::uint32_t k) const {
+        return error(k) + floor_unseen * (aligned_nine_in_ten - 1) * static_cast<double>(aligned_[k]);
     }
 
     void draw(const FieldFocuser& focuser) {
@@ -182,34 +282,7 @@ class Planner {
     void trace_again() {
         HybridResult& hybrid = out_.hybrid;
         const HybridSettings& s = settings_.hybrid;
-        // What a tile has above its aim; and above its target, should its edges be worse than the mean.
-        const auto bad_luck = [&](std::size_t k) {
-            return floor_unseen * (aligned_nine_in_ten - 1) * static_cast<double>(aligned_[k]);
-        };
-        std::vector<double> left(out_.tiles.size()), unlucky = out_.grid.means(bad_luck);
-        for (std::size_t t = 0; t < left.size(); ++t) {
-            left[t] = out_.tiles[t].mse() - aim_;
-            unlucky[t] += out_.tiles[t].mse() - most_mse_;
-        }
-        std::vector<std::uint32_t> order, pixels;
-        for (std::uint32_t k = 0; k < hidden_.size(); ++k) {
-            const std::size_t t = tile_of(k);
-            if (left[t] > 0 || unlucky[t] > 0) order.push_back(k);
-        }
-        const auto error = [&](std::uint32_t k) {
-            return static_cast<double>(hidden_[k]) + floor_unseen * static_cast<double>(floor_[k]);
-        };
-        const auto at_worst = [&](std::uint32_t k) { return error(k) + bad_luck(k); };
-        std::stable_sort(order.begin(), order.end(),
-                         [&](std::uint32_t a, std::uint32_t b) { return at_worst(a) > at_worst(b); });
-        for (const std::uint32_t k : order) {
-            const std::size_t t = tile_of(k);
-            if (left[t] <= 0 && unlucky[t] <= 0) continue;
-            left[t] -= error(k) / out_.grid.pixels(t);
-            unlucky[t] -= at_worst(k) / out_.grid.pixels(t);
-            pixels.push_back(k);
-        }
-        hybrid.wanted_share = static_cast<double>(pixels.size()) / static_cast<double>(hidden_.size());
+        std::vector<std::uint32_t>& pixels = pixels_;
         if (s.scene == nullptr || pixels.empty()) return;
         limit_retraced(s.most_retraced, pixels, hybrid);
         trace_pixels(pixels);
@@ -336,6 +409,7 @@ class Planner {
     double most_mse_, aim_;
     std::vector<double> pilot_noise_;
     std::vector<float> floor_, aligned_, hidden_;
+    std::vector<std::uint32_t> pixels_;  ///< to be traced again, the worst first
     AutoResult out_;
 };
 

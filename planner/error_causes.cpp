@@ -154,13 +154,13 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     MisplacedLight misplaced_light(h, geometry);
     RecordFloor record_floor(h, geometry);
     BeyondMargin margin(h, geometry);
-    by_field.also = [&](const RecordBand& band, int y_begin, int y_end) {
+    by_field.also.rows = [&](const RecordBand& band, int y_begin, int y_end) {
         misplaced_light.add(band, y_begin, y_end);
-        record_floor.add(band, y_begin, y_end);
         margin.add(band);
     };
+    by_field.also.leaves = record_floor.adds();
     const FieldFocus seen = field_focus(frame, by_field);
-    by_field.also = nullptr;
+    by_field.also = {};
     std::optional<Image> finer;
     if (request.method == FocusMethod::scatter && request.depths) {
         FocusSettings s = v.focus;

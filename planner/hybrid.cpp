@@ -76,7 +76,7 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
         geometry,  read_aperture(focus.impulse), {0, h.width, 0, h.height}, focus.views, {}, {}, {},
         focus.crop};
     MisplacedLight misplaced(h, geometry);
-    by_field.also = [&](const RecordBand& band, int y_begin, int y_end) {
+    by_field.also.rows = [&](const RecordBand& band, int y_begin, int y_end) {
         misplaced.add(band, y_begin, y_end);
     };
     if (!moves) by_field.leave_out_from_share = scatter_costs_views / std::max(focus.views, 1);

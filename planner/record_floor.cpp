@@ -6,10 +6,9 @@
 #include <limits>
 #include <numbers>
 
-#include "core/threads.h"
 #include "focus/frame.h"
 #include "planner/edge_cells.h"
-#include "records/quadtree.h"
+#include "records/records_read.h"
 
 namespace postlens {
 
@@ -23,35 +22,25 @@ RecordFloor::RecordFloor(const SampleHeader& header, const FocusGeometry& geomet
     aligned_ = mse_;
 }
 
-void RecordFloor::add(const RecordBand& band, int y_begin, int y_end) {
-    // A row of corners has pixels below it; below the last one of the band nothing is known.
-    const int begin = std::max(y_begin, 0), end = std::min({y_end, height_, band.y_end - 1});
+void RecordFloor::add(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves) {
+    const int begin = std::max(y_begin, 0), end = std::min(y_end, height_);
     if (begin >= end) return;
-    constexpr int rows_per_task = 8;
-    parallel_for(
-        static_cast<std::size_t>((end - begin + rows_per_task - 1) / rows_per_task), [&](std::size_t task) {
-            const int y0 = begin + static_cast<int>(task) * rows_per_task,
-                      y1 = std::min(y0 + rows_per_task, end);
-            PixelLeaves leaves;
-            find_leaves(band, y0, y1, leaves);
-            std::vector<CellCorner> corners;
-            corners.reserve(leaves.points.samples.size());
-            for (const PointSample& s : leaves.points.samples) corners.push_back(cell_corner(band, s));
-            for (int y = y0; y < y1; ++y) {
-                for (int x = 0; x < width_; ++x) {
-                    const std::size_t k = band.pixel(x, y) - band.pixel(band.x_begin, y0);
-                    const PixelError error =
-                        pixel_error(std::span(leaves.leaves)
-                                        .subspan(leaves.leaf_offsets[k],
-                                                 leaves.leaf_offsets[k + 1] - leaves.leaf_offsets[k]),
-                                    corners);
-                    const std::size_t to = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                                           static_cast<std::size_t>(x);
-                    mse_[to] = error.mse;
-                    aligned_[to] = error.aligned;
-                }
-            }
-        });
+    std::vector<CellCorner> corners;
+    corners.reserve(leaves.points.samples.size());
+    for (const PointSample& s : leaves.points.samples) corners.push_back(cell_corner(band, s));
+    for (int y = begin; y < end; ++y) {
+        for (int x = 0; x < width_; ++x) {
+            const std::size_t k = band.pixel(x, y) - band.pixel(band.x_begin, y_begin);
+            const PixelError error = pixel_error(
+                std::span(leaves.leaves)
+                    .subspan(leaves.leaf_offsets[k], leaves.leaf_offsets[k + 1] - leaves.leaf_offsets[k]),
+                corners);
+            const std::size_t to =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+            mse_[to] = error.mse;
+            aligned_[to] = error.aligned;
+        }
+    }
 }
 
 RecordFloor::PixelError RecordFloor::pixel_error(std::span<const Leaf> leaves,
@@ -82,7 +71,7 @@ RecordFloor::PixelError RecordFloor::pixel_error(std::span<const Leaf> leaves,
 std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry) {
     RecordFloor out(file.header(), geometry);
     FocusFrame(file).visit_rows(0, file.header().height + 1, [&](const FrameRows& rows) {
-        out.add(*rows.band, rows.y_begin, rows.y_end);
+        tell({.rows = {}, .leaves = out.adds()}, *rows.band, rows.y_begin, rows.y_end);
     });
     return std::move(out).picture();
 }

@@ -26,9 +26,15 @@ inline constexpr double floor_unseen = 1.4;
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
-    /// Takes in the corner rows [y_begin, y_end) of `band`, which must have one row more below them where the
-    /// file has one. In parallel; the same for any number of threads.
-    void add(const RecordBand& band, int y_begin, int y_end);
+    /// Takes in rows [y_begin, y_end) of pixels of `band` with their leaves, as find_leaves has them; safe
+    /// for several rows at once.
+    void add(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves);
+    /// That, for those who read the records. Keeps a reference.
+    [[nodiscard]] auto adds() {
+        return [this](const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves) {
+            add(band, y_begin, y_end, leaves);
+        };
+    }
     [[nodiscard]] std::vector<float> picture() && { return std::move(mse_); }
     [[nodiscard]] const std::vector<float>& picture() const& { return mse_; }
     /// What of it comes from edges along the cells, and may therefore be aligned_nine_in_ten times as much.

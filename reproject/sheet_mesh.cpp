@@ -156,8 +156,12 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
         }
         file.read(y_first, y + 1, band, instant);
         // The last row holds no pixels, only their lower corners.
-        if (also) also(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
-        parallel_for(count, [&](std::size_t s) { strips[s].find(band); });
+        if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
+        parallel_for(count, [&](std::size_t s) {
+            Strip& strip = strips[s];
+            strip.find(band);
+            if (also.leaves) also.leaves(band, strip.y, strip.y_end, strip.leaves);
+        });
         const std::size_t first_part = parts.size();
         parts.resize(first_part + count * tasks_per_strip);
         parallel_for(count * tasks_per_strip, [&](std::size_t t) {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "records/records_read.h"
 #include "records/sample_file.h"
 
 namespace postlens {
@@ -106,9 +107,6 @@ struct HighlightRule {
     /// light above the limit in the same sheet.
     std::function<bool(const Mat2& w, std::uint32_t id, float area_px2)> takes;
 };
-
-/// Told of the records that are read, each row once and in order: rows [y_begin, y_end) of `band`.
-using RecordsRead = std::function<void(const RecordBand& band, int y_begin, int y_end)>;
 
 /// Which of an instant's sheets are wanted. Those that are have the same bits as among all, but other
 /// numbers.

@@ -150,7 +150,7 @@ TEST_F(CropTest, LightFieldInStripsHasTheBitsOfTheWhole) {
                              {}};
         if (leave_out) s.leave_out_from_share = 0.05;
         std::uint64_t told = 0;
-        s.also = [&](const RecordBand& band, int y_begin, int y_end) {
+        s.also.rows = [&](const RecordBand& band, int y_begin, int y_end) {
             told +=
                 band.offsets[band.pixel(band.x_begin, y_end - 1) + static_cast<std::size_t>(band.width())] -
                 band.offsets[band.pixel(band.x_begin, y_begin)];

@@ -98,15 +98,52 @@ TEST(Sheets, TellOfEveryRowOnceAndInOrder) {
     const MadeSheets f({.levels = 2}, [](Record&) {});
     int next = f.file->y_begin();
     std::size_t records = 0;
-    const TreeSheets again = tree_sheets(*f.file, 0, {}, [&](const RecordBand& band, int y_begin, int y_end) {
+    const auto rows = [&](const RecordBand& band, int y_begin, int y_end) {
         EXPECT_EQ(y_begin, next);
         next = y_end;
         records +=
             band.offsets[band.pixel(band.x_begin, y_end)] - band.offsets[band.pixel(band.x_begin, y_begin)];
-    });
+    };
+    const TreeSheets again = tree_sheets(*f.file, 0, {}, {rows, {}});
     EXPECT_EQ(next, f.file->y_end());
     EXPECT_EQ(records, f.band.records.size());
     EXPECT_EQ(again.primary.texels.size(), f.sheets.primary.texels.size());
+}
+
+TEST(Sheets, TellOfTheLeavesOfEveryRowOnce) {
+    const MadeSheets f({.levels = 2}, [](Record&) {});
+    // Of a row's pixels: how many leaves, and what they cover.
+    struct Row {
+        int times = 0;
+        std::size_t leaves = 0;
+        double area_px2 = 0;
+    };
+    const int y_begin = f.file->y_begin();
+    const auto rows = static_cast<std::size_t>(f.file->y_end() - 1 - y_begin);
+    const auto fill = [&](std::vector<Row>& to) {
+        return [&to, y_begin](const RecordBand& band, int first, int last, const PixelLeaves& leaves) {
+            for (int y = first; y < last; ++y) {
+                Row& row = to[static_cast<std::size_t>(y - y_begin)];
+                ++row.times;
+                const std::size_t k = band.pixel(band.x_begin, y) - band.pixel(band.x_begin, first);
+                const auto pixels = static_cast<std::size_t>(band.width());
+                for (std::uint32_t i = leaves.leaf_offsets[k]; i < leaves.leaf_offsets[k + pixels]; ++i) {
+                    ++row.leaves;
+                    row.area_px2 += static_cast<double>(leaves.leaves[i].size * leaves.leaves[i].size);
+                }
+            }
+        };
+    };
+    std::vector<Row> with_sheets(rows), alone(rows);
+    (void)tree_sheets(*f.file, 0, {}, {{}, fill(with_sheets)});
+    tell({{}, fill(alone)}, f.band, y_begin, f.file->y_end());
+    for (std::size_t y = 0; y < rows; ++y) {
+        EXPECT_EQ(with_sheets[y].times, 1) << y;
+        EXPECT_EQ(alone[y].times, 1) << y;
+        EXPECT_EQ(with_sheets[y].leaves, alone[y].leaves) << y;
+        EXPECT_EQ(with_sheets[y].area_px2, f.band.width() - 1) << y;
+        EXPECT_EQ(alone[y].area_px2, f.band.width() - 1) << y;
+    }
 }
 
 TEST(Sheets, SomeOfThemHaveWhatTheyHadAmongAll) {
