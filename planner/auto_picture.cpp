@@ -13,6 +13,7 @@
 #include "planner/local_contrast.h"
 #include "planner/record_floor.h"
 #include "planner/retrace.h"
+#include "planner/tile_choices.h"
 #include "records/aperture_file.h"
 #include "records/srgb.h"
 #include "tracer/point_shading.h"
@@ -40,8 +41,8 @@ constexpr double noise_exponent = 1.15, two_sets = 0.6;
 constexpr double left_by_rays = 0.1;
 constexpr int pilot_rays = 32, most_rays = 1024;
 /// What a pixel that is traced again costs, in pixels of views: its first rays, of ten views' pixels each
-/// (docs/planner.md). From the highest on nothing more is saved.
-constexpr double retraced_price = 2 * pilot_rays * 10, highest_price = 1024 * retraced_price;
+/// (docs/planner.md).
+constexpr double retraced_price = 2 * pilot_rays * 10;
 
 /// Of a set of views by itself, for a pilot whose error is 1.
 double noise_of_set(int pilot, int views) {
@@ -139,21 +140,11 @@ class Planner {
     /// Of each tile the cheapest number of views, and of its pixels those that are then to be traced again.
     void choose() {
         const std::size_t tiles = out_.tiles.size();
-        std::vector<std::vector<Choice>> choices(tiles);
+        std::vector<std::vector<TileChoice>> choices(tiles);
         parallel_for(tiles, [&](std::size_t t) { choices[t] = choices_of(t); });
-        // Where more would have to be traced again than may be, a pixel less is worth more views.
         const auto most =
             static_cast<std::size_t>(settings_.hybrid.most_retraced * static_cast<double>(hidden_.size()));
-        std::vector<Choice> chosen(tiles);
-        std::size_t wanted = 0;
-        for (double price = retraced_price; price <= highest_price; price *= 2) {
-            wanted = 0;
-            for (std::size_t t = 0; t < tiles; ++t) {
-                chosen[t] = cheapest(choices[t], out_.grid.pixels(t), price);
-                wanted += chosen[t].retraced;
-            }
-            if (wanted <= most) break;
-        }
+        const std::vector<TileChoice> chosen = cheapest_choices(choices, out_.grid, retraced_price, most);
         std::vector<std::vector<std::uint32_t>> pixels(tiles);
         parallel_for(tiles, [&](std::size_t t) {
             out_.tiles[t].views = chosen[t].views;
@@ -167,84 +158,33 @@ class Planner {
             const double p = at_worst(a), q = at_worst(b);
             return p != q ? p > q : a < b;
         });
-        out_.hybrid.wanted_share = static_cast<double>(wanted) / static_cast<double>(hidden_.size());
+        out_.hybrid.wanted_share = static_cast<double>(pixels_.size()) / static_cast<double>(hidden_.size());
     }
 
-    /// So many views of a tile, and so many of its pixels traced again.
-    struct Choice {
-        int views = ladder.back();
-        double noise_mse = 0;
-        std::size_t retraced = 0;
-    };
-
     /// Those that bring a tile to its aim, or as near as can be; by growing number of views.
-    [[nodiscard]] std::vector<Choice> choices_of(std::size_t t) const {
-        const Rest rest = rest_of(t);
+    [[nodiscard]] std::vector<TileChoice> choices_of(std::size_t t) const {
+        const TileRest rest = rest_of(t);
         // Where the rest alone is too much, views that add a third of it are as good as any; unless what
         // keeps the tile from its target can be traced again.
         const bool has_scene = settings_.hybrid.scene != nullptr;
-        const double room = std::max(aim_ - rest.mean[0], has_scene ? aim_ / 3 : rest.mean[0] / 3);
-        std::vector<Choice> out;
+        const double room = std::max(aim_ - rest.mean[0], (has_scene ? aim_ : rest.mean[0]) / 3);
+        std::vector<TileChoice> out;
         for (const int views : ladder) {
             const double noise = noise_of_views(pilot_noise_[t], pilot_views, views);
-            const Choice choice{views, noise, rest.needed(aim_ - noise, most_mse_ - noise)};
-            if (has_scene || out.empty()) {
-                out.push_back(choice);
-            } else {
-                out.back() = choice;
-            }
+            // Without the scene there is nothing to choose: nothing can be traced again.
+            if (!has_scene) out.clear();
+            out.push_back({views, noise, rest.needed(aim_ - noise, most_mse_ - noise)});
             if (noise <= room) break;
         }
         return out;
     }
 
-    static Choice cheapest(const std::vector<Choice>& choices, int pixels, double price) {
-        const auto cost = [&](const Choice& c) {
-            return static_cast<double>(c.views) * pixels + price * static_cast<double>(c.retraced);
-        };
-        return *std::min_element(choices.begin(), choices.end(),
-                                 [&](const Choice& a, const Choice& b) { return cost(a) < cost(b); });
+    [[nodiscard]] TileRest rest_of(std::size_t tile) const {
+        return {out_.grid, tile, [this](std::uint32_t k) { return error(k); },
+                [this](std::uint32_t k) { return at_worst(k); }};
     }
 
-    /// What a tile is off by beside the noise of its views, when the worst n of its pixels are traced again.
-    struct Rest {
-        std::vector<std::uint32_t> pixels;  ///< the worst first
-        std::vector<double> mean;           ///< by n
-        std::vector<double> at_worst;       ///< by n: should its edges be worse than the mean
-        /// How many have to be traced again, so that no more than that is left of either.
-        [[nodiscard]] std::size_t needed(double most_mean, double most_at_worst) const {
-            std::size_t n = 0;
-            while (n < pixels.size() && (mean[n] > most_mean || at_worst[n] > most_at_worst)) ++n;
-            return n;
-        }
-    };
-    [[nodiscard]] Rest rest_of(std::size_t t) const {
-        const int edge = TileGrid::edge, x0 = static_cast<int>(t) % out_.grid.columns() * edge,
-                  y0 = static_cast<int>(t) / out_.grid.columns() * edge;
-        Rest out;
-        double mean = 0, worst = 0;
-        for (int y = y0; y < std::min(y0 + edge, h_.height); ++y) {
-            for (int x = x0; x < std::min(x0 + edge, h_.width); ++x) {
-                const std::uint32_t k = static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(h_.width) +
-                                        static_cast<std::uint32_t>(x);
-                out.pixels.push_back(k);
-                mean += error(k);
-                worst += at_worst(k);
-            }
-        }
-        std::stable_sort(out.pixels.begin(), out.pixels.end(),
-                         [&](std::uint32_t a, std::uint32_t b) { return at_worst(a) > at_worst(b); });
-        const double share = 1.0 / static_cast<double>(out.pixels.size());
-        out.mean.push_back(share * mean);
-        out.at_worst.push_back(share * worst);
-        for (const std::uint32_t k : out.pixels) {
-            out.mean.push_back(out.mean.back() - share * error(k));
-            out.at_worst.push_back(out.at_worst.back() - share * at_worst(k));
-        }
-        return out;
-    }
-
-    /// What a pixel is off by that is traced again or not, and should its edges be worse than the mean.
+    /// What a pixel is off by beside the noise of views; and should its edges be worse than the mean.
     [[nodiscard]] double error(std::uint32_t k) const {
         return static_cast<double>(hidden_[k]) + floor_unseen * static_cast<double>(floor_[k]);
     }

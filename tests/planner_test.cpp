@@ -10,6 +10,7 @@
 #include "planner/auto_picture.h"
 #include "planner/edge_cells.h"
 #include "planner/record_floor.h"
+#include "planner/tile_choices.h"
 #include "planner/trace_plan.h"
 #include "records/srgb.h"
 #include "tests/motion_frame.h"
@@ -83,6 +84,40 @@ double psnr_db(const Image& a, const Image& b) {
 
 // The number in edge_cells.h: a straight edge of any direction and place that parts the corners of a
 // square.
+TEST(TileChoices, TheWorstPixelsAreTracedAgainFirst) {
+    const TileGrid grid{66, 3};
+    // The second tile is 2 px wide: pixels 64, 65, 130, 131, 196, 197.
+    const auto mean = [](std::uint32_t k) { return k == 130 ? 0.6 : k == 65 ? 0.3 : 0.0; };
+    const auto worst = [&](std::uint32_t k) { return mean(k) + (k == 65 ? 0.6 : 0.0); };
+    const TileRest rest(grid, 1, mean, worst);
+    EXPECT_THAT(rest.pixels, ElementsAre(65, 130, 64, 131, 196, 197));
+    EXPECT_NEAR(rest.mean[0], 0.9 / 6, 1e-12);
+    EXPECT_NEAR(rest.mean[1], 0.6 / 6, 1e-12);
+    EXPECT_NEAR(rest.at_worst[0], 1.5 / 6, 1e-12);
+    EXPECT_NEAR(rest.at_worst[2], 0, 1e-12);
+    EXPECT_EQ(rest.needed(0.2, 0.3), 0U);
+    EXPECT_EQ(rest.needed(0.2, 0.2), 1U);
+    EXPECT_EQ(rest.needed(0.05, 1), 2U);
+    EXPECT_EQ(rest.needed(-0.1, 1), 6U);
+}
+
+TEST(TileChoices, AreTheCheapestThatMayBe) {
+    const TileGrid grid{128, 64};
+    // 4096 pixels a tile: 16 views less are worth 65536 pixels of views, 655 pixels at 100 each.
+    const std::vector<std::vector<TileChoice>> choices{{{16, 0, 600}, {32, 0, 0}},
+                                                       {{16, 0, 700}, {32, 0, 0}}};
+    const auto views = [&](std::size_t most) {
+        std::vector<int> out;
+        for (const TileChoice& c : cheapest_choices(choices, grid, 100, most)) out.push_back(c.views);
+        return out;
+    };
+    EXPECT_THAT(views(1000), ElementsAre(16, 32));
+    EXPECT_THAT(views(500), ElementsAre(32, 32));
+    // Nothing helps where each choice traces too much again.
+    const std::vector<std::vector<TileChoice>> none{{{16, 0, 900}, {32, 0, 800}}};
+    EXPECT_EQ(cheapest_choices(none, TileGrid{64, 64}, 100, 10)[0].views, 32);
+}
+
 TEST(RecordFloor, VarianceOfAnEdgeInASquare) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> unit(0, 1);
