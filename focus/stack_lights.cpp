@@ -39,9 +39,11 @@ void StackLights::add_surface(std::uint32_t surface, double inverse_depth, const
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
-        const double apart = m.surface == surface ? 0
-                             : opaque             ? std::min(1.0, std::abs(radius_px - m.radius_px))
-                                                  : independence(radius_px, m.radius_px);
+        // Nothing does not move: it is everywhere the same.
+        const double apart = surface == nothing     ? 1
+                             : m.surface == surface ? 0
+                             : opaque               ? std::min(1.0, std::abs(radius_px - m.radius_px))
+                                                    : independence(radius_px, m.radius_px);
         covered += m.seen * (1 - apart);
         covering += m.seen;
     }

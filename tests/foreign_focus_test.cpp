@@ -144,6 +144,38 @@ TEST(ForeignFocus, AlphaOfAHalfPlaneBeforeNothingIsItsEdge) {
     }
 }
 
+TEST(ForeignFocus, WhatIsAlmostInfinitelyFarDoesNotMoveAlongWithNothing) {
+    // Circles of 12.1 px of radius before nothing, whose own would have 12.5: it has none, and none is
+    // missing behind what is before it.
+    Bench bench{.width = 80, .height = 64, .margin_px = 40};
+    bench.inverse_focus_per_m = 0.0125;
+    const float z = bench.inverse_z(12.1);
+    const auto spread = [&](const std::function<bool(int x, int y)>& is_there, FocusMethod method) {
+        return bench
+            .focus(bench.picture([&](int x, int y) {
+                return is_there(x, y) ? Stack{{z, 0.8F, 0.5F, 0}} : Stack{};
+            }),
+                   method)
+            .image;
+    };
+    for (const FocusMethod method : both) {
+        const Image edge = spread([](int x, int) { return x >= 40; }, method);
+        for (int x = 0; x < 80; ++x) {
+            const double front = edge_response((x + 0.5 - 40) / level_radius(12.1));
+            ASSERT_NEAR(alpha(edge, x, 32), front, 3e-6) << x;
+            ASSERT_NEAR(value(edge, x, 32, 0), 0.8 * front, 3e-6) << x;
+        }
+        // Less than half a circle away from its middle all of a small square arrives.
+        const auto in_square = [](int x, int y) { return x >= 37 && x < 43 && y >= 29 && y < 35; };
+        const Image square = spread(in_square, method);
+        const double radius = level_radius(12.1), share = 36 / (std::numbers::pi * radius * radius);
+        for (int x = 36; x < 44; ++x) EXPECT_NEAR(alpha(square, x, 32), share, 2e-3 * share) << x;
+        double sum = 0;
+        for (const float a : square.alpha) sum += static_cast<double>(a);
+        EXPECT_NEAR(sum, 36, 1e-3);
+    }
+}
+
 TEST(ForeignFocus, EvenPicturesOfAnyDepthsStayEven) {
     // The same colour and alpha everywhere, at depths of every kind.
     std::mt19937 random(7);
