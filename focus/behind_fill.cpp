@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/memory.h"
 #include "core/threads.h"
+#include "focus/depth_levels.h"
 
 namespace postlens {
 namespace {
@@ -199,70 +201,85 @@ std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeomet
 
 namespace {
 
-/// Spreads the value of what is nearer: two passes over a raster, eight neighbours.
-class Nearest {
+/// Sums over rectangles of a raster; outside of it everything is 0.
+class RectangleSums {
   public:
-    Nearest(int width, int height)
+    RectangleSums(int width, int height, const std::vector<float>& values)
         : width_(width),
           height_(height),
-          distance_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
-                    std::numeric_limits<float>::infinity()),
-          value_(distance_.size(), 0.0F) {}
-
-    void set(int x, int y, float value) {
-        distance_[index(x, y)] = 0;
-        value_[index(x, y)] = value;
+          sums_(static_cast<std::size_t>(width + 1) * static_cast<std::size_t>(height + 1), 0.0) {
+        for (int y = 0; y < height; ++y) {
+            double row = 0;
+            for (int x = 0; x < width; ++x) {
+                row +=
+                    static_cast<double>(values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                               static_cast<std::size_t>(x)]);
+                sums_[index(x + 1, y + 1)] = sums_[index(x + 1, y)] + row;
+            }
+        }
     }
-    std::vector<float> spread() && {
-        for (int y = 0; y < height_; ++y) {
-            for (int x = 0; x < width_; ++x) {
-                take(x, y, -1, 0);
-                for (int dx = -1; dx <= 1; ++dx) take(x, y, dx, -1);
-            }
-            for (int x = width_; x-- > 0;) take(x, y, 1, 0);
-        }
-        for (int y = height_; y-- > 0;) {
-            for (int x = width_; x-- > 0;) {
-                take(x, y, 1, 0);
-                for (int dx = -1; dx <= 1; ++dx) take(x, y, dx, 1);
-            }
-            for (int x = 0; x < width_; ++x) take(x, y, -1, 0);
-        }
-        return std::move(value_);
+    /// Columns [x0, x1) of rows [y0, y1).
+    [[nodiscard]] double of(int x0, int x1, int y0, int y1) const {
+        const auto at = [&](int x, int y) {
+            return sums_[index(std::clamp(x, 0, width_), std::clamp(y, 0, height_))];
+        };
+        return at(x1, y1) - at(x0, y1) - at(x1, y0) + at(x0, y0);
     }
 
   private:
     [[nodiscard]] std::size_t index(int x, int y) const {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_ + 1) +
+               static_cast<std::size_t>(x);
     }
-    void take(int x, int y, int dx, int dy) {
-        const int u = x + dx, v = y + dy;
-        if (u < 0 || u >= width_ || v < 0 || v >= height_) return;
-        const float distance = distance_[index(u, v)] + (dx != 0 && dy != 0 ? 1.41421356F : 1);
-        if (distance >= distance_[index(x, y)]) return;
-        distance_[index(x, y)] = distance;
-        value_[index(x, y)] = value_[index(u, v)];
-    }
-
     int width_, height_;
-    std::vector<float> distance_, value_;
+    std::vector<double> sums_;
 };
 
 }  // namespace
 
-std::vector<float> depth_around_nothing(const ForeignPicture& picture, const RasterWindow& window) {
-    require_memory(
-        static_cast<std::uint64_t>(window.width()) * static_cast<std::uint64_t>(window.height()) * 8,
-        "the depths around what is nothing");
-    Nearest nearest(window.width(), window.height());
-    for (int y = std::max(window.y_begin, picture.y_begin); y < std::min(window.y_end, picture.y_end); ++y) {
-        for (int x = std::max(window.x_begin, picture.x_begin); x < std::min(window.x_end, picture.x_end);
-             ++x) {
-            const auto stack = picture.stack(x, y);
-            if (!stack.empty()) nearest.set(x - window.x_begin, y - window.y_begin, stack.back().inverse_z);
+std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
+                                    const RasterWindow& window) {
+    // Nothing is all that is not stored inside the raster; beyond both nobody knows.
+    const RasterWindow known{std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
+                             std::max(p.height, p.y_end)};
+    const auto pixels =
+        static_cast<std::uint64_t>(known.width()) * static_cast<std::uint64_t>(known.height());
+    require_memory(pixels * 20, "where nothing is in the picture");
+    std::vector<float> left(pixels, 0.0F), radius_px(pixels, 0.0F);
+    const auto at = [&](int x, int y) {
+        return static_cast<std::size_t>(y - known.y_begin) * static_cast<std::size_t>(known.width()) +
+               static_cast<std::size_t>(x - known.x_begin);
+    };
+    for (int y = known.y_begin; y < known.y_end; ++y) {
+        for (int x = known.x_begin; x < known.x_end; ++x) {
+            double through = 1, widest_px = 0;
+            if (p.stores(x, y)) {
+                for (const StackSample& s : p.stack(x, y)) {
+                    through *= 1 - static_cast<double>(s.alpha);
+                    widest_px = std::max(
+                        widest_px, std::abs(geometry.coc_diameter_px(static_cast<double>(s.inverse_z)) / 2));
+                }
+            }
+            left[at(x, y)] = static_cast<float>(std::max(through, 0.0));
+            radius_px[at(x, y)] = static_cast<float>(widest_px);
         }
     }
-    return std::move(nearest).spread();
+    const RectangleSums sums(known.width(), known.height(), left);
+    std::vector<float> out;
+    out.reserve(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()));
+    for (int y = window.y_begin; y < window.y_end; ++y) {
+        for (int x = window.x_begin; x < window.x_end; ++x) {
+            const std::size_t k = at(x, y);
+            // A circle from the middle of a pixel; levels may make it a quarter of a pixel larger.
+            const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
+            const int reach = static_cast<int>(std::ceil(radius + 0.75)) - 1;
+            const int column = x - known.x_begin, row = y - known.y_begin;
+            const double around = sums.of(column - reach, column + reach + 1, row - reach, row + reach + 1) /
+                                  std::max(std::numbers::pi * radius * radius, 1.0);
+            out.push_back(std::max(left[k], static_cast<float>(around)));
+        }
+    }
+    return out;
 }
 
 }  // namespace postlens

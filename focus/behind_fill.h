@@ -1,5 +1,5 @@
-// Guesses: what stands behind the edges of a picture that only has what is in front, and how nothing is
-// blurred.
+// Guesses: what stands behind the edges of a picture that only has what is in front, and where nothing comes
+// to light.
 #pragma once
 
 #include <vector>
@@ -27,10 +27,10 @@ struct Behind {
 /// circle. The same for any number of threads.
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry);
 
-/// For each pixel of a window, row by row: one over the depth of the last sample of its own stack, else of
-/// the nearest stack that has any, 1/m; 0 without any. By the circle of these depths nothing is spread by
-/// methods without visibility: so an edge before nothing is that of its own circle.
-[[nodiscard]] std::vector<float> depth_around_nothing(const ForeignPicture& picture,
-                                                      const RasterWindow& window);
+/// For each pixel of a window, row by row: how much of it nothing may come to fill once all is spread. Where
+/// something stands, what is nothing in the square around its own circle, in circles: all of it where the
+/// circle sees an edge before nothing, however that runs. Elsewhere what of the pixel is nothing.
+[[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
+                                                  const FocusGeometry& geometry, const RasterWindow& window);
 
 }  // namespace postlens

@@ -87,8 +87,7 @@ class Spread {
         if (method_ == FocusMethod::layers) {
             behind_ = behind_fill(picture, geometry);
         } else {
-            around_nothing_ = depth_around_nothing(
-                picture, {corners_.x_begin, corners_.x_end - 1, corners_.y_begin, corners_.y_end - 1});
+            nothing_ = nothing_in_reach(picture, geometry, window);
         }
         known_behind_ = static_cast<std::size_t>(
             std::count_if(behind_.begin(), behind_.end(), [](const Behind& b) { return b.known; }));
@@ -130,7 +129,7 @@ class Spread {
     void take_in(Splats& splats, StackValue value) const {
         const auto rows = static_cast<std::size_t>(corners_.height() - 1);
         parallel_for((rows + rows_per_task - 1) / rows_per_task, [&](std::size_t task) {
-            StackLights lights(geometry_);
+            StackLights lights(geometry_, method_ == FocusMethod::layers);
             std::vector<PixelLight> row;
             const std::size_t end = std::min(rows, (task + 1) * rows_per_task);
             for (std::size_t i = task * rows_per_task; i < end; ++i) {
@@ -139,8 +138,7 @@ class Spread {
                 for (int x = corners_.x_begin; x < corners_.x_end - 1; ++x) {
                     const bool stored = picture_.stores(x, y);
                     lights.add(x, stored ? picture_.stack(x, y) : std::span<const StackSample>(),
-                               stored && !behind_.empty() ? &behind_at(x, y) : nullptr, nothing_spread(x, y),
-                               value, row);
+                               stored && !behind_.empty() ? &behind_at(x, y) : nullptr, value, row);
                 }
                 splats.add_pixels(y, row);
             }
@@ -154,18 +152,14 @@ class Spread {
                        static_cast<std::size_t>(x - picture_.x_begin)];
     }
 
-    /// `layers` lays nothing behind all else as it is; `scatter` only averages.
-    [[nodiscard]] double nothing_spread(int x, int y) const {
-        if (around_nothing_.empty()) return geometry_.inverse_focus_per_m;
-        const std::size_t i =
-            static_cast<std::size_t>(y - corners_.y_begin) * static_cast<std::size_t>(corners_.width() - 1) +
-            static_cast<std::size_t>(x - corners_.x_begin);
-        return static_cast<double>(around_nothing_[i]);
-    }
-
     void spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
-            if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) splats.take_pixels();
+            // layers lay nothing behind all else as it is; scatter only averages.
+            if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
+                splats.take_pixels();
+            } else {
+                splats.let_nothing_fill(nothing_);
+            }
             take_in(splats, value);
             method(splats, image, crop_);
             if (report == nullptr) return;
@@ -190,7 +184,7 @@ class Spread {
     DepthLevels levels_;
     std::shared_ptr<const ResponseModel> response_;
     std::vector<Behind> behind_;
-    std::vector<float> around_nothing_;  ///< of scatter
+    std::vector<float> nothing_;  ///< of scatter
     std::size_t known_behind_ = 0;
 };
 

@@ -27,8 +27,14 @@ constexpr int strip_width = RunScatter::strip_width;
 /// Sums of a strip of pixels, channel by channel; strip_width of each.
 using Sums = std::array<const double*, 4>;
 
+/// What a pixel is divided by: nothing fills what is left of it, as far as it may.
+double filled(double weight, float most_nothing) {
+    return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
+}
+
 POSTLENS_MULTIVERSION
-void normalise(const Sums& sums, bool may_be_negative, float* __restrict rgb) {
+void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_negative,
+               float* __restrict rgb) {
     const double* __restrict r = sums[0];
     const double* __restrict g = sums[1];
     const double* __restrict b = sums[2];
@@ -36,7 +42,7 @@ void normalise(const Sums& sums, bool may_be_negative, float* __restrict rgb) {
     // Differences of sums leave the last bits of what was subtracted, which may lie below zero.
     const double least = may_be_negative ? -std::numeric_limits<double>::infinity() : 0;
     for (int i = 0; i < strip_width; ++i) {
-        const double scale = weight[i] > smallest_weight ? 1 / weight[i] : 0;
+        const double scale = weight[i] > smallest_weight ? 1 / filled(weight[i], nothing[i]) : 0;
         rgb[3 * i] = static_cast<float>(std::max(r[i] * scale, least));
         rgb[3 * i + 1] = static_cast<float>(std::max(g[i] * scale, least));
         rgb[3 * i + 2] = static_cast<float>(std::max(b[i] * scale, least));
@@ -49,9 +55,12 @@ void store_channel(const SplatTables& tables, const PointScatter* points, std::s
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();
     for (int y = rows.y_begin; y < rows.y_end; ++y) {
+        const float* nothing = tables.nothing_row(y);
         for (int x = rows.x_begin; x < rows.x_end; ++x) {
             const double* sums = points != nullptr ? points->sums(y) + 4 * (x - rows.x_begin) : nullptr;
-            const double value = sums != nullptr && sums[3] > smallest_weight ? sums[channel] / sums[3] : 0;
+            const float most = nothing != nullptr ? nothing[x - picture.x_begin] : 0;
+            const double value =
+                sums != nullptr && sums[3] > smallest_weight ? sums[channel] / filled(sums[3], most) : 0;
             image.pixel(x - picture.x_begin, y - picture.y_begin)[channel] =
                 static_cast<float>(tables.any_negative() ? value : std::max(value, 0.0));
         }
@@ -62,15 +71,16 @@ void store_channel(const SplatTables& tables, const PointScatter* points, std::s
 /// absent where nothing of theirs arrives.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter* points,
                 const RasterWindow& rows, Image& image) {
-    static constexpr std::array<double, strip_width> nothing{};
+    static constexpr std::array<double, strip_width> none{};
     const RasterWindow& picture = tables.picture();
     for (int y = rows.y_begin; y < rows.y_end; ++y) {
+        const float* nothing = tables.nothing_row(y);
         for (int x = rows.x_begin; x < rows.x_end; x += strip_width) {
             const int width = std::min(strip_width, rows.x_end - x);
             Sums sums{};
             for (int c = 0; c < 4; ++c) {
                 sums[static_cast<std::size_t>(c)] =
-                    runs != nullptr ? runs->sums(c, (x - rows.x_begin) / strip_width, y) : nothing.data();
+                    runs != nullptr ? runs->sums(c, (x - rows.x_begin) / strip_width, y) : none.data();
             }
             // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled where it is used
             std::array<std::array<double, strip_width>, 4> both;
@@ -83,13 +93,15 @@ void store_rows(const SplatTables& tables, const RunScatter* runs, const PointSc
                     sums[c] = both[c].data();
                 }
             }
+            std::array<float, strip_width> most_nothing{};
+            if (nothing != nullptr) std::copy_n(nothing + (x - picture.x_begin), width, most_nothing.data());
             float* out = image.pixel(x - picture.x_begin, y - picture.y_begin);
             if (width == strip_width) {
-                normalise(sums, tables.any_negative(), out);
+                normalise(sums, most_nothing.data(), tables.any_negative(), out);
             } else {
                 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled whole
                 std::array<float, 3 * strip_width> rgb;
-                normalise(sums, tables.any_negative(), rgb.data());
+                normalise(sums, most_nothing.data(), tables.any_negative(), rgb.data());
                 std::copy_n(rgb.data(), 3 * width, out);
             }
         }
@@ -188,12 +200,15 @@ std::vector<double> reference_sums(const SplatTables& tables, std::size_t channe
 
 Image scatter_reference(const SplatTables& tables) {
     Image image(tables.picture().width(), tables.picture().height());
+    const float* nothing = tables.nothing_row(tables.picture().y_begin);
     for (std::size_t channel = 0; channel < tables.kernels().channels(); ++channel) {
         const std::vector<double> sums = reference_sums(tables, channel);
         for (std::size_t i = 0; i < image.rgb.size(); ++i) {
             if (tables.kernels().channels() == 3 && i % 3 != channel) continue;
             const double* sum = sums.data() + i / 3 * 4;
-            image.rgb[i] = static_cast<float>(sum[3] > smallest_weight ? sum[i % 3] / sum[3] : 0);
+            const float most = nothing != nullptr ? nothing[i / 3] : 0;
+            image.rgb[i] =
+                static_cast<float>(sum[3] > smallest_weight ? sum[i % 3] / filled(sum[3], most) : 0);
         }
     }
     return image;

@@ -1,5 +1,5 @@
 // Scatter [potmesil1981]: every sample's energy spread over its circle of confusion, normalised by the
-// weights that arrive.
+// weights that arrive, and by nothing where that may fill what is left (SplatTables::let_nothing_fill).
 #pragma once
 
 #include "focus/splat_tables.h"

@@ -82,6 +82,9 @@ class SplatTables {
     /// Takes in row y of pixels instead, by growing column; safe for several rows at once. What is hidden is
     /// left out.
     void add_pixels(int y, std::span<const PixelLight> lights);
+    /// For each pixel of the picture, row by row: how much of it nothing may fill where less than one
+    /// arrives. Without, what arrives is all there is.
+    void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Makes the kernels; after the last row.
     void finish();
 
@@ -115,6 +118,12 @@ class SplatTables {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
+    /// See let_nothing_fill; of row y of the picture, raster px; none: none anywhere.
+    [[nodiscard]] const float* nothing_row(int y) const {
+        return nothing_.empty() ? nullptr
+                                : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *
+                                                        static_cast<std::size_t>(picture_.width());
+    }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     /// Greatest diameter of the CoC among the nodes, px, as it is, not as its level has it.
     [[nodiscard]] double largest_coc_px() const;
@@ -139,6 +148,7 @@ class SplatTables {
     KernelTable kernels_;
     std::vector<float> raster_[3];
     std::vector<SplatRow> rows_;
+    std::vector<float> nothing_;  ///< by pixel of the picture; empty: none
     BorderRadii border_;
     std::vector<double> row_largest_radius_px_;  ///< by row
     std::vector<std::uint8_t> row_negative_;     ///< by row

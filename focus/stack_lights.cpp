@@ -62,8 +62,8 @@ void StackLights::add_surface(std::uint32_t surface, double inverse_depth, const
     left_ *= 1 - alpha;
 }
 
-void StackLights::add(int x, std::span<const StackSample> stack, const Behind* behind, double nothing_spread,
-                      StackValue value, std::vector<PixelLight>& out) {
+void StackLights::add(int x, std::span<const StackSample> stack, const Behind* behind, StackValue value,
+                      std::vector<PixelLight>& out) {
     left_ = 1;
     met_.clear();
     sums_.clear();
@@ -89,13 +89,14 @@ void StackLights::add(int x, std::span<const StackSample> stack, const Behind* b
         if (alpha < 1 - least_share) add_surface(nothing, 0, {}, 1 - alpha, true);
     }
     for (const Sum& s : sums_) {
+        if (s.surface == nothing && !with_nothing_) continue;
         const auto store = [&](const std::array<double, 3>& rgb, double weight, double depth, double covered,
                                bool hidden) {
             if (!(weight > least_share * least_alpha)) return;
             out.push_back(
                 {x,
                  depth / weight,
-                 s.surface == nothing ? nothing_spread : depth / weight,
+                 s.surface == nothing ? geometry_.inverse_focus_per_m : depth / weight,
                  {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])},
                  static_cast<float>(weight),
                  static_cast<float>(covered),

@@ -23,12 +23,13 @@ enum class StackValue { colour, alpha };
 /// within a pixel of signed radius, or a 16th of it beyond 16 px.
 class StackLights {
   public:
-    explicit StackLights(const FocusGeometry& geometry) : geometry_(geometry) {}
+    /// `with_nothing`: what is nothing is among the lights as well, and is spread by no circle.
+    StackLights(const FocusGeometry& geometry, bool with_nothing)
+        : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Appends to `out`. `behind` may be null. `nothing_spread`: one over the depth whose circle spreads
-    /// nothing.
-    void add(int x, std::span<const StackSample> stack, const Behind* behind, double nothing_spread,
-             StackValue value, std::vector<PixelLight>& out);
+    /// Appends to `out`. `behind` may be null.
+    void add(int x, std::span<const StackSample> stack, const Behind* behind, StackValue value,
+             std::vector<PixelLight>& out);
 
     /// The surface that something of this signed radius belongs to.
     [[nodiscard]] static std::uint32_t surface_of(double signed_radius_px);
@@ -48,6 +49,7 @@ class StackLights {
         double seen_weight = 0, hidden_weight = 0, covered = 0, seen_depth = 0, hidden_depth = 0;
     };
     FocusGeometry geometry_;
+    bool with_nothing_;
     double left_ = 1;  ///< transparency so far
     std::vector<Met> met_;
     std::vector<Sum> sums_;

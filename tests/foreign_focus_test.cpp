@@ -176,6 +176,24 @@ TEST(ForeignFocus, WhatIsAlmostInfinitelyFarDoesNotMoveAlongWithNothing) {
     }
 }
 
+TEST(ForeignFocus, WhatIsSharpNearbyLeavesNoOutlineInWhatIsBlurred) {
+    // A small square with circles of 11.9 px, beside a sharp one: what is nothing in between is next to
+    // either.
+    const Bench bench{.width = 80, .height = 64, .margin_px = 40};
+    const auto in_square = [](int x, int y, int x0) { return x >= x0 && x < x0 + 6 && y >= 29 && y < 35; };
+    const ForeignPicture p = bench.picture([&](int x, int y) {
+        if (in_square(x, y, 30)) return Stack{{bench.inverse_z(-11.9), 1, 0, 0}};
+        if (in_square(x, y, 46)) return Stack{{bench.inverse_z(0), 0, 1, 0}};
+        return Stack{};
+    });
+    const double radius = level_radius(11.9), share = 36 / (std::numbers::pi * radius * radius);
+    for (const FocusMethod method : both) {
+        const Image image = bench.focus(p, method).image;
+        for (int x = 29; x < 37; ++x) EXPECT_NEAR(alpha(image, x, 32), share, 2e-3 * share) << x;
+        EXPECT_NEAR(alpha(image, 48, 32), 1, 1e-6);
+    }
+}
+
 TEST(ForeignFocus, EvenPicturesOfAnyDepthsStayEven) {
     // The same colour and alpha everywhere, at depths of every kind.
     std::mt19937 random(7);
