@@ -80,6 +80,13 @@ double spread_light_error(const CellStep& step, double size_px, double coc_px) {
     return pixels * e * e;
 }
 
+const CellCorner& brightest(const std::array<const CellCorner*, 4>& corners) {
+    return **std::max_element(corners.begin(), corners.end(), [](const CellCorner* a, const CellCorner* b) {
+        return std::max({a->linear[0], a->linear[1], a->linear[2]}) <
+               std::max({b->linear[0], b->linear[1], b->linear[2]});
+    });
+}
+
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
     // Even, or shading: a x^2 + b y^2 is off by (a + b) / 6; a and b are taken to be half of what the corners

@@ -42,6 +42,8 @@ struct CellStep {
 /// The squared error, summed over pixels and encoded, that a cell with light above 1 makes where a circle of
 /// confusion spreads it: encoding clips the light in the cell itself, but not what is left of it out there.
 [[nodiscard]] double spread_light_error(const CellStep& step, double size_px, double coc_px);
+/// Whose light that is: the corner with the highest channel.
+[[nodiscard]] const CellCorner& brightest(const std::array<const CellCorner*, 4>& corners);
 /// Corners up-left, up-right, down-left, down-right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 

@@ -55,13 +55,8 @@ RecordFloor::PixelError RecordFloor::pixel_error(std::span<const Leaf> leaves,
         if (step.split == CellStep::Split::none) continue;
         for (const CellCorner* c : at)
             coc_px = std::min(coc_px, std::abs(geometry_.coc_diameter_px(c->inverse_z)));
-        const CellCorner* brightest =
-            *std::max_element(at.begin(), at.end(), [](const CellCorner* a, const CellCorner* b) {
-                return std::max({a->linear[0], a->linear[1], a->linear[2]}) <
-                       std::max({b->linear[0], b->linear[1], b->linear[2]});
-            });
         bright += spread_light_error(step, static_cast<double>(leaf.size),
-                                     std::abs(geometry_.coc_diameter_px(brightest->inverse_z)));
+                                     std::abs(geometry_.coc_diameter_px(brightest(at).inverse_z)));
     }
     double mse = edges.mse();
     if (mse > 0 && std::isfinite(coc_px)) mse /= averaged_by(coc_px, edges.aligned());

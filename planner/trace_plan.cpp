@@ -1,6 +1,7 @@
 #include "planner/trace_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "planner/edge_cells.h"
 #include "planner/record_floor.h"
 #include "planner/scratch_file.h"
+#include "planner/tile_grid.h"
 #include "records/quadtree.h"
 #include "records/sample_file.h"
 #include "tracer/lens_reach.h"
@@ -26,16 +28,26 @@ namespace {
 constexpr int coarser = 4;      ///< the look's pixels, in the trace's
 constexpr int look_levels = 2;  ///< so that its finest cells are pixels of the trace
 constexpr int most_levels = 6;
+/// Of the tiles, so many are to be at the target, and the picture as a whole.
+constexpr double tiles_met = 0.9;
 /// New samples of a cell that is split: its centre and what of the middles of its sides is not there yet.
 constexpr double samples_per_split = 3.5;
 
+using ByLevel = std::array<double, most_levels + 1>;
+
 struct Look {
     double edge_pixels = 0;  ///< pixels of the trace that an edge crosses, beyond the frame too
-    /// Sums over them of the squared error that one cell as large as the pixel would have.
-    double aligned_error = 0, slanted_error = 0;
+    /// Squared error, summed over the pixels of each tile of the trace.
+    std::vector<ByLevel> tiles;
+    TileGrid grid;                                ///< of the trace
     double samples = 0, records = 0, hidden = 0;  ///< records: those of what is visible
     double pixels = 0;                            ///< all that was looked at, in pixels of the trace
 };
+
+/// To two digits, without an exponent.
+std::string rough(double value) {
+    return value < 99.5 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
+}
 
 std::optional<FocusGeometry> geometry_of(const TraceSettings& s, const CameraModel& camera) {
     if (!s.for_f_number || !s.for_focus_m || camera.projection != Camera::Projection::perspective)
@@ -49,6 +61,8 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
     const SampleHeader& h = file.header();
     out.pixels =
         static_cast<double>(h.width + 2 * h.overscan_px) * (h.height + 2 * h.overscan_px) * coarser * coarser;
+    out.grid = {h.width * coarser, h.height * coarser};
+    out.tiles.resize(out.grid.count(), ByLevel{});
     FocusFrame frame(file);
     // Circles of confusion as wide as the trace will have them; a cell of a pixel there is a quarter here.
     constexpr double px = 1.0 / coarser;
@@ -70,6 +84,7 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             double squares = 0;
             bool slants = false;
             double coc_px = std::numeric_limits<double>::infinity();
+            ByLevel error{};
             for (std::uint32_t l = leaves.leaf_offsets[pixel]; l < leaves.leaf_offsets[pixel + 1]; ++l) {
                 const Leaf& leaf = leaves.leaves[l];
                 if (static_cast<double>(leaf.size) > px) continue;
@@ -83,11 +98,24 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
+                const double bright_coc_px = std::abs(of_trace.coc_diameter_px(brightest(at).inverse_z));
+                for (int level = 0; level <= most_levels; ++level) {
+                    error[static_cast<std::size_t>(level)] +=
+                        std::exp2(level) * spread_light_error(step, std::exp2(-level), bright_coc_px);
+                }
             }
-            if (squares == 0) continue;
-            (slants ? out.slanted_error : out.aligned_error) +=
-                (slants ? edge_cell_variance : aligned_cell_variance) * squares /
-                averaged_by(coc_px, !slants);
+            const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
+                      y = static_cast<int>(pixel) / rows.band->width() + begin;
+            if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
+            // An edge crosses 2^L cells of a pixel, each with an area of 4^-L whose square its error goes
+            // with: those of one that runs along the cells add up, others do so as squares.
+            const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
+                                    averaged_by(coc_px, !slants);
+            ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
+            for (int level = 0; level <= most_levels; ++level) {
+                const auto l = static_cast<std::size_t>(level);
+                to[l] += floor_unseen * (error[l] + one_cell * std::exp2((slants ? -3.0 : -2.0) * level));
+            }
         }
     });
     return out;
@@ -129,14 +157,16 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     // Half of what the target allows, so that views have the other half.
     const double most_mse = std::pow(10.0, -target_db / 10) / 2;
     out.levels = -1;
-    for (int level = 0; level <= most_levels; ++level) {
-        // An edge crosses 2^L cells of a pixel, each with an area of 4^-L whose square its error goes with:
-        // those of one that runs along the cells add up, others do so as squares.
-        const double mse =
-            (look.aligned_error * std::exp2(-2.0 * level) + look.slanted_error * std::exp2(-3.0 * level)) /
-            look.pixels;
+    for (std::size_t level = 0; level <= most_levels; ++level) {
+        double sum = 0, met = 0;
+        for (std::size_t t = 0; t < look.tiles.size(); ++t) {
+            sum += look.tiles[t][level];
+            met += look.tiles[t][level] <= most_mse * look.grid.pixels(t) ? 1 : 0;
+        }
+        const double mse = sum / (static_cast<double>(look.grid.width) * look.grid.height);
         out.floors_db.push_back(-10 * std::log10(std::max(mse, 1e-12)));
-        if (out.levels < 0 && mse <= most_mse) out.levels = level;
+        if (out.levels < 0 && mse <= most_mse && met >= tiles_met * static_cast<double>(look.tiles.size()))
+            out.levels = static_cast<int>(level);
     }
     out.met = out.levels >= 0;
     if (!out.met) out.levels = most_levels;
@@ -170,10 +200,10 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.text = fmt::format(
         "planned: {} levels of subdivision, overscan {} px or less, hidden surfaces {}, {} instants: records "
         "good for "
-        "{:.1f} dB; about {:.2g} million records, {:.2g} MB, {:.2g} s",
+        "{:.1f} dB; about {} million records, {} MB, {} s",
         out.levels, traced.overscan_px * coarser,
         out.settings.hidden_layers == 0 ? "none" : "where they come to light", traced.instants_s.size(),
-        out.floor_db, out.records / 1e6, out.bytes / 1e6, out.seconds);
+        out.floor_db, rough(out.records / 1e6), rough(out.bytes / 1e6), rough(out.seconds));
     return out;
 }
 

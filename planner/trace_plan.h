@@ -23,11 +23,11 @@ struct TracePlan {
 
 /// Looks at the scene through a trace of a quarter of the width and height: the edges found there, as high
 /// and as blurred as they are, tell what each level of subdivision leaves of error (record_floor.h); the
-/// coarsest that leaves half of what `target_db` allows is taken. Hidden surfaces, overscan and keys are left
-/// to the trace's own rules for the lens and the shutter; without any difference in the circles of confusion
-/// of half a pixel there is nothing hidden to be seen. Throws Error(wrong_arguments) where `asked` names
-/// neither for_f_number with for_focus_m nor for_shutter, and what trace_to_file throws. Needs room for a
-/// file in the system's temporary folder.
+/// coarsest is taken that leaves half of what `target_db` allows, of the picture and of nine of its tiles in
+/// ten. Hidden surfaces, overscan and keys are left to the trace's own rules for the lens and the shutter;
+/// without any difference in the circles of confusion of half a pixel there is nothing hidden to be seen.
+/// Throws Error(wrong_arguments) where `asked` names neither for_f_number with for_focus_m nor for_shutter,
+/// and what trace_to_file throws. Needs room for a file in the system's temporary folder.
 [[nodiscard]] TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double target_db);
 
 }  // namespace postlens
