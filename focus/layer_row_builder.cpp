@@ -147,8 +147,9 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     covered_ = 0;
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
-        // Of primary nodes that the pinhole sees, as in scatter.
-        row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
+        // Of primary nodes that the pinhole sees, and of what was hit, as in scatter.
+        if (inverse_depth > 0)
+            row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
         t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
     }
     if (!(s.total_weight() > 0)) return;
@@ -270,7 +271,8 @@ void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
     const NodeResponses& responses = t_.responses_;
     const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
     if (!light.hidden) {
-        row_.largest_radius_px = std::max(row_.largest_radius_px, response.exact_radius_px);
+        if (light.inverse_depth > 0)
+            row_.largest_radius_px = std::max(row_.largest_radius_px, response.exact_radius_px);
         t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
     }
     const LayerPart part{.surface = {light.surface, 0},

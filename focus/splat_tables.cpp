@@ -72,8 +72,9 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // Of primary nodes alone: near a fold W has no bound, and a number without one tells nobody anything.
-    largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
+    // Of primary nodes alone: near a fold W has no bound, and a number without one tells nobody anything. And
+    // of what was hit: nothing has no circle to be seen.
+    if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
     for (const Record& node : nodes.subspan(1)) {
@@ -115,7 +116,7 @@ void SplatTables::RowBuilder::add_light(const PixelLight& light) {
                  static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
     const NodeResponses& responses = t_.responses_;
     const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
-    largest_radius_px_ = std::max(largest_radius_px_, response.exact_radius_px);
+    if (light.inverse_depth > 0) largest_radius_px_ = std::max(largest_radius_px_, response.exact_radius_px);
     t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
     const float share = responses.passing(response, place_px_);
     const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};

@@ -125,7 +125,7 @@ class SplatTables {
                                                         static_cast<std::size_t>(picture_.width());
     }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
-    /// Greatest diameter of the CoC among the nodes, px, as it is, not as its level has it.
+    /// Greatest diameter of the CoC among what is seen and was hit, px, as it is, not as its level has it.
     [[nodiscard]] double largest_coc_px() const;
     /// How many discs of different radius are in use.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }

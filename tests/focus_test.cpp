@@ -207,6 +207,20 @@ TEST(FocusPicture, WarnsOfMissingOverscan) {
     EXPECT_NE(partly.warnings[0].text.find("got 4 px of overscan; expected 7 px"), std::string::npos);
 }
 
+TEST(FocusPicture, TheWidestCircleIsOfWhatWasHitByEveryMethod) {
+    const TemporaryFolder folder;
+    // At 2.5 m, before nothing at all, whose own circle would be 12.5 px wide: 25 |1/2 - 1/2.5| = 2.5 px.
+    const RecordBand band = corner_band(60, 40, 0, [](int x, int) {
+        return std::vector{x < 30 ? corner(2.5, 0.5F, 0.5F, 0.5F) : corner(infinity, 0, 0, 0)};
+    });
+    for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield}) {
+        FocusSettings settings{.lens = fast_lens, .focus_distance_m = 2};
+        settings.method = method;
+        const FocusResult result = focus_picture(written(folder, band, header_of(band, 0)), settings);
+        EXPECT_NEAR(result.largest_coc_px, 2.5, 1e-5) << static_cast<int>(method);
+    }
+}
+
 TEST(FocusPicture, BlurInTheMiddleNeedsNoOverscan) {
     const TemporaryFolder folder;
     const RecordBand band = corner_band(90, 60, 0, [](int x, int y) {
