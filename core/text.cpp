@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
+#include <fmt/format.h>
 #include <limits>
 #include <system_error>
 #include <vector>
@@ -59,6 +61,12 @@ std::string excerpt(std::string_view text) {
     }
     if (text.size() > longest) out += "...";
     return out + "'";
+}
+
+std::string rough(double value) {
+    if (std::abs(value) >= 99.5) return fmt::format("{:.0f}", value);
+    if (std::abs(value) < 1e-3) return fmt::format("{:.3f}", value);
+    return fmt::format("{:.2g}", value);
 }
 
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> candidates) {

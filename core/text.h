@@ -15,6 +15,9 @@ namespace postlens {
 /// At most 40 characters of text from a file, unprintable ones replaced, in single quotes.
 [[nodiscard]] std::string excerpt(std::string_view text);
 
+/// A number in two digits and without an exponent: 0.12, 3.4, 56, 789; 0.001 is the least that is shown.
+[[nodiscard]] std::string rough(double value);
+
 /// The candidate with the fewest insertions, deletions, replacements and swaps of neighbours to `word`; the
 /// first of equals. Empty where there are no candidates.
 [[nodiscard]] std::string_view nearest_word(std::string_view word,

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/memory.h"
+#include "core/text.h"
 #include "core/threads.h"
 #include "focus/field_focus.h"
 #include "focus/layers.h"
@@ -199,9 +200,9 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
     constexpr double noticeable = 1e-3;
     if (unknown_share > noticeable) {
         out.warnings.push_back({"uncovered", unknown_share,
-                                fmt::format("{:.2g} % of the light comes from what was never recorded "
+                                fmt::format("{} % of the light comes from what was never recorded "
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
-                                            100 * unknown_share)});
+                                            rough(100 * unknown_share))});
     }
     // The share of a pixel's light from which on hybrid traces it again.
     constexpr float visible = 0.02F;
@@ -211,9 +212,9 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
     if (below > noticeable) {
         out.warnings.push_back(
             {"uncovered", below,
-             fmt::format("{:.2g} % of the pixels show in mirrors or glass what was never recorded (expected "
+             fmt::format("{} % of the pixels show in mirrors or glass what was never recorded (expected "
                          "--method hybrid with --scene, which traces them again)",
-                         100 * below)});
+                         rough(100 * below))});
     }
     return out;
 }

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "core/threads.h"
 #include "focus/behind_fill.h"
 #include "focus/layers.h"
@@ -109,9 +110,9 @@ class Spread {
             out.warnings.push_back(
                 {"uncovered", share,
                  fmt::format(
-                     "what stands behind {:.2g} % of the pixels may come to light and is not in the picture: "
+                     "what stands behind {} % of the pixels may come to light and is not in the picture: "
                      "filled in from around",
-                     100 * share)});
+                     rough(100 * share))});
         }
         return out;
     }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "focus/bend_warning.h"
 #include "focus/depth_levels.h"
 #include "focus/field_focus.h"
@@ -120,10 +121,9 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
     } else if (out.wanted_share > 1e-3) {
         out.focus.warnings.push_back(
             {"uncovered", out.wanted_share,
-             fmt::format(
-                 "the records do not suffice for {:.2g} % of the pixels (expected --scene, to trace them "
-                 "again, or a trace with --hidden-layers for this lens)",
-                 100 * out.wanted_share)});
+             fmt::format("the records do not suffice for {} % of the pixels (expected --scene, to trace them "
+                         "again, or a trace with --hidden-layers for this lens)",
+                         rough(100 * out.wanted_share))});
     }
     return out;
 }

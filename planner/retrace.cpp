@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "tracer/eye_rays.h"
 
 namespace postlens {
@@ -70,9 +71,10 @@ void limit_retraced(double most_retraced, std::vector<std::uint32_t>& pixels, Hy
     if (pixels.size() <= most) return;
     out.focus.warnings.push_back(
         {"retraced", static_cast<double>(pixels.size() - most) / static_cast<double>(out.what.size()),
-         fmt::format("the records do not suffice for {:.1f} % of the pixels, of which {:.1f} % are traced "
-                     "again (expected a trace with --hidden-layers for this lens)",
-                     100 * out.wanted_share, 100 * most_retraced)});
+         fmt::format(
+             "the records do not suffice for {} % of the pixels; {} %, the worst of them, are traced "
+             "again (expected a trace for this lens, or render where mirrors and glass show too much)",
+             rough(100 * out.wanted_share), rough(100 * most_retraced))});
     pixels.resize(most);
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "focus/depth_levels.h"
 #include "focus/frame.h"
 #include "lens/focus_geometry.h"
@@ -43,11 +44,6 @@ struct Look {
     double samples = 0, records = 0, hidden = 0;  ///< records: those of what is visible
     double pixels = 0;                            ///< all that was looked at, in pixels of the trace
 };
-
-/// To two digits, without an exponent.
-std::string rough(double value) {
-    return value < 99.5 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
-}
 
 std::optional<FocusGeometry> geometry_of(const TraceSettings& s, const CameraModel& camera) {
     if (!s.for_f_number || !s.for_focus_m || camera.projection != Camera::Projection::perspective)

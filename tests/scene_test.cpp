@@ -337,6 +337,17 @@ TEST(ShapeBounds, OfAPlaneAreInfinite) {
     EXPECT_TRUE(Bounds().empty());
 }
 
+TEST(Text, RoughNumbersHaveNoExponent) {
+    EXPECT_EQ(rough(0), "0.000");
+    EXPECT_EQ(rough(3e-5), "0.000");
+    EXPECT_EQ(rough(0.00123), "0.0012");
+    EXPECT_EQ(rough(0.125), "0.12");
+    EXPECT_EQ(rough(9.96), "10");
+    EXPECT_EQ(rough(99.4), "99");
+    EXPECT_EQ(rough(99.6), "100");
+    EXPECT_EQ(rough(123456.7), "123457");
+}
+
 TEST(ParseNumber, TakesDecimalsOnly) {
     EXPECT_EQ(parse_number("1.5e-3"), 1.5e-3);
     EXPECT_EQ(parse_number("+2"), 2);
