@@ -35,9 +35,16 @@ TileRest::TileRest(const TileGrid& grid, std::size_t tile, const PixelMse& mean_
     }
 }
 
-std::size_t TileRest::needed(double most_mean, double most_at_worst) const {
+std::optional<std::size_t> TileRest::needed(double most_mean, double most_at_worst) const {
+    for (std::size_t n = 0; n < mean.size(); ++n) {
+        if (mean[n] <= most_mean && at_worst[n] <= most_at_worst) return n;
+    }
+    return std::nullopt;
+}
+
+std::size_t TileRest::nearly_all() const {
     std::size_t n = 0;
-    while (n < pixels.size() && (mean[n] > most_mean || at_worst[n] > most_at_worst)) ++n;
+    while (n < pixels.size() && at_worst[n] > 0.01 * at_worst[0]) ++n;
     return n;
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,8 +24,10 @@ struct TileRest {
 
     /// Sorted by `at_worst`.
     TileRest(const TileGrid& grid, std::size_t tile, const PixelMse& mean, const PixelMse& at_worst);
-    /// How many have to be traced again, so that no more than that is left of either; all where it cannot be.
-    [[nodiscard]] std::size_t needed(double most_mean, double most_at_worst) const;
+    /// How many have to be traced again, so that no more than that is left of either; none: that cannot be.
+    [[nodiscard]] std::optional<std::size_t> needed(double most_mean, double most_at_worst) const;
+    /// How many have nearly all of it.
+    [[nodiscard]] std::size_t nearly_all() const;
 };
 
 /// So many views of a tile, and so many of its pixels traced again.

@@ -95,10 +95,11 @@ TEST(TileChoices, TheWorstPixelsAreTracedAgainFirst) {
     EXPECT_NEAR(rest.mean[1], 0.6 / 6, 1e-12);
     EXPECT_NEAR(rest.at_worst[0], 1.5 / 6, 1e-12);
     EXPECT_NEAR(rest.at_worst[2], 0, 1e-12);
-    EXPECT_EQ(rest.needed(0.2, 0.3), 0U);
-    EXPECT_EQ(rest.needed(0.2, 0.2), 1U);
-    EXPECT_EQ(rest.needed(0.05, 1), 2U);
-    EXPECT_EQ(rest.needed(-0.1, 1), 6U);
+    EXPECT_EQ(rest.needed(0.2, 0.3), std::optional<std::size_t>(0));
+    EXPECT_EQ(rest.needed(0.2, 0.2), std::optional<std::size_t>(1));
+    EXPECT_EQ(rest.needed(0.05, 1), std::optional<std::size_t>(2));
+    EXPECT_EQ(rest.needed(-0.1, 1), std::nullopt);
+    EXPECT_EQ(rest.nearly_all(), 2U);
 }
 
 TEST(TileChoices, AreTheCheapestThatMayBe) {
