@@ -165,7 +165,7 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
         // The samples of a pixel mostly become few splats; beside them stand surfaces, and rows before they
         // are sorted.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
-                   {1, sizeof(LayerSplat), settings.splat_bytes / 5, layers_block_px},
+                   {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
                    [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
                        layers(splats, image, part);
                    });
