@@ -182,7 +182,8 @@ void add_render(CLI::App& root, State& s) {
 void add_image(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("image", "The pinhole picture, from the records alone");
     ImageOptions& o = s.image;
-    app.add_option("frame", o.input, "Sample file, or an OpenEXR picture of another program, flat or deep")
+    reads(app.add_option("frame", o.input,
+                         "Sample file, or an OpenEXR picture of another program, flat or deep"))
         ->required()
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
@@ -198,7 +199,7 @@ void add_records(CLI::App& root, State& s) {
     CLI::App& app =
         *root.add_subcommand("records", "The shading trees at a pixel: every node, its z', W and CoC");
     RecordsOptions& o = s.records;
-    app.add_option("frame", o.input, "Sample file")->required()->type_name("FRAME");
+    reads(app.add_option("frame", o.input, "Sample file"))->required()->type_name("FRAME");
     app.add_option_function<std::string>(
            "--at", [&o](const std::string& text) { o.at = parse_position("--at", text); },
            "Raster position, px")
@@ -212,18 +213,18 @@ void add_records(CLI::App& root, State& s) {
 }
 
 void retrace_options(CLI::App& app, RetraceOptions& o) {
-    app.add_option(
-           "--scene", o.scene,
-           "The scene that the frame was traced from: hybrid traces again what no record shows [default: "
-           "nothing is]")
+    reads(app.add_option(
+              "--scene", o.scene,
+              "The scene that the frame was traced from: hybrid traces again what no record shows [default: "
+              "nothing is]"))
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.metres_per_unit,
            "Size of the unit of the scene, or of another program's depths, m [default: 1]", "X");
     whole(app, "--retrace-spp", o.spp, "Rays for each such pixel, 1 or more", "N");
-    app.add_option(
-           "--explain", o.explain,
-           "Picture of what was done where: blue scattered, grey light field (auto: the paler the more "
-           "views), red traced again")
+    writes(app.add_option(
+               "--explain", o.explain,
+               "Picture of what was done where: blue scattered, grey light field (auto: the paler the more "
+               "views), red traced again"))
         ->type_name("PNG");
 }
 
@@ -234,9 +235,9 @@ void target_option(CLI::App& app, double& to) {
 void add_focus(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("focus", "The picture through a lens, from the records alone");
     FocusOptions& o = s.focus;
-    app.add_option("frame", o.input,
-                   "Sample file; or an OpenEXR picture of another program with depth, flat or deep "
-                   "(docs/inputs.md)")
+    reads(app.add_option("frame", o.input,
+                         "Sample file; or an OpenEXR picture of another program with depth, flat or deep "
+                         "(docs/inputs.md)"))
         ->required()
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
@@ -282,18 +283,18 @@ void add_motionblur(CLI::App& root, State& s) {
                              "The picture of an open shutter, from the records alone, or from a flat OpenEXR "
                              "picture with motion vectors (docs/motion_vectors.md)");
     MotionBlurOptions& o = s.motionblur;
-    app.add_option(
-           "frame", o.input,
-           "Sample file; or a picture with R, G, B, vectors and Z: then --shutter is in frames, 0 this "
-           "one, 1 the next")
+    reads(app.add_option(
+              "frame", o.input,
+              "Sample file; or a picture with R, G, B, vectors and Z: then --shutter is in frames, 0 this "
+              "one, 1 the next"))
         ->required()
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     crop_option(app, o.settings.crop);
     frame_options(app, s.frames, false);
     shutter_options(app, o.shutter, o.curve, "the file's exposure, from the frame's instant on");
-    app.add_option("--paths", o.paths,
-                   "Paths of objects, in place of what the file says (docs/motion_paths.md)")
+    reads(app.add_option("--paths", o.paths,
+                         "Paths of objects, in place of what the file says (docs/motion_paths.md)"))
         ->type_name("PATHS.toml");
     app.add_option_function<std::string>(
            "--vectors",
@@ -345,15 +346,15 @@ void add_shoot(CLI::App& root, State& s) {
     FocusOptions& o = s.shoot.focus;
     o.method = FocusMethod::lightfield;
     o.views = 128;
-    app.add_option("frame", o.input, "Sample file")->required()->type_name("FRAME");
+    reads(app.add_option("frame", o.input, "Sample file"))->required()->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     crop_option(app, o.crop);
     frame_options(app, s.frames, false);
     lens_options(app, o.lens);
     impulse_options(app, o.impulse);
     shutter_options(app, s.shoot.shutter, s.shoot.curve, "the file's exposure, from the frame's instant on");
-    app.add_option("--paths", s.shoot.paths,
-                   "Paths of objects, in place of what the file says (docs/motion_paths.md)")
+    reads(app.add_option("--paths", s.shoot.paths,
+                         "Paths of objects, in place of what the file says (docs/motion_paths.md)"))
         ->type_name("PATHS.toml");
     choice(app, "--method", o.method,
            "lightfield; hybrid: traces again what no record shows; auto: the views that --target-db takes, "
@@ -377,33 +378,39 @@ void add_shoot(CLI::App& root, State& s) {
 void add_compare(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("compare", "How far a picture is from its reference, in figures");
     CompareCommandOptions& o = s.compare;
-    app.add_option("image", o.image, "Picture to judge, or a sample file: its pinhole picture")
+    reads(app.add_option("image", o.image, "Picture to judge, or a sample file: its pinhole picture"))
         ->required()
         ->type_name("IMAGE");
-    app.add_option("reference", o.reference, "Picture to hold it against, of the same size")
+    reads(app.add_option("reference", o.reference, "Picture to hold it against, of the same size"))
         ->required()
         ->type_name("REFERENCE");
-    app.add_option("--noise", o.noise,
-                   "An independent render of the reference (another seed, as many rays): tells how good the "
-                   "reference is and the error above its noise")
+    reads(app.add_option(
+              "--noise", o.noise,
+              "An independent render of the reference (another seed, as many rays): tells how good the "
+              "reference is and the error above its noise"))
         ->type_name("IMAGE");
-    app.add_option("--pinhole", o.pinhole,
-                   "The pinhole picture: figures also for the affected pixels, where it differs from the "
-                   "reference by more than 1/255 (sRGB)")
+    reads(
+        app.add_option("--pinhole", o.pinhole,
+                       "The pinhole picture: figures also for the affected pixels, where it differs from the "
+                       "reference by more than 1/255 (sRGB)"))
         ->type_name("IMAGE");
-    app.add_option("--map", o.map, "Write where they differ, as colours with a legend")->type_name("PNG");
-    app.add_option("--side-by-side", o.side_by_side, "Write both pictures, the map and the figures")
+    writes(app.add_option("--map", o.map, "Write where they differ, as colours with a legend"))
         ->type_name("PNG");
-    app.add_option("--map-causes", o.map_causes,
-                   "Write why each wrong pixel is wrong; needs --frame, and the lens or shutter of the image")
+    writes(app.add_option("--side-by-side", o.side_by_side, "Write both pictures, the map and the figures"))
         ->type_name("PNG");
-    app.add_option("--scene", o.scene,
-                   "With --map-causes: the scene that the frame was traced from, traced again without one "
-                   "shortcoming at "
-                   "a time where the frame alone leaves causes open [default: nothing is]")
+    writes(app.add_option(
+               "--map-causes", o.map_causes,
+               "Write why each wrong pixel is wrong; needs --frame, and the lens or shutter of the image"))
+        ->type_name("PNG");
+    reads(app.add_option(
+              "--scene", o.scene,
+              "With --map-causes: the scene that the frame was traced from, traced again without one "
+              "shortcoming at "
+              "a time where the frame alone leaves causes open [default: nothing is]"))
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.metres_per_unit, "With --scene: size of its unit", "X");
-    app.add_option("--frame", o.frame, "With --map-causes: the sample file that the image was made from")
+    reads(
+        app.add_option("--frame", o.frame, "With --map-causes: the sample file that the image was made from"))
         ->type_name("FRAME");
     number(app, "--f-number", o.lens.f_number,
            "With --map-causes: of the image [default: the frame's; with --shutter a pinhole]", "N", true);
@@ -498,6 +505,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
         fail(ExitCode::wrong_arguments, "--threads: out of range (got {}; expected 0 to 4096)",
              state->common.threads);
     }
+    refuse_shared_files(files_of(app), state->frames.frames);
     ParsedCommand out = state->common;
     // The call refers into the state, which must outlive it.
     out.run = [state] { return state->common.run(); };

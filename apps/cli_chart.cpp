@@ -25,17 +25,18 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
     CLI::Option* scene_option = app.get_option("scene")->required(false);
     auto atlas = std::make_shared<AtlasOptions>();
     CLI::Option* atlas_option =
-        app.add_option("--atlas", atlas->cases,
-                       "Instead of a scene: the cases of this folder, each a scene that breaks a method "
-                       "[default: tests/stability]; exit code 1 where one is not as it says")
+        reads(
+            app.add_option("--atlas", atlas->cases,
+                           "Instead of a scene: the cases of this folder, each a scene that breaks a method "
+                           "[default: tests/stability]; exit code 1 where one is not as it says"))
             ->expected(0, 1)
             ->default_str("tests/stability")
             ->type_name("FOLDER")
             ->excludes(scene_option);
-    app.add_option(
-           "-o,--output", o->output,
-           "Folder, made if it is not there: index.html, chart.csv, .json and .md, charts and pictures; with "
-           "--atlas index.html, failures.md and pictures")
+    writes(app.add_option("-o,--output", o->output,
+                          "Folder, made if it is not there: index.html, chart.csv, .json and .md, charts and "
+                          "pictures; with "
+                          "--atlas index.html, failures.md and pictures"))
         ->required()
         ->type_name("DIR");
     number(app, "--focal-length", r.focal_length_mm, "F, more than 0 [default: the camera's film distance]",
@@ -58,9 +59,10 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
           "N");
     auto reference = std::make_shared<std::optional<std::string>>();
     auto noise = std::make_shared<std::optional<std::string>>();
-    app.add_option("--reference", *reference, "Hold all pictures against this one [default: rendered]")
+    reads(app.add_option("--reference", *reference, "Hold all pictures against this one [default: rendered]"))
         ->type_name("IMAGE");
-    app.add_option("--noise", *noise, "With --reference: an independent render of it")->type_name("IMAGE");
+    reads(app.add_option("--noise", *noise, "With --reference: an independent render of it"))
+        ->type_name("IMAGE");
     whole(app, "--rounds", r.rounds, "How often everything is measured, in turns, 1 to 100", "N");
     number(app, "--once-above", r.once_above_s, "Measure once what takes longer", "S");
     app.add_flag("--restart", o->restart, "Begin anew in a folder that holds a chart or an atlas");

@@ -42,7 +42,7 @@ void add_psf(CLI::App& lens, ParsedCommand& common) {
     CLI::App& app = *lens.add_subcommand(
         "psf", "What one point becomes on a film at V: its impulse response, energy per pixel, as OpenEXR");
     const auto o = std::make_shared<LensPsfOptions>();
-    app.add_option("output", o->output, "Picture of one channel, Y")->type_name("OUT.exr");
+    writes(app.add_option("output", o->output, "Picture of one channel, Y"))->type_name("OUT.exr");
     number(app, "--focal-length", o->focal_length_mm, "Focal length F, more than 0", "MM");
     number(app, "--f-number", o->f_number, "Aperture number n, more than 0; inf: pinhole", "N", true);
     number(app, "--focus", o->focus_m, "Focus distance s, more than F", "M", true);
@@ -52,10 +52,10 @@ void add_psf(CLI::App& lens, ParsedCommand& common) {
     whole(app, "--size", o->size_px,
           "Width and height, to 16384; 0: what holds 99% of the energy, at most 1025", "PX");
     impulse_options(app, o->impulse);
-    app.add_option(
-           "--profile", o->profile,
-           "Also write a table: radius, v, intensity, encircled energy; with --crossover: f-number, Airy "
-           "disc, circle of confusion, pixel")
+    writes(app.add_option(
+               "--profile", o->profile,
+               "Also write a table: radius, v, intensity, encircled energy; with --crossover: f-number, Airy "
+               "disc, circle of confusion, pixel"))
         ->type_name("FILE.csv");
     app.add_flag("--crossover", o->crossover,
                  "Say instead from which f-number on diffraction is wider than defocus and than a pixel");
@@ -64,7 +64,8 @@ void add_psf(CLI::App& lens, ParsedCommand& common) {
 }
 
 void prescription_options(CLI::App& app, PrescriptionOptions& o, bool required = true) {
-    app.add_option("file", o.input, "Prescription: .dat, .zmx, .seq or .toml (docs/lens_prescriptions.md)")
+    reads(app.add_option("file", o.input,
+                         "Prescription: .dat, .zmx, .seq or .toml (docs/lens_prescriptions.md)"))
         ->required(required)
         ->type_name("FILE");
     number(app, "--f-number", o.f_number,
@@ -88,7 +89,8 @@ void add_show(CLI::App& lens, ParsedCommand& common) {
     prescription_options(app, o->lens);
     number(app, "--film-width", o->film_width_mm, "Also the field of view over so much film, more than 0",
            "MM");
-    app.add_option("-o,--output", o->output, "Drawing of the lens with rays: .svg, .png, .tif, .jpg or .exr")
+    writes(app.add_option("-o,--output", o->output,
+                          "Drawing of the lens with rays: .svg, .png, .tif, .jpg or .exr"))
         ->type_name("FILE");
     common_options(app, common);
     app.callback([&common, o] { common.run = [o] { return run_lens_show(*o); }; });
@@ -118,14 +120,14 @@ void add_lens_trace(CLI::App& lens, ParsedCommand& common) {
         ->type_name("DEG,...");
     number(app, "--film-width", o->film_width_mm, "Width of the film, more than 0", "MM");
     whole(app, "--rays", o->rays, "Rays along each side of the pupil, 3 to 1025", "N");
-    app.add_option("-o,--output", o->output,
-                   "Spot diagrams: .csv (every ray), .svg, .png, .tif, .jpg or .exr")
+    writes(app.add_option("-o,--output", o->output,
+                          "Spot diagrams: .csv (every ray), .svg, .png, .tif, .jpg or .exr"))
         ->type_name("FILE");
-    app.add_option("--curves", o->curves,
-                   "Vignetting and distortion over the field: .csv, .svg, .png, .tif, .jpg or .exr")
+    writes(app.add_option("--curves", o->curves,
+                          "Vignetting and distortion over the field: .csv, .svg, .png, .tif, .jpg or .exr"))
         ->type_name("FILE");
-    app.add_option("--impulse", o->impulse,
-                   "Impulse responses of the fields, side by side, each of energy 1: .exr")
+    writes(app.add_option("--impulse", o->impulse,
+                          "Impulse responses of the fields, side by side, each of energy 1: .exr"))
         ->type_name("FILE");
     number(app, "--pixel-pitch", o->pixel_pitch_um, "Pixel pitch of --impulse, more than 0", "UM");
     common_options(app, common);

@@ -5,6 +5,70 @@
 #include "apps/numbers.h"
 
 namespace postlens {
+namespace {
+
+// Marks are checks that let everything pass: what CLI11 lets one tell options by.
+constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
+                     *write_mark = "writes";
+
+CLI::Option* marked(CLI::Option* option, const char* mark) {
+    return option->check([](const std::string&) { return std::string(); }, "", mark);
+}
+
+bool has_mark(CLI::Option* option, const std::string& mark) {
+    try {
+        return option->get_validator(mark) != nullptr;
+    } catch (const CLI::OptionNotFound&) {
+        return false;
+    }
+}
+
+/// Empty: the option names none.
+std::string path_in(CLI::Option* option, const std::string& text) {
+    if (has_mark(option, read_mark) || has_mark(option, write_mark)) return text;
+    if (has_mark(option, curve_mark)) return text == "box" || text == "triangle" ? "" : text;
+    if (!has_mark(option, impulse_mark)) return "";
+    for (const std::string kind : {"image:", "lens:"}) {
+        if (text.starts_with(kind)) return text.substr(kind.size());
+    }
+    return "";
+}
+
+}  // namespace
+
+CLI::Option* reads(CLI::Option* option) {
+    return marked(option, read_mark);
+}
+
+CLI::Option* reads_of_impulse(CLI::Option* option) {
+    return marked(option, impulse_mark);
+}
+
+CLI::Option* reads_of_curve(CLI::Option* option) {
+    return marked(option, curve_mark);
+}
+
+CLI::Option* writes(CLI::Option* option) {
+    return marked(option, write_mark);
+}
+
+std::vector<NamedFile> files_of(CLI::App& app) {
+    const std::vector<CLI::App*> inner = app.get_subcommands();
+    if (!inner.empty()) return files_of(*inner.front());
+    std::vector<NamedFile> out;
+    for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
+        const std::string path = path_in(option, option->results().front());
+        if (path.empty()) continue;
+        const bool positional = option->get_positional(), written = has_mark(option, write_mark);
+        out.push_back({.option = positional ? option->get_type_name() : option->get_name(),
+                       .path = path,
+                       .written = written,
+                       .numbered = positional || written,
+                       // In the name of a scene # is a letter like any other (frame_commands.cpp).
+                       .hashes = option->get_name() != "scene"});
+    }
+    return out;
+}
 
 CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
                     const std::string& help, const std::string& unit, bool infinite) {
@@ -47,7 +111,7 @@ void salvage_option(CLI::App& app, bool& to) {
 }
 
 void output_option(CLI::App& app, std::string& to, const std::string& help) {
-    app.add_option("-o,--output", to, help)->required()->type_name("FILE");
+    writes(app.add_option("-o,--output", to, help))->required()->type_name("FILE");
 }
 
 void crop_option(CLI::App& app, std::optional<Crop>& to) {
@@ -77,22 +141,23 @@ void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
 }
 
 void impulse_options(CLI::App& app, Impulse& to) {
-    app.add_option_function<std::string>(
-           "--impulse",
-           [&to](const std::string& text) {
-               const Impulse kind = parse_impulse("--impulse", text);
-               to.kind = kind.kind;
-               to.blades = kind.blades;
-               to.rotation_deg = kind.rotation_deg;
-               to.roundness = kind.roundness;
-               to.wavelengths_nm = kind.wavelengths_nm;
-               to.file = kind.file;
-           },
-           "What a point out of focus becomes: disc; polygon:BLADES[:DEG[:ROUNDNESS]], 3 to 64 blades, a "
-           "corner "
-           "at DEG from the right towards the bottom, roundness 0 to 1; image:FILE, the aperture as a "
-           "picture; "
-           "diffraction[:NM[,NM...]]; lens:PRESCRIPTION [default: disc]")
+    reads_of_impulse(
+        app.add_option_function<std::string>(
+            "--impulse",
+            [&to](const std::string& text) {
+                const Impulse kind = parse_impulse("--impulse", text);
+                to.kind = kind.kind;
+                to.blades = kind.blades;
+                to.rotation_deg = kind.rotation_deg;
+                to.roundness = kind.roundness;
+                to.wavelengths_nm = kind.wavelengths_nm;
+                to.file = kind.file;
+            },
+            "What a point out of focus becomes: disc; polygon:BLADES[:DEG[:ROUNDNESS]], 3 to 64 blades, a "
+            "corner "
+            "at DEG from the right towards the bottom, roundness 0 to 1; image:FILE, the aperture as a "
+            "picture; "
+            "diffraction[:NM[,NM...]]; lens:PRESCRIPTION [default: disc]"))
         ->type_name("KIND");
     number(app, "--squeeze", to.squeeze, "The aperture is so many times as tall as wide, 0.1 to 10", "X");
     number(app, "--cats-eye", to.cats_eye,
@@ -107,9 +172,9 @@ void impulse_options(CLI::App& app, Impulse& to) {
 
 void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
                    std::string& camera_name) {
-    app.add_option(
-           "scene", scene,
-           "Scene: .toml (docs/scene_format.md), .nff, .gltf, .glb, .obj or .ply (docs/mesh_scenes.md)")
+    reads(app.add_option(
+              "scene", scene,
+              "Scene: .toml (docs/scene_format.md), .nff, .gltf, .glb, .obj or .ply (docs/mesh_scenes.md)"))
         ->required()
         ->type_name("SCENE");
     number(app, "--metres-per-unit", metres_per_unit, "Length of the scene's unit, m, more than 0", "X");
@@ -180,10 +245,11 @@ void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::strin
                "an instant [default: {}]",
                absent))
         ->type_name("OPEN:CLOSE");
-    app.add_option(
-           "--shutter-curve", curve,
-           "Transmission while it is open: box, triangle, or a text file of lines \"time transmission\" "
-           "[default: box]")
+    reads_of_curve(
+        app.add_option(
+            "--shutter-curve", curve,
+            "Transmission while it is open: box, triangle, or a text file of lines \"time transmission\" "
+            "[default: box]"))
         ->type_name("box|triangle|FILE");
 }
 

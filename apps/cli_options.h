@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/cli.h"
+#include "apps/named_files.h"
 
 namespace postlens {
 
@@ -20,6 +21,15 @@ CLI::Option* number(CLI::App& app, const std::string& name, double& to, const st
                     const std::string& unit, bool infinite = false);
 CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
                    const std::string& unit);
+/// Marks an option that names a file, as a whole or within its text (`image:FILE`, `box|triangle|FILE`), so
+/// that files_of finds it: all of a command that writes files. Return the option.
+CLI::Option* reads(CLI::Option* option);
+CLI::Option* reads_of_impulse(CLI::Option* option);
+CLI::Option* reads_of_curve(CLI::Option* option);
+CLI::Option* writes(CLI::Option* option);
+/// What the marked options of the subcommand that was parsed name.
+[[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
+
 void common_options(CLI::App& app, ParsedCommand& to);
 /// --salvage, of everything that reads a sample file.
 void salvage_option(CLI::App& app, bool& to);

@@ -75,16 +75,17 @@ void method_options(CLI::App& app, SweepOptions& o) {
     app.add_flag_function(
         "--breathing", [&p](std::int64_t) { p.framing = Framing::breathing; },
         "Film at V = F s / (s - F): the view breathes with the focus, as in the 1981 paper");
-    app.add_option("--shutter-curve", o.curve,
-                   "Transmission while it is open: box, triangle, or a text file of lines \"time "
-                   "transmission\" [default: box]")
+    reads_of_curve(
+        app.add_option("--shutter-curve", o.curve,
+                       "Transmission while it is open: box, triangle, or a text file of lines \"time "
+                       "transmission\" [default: box]"))
         ->type_name("box|triangle|FILE");
-    app.add_option("--paths", o.paths,
-                   "Paths of objects, in place of what the file says (docs/motion_paths.md)")
+    reads(app.add_option("--paths", o.paths,
+                         "Paths of objects, in place of what the file says (docs/motion_paths.md)"))
         ->type_name("PATHS.toml");
-    app.add_option("--scene", o.retrace.scene,
-                   "The scene that the frame was traced from: hybrid traces again what no record shows "
-                   "[default: nothing is]")
+    reads(app.add_option("--scene", o.retrace.scene,
+                         "The scene that the frame was traced from: hybrid traces again what no record shows "
+                         "[default: nothing is]"))
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.retrace.metres_per_unit, "Size of the scene's unit", "X");
     whole(app, "--retrace-spp", o.retrace.spp, "Rays for each such pixel, 1 or more", "N");
@@ -125,9 +126,10 @@ void add_sweep(CLI::App& root, ParsedCommand& common) {
     CLI::App& app = *root.add_subcommand(
         "sweep", "Many pictures of one sample file: every combination of lenses and shutters");
     const auto o = std::make_shared<SweepOptions>();
-    app.add_option("frame", o->input, "Sample file")->required()->type_name("FRAME");
-    app.add_option("-o,--output", o->output,
-                   "Folder for the pictures, sweep.csv, sweep.json and contact.png; made if it is not there")
+    reads(app.add_option("frame", o->input, "Sample file"))->required()->type_name("FRAME");
+    writes(app.add_option(
+               "-o,--output", o->output,
+               "Folder for the pictures, sweep.csv, sweep.json and contact.png; made if it is not there"))
         ->required()
         ->type_name("DIR");
     axis_options(app, *o);
