@@ -54,6 +54,7 @@ nlohmann::ordered_json rays_json(const RayCounts& rays) {
 }
 
 CommandResult run_trace(const TraceOptions& options) {
+    check_exr_path(options.output, "records");
     const Scene scene = read_scene(options.scene, {.metres_per_unit = options.metres_per_unit});
     CommandResult out;
     for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});

@@ -196,6 +196,14 @@ TEST_F(TraceCommand, LayersInMirrorsDisturbNoReader) {
     EXPECT_NE(focused.out.find("nonlinear"), std::string::npos) << focused.out;
 }
 
+TEST_F(TraceCommand, WritesOpenExrAlone) {
+    for (const char* name : {"a.png", "a", "a.exr.gz", "a.toml"}) {
+        refused({"trace", scene(), "-o", in(name), "--size", "16x9"}, ExitCode::wrong_arguments,
+                std::string(name) + ": records are written as OpenEXR (got ending");
+    }
+    EXPECT_EQ(run({"trace", scene(), "-o", in("a.EXR"), "--size", "16x9"}).exit_code, 0);
+}
+
 TEST_F(TraceCommand, WhatCannotBeIsRefused) {
     struct Case {
         std::vector<std::string> options;
