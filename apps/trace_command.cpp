@@ -64,6 +64,7 @@ CommandResult run_trace(const TraceOptions& options) {
     std::optional<std::uint64_t> expected_bytes;
     nlohmann::ordered_json plan = nullptr;
     if (options.plan) {
+        require_trace_memory(scene, settings, options.output);  // the look is large as well
         const TracePlan p = plan_trace(scene, settings, options.target_db);
         settings = p.settings;
         plan = {{"subdivide", p.levels}, {"floor_db", p.floor_db}, {"floors_db", p.floors_db},
