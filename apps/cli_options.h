@@ -11,16 +11,30 @@
 
 #include "apps/cli.h"
 #include "apps/named_files.h"
+#include "apps/numbers.h"
+#include "focus/depth_levels.h"
+#include "focus/lens_views.h"
 
 namespace postlens {
 
-// Options whose text is parsed by our own rules (inf, ranges, messages) rather than CLI11's.
+// Options whose text is parsed by our own rules (inf, ranges, messages) rather than CLI11's. The help says
+// the bounds, which hold whether or not the option has an effect.
 CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
-                    const std::string& help, const std::string& unit, bool infinite = false);
+                    const std::string& help, const std::string& unit, const OptionRange& bounds,
+                    bool infinite = false);
 CLI::Option* number(CLI::App& app, const std::string& name, double& to, const std::string& help,
-                    const std::string& unit, bool infinite = false);
+                    const std::string& unit, const OptionRange& bounds, bool infinite = false);
 CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
-                   const std::string& unit);
+                   const std::string& unit, const OptionRange& bounds);
+CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& to, const std::string& help,
+                   const std::string& unit, const OptionRange& bounds);
+inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views},
+    depth_counts{.low = 2, .high = DepthLevels::most_depths};
+
+/// OPEN:CLOSE, OPEN not after CLOSE.
+CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
+                      const std::string& help);
+
 /// Marks an option that names a file, as a whole or within its text (`image:FILE`, `box|triangle|FILE`), so
 /// that files_of finds it: all of a command that writes files. Return the option.
 CLI::Option* reads(CLI::Option* option);

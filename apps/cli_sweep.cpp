@@ -28,9 +28,12 @@ void axis_options(CLI::App& app, SweepOptions& o) {
         "OPEN:CLOSE,...");
     axis(app, "--impulse", o.impulse, "What a point out of focus becomes, as for focus [default: disc]",
          "KIND,...");
-    number(app, "--squeeze", o.modifiers.squeeze, "Of every impulse response, as for focus", "X");
-    number(app, "--cats-eye", o.modifiers.cats_eye, "Of every impulse response, as for focus", "X");
-    number(app, "--spherical", o.modifiers.spherical, "Of every impulse response, as for focus", "X");
+    number(app, "--squeeze", o.modifiers.squeeze, "Of every impulse response, as for focus", "X",
+           {.low = 0.1, .high = 10});
+    number(app, "--cats-eye", o.modifiers.cats_eye, "Of every impulse response, as for focus", "X",
+           {.low = 0, .high = 1.5});
+    number(app, "--spherical", o.modifiers.spherical, "Of every impulse response, as for focus", "X",
+           {.low = -10, .high = 10});
 }
 
 void method_options(CLI::App& app, SweepOptions& o) {
@@ -51,17 +54,14 @@ void method_options(CLI::App& app, SweepOptions& o) {
            },
            "How, as for focus [default: scatter; with --shutter lightfield]")
         ->type_name("scatter|layers|lightfield|hybrid|auto|pinhole");
-    number(app, "--target-db", p.target_db,
-           "With --method auto: PSNR wanted of every tile of 64 px, 10 to 80", "DB");
-    app.add_option_function<std::string>(
-           "--depths", [&p](const std::string& text) { p.depths = parse_whole("--depths", text); },
-           "Number K of impulse responses, 2 or more [default: CoC right to half a pixel]")
-        ->type_name("K");
-    app.add_option_function<std::string>(
-           "--views", [&p](const std::string& text) { p.views = parse_whole("--views", text); },
-           "Points of the lens that lightfield and hybrid look from, 1 to 4096 [default: 64; with --shutter "
-           "128]")
-        ->type_name("M");
+    number(app, "--target-db", p.target_db, "With --method auto: PSNR wanted of every tile of 64 px", "DB",
+           target_decibels);
+    whole(app, "--depths", p.depths, "Number K of impulse responses [default: CoC right to half a pixel]",
+          "K", depth_counts);
+    whole(app, "--views", p.views,
+          "Points of the lens that lightfield and hybrid look from [default: 64; with --shutter "
+          "128]",
+          "M", lens_view_counts);
     choice(app, "--spacing", p.spacing, "Spacing of the K depths: equal steps in z' or in 1/z'",
            {{"linear", DepthSpacing::linear}, {"inverse", DepthSpacing::inverse}});
     choice(app, "--depth-model", p.depth_model,
@@ -87,8 +87,8 @@ void method_options(CLI::App& app, SweepOptions& o) {
                          "The scene that the frame was traced from: hybrid traces again what no record shows "
                          "[default: nothing is]"))
         ->type_name("SCENE");
-    number(app, "--metres-per-unit", o.retrace.metres_per_unit, "Size of the scene's unit", "X");
-    whole(app, "--retrace-spp", o.retrace.spp, "Rays for each such pixel, 1 or more", "N");
+    number(app, "--metres-per-unit", o.retrace.metres_per_unit, "Size of the scene's unit", "X", units_m);
+    whole(app, "--retrace-spp", o.retrace.spp, "Rays for each such pixel", "N", {.low = 1});
 }
 
 void folder_options(CLI::App& app, SweepOptions& o) {
@@ -109,8 +109,7 @@ void folder_options(CLI::App& app, SweepOptions& o) {
            },
            "Where the table tells the CoC, px of the trace; may be repeated [default: 3 x 3 points]")
         ->type_name("X,Y");
-    number(app, "--coc-limit", s.coc_limit_px, "A pixel whose CoC is narrower is in focus, more than 0",
-           "PX");
+    number(app, "--coc-limit", s.coc_limit_px, "A pixel whose CoC is narrower is in focus", "PX", above_0);
     app.add_flag("--resume", s.resume,
                  "Keep the pictures of an earlier run in DIR that were made with the same settings from the "
                  "same file");

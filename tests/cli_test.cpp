@@ -166,6 +166,48 @@ TEST_F(Cli, WrongArgumentsAreTwo) {
             two, "--focus");
 }
 
+// Whether or not the option has an effect on what is asked for.
+TEST_F(Cli, BoundsHoldForEveryValueThatIsGiven) {
+    struct Case {
+        std::vector<std::string> command, out_of_range;
+    };
+    const std::vector<Case> cases{
+        {{"focus", "a.exr", "-o", in("x.exr")},
+         {"--views",     "-1",   "--views",        "0",  "--views",           "4097", "--depths",   "1",
+          "--target-db", "1000", "--retrace-spp",  "-5", "--metres-per-unit", "-1",   "--f-number", "-2",
+          "--focus",     "0",    "--focal-length", "0",  "--squeeze",         "11",   "--cats-eye", "2",
+          "--threads",   "5000"}},
+        {{"compare", "a.exr", "b.exr"},
+         {"--f-number", "0", "--focus", "-1", "--depths", "1", "--shutter", "1:0", "--metres-per-unit", "0",
+          "--fail-flip", "2", "--flip-white", "0"}},
+        {{"shoot", "a.exr", "-o", in("x.exr")},
+         {"--views", "0", "--target-db", "9", "--retrace-spp", "0", "--shutter", "2:1"}},
+        {{"sweep", "a.exr", "-o", in("x")},
+         {"--views", "0", "--depths", "1", "--target-db", "81", "--retrace-spp", "0", "--coc-limit", "0",
+          "--metres-per-unit", "-1"}},
+        {{"trace", "a.toml", "-o", in("x.exr")},
+         {"--target-db", "9", "--for-focus", "0", "--fps", "0", "--threshold", "-1", "--max-depth", "18",
+          "--film-width", "0"}},
+        {{"lens", "fit", "a.toml"},
+         {"--coc-limit", "0", "--focal-length", "-1", "--wavelength", "1", "--samples", "2", "--f-number",
+          "0"}},
+    };
+    for (const Case& c : cases) {
+        for (std::size_t i = 0; i < c.out_of_range.size(); i += 2) {
+            std::vector<std::string> words = c.command;
+            words.insert(words.end(), {c.out_of_range[i], c.out_of_range[i + 1]});
+            const std::string what =
+                c.out_of_range[i] == "--shutter" ? "closes before it opens" : "out of range";
+            std::string said = c.out_of_range[i];
+            said.append(": ").append(what).append(" (got ").append(c.out_of_range[i + 1]);
+            refused(words, ExitCode::wrong_arguments, said);
+        }
+    }
+    refused({"focus", "a.exr", "-o", in("x.exr"), "--views", "99999999999"}, ExitCode::wrong_arguments,
+            "--views: too large (got 99999999999");
+    EXPECT_NE(run({"focus", "--help"}).out.find("Aperture number n, more than 0; inf"), std::string::npos);
+}
+
 TEST_F(Cli, UnreadableInputIsThree) {
     const ExitCode three = ExitCode::invalid_input;
     const std::string frame = traced();

@@ -239,7 +239,7 @@ TEST_F(TraceCommand, WhatCannotBeIsRefused) {
         {{"--hidden-layers", "auto"},
          "--hidden-layers auto: needs to know the lens or the shutter (expected --for-f-number or "
          "--for-shutter)"},
-        {{"--for-f-number", "0"}, "--for-f-number: out of range (got 0; expected a number above 0)"},
+        {{"--for-f-number", "0"}, "--for-f-number: out of range (got 0; expected more than 0)"},
         {{"--for-f-number", "inf"}, "--for-f-number: not a number (got inf"},
         {{"--for-focus", "0"}, "--for-focus: out of range (got 0; expected more than 0"},
         {{"--for-focus", "-2"}, "--for-focus: out of range (got -2; expected more than 0"},
