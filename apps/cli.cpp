@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <span>
 
 #include "apps/cli_chart.h"
 #include "apps/cli_options.h"
@@ -439,11 +440,16 @@ void add_info(CLI::App& root, State& s) {
 }
 
 // CLI11 says only that one is required.
-void check_subcommand(const CLI::App& app, const std::vector<std::string>& arguments) {
-    if (arguments.empty() || arguments[0].starts_with('-')) return;
+void check_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
+    if (arguments.empty() || app.get_subcommands([](const CLI::App*) { return true; }).empty()) return;
+    if (arguments[0].starts_with('-')) {
+        if (app.get_option_no_throw(arguments[0]) != nullptr) return;
+        fail(ExitCode::wrong_arguments, "unknown option (got {}; expected a subcommand, see {} --help)",
+             arguments[0], app.get_name());
+    }
     std::string known;
     for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
-        if (sub->get_name() == arguments[0]) return;
+        if (sub->get_name() == arguments[0]) return check_subcommand(*sub, arguments.subspan(1));
         known += (known.empty() ? "" : ", ") + sub->get_name();
     }
     fail(ExitCode::wrong_arguments, "unknown subcommand (got {}; expected one of {})", arguments[0], known);

@@ -53,7 +53,7 @@ void add_psf(CLI::App& lens, ParsedCommand& common) {
     number(app, "--pixel-pitch", o->pixel_pitch_um, "Pixel pitch on the film", "UM", above_0);
     whole(app, "--size", o->size_px, "Width and height; 0: what holds 99% of the energy, at most 1025", "PX",
           {.low = 0, .high = 16384});
-    impulse_options(app, o->impulse);
+    impulse_options(app, o->impulse, false);
     writes(app.add_option(
                "--profile", o->profile,
                "Also write a table: radius, v, intensity, encircled energy; with --crossover: f-number, Airy "

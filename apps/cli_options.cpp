@@ -191,24 +191,24 @@ void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
         "Film at V = F s / (s - F): the view breathes with the focus, as in the 1981 paper");
 }
 
-void impulse_options(CLI::App& app, Impulse& to) {
-    reads_of_impulse(
-        app.add_option_function<std::string>(
-            "--impulse",
-            [&to](const std::string& text) {
-                const Impulse kind = parse_impulse("--impulse", text);
-                to.kind = kind.kind;
-                to.blades = kind.blades;
-                to.rotation_deg = kind.rotation_deg;
-                to.roundness = kind.roundness;
-                to.wavelengths_nm = kind.wavelengths_nm;
-                to.file = kind.file;
-            },
-            "What a point out of focus becomes: disc; polygon:BLADES[:DEG[:ROUNDNESS]], 3 to 64 blades, a "
-            "corner "
-            "at DEG from the right towards the bottom, roundness 0 to 1; image:FILE, the aperture as a "
-            "picture; "
-            "diffraction[:NM[,NM...]]; lens:PRESCRIPTION [default: disc]"))
+void impulse_options(CLI::App& app, Impulse& to, bool real_lenses) {
+    reads_of_impulse(app.add_option_function<std::string>(
+                         "--impulse",
+                         [&to](const std::string& text) {
+                             const Impulse kind = parse_impulse("--impulse", text);
+                             to.kind = kind.kind;
+                             to.blades = kind.blades;
+                             to.rotation_deg = kind.rotation_deg;
+                             to.roundness = kind.roundness;
+                             to.wavelengths_nm = kind.wavelengths_nm;
+                             to.file = kind.file;
+                         },
+                         fmt::format("What a point out of focus becomes: disc; "
+                                     "polygon:BLADES[:DEG[:ROUNDNESS]], 3 to 64 blades, a "
+                                     "corner at DEG from the right towards the bottom, roundness 0 to 1; "
+                                     "image:FILE, the aperture as a "
+                                     "picture; diffraction[:NM[,NM...]]{} [default: disc]",
+                                     real_lenses ? "; lens:PRESCRIPTION" : "")))
         ->type_name("KIND");
     number(app, "--squeeze", to.squeeze, "The aperture is so many times as tall as wide", "X",
            {.low = 0.1, .high = 10});

@@ -51,7 +51,7 @@ void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
 /// The impulse response, for focus and render alike.
-void impulse_options(CLI::App& app, Impulse& to);
+void impulse_options(CLI::App& app, Impulse& to, bool real_lenses = true);
 void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
                    std::string& camera_name);
 /// Of pictures of other programs.

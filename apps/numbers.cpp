@@ -115,6 +115,14 @@ std::vector<int> parse_whole_list(std::string_view option, std::string_view text
     return out;
 }
 
+std::string counted(std::uint64_t count, std::string_view noun) {
+    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+std::string px_text(double px) {
+    return std::abs(px) < 1e7 ? fmt::format("{:.1f} px", px) : fmt::format("{:.3g} px", px);
+}
+
 Crop parse_crop(std::string_view option, std::string_view text) {
     std::vector<int> values;
     for (std::size_t begin = 0; begin <= text.size();) {

@@ -50,6 +50,11 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 /// "1,4,16": whole numbers, one or more, at most 1000.
 [[nodiscard]] std::vector<int> parse_whole_list(std::string_view option, std::string_view text);
 
+/// "1 depth", "2 depths".
+[[nodiscard]] std::string counted(std::uint64_t count, std::string_view noun);
+/// A length in px to a tenth; what no film holds, with few digits.
+[[nodiscard]] std::string px_text(double px);
+
 /// "10,20,64,48": a part of a picture that begins within its first 2^31 pixels and has an area.
 [[nodiscard]] Crop parse_crop(std::string_view option, std::string_view text);
 

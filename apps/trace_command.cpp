@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "apps/numbers.h"
 #include "core/disk.h"
 #include "planner/trace_plan.h"
 #include "tracer/point_shading.h"
@@ -111,8 +112,8 @@ CommandResult run_trace(const TraceOptions& options) {
                             r.rays.reflect, r.rays.refract, r.rays.shadow);
     if (r.rays.hidden > 0) out.text += fmt::format(", {} behind surfaces", r.rays.hidden);
     if (r.keys_sweep_degrees) {
-        out.text +=
-            fmt::format("\n{} keys, as something turns by {:.4g} degrees", r.keys, *r.keys_sweep_degrees);
+        out.text += fmt::format("\n{}, as something turns by {:.4g} degrees",
+                                counted(static_cast<std::uint64_t>(r.keys), "key"), *r.keys_sweep_degrees);
     }
     if (r.instants_s.size() > 1)
         out.text += fmt::format("\nrecorded at {:.6g} s", fmt::join(r.instants_s, ", "));

@@ -47,7 +47,7 @@ std::string checksum_text(const std::filesystem::path& path) {
 
 void make_folder(const std::filesystem::path& folder) {
     std::error_code error;
-    std::filesystem::create_directories(folder, error);
+    std::filesystem::create_directory(folder, error);  // one level, as chart
     if (!std::filesystem::is_directory(folder)) {
         fail(ExitCode::cannot_write,
              "{}: cannot be the folder of a sweep ({}; expected a folder, or a name "

@@ -208,6 +208,42 @@ TEST_F(Cli, BoundsHoldForEveryValueThatIsGiven) {
     EXPECT_NE(run({"focus", "--help"}).out.find("Aperture number n, more than 0; inf"), std::string::npos);
 }
 
+TEST_F(Cli, WhatIsWrongIsNamed) {
+    const ExitCode two = ExitCode::wrong_arguments;
+    const std::string frame = traced(), lens = std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml";
+    refused({"lens", "nosuch"}, two, "(got nosuch; expected one of coc, dof");
+    refused({"--nonsense"}, two, "unknown option (got --nonsense");
+    refused({"lens", "show", lens, "-o", in("x.foo")}, two, "expected svg, exr, png");
+    refused({"lens", "trace", lens, "-o", in("x.foo")}, two, "expected csv, svg, exr, png");
+    refused({"sweep", frame, "-o", in("s"), "--f-number", "2", "--focus", "1", "--frames", "p.%04d.gif"}, two,
+            "--frames: unknown kind of image (got ending \".gif\"");
+    refused({"sweep", frame, "-o", in("no/dir"), "--f-number", "2", "--focus", "1"}, ExitCode::cannot_write,
+            "no/dir: cannot be the folder of a sweep");
+    refused({"image", frame, "-o", frame + "/o.exr"}, ExitCode::cannot_write, "frame.exr is a file");
+    refused({"motionblur", frame, "-o", in("x.exr"), "--shutter", "0:1", "--shutter-curve", "bx"},
+            ExitCode::invalid_input,
+            "--shutter-curve: no such file (got bx; expected box, triangle or a file)");
+    EXPECT_EQ(run({"lens", "psf", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
+    EXPECT_NE(run({"focus", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
+}
+
+TEST_F(Cli, NumbersAreReadable) {
+    const std::string frame = traced();
+    const Outcome far = run({"focus", frame, "-o", in("x.exr"), "--focal-length", "1e300", "--f-number", "2",
+                             "--focus", "1", "--method", "layers"});
+    EXPECT_LT(far.out.size() + far.err.size(), 1200U) << far.out << far.err;
+    const Outcome axis = run({"lens", "trace", std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml"});
+    EXPECT_NE(axis.out.find("chief ray at 0 mm"), std::string::npos) << axis.out;
+
+    EXPECT_EQ(run({"image", frame, "-o", in("crop.exr"), "--crop", "8,8,16,16", "--quiet"}).exit_code, 0);
+    const Outcome crop = run({"info", in("crop.exr")});
+    EXPECT_NE(crop.out.find("96x96 px, 3 channels"), std::string::npos) << crop.out;
+    const Outcome depth = run({"info", std::string(POSTLENS_TEST_DATA) + "/exr/deep_one_sample.exr"});
+    EXPECT_EQ(depth.out.find(", , "), std::string::npos) << depth.out;
+    EXPECT_EQ(depth.out.find(" 1 channels"), std::string::npos) << depth.out;
+    EXPECT_EQ(run({"info", scene()}).out.find("1 lights"), std::string::npos);
+}
+
 TEST_F(Cli, UnreadableInputIsThree) {
     const ExitCode three = ExitCode::invalid_input;
     const std::string frame = traced();
