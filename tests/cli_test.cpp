@@ -237,10 +237,12 @@ TEST_F(Cli, NumbersAreReadable) {
 
     EXPECT_EQ(run({"image", frame, "-o", in("crop.exr"), "--crop", "8,8,16,16", "--quiet"}).exit_code, 0);
     const Outcome crop = run({"info", in("crop.exr")});
-    EXPECT_NE(crop.out.find("96x96 px, 3 channels"), std::string::npos) << crop.out;
-    const Outcome depth = run({"info", std::string(POSTLENS_TEST_DATA) + "/exr/deep_one_sample.exr"});
+    EXPECT_NE(crop.out.find("96x96 px, 4 channels"), std::string::npos) << crop.out;
+    const Outcome depth = run({"info", std::string(POSTLENS_TEST_DATA) + "/exr/deep_alpha.exr"});
     EXPECT_EQ(depth.out.find(", , "), std::string::npos) << depth.out;
-    EXPECT_EQ(depth.out.find(" 1 channels"), std::string::npos) << depth.out;
+    EXPECT_NE(depth.out.find("colour none, alpha A"), std::string::npos) << depth.out;
+    const Outcome one = run({"info", std::string(POSTLENS_TEST_DATA) + "/exr/deep_one_sample.exr"});
+    EXPECT_NE(one.out.find(" 1 channel,"), std::string::npos) << one.out;
     EXPECT_EQ(run({"info", scene()}).out.find("1 lights"), std::string::npos);
 }
 
