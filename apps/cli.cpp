@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <span>
 
 #include "apps/cli_chart.h"
 #include "apps/cli_options.h"
@@ -44,20 +45,15 @@ void frame_options(CLI::App& app, FrameOptions& to, bool in_time) {
            "(docs/frames.md)")
         ->type_name("1-48[x2],...");
     app.add_flag("--keep", to.keep, "With --frames: leave out those whose output is there and whole");
-    if (in_time) number(app, "--fps", to.fps, "With --frames: frame n is at n / FPS s [default: 24]", "FPS");
+    if (in_time)
+        number(app, "--fps", to.fps, "With --frames: frame n is at n / FPS s [default: 24]", "FPS", above_0);
 }
 
 void shutter_trace_options(CLI::App& app, TraceSettings& t) {
-    app.add_option_function<std::string>(
-           "--for-shutter",
-           [&t](const std::string& text) {
-               const auto [open, close] = parse_span("--for-shutter", text);
-               t.for_shutter = TimeSpan{open, close};
-           },
-           "Make the file suffice for a shutter open between these instants of the scene's clock, s; OPEN "
-           "not "
-           "after CLOSE")
-        ->type_name("OPEN:CLOSE");
+    instants(app, "--for-shutter", t.for_shutter,
+             "Make the file suffice for a shutter open between these instants of the scene's clock, s; OPEN "
+             "not "
+             "after CLOSE");
     app.add_option_function<std::string>(
            "--hidden-layers",
            [&t](const std::string& text) {
@@ -88,9 +84,10 @@ void add_trace(CLI::App& root, State& s) {
     scene_options(app, o.scene, o.metres_per_unit, t.camera, t.camera_name);
     output_option(app, o.output, "Sample file (OpenEXR)");
     frame_options(app, s.frames, true);
-    number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S");
+    number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S",
+           any_value);
     number(app, "--focal-length", t.camera.focal_length_mm,
-           "Film distance of the pinhole view, more than 0 [default: the camera's]", "MM");
+           "Film distance of the pinhole view [default: the camera's]", "MM", above_0);
     t.subdivide_for_lens = true;
     app.add_option_function<std::string>(
            "--subdivide",
@@ -102,7 +99,7 @@ void add_trace(CLI::App& root, State& s) {
            "--for-f-number 3 where objects end, as records no finer than that bound how sharp a lens is]")
         ->type_name("LEVELS");
     number(app, "--threshold", t.subdivision.threshold,
-           "Contrast (max-min)/(max+min+0.05) of its corners above which a cell is subdivided", "T");
+           "Contrast (max-min)/(max+min+0.05) of its corners above which a cell is subdivided", "T", from_0);
     tree_options(app, t.whitted.max_depth, t.whitted.min_contribution);
     app.add_option_function<std::string>(
            "--overscan",
@@ -115,17 +112,17 @@ void add_trace(CLI::App& root, State& s) {
         ->type_name("PX|auto");
     shutter_trace_options(app, t);
     number(app, "--for-f-number", t.for_f_number,
-           "Size the file for apertures down to this f-number, more than 0: see --hidden-layers, --subdivide "
+           "Size the file for apertures down to this f-number: see --hidden-layers, --subdivide "
            "and "
            "--overscan",
-           "N");
-    number(app, "--for-focus", t.for_focus_m, "Size the file for this focus distance", "M", true);
+           "N", above_0);
+    number(app, "--for-focus", t.for_focus_m, "Size the file for this focus distance", "M", above_0, true);
     app.add_flag(
         "--plan", o.plan,
         "Choose subdivision, hidden layers, overscan and keys for the lens and shutter named and for "
         "--target-db, from a look at a quarter of the size; says what size and time to expect");
-    number(app, "--target-db", o.target_db,
-           "With --plan: PSNR that pictures from the file are to reach, 10 to 80", "DB");
+    number(app, "--target-db", o.target_db, "With --plan: PSNR that pictures from the file are to reach",
+           "DB", target_decibels);
     app.add_flag("--force", o.force,
                  "Trace even where the file will not fit on its disk, as a look at a few rows tells");
     choice(app, "--compression", t.compression, "Compression of the records",
@@ -150,10 +147,10 @@ void add_render(CLI::App& root, State& s) {
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     crop_option(app, r.crop);
     frame_options(app, s.frames, true);
-    whole(app, "--spp", r.spp, "Samples per pixel, 1 to 1048576", "N")->required();
+    whole(app, "--spp", r.spp, "Samples per pixel", "N", {.low = 1, .high = 1 << 20})->required();
     lens_options(app, o.lens, "the camera's");
     impulse_options(app, o.impulse);
-    number(app, "--time", r.time_s, "Instant without a shutter [default: the scene's]", "S");
+    number(app, "--time", r.time_s, "Instant without a shutter [default: the scene's]", "S", any_value);
     shutter_options(app, r.shutter, o.curve);
     choice(app, "--sampler", r.sampler, "How samples spread over pixel, lens, time, lights and gloss",
            {{"grid", SamplerKind::grid},
@@ -182,7 +179,8 @@ void add_render(CLI::App& root, State& s) {
 void add_image(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("image", "The pinhole picture, from the records alone");
     ImageOptions& o = s.image;
-    app.add_option("frame", o.input, "Sample file, or an OpenEXR picture of another program, flat or deep")
+    reads(app.add_option("frame", o.input,
+                         "Sample file, or an OpenEXR picture of another program, flat or deep"))
         ->required()
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
@@ -198,13 +196,13 @@ void add_records(CLI::App& root, State& s) {
     CLI::App& app =
         *root.add_subcommand("records", "The shading trees at a pixel: every node, its z', W and CoC");
     RecordsOptions& o = s.records;
-    app.add_option("frame", o.input, "Sample file")->required()->type_name("FRAME");
+    reads(app.add_option("frame", o.input, "Sample file"))->required()->type_name("FRAME");
     app.add_option_function<std::string>(
            "--at", [&o](const std::string& text) { o.at = parse_position("--at", text); },
            "Raster position, px")
         ->required()
         ->type_name("X,Y");
-    whole(app, "--key", o.key, "Which of the file's instants, 0: the frame's own", "I");
+    whole(app, "--key", o.key, "Which of the file's instants, 0: the frame's own", "I", from_0);
     lens_options(app, o.lens);
     salvage_option(app, o.salvage);
     common_options(app, s.common);
@@ -212,31 +210,32 @@ void add_records(CLI::App& root, State& s) {
 }
 
 void retrace_options(CLI::App& app, RetraceOptions& o) {
-    app.add_option(
-           "--scene", o.scene,
-           "The scene that the frame was traced from: hybrid traces again what no record shows [default: "
-           "nothing is]")
+    reads(app.add_option(
+              "--scene", o.scene,
+              "The scene that the frame was traced from: hybrid traces again what no record shows [default: "
+              "nothing is]"))
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.metres_per_unit,
-           "Size of the unit of the scene, or of another program's depths, m [default: 1]", "X");
-    whole(app, "--retrace-spp", o.spp, "Rays for each such pixel, 1 or more", "N");
-    app.add_option(
-           "--explain", o.explain,
-           "Picture of what was done where: blue scattered, grey light field (auto: the paler the more "
-           "views), red traced again")
+           "Size of the unit of the scene, or of another program's depths, m [default: 1]", "X", units_m);
+    whole(app, "--retrace-spp", o.spp, "Rays for each such pixel", "N", {.low = 1});
+    writes(app.add_option(
+               "--explain", o.explain,
+               "Picture of what was done where: blue scattered, grey light field (auto: the paler the more "
+               "views), red traced again"))
         ->type_name("PNG");
 }
 
 void target_option(CLI::App& app, double& to) {
-    number(app, "--target-db", to, "With --method auto: PSNR wanted of every tile of 64 px, 10 to 80", "DB");
+    number(app, "--target-db", to, "With --method auto: PSNR wanted of every tile of 64 px", "DB",
+           target_decibels);
 }
 
 void add_focus(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("focus", "The picture through a lens, from the records alone");
     FocusOptions& o = s.focus;
-    app.add_option("frame", o.input,
-                   "Sample file; or an OpenEXR picture of another program with depth, flat or deep "
-                   "(docs/inputs.md)")
+    reads(app.add_option("frame", o.input,
+                         "Sample file; or an OpenEXR picture of another program with depth, flat or deep "
+                         "(docs/inputs.md)"))
         ->required()
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
@@ -251,14 +250,10 @@ void add_focus(CLI::App& root, State& s) {
             {"hybrid", FocusMethod::hybrid},
             {"auto", FocusMethod::automatic},
             {"pinhole", FocusMethod::pinhole}});
-    app.add_option_function<std::string>(
-           "--depths", [&o](const std::string& text) { o.depths = parse_whole("--depths", text); },
-           "Number K of impulse responses, 2 or more [default: CoC right to half a pixel]")
-        ->type_name("K");
-    app.add_option_function<std::string>(
-           "--views", [&o](const std::string& text) { o.views = parse_whole("--views", text); },
-           "Points of the lens that lightfield and hybrid look from, 1 to 4096 [default: 64]")
-        ->type_name("M");
+    whole(app, "--depths", o.depths, "Number K of impulse responses [default: CoC right to half a pixel]",
+          "K", depth_counts);
+    whole(app, "--views", o.views, "Points of the lens that lightfield and hybrid look from", "M",
+          lens_view_counts);
     target_option(app, o.target_db);
     retrace_options(app, o.retrace);
     foreign_channel_options(app, o.foreign.choice);
@@ -282,18 +277,18 @@ void add_motionblur(CLI::App& root, State& s) {
                              "The picture of an open shutter, from the records alone, or from a flat OpenEXR "
                              "picture with motion vectors (docs/motion_vectors.md)");
     MotionBlurOptions& o = s.motionblur;
-    app.add_option(
-           "frame", o.input,
-           "Sample file; or a picture with R, G, B, vectors and Z: then --shutter is in frames, 0 this "
-           "one, 1 the next")
+    reads(app.add_option(
+              "frame", o.input,
+              "Sample file; or a picture with R, G, B, vectors and Z: then --shutter is in frames, 0 this "
+              "one, 1 the next"))
         ->required()
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     crop_option(app, o.settings.crop);
     frame_options(app, s.frames, false);
     shutter_options(app, o.shutter, o.curve, "the file's exposure, from the frame's instant on");
-    app.add_option("--paths", o.paths,
-                   "Paths of objects, in place of what the file says (docs/motion_paths.md)")
+    reads(app.add_option("--paths", o.paths,
+                         "Paths of objects, in place of what the file says (docs/motion_paths.md)"))
         ->type_name("PATHS.toml");
     app.add_option_function<std::string>(
            "--vectors",
@@ -317,11 +312,10 @@ void add_motionblur(CLI::App& root, State& s) {
            "--ids", o.vectors.ids,
            "Of a picture: the channel or the Cryptomatte of the surfaces' ids [default: docs/inputs.md]")
         ->type_name("NAME|none");
-    number(
-        app, "--fit-paths", o.settings.fit_px,
-        "Replace the paths of convolve by splines of few knots within so much, more than 0 [default: paths "
-        "as they are]",
-        "PX");
+    number(app, "--fit-paths", o.settings.fit_px,
+           "Replace the paths of convolve by splines of few knots within so much [default: paths "
+           "as they are]",
+           "PX", above_0);
     choice(
         app, "--method", o.settings.method,
         "convolve: object by path; lightfield: surfaces at many instants; auto: convolve for what moves as a "
@@ -329,10 +323,9 @@ void add_motionblur(CLI::App& root, State& s) {
         {{"auto", MotionMethod::automatic},
          {"convolve", MotionMethod::convolve},
          {"lightfield", MotionMethod::lightfield}});
-    app.add_option_function<std::string>(
-           "--views", [&o](const std::string& text) { o.settings.views = parse_whole("--views", text); },
-           "Instants of lightfield, 1 to 4096 [default: one for two pixels of the longest way, 128 to 512]")
-        ->type_name("M");
+    whole(app, "--views", o.settings.views,
+          "Instants of lightfield [default: one for two pixels of the longest way, 128 to 512]", "M",
+          lens_view_counts);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     salvage_option(app, o.salvage);
     common_options(app, s.common);
@@ -345,15 +338,15 @@ void add_shoot(CLI::App& root, State& s) {
     FocusOptions& o = s.shoot.focus;
     o.method = FocusMethod::lightfield;
     o.views = 128;
-    app.add_option("frame", o.input, "Sample file")->required()->type_name("FRAME");
+    reads(app.add_option("frame", o.input, "Sample file"))->required()->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     crop_option(app, o.crop);
     frame_options(app, s.frames, false);
     lens_options(app, o.lens);
     impulse_options(app, o.impulse);
     shutter_options(app, s.shoot.shutter, s.shoot.curve, "the file's exposure, from the frame's instant on");
-    app.add_option("--paths", s.shoot.paths,
-                   "Paths of objects, in place of what the file says (docs/motion_paths.md)")
+    reads(app.add_option("--paths", s.shoot.paths,
+                         "Paths of objects, in place of what the file says (docs/motion_paths.md)"))
         ->type_name("PATHS.toml");
     choice(app, "--method", o.method,
            "lightfield; hybrid: traces again what no record shows; auto: the views that --target-db takes, "
@@ -362,10 +355,7 @@ void add_shoot(CLI::App& root, State& s) {
            {{"lightfield", FocusMethod::lightfield},
             {"hybrid", FocusMethod::hybrid},
             {"auto", FocusMethod::automatic}});
-    app.add_option_function<std::string>(
-           "--views", [&o](const std::string& text) { o.views = parse_whole("--views", text); },
-           "Points of the lens, each at its own instant, 1 to 4096 [default: 128]")
-        ->type_name("M");
+    whole(app, "--views", o.views, "Points of the lens, each at its own instant", "M", lens_view_counts);
     target_option(app, o.target_db);
     retrace_options(app, o.retrace);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
@@ -377,64 +367,66 @@ void add_shoot(CLI::App& root, State& s) {
 void add_compare(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("compare", "How far a picture is from its reference, in figures");
     CompareCommandOptions& o = s.compare;
-    app.add_option("image", o.image, "Picture to judge, or a sample file: its pinhole picture")
+    reads(app.add_option("image", o.image, "Picture to judge, or a sample file: its pinhole picture"))
         ->required()
         ->type_name("IMAGE");
-    app.add_option("reference", o.reference, "Picture to hold it against, of the same size")
+    reads(app.add_option("reference", o.reference, "Picture to hold it against, of the same size"))
         ->required()
         ->type_name("REFERENCE");
-    app.add_option("--noise", o.noise,
-                   "An independent render of the reference (another seed, as many rays): tells how good the "
-                   "reference is and the error above its noise")
+    reads(app.add_option(
+              "--noise", o.noise,
+              "An independent render of the reference (another seed, as many rays): tells how good the "
+              "reference is and the error above its noise"))
         ->type_name("IMAGE");
-    app.add_option("--pinhole", o.pinhole,
-                   "The pinhole picture: figures also for the affected pixels, where it differs from the "
-                   "reference by more than 1/255 (sRGB)")
+    reads(
+        app.add_option("--pinhole", o.pinhole,
+                       "The pinhole picture: figures also for the affected pixels, where it differs from the "
+                       "reference by more than 1/255 (sRGB)"))
         ->type_name("IMAGE");
-    app.add_option("--map", o.map, "Write where they differ, as colours with a legend")->type_name("PNG");
-    app.add_option("--side-by-side", o.side_by_side, "Write both pictures, the map and the figures")
+    writes(app.add_option("--map", o.map, "Write where they differ, as colours with a legend"))
         ->type_name("PNG");
-    app.add_option("--map-causes", o.map_causes,
-                   "Write why each wrong pixel is wrong; needs --frame, and the lens or shutter of the image")
+    writes(app.add_option("--side-by-side", o.side_by_side, "Write both pictures, the map and the figures"))
         ->type_name("PNG");
-    app.add_option("--scene", o.scene,
-                   "With --map-causes: the scene that the frame was traced from, traced again without one "
-                   "shortcoming at "
-                   "a time where the frame alone leaves causes open [default: nothing is]")
+    writes(app.add_option(
+               "--map-causes", o.map_causes,
+               "Write why each wrong pixel is wrong; needs --frame, and the lens or shutter of the image"))
+        ->type_name("PNG");
+    reads(app.add_option(
+              "--scene", o.scene,
+              "With --map-causes: the scene that the frame was traced from, traced again without one "
+              "shortcoming at "
+              "a time where the frame alone leaves causes open [default: nothing is]"))
         ->type_name("SCENE");
-    number(app, "--metres-per-unit", o.metres_per_unit, "With --scene: size of its unit", "X");
-    app.add_option("--frame", o.frame, "With --map-causes: the sample file that the image was made from")
+    number(app, "--metres-per-unit", o.metres_per_unit, "With --scene: size of its unit", "X", units_m);
+    reads(
+        app.add_option("--frame", o.frame, "With --map-causes: the sample file that the image was made from"))
         ->type_name("FRAME");
     number(app, "--f-number", o.lens.f_number,
-           "With --map-causes: of the image [default: the frame's; with --shutter a pinhole]", "N", true);
-    number(app, "--focus", o.lens.focus_m, "With --map-causes: of the image [default: the frame's]", "M",
+           "With --map-causes: of the image [default: the frame's; with --shutter a pinhole]", "N", f_numbers,
            true);
+    number(app, "--focus", o.lens.focus_m, "With --map-causes: of the image [default: the frame's]", "M",
+           above_0, true);
     number(app, "--focal-length", o.lens.focal_length_mm,
-           "With --map-causes: of the image [default: the frame's]", "MM");
-    app.add_option_function<std::string>(
-           "--shutter",
-           [&o](const std::string& text) {
-               const auto [open, close] = parse_span("--shutter", text);
-               o.shutter = TimeSpan{open, close};
-           },
-           "With --map-causes: of the image, s of the scene's clock [default: open for an instant]")
-        ->type_name("OPEN:CLOSE");
+           "With --map-causes: of the image [default: the frame's]", "MM", above_0);
+    instants(app, "--shutter", o.shutter,
+             "With --map-causes: of the image, s of the scene's clock [default: open for an instant]");
     app.add_option_function<std::string>(
            "--depths",
            [&o](const std::string& text) {
                o.depths = parse_whole("--depths", text);
+               check_bounds("--depths", *o.depths, text, depth_counts);
                o.method = FocusMethod::scatter;
            },
-           "With --map-causes: K of the scatter that made the image, to tell what is due to that")
+           "With --map-causes: K of the scatter that made the image, 2 to 4096, to tell what is due to that")
         ->type_name("K");
-    number(app, "--fail-psnr", o.limits.least_psnr_db, "Exit with 1 where the PSNR is less, 0 or more", "DB");
-    number(app, "--fail-relmse", o.limits.greatest_relmse, "Exit with 1 where relMSE is more, 0 or more",
-           "X");
-    number(app, "--fail-flip", o.limits.greatest_flip, "Exit with 1 where FLIP is more, 0 to 1", "X");
+    number(app, "--fail-psnr", o.limits.least_psnr_db, "Exit with 1 where the PSNR is less", "DB", from_0);
+    number(app, "--fail-relmse", o.limits.greatest_relmse, "Exit with 1 where relMSE is more", "X", from_0);
+    number(app, "--fail-flip", o.limits.greatest_flip, "Exit with 1 where FLIP is more", "X",
+           {.low = 0, .high = 1});
     number(app, "--flip-white", o.flip_white,
-           "Luminance that HDR-FLIP takes for white, 0.18 being grey, more than 0 [default: the reference's "
+           "Luminance that HDR-FLIP takes for white, 0.18 being grey [default: the reference's "
            "maximum and median]",
-           "Y");
+           "Y", above_0);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_compare(s.compare); }; });
 }
@@ -448,11 +440,16 @@ void add_info(CLI::App& root, State& s) {
 }
 
 // CLI11 says only that one is required.
-void check_subcommand(const CLI::App& app, const std::vector<std::string>& arguments) {
-    if (arguments.empty() || arguments[0].starts_with('-')) return;
+void check_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
+    if (arguments.empty() || app.get_subcommands([](const CLI::App*) { return true; }).empty()) return;
+    if (arguments[0].starts_with('-')) {
+        if (app.get_option_no_throw(arguments[0]) != nullptr) return;
+        fail(ExitCode::wrong_arguments, "unknown option (got {}; expected a subcommand, see {} --help)",
+             arguments[0], app.get_name());
+    }
     std::string known;
     for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
-        if (sub->get_name() == arguments[0]) return;
+        if (sub->get_name() == arguments[0]) return check_subcommand(*sub, arguments.subspan(1));
         known += (known.empty() ? "" : ", ") + sub->get_name();
     }
     fail(ExitCode::wrong_arguments, "unknown subcommand (got {}; expected one of {})", arguments[0], known);
@@ -494,10 +491,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
         std::replace(what.begin(), what.end(), '\n', ' ');
         fail(ExitCode::wrong_arguments, "{} (see postlens --help)", what);
     }
-    if (state->common.threads < 0 || state->common.threads > 4096) {
-        fail(ExitCode::wrong_arguments, "--threads: out of range (got {}; expected 0 to 4096)",
-             state->common.threads);
-    }
+    refuse_shared_files(files_of(app), state->frames.frames);
     ParsedCommand out = state->common;
     // The call refers into the state, which must outlive it.
     out.run = [state] { return state->common.run(); };

@@ -25,44 +25,42 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
     CLI::Option* scene_option = app.get_option("scene")->required(false);
     auto atlas = std::make_shared<AtlasOptions>();
     CLI::Option* atlas_option =
-        app.add_option("--atlas", atlas->cases,
-                       "Instead of a scene: the cases of this folder, each a scene that breaks a method "
-                       "[default: tests/stability]; exit code 1 where one is not as it says")
+        reads(
+            app.add_option("--atlas", atlas->cases,
+                           "Instead of a scene: the cases of this folder, each a scene that breaks a method "
+                           "[default: tests/stability]; exit code 1 where one is not as it says"))
             ->expected(0, 1)
             ->default_str("tests/stability")
             ->type_name("FOLDER")
             ->excludes(scene_option);
-    app.add_option(
-           "-o,--output", o->output,
-           "Folder, made if it is not there: index.html, chart.csv, .json and .md, charts and pictures; with "
-           "--atlas index.html, failures.md and pictures")
+    writes(app.add_option("-o,--output", o->output,
+                          "Folder, made if it is not there: index.html, chart.csv, .json and .md, charts and "
+                          "pictures; with "
+                          "--atlas index.html, failures.md and pictures"))
         ->required()
         ->type_name("DIR");
-    number(app, "--focal-length", r.focal_length_mm, "F, more than 0 [default: the camera's film distance]",
-           "MM");
+    number(app, "--focal-length", r.focal_length_mm, "F [default: the camera's film distance]", "MM",
+           above_0);
     number(app, "--f-number", r.f_number,
-           "Aperture number; inf with --shutter: motion alone [default: the camera's]", "N", true);
-    number(app, "--focus", r.focus_m, "Focus distance [default: the camera's]", "M", true);
-    app.add_option_function<std::string>(
-           "--shutter",
-           [o](const std::string& text) {
-               const auto [open, close] = parse_span("--shutter", text);
-               o->request.shutter = TimeSpan{open, close};
-           },
-           "Open between these instants of the scene's clock, s [default: open for an instant]")
-        ->type_name("OPEN:CLOSE");
-    list_option(app, "--rays", r.spp, "Samples per pixel of the rays [default: 1,4,16,64,256,1024]");
-    list_option(app, "--views", r.views, "M of lightfield and hybrid [default: 16,64,256]");
-    list_option(app, "--depths", r.depths, "K of scatter [default: 8,32,128]");
+           "Aperture number; inf with --shutter: motion alone [default: the camera's]", "N", f_numbers, true);
+    number(app, "--focus", r.focus_m, "Focus distance [default: the camera's]", "M", above_0, true);
+    instants(app, "--shutter", r.shutter,
+             "Open between these instants of the scene's clock, s [default: open for an instant]");
+    list_option(app, "--rays", r.spp,
+                "Samples per pixel of the rays, each 1 to 1048576 [default: 1,4,16,64,256,1024]");
+    list_option(app, "--views", r.views, "M of lightfield and hybrid, each 1 to 4096 [default: 16,64,256]");
+    list_option(app, "--depths", r.depths, "K of scatter, each 2 to 4096 [default: 8,32,128]");
     whole(app, "--reference-spp", r.reference_spp, "Samples per pixel of each of the reference's two halves",
-          "N");
+          "N", {.low = 1, .high = 1 << 19});
     auto reference = std::make_shared<std::optional<std::string>>();
     auto noise = std::make_shared<std::optional<std::string>>();
-    app.add_option("--reference", *reference, "Hold all pictures against this one [default: rendered]")
+    reads(app.add_option("--reference", *reference, "Hold all pictures against this one [default: rendered]"))
         ->type_name("IMAGE");
-    app.add_option("--noise", *noise, "With --reference: an independent render of it")->type_name("IMAGE");
-    whole(app, "--rounds", r.rounds, "How often everything is measured, in turns, 1 to 100", "N");
-    number(app, "--once-above", r.once_above_s, "Measure once what takes longer", "S");
+    reads(app.add_option("--noise", *noise, "With --reference: an independent render of it"))
+        ->type_name("IMAGE");
+    whole(app, "--rounds", r.rounds, "How often everything is measured, in turns", "N",
+          {.low = 1, .high = 100});
+    number(app, "--once-above", r.once_above_s, "Measure once what takes longer", "S", from_0);
     app.add_flag("--restart", o->restart, "Begin anew in a folder that holds a chart or an atlas");
     app.add_flag("!--no-plots", r.plots, "No SVG and PNG: gnuplot is not needed");
     common_options(app, common);

@@ -11,13 +11,14 @@ namespace postlens {
 namespace {
 
 void lens_numbers(CLI::App& app, LensCommandOptions& o) {
-    number(app, "--focal-length", o.focal_length_mm, "Focal length F, more than 0", "MM")->required();
-    number(app, "--f-number", o.f_number, "Aperture number n, more than 0; inf: pinhole", "N", true)
+    number(app, "--focal-length", o.focal_length_mm, "Focal length F", "MM", above_0)->required();
+    number(app, "--f-number", o.f_number, "Aperture number n; inf: pinhole", "N", f_numbers, true)
         ->required();
-    number(app, "--focus", o.focus_m, "Focus distance s, more than F", "M", true)->required();
-    number(app, "--coc-limit", o.coc_limit_mm, "Widest circle of confusion that counts as sharp", "MM");
+    number(app, "--focus", o.focus_m, "Focus distance s, beyond F", "M", above_0, true)->required();
+    number(app, "--coc-limit", o.coc_limit_mm, "Widest circle of confusion that counts as sharp", "MM",
+           above_0);
     number(app, "--pixel-pitch", o.pixel_pitch_um,
-           "Pixel pitch on the film; the default is 36 mm over 1920 px", "UM");
+           "Pixel pitch on the film; the default is 36 mm over 1920 px", "UM", above_0);
 }
 
 void add_coc(CLI::App& lens, ParsedCommand& common) {
@@ -25,7 +26,7 @@ void add_coc(CLI::App& lens, ParsedCommand& common) {
         *lens.add_subcommand("coc", "Circle of confusion of what lies at a depth, on a film at V");
     const auto o = std::make_shared<LensCommandOptions>();
     lens_numbers(app, *o);
-    number(app, "--depth", o->depth_m, "Depth z' of the object, more than 0", "M", true)->required();
+    number(app, "--depth", o->depth_m, "Depth z' of the object", "M", above_0, true)->required();
     common_options(app, common);
     app.callback([&common, o] { common.run = [o] { return run_lens_coc(*o); }; });
 }
@@ -42,20 +43,21 @@ void add_psf(CLI::App& lens, ParsedCommand& common) {
     CLI::App& app = *lens.add_subcommand(
         "psf", "What one point becomes on a film at V: its impulse response, energy per pixel, as OpenEXR");
     const auto o = std::make_shared<LensPsfOptions>();
-    app.add_option("output", o->output, "Picture of one channel, Y")->type_name("OUT.exr");
-    number(app, "--focal-length", o->focal_length_mm, "Focal length F, more than 0", "MM");
-    number(app, "--f-number", o->f_number, "Aperture number n, more than 0; inf: pinhole", "N", true);
-    number(app, "--focus", o->focus_m, "Focus distance s, more than F", "M", true);
-    number(app, "--depth", o->depth_m, "Depth z' of the point, more than 0", "M", true);
-    number(app, "--wavelength", o->wavelength_nm, "Wavelength, 100 to 20000 [default: 550]", "NM");
-    number(app, "--pixel-pitch", o->pixel_pitch_um, "Pixel pitch on the film", "UM");
-    whole(app, "--size", o->size_px,
-          "Width and height, to 16384; 0: what holds 99% of the energy, at most 1025", "PX");
-    impulse_options(app, o->impulse);
-    app.add_option(
-           "--profile", o->profile,
-           "Also write a table: radius, v, intensity, encircled energy; with --crossover: f-number, Airy "
-           "disc, circle of confusion, pixel")
+    writes(app.add_option("output", o->output, "Picture of one channel, Y"))->type_name("OUT.exr");
+    number(app, "--focal-length", o->focal_length_mm, "Focal length F", "MM", above_0);
+    number(app, "--f-number", o->f_number, "Aperture number n; inf: pinhole", "N", f_numbers, true);
+    number(app, "--focus", o->focus_m, "Focus distance s, beyond F", "M", above_0, true);
+    number(app, "--depth", o->depth_m, "Depth z' of the point", "M", above_0, true);
+    number(app, "--wavelength", o->wavelength_nm, "Wavelength [default: 550]", "NM",
+           {.low = 100, .high = 2e4});
+    number(app, "--pixel-pitch", o->pixel_pitch_um, "Pixel pitch on the film", "UM", above_0);
+    whole(app, "--size", o->size_px, "Width and height; 0: what holds 99% of the energy, at most 1025", "PX",
+          {.low = 0, .high = 16384});
+    impulse_options(app, o->impulse, false);
+    writes(app.add_option(
+               "--profile", o->profile,
+               "Also write a table: radius, v, intensity, encircled energy; with --crossover: f-number, Airy "
+               "disc, circle of confusion, pixel"))
         ->type_name("FILE.csv");
     app.add_flag("--crossover", o->crossover,
                  "Say instead from which f-number on diffraction is wider than defocus and than a pixel");
@@ -64,16 +66,17 @@ void add_psf(CLI::App& lens, ParsedCommand& common) {
 }
 
 void prescription_options(CLI::App& app, PrescriptionOptions& o, bool required = true) {
-    app.add_option("file", o.input, "Prescription: .dat, .zmx, .seq or .toml (docs/lens_prescriptions.md)")
+    reads(app.add_option("file", o.input,
+                         "Prescription: .dat, .zmx, .seq or .toml (docs/lens_prescriptions.md)"))
         ->required(required)
         ->type_name("FILE");
     number(app, "--f-number", o.f_number,
-           "Aperture number n, not below what the lens opens to [default: wide open]", "N");
+           "Aperture number n, not below what the lens opens to [default: wide open]", "N", f_numbers);
     number(app, "--focus", o.focus_m,
-           "Focus distance from the entrance pupil, more than 0 [default: the film as the file has it, else "
+           "Focus distance from the entrance pupil [default: the film as the file has it, else "
            "infinity]",
-           "M", true);
-    number(app, "--wavelength", o.wavelength_nm, "Wavelength, 100 to 100000 [default: the file's]", "NM");
+           "M", above_0, true);
+    number(app, "--wavelength", o.wavelength_nm, "Wavelength [default: the file's]", "NM", wave_lengths_nm);
     choice(app, "--focus-by", o.criterion,
            "What is sharp: rays near the axis, or the spot of least RMS radius",
            {{"paraxial", FocusCriterion::paraxial}, {"rms", FocusCriterion::rms_spot}});
@@ -86,9 +89,9 @@ void add_show(CLI::App& lens, ParsedCommand& common) {
     CLI::App& app = *lens.add_subcommand("show", "A prescription's focal lengths, pupils and cross-section");
     const auto o = std::make_shared<LensShowOptions>();
     prescription_options(app, o->lens);
-    number(app, "--film-width", o->film_width_mm, "Also the field of view over so much film, more than 0",
-           "MM");
-    app.add_option("-o,--output", o->output, "Drawing of the lens with rays: .svg, .png, .tif, .jpg or .exr")
+    number(app, "--film-width", o->film_width_mm, "Also the field of view over so much film", "MM", above_0);
+    writes(app.add_option("-o,--output", o->output,
+                          "Drawing of the lens with rays: .svg, .png, .tif, .jpg or .exr"))
         ->type_name("FILE");
     common_options(app, common);
     app.callback([&common, o] { common.run = [o] { return run_lens_show(*o); }; });
@@ -99,8 +102,8 @@ void add_lens_trace(CLI::App& lens, ParsedCommand& common) {
         *lens.add_subcommand("trace", "Exact rays: spot diagrams, impulse responses, curves over the field");
     const auto o = std::make_shared<LensTraceOptions>();
     prescription_options(app, o->lens);
-    number(app, "--depth", o->depth_m,
-           "Depth z' of the object, more than 0 [default: --focus, else infinity]", "M", true);
+    number(app, "--depth", o->depth_m, "Depth z' of the object [default: --focus, else infinity]", "M",
+           above_0, true);
     app.add_option_function<std::string>(
            "--fields",
            [o](const std::string& text) {
@@ -116,18 +119,18 @@ void add_lens_trace(CLI::App& lens, ParsedCommand& common) {
            "half and "
            "edge]")
         ->type_name("DEG,...");
-    number(app, "--film-width", o->film_width_mm, "Width of the film, more than 0", "MM");
-    whole(app, "--rays", o->rays, "Rays along each side of the pupil, 3 to 1025", "N");
-    app.add_option("-o,--output", o->output,
-                   "Spot diagrams: .csv (every ray), .svg, .png, .tif, .jpg or .exr")
+    number(app, "--film-width", o->film_width_mm, "Width of the film", "MM", above_0);
+    whole(app, "--rays", o->rays, "Rays along each side of the pupil", "N", {.low = 3, .high = 1025});
+    writes(app.add_option("-o,--output", o->output,
+                          "Spot diagrams: .csv (every ray), .svg, .png, .tif, .jpg or .exr"))
         ->type_name("FILE");
-    app.add_option("--curves", o->curves,
-                   "Vignetting and distortion over the field: .csv, .svg, .png, .tif, .jpg or .exr")
+    writes(app.add_option("--curves", o->curves,
+                          "Vignetting and distortion over the field: .csv, .svg, .png, .tif, .jpg or .exr"))
         ->type_name("FILE");
-    app.add_option("--impulse", o->impulse,
-                   "Impulse responses of the fields, side by side, each of energy 1: .exr")
+    writes(app.add_option("--impulse", o->impulse,
+                          "Impulse responses of the fields, side by side, each of energy 1: .exr"))
         ->type_name("FILE");
-    number(app, "--pixel-pitch", o->pixel_pitch_um, "Pixel pitch of --impulse, more than 0", "UM");
+    number(app, "--pixel-pitch", o->pixel_pitch_um, "Pixel pitch of --impulse", "UM", above_0);
     common_options(app, common);
     app.callback([&common, o] { common.run = [o] { return run_lens_trace(*o); }; });
 }
@@ -144,12 +147,12 @@ void add_fit(CLI::App& lens, ParsedCommand& common) {
            "--depths", [o](const std::string& text) { o->depths_m = parse_depths("--depths", text); },
            "Nearest and farthest depth, 0 < A < B, B may be inf [default: 1:100]")
         ->type_name("A:B");
-    number(app, "--field", o->field_mm, "Farthest point of the film from its centre, 0 or more", "MM");
-    number(app, "--tolerance-px", o->tolerance_px, "Largest error of the model that is picked, more than 0",
-           "PX");
+    number(app, "--field", o->field_mm, "Farthest point of the film from its centre", "MM", from_0);
+    number(app, "--tolerance-px", o->tolerance_px, "Largest error of the model that is picked", "PX",
+           above_0);
     number(app, "--pixel-pitch", o->pixel_pitch_um,
-           "Pixel pitch on the film; the default is 36 mm over 1920 px", "UM");
-    whole(app, "--samples", o->samples, "Depths and fields that are compared, 3 to 64", "N");
+           "Pixel pitch on the film; the default is 36 mm over 1920 px", "UM", above_0);
+    whole(app, "--samples", o->samples, "Depths and fields that are compared", "N", {.low = 3, .high = 64});
     common_options(app, common);
     app.callback([&common, o, limits] {
         limits->quiet = common.quiet;

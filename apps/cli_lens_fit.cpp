@@ -17,12 +17,13 @@ std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app) {
     number(app, "--coc-limit", o->coc_limit_mm,
            "With --sharp: widest circle of confusion that counts as sharp [default: 1/1500 of the sensor's "
            "diagonal]",
-           "MM");
+           "MM", above_0);
     app.add_option_function<std::string>(
            "--sensor", [o](const std::string& text) { o->sensor_mm = parse_sensor("--sensor", text); },
            "With --sharp: the sensor, for its diagonal and the angle of view, mm")
         ->type_name("WxH");
-    number(app, "--focal-length", o->focal_length_mm, "F, where it is known [default: to be found]", "MM");
+    number(app, "--focal-length", o->focal_length_mm, "F, where it is known [default: to be found]", "MM",
+           above_0);
     app.add_option("--picture", o->picture,
                    "Which lens took this? Find F/n and s such that focus makes this picture from --frame")
         ->type_name("IMAGE");

@@ -1,40 +1,154 @@
 #include "apps/cli_options.h"
 
+#include <algorithm>
 #include <tuple>
 
 #include "apps/numbers.h"
 
 namespace postlens {
+namespace {
+
+// Marks are checks that let everything pass: what CLI11 lets one tell options by.
+constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
+                     *write_mark = "writes";
+
+CLI::Option* marked(CLI::Option* option, const char* mark) {
+    return option->check([](const std::string&) { return std::string(); }, "", mark);
+}
+
+bool has_mark(CLI::Option* option, const std::string& mark) {
+    try {
+        return option->get_validator(mark) != nullptr;
+    } catch (const CLI::OptionNotFound&) {
+        return false;
+    }
+}
+
+/// The bounds stand before what is said further, and before the default.
+std::string with_bounds(const std::string& help, const OptionRange& bounds) {
+    const std::string text = bounds.text();
+    if (text.empty()) return help;
+    const std::size_t at = std::min({help.find("; "), help.find(" [default:"), help.size()});
+    return help.substr(0, at) + ", " + text + help.substr(at);
+}
+
+/// Empty: the option names none.
+std::string path_in(CLI::Option* option, const std::string& text) {
+    if (has_mark(option, read_mark) || has_mark(option, write_mark)) return text;
+    if (has_mark(option, curve_mark)) return text == "box" || text == "triangle" ? "" : text;
+    if (!has_mark(option, impulse_mark)) return "";
+    for (const std::string kind : {"image:", "lens:"}) {
+        if (text.starts_with(kind)) return text.substr(kind.size());
+    }
+    return "";
+}
+
+}  // namespace
+
+CLI::Option* reads(CLI::Option* option) {
+    return marked(option, read_mark);
+}
+
+CLI::Option* reads_of_impulse(CLI::Option* option) {
+    return marked(option, impulse_mark);
+}
+
+CLI::Option* reads_of_curve(CLI::Option* option) {
+    return marked(option, curve_mark);
+}
+
+CLI::Option* writes(CLI::Option* option) {
+    return marked(option, write_mark);
+}
+
+std::vector<NamedFile> files_of(CLI::App& app) {
+    const std::vector<CLI::App*> inner = app.get_subcommands();
+    if (!inner.empty()) return files_of(*inner.front());
+    std::vector<NamedFile> out;
+    for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
+        const std::string path = path_in(option, option->results().front());
+        if (path.empty()) continue;
+        const bool positional = option->get_positional(), written = has_mark(option, write_mark);
+        out.push_back({.option = positional ? option->get_type_name() : option->get_name(),
+                       .path = path,
+                       .written = written,
+                       .numbered = positional || written,
+                       // In the name of a scene # is a letter like any other (frame_commands.cpp).
+                       .hashes = option->get_name() != "scene"});
+    }
+    return out;
+}
 
 CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
-                    const std::string& help, const std::string& unit, bool infinite) {
+                    const std::string& help, const std::string& unit, const OptionRange& bounds,
+                    bool infinite) {
     return app
         .add_option_function<std::string>(
-            name, [&to, name, infinite](const std::string& text) { to = parse_number(name, text, infinite); },
-            help)
+            name,
+            [&to, name, bounds, infinite](const std::string& text) {
+                to = parse_number(name, text, infinite);
+                check_bounds(name, *to, text, bounds);
+            },
+            with_bounds(help, bounds))
         ->type_name(infinite ? unit + "|inf" : unit);
 }
 
 CLI::Option* number(CLI::App& app, const std::string& name, double& to, const std::string& help,
-                    const std::string& unit, bool infinite) {
+                    const std::string& unit, const OptionRange& bounds, bool infinite) {
     return app
         .add_option_function<std::string>(
-            name, [&to, name, infinite](const std::string& text) { to = parse_number(name, text, infinite); },
-            fmt::format("{} [default: {:g}]", help, to))
+            name,
+            [&to, name, bounds, infinite](const std::string& text) {
+                to = parse_number(name, text, infinite);
+                check_bounds(name, to, text, bounds);
+            },
+            with_bounds(fmt::format("{} [default: {:g}]", help, to), bounds))
         ->type_name(infinite ? unit + "|inf" : unit);
 }
 
 CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
-                   const std::string& unit) {
+                   const std::string& unit, const OptionRange& bounds) {
     return app
         .add_option_function<std::string>(
-            name, [&to, name](const std::string& text) { to = parse_whole(name, text); },
-            fmt::format("{} [default: {}]", help, to))
+            name,
+            [&to, name, bounds](const std::string& text) {
+                to = parse_whole(name, text);
+                check_bounds(name, to, text, bounds);
+            },
+            with_bounds(fmt::format("{} [default: {}]", help, to), bounds))
         ->type_name(unit);
 }
 
+CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& to, const std::string& help,
+                   const std::string& unit, const OptionRange& bounds) {
+    return app
+        .add_option_function<std::string>(
+            name,
+            [&to, name, bounds](const std::string& text) {
+                to = parse_whole(name, text);
+                check_bounds(name, *to, text, bounds);
+            },
+            with_bounds(help, bounds))
+        ->type_name(unit);
+}
+
+CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
+                      const std::string& help) {
+    return app
+        .add_option_function<std::string>(
+            name,
+            [&to, name](const std::string& text) {
+                const auto [open, close] = parse_span(name, text);
+                to = TimeSpan{open, close};
+                check_shutter(name.c_str(), *to);
+            },
+            help)
+        ->type_name("OPEN:CLOSE");
+}
+
 void common_options(CLI::App& app, ParsedCommand& to) {
-    whole(app, "--threads", to.threads, "Threads to use, 0: all the machine has", "N");
+    whole(app, "--threads", to.threads, "Threads to use, 0: all the machine has", "N",
+          {.low = 0, .high = 4096});
     app.add_flag("--quiet", to.quiet, "No progress, no summary, no warnings; errors only");
     app.add_flag("--json", to.json, "The result as JSON on standard output");
 }
@@ -47,7 +161,7 @@ void salvage_option(CLI::App& app, bool& to) {
 }
 
 void output_option(CLI::App& app, std::string& to, const std::string& help) {
-    app.add_option("-o,--output", to, help)->required()->type_name("FILE");
+    writes(app.add_option("-o,--output", to, help))->required()->type_name("FILE");
 }
 
 void crop_option(CLI::App& app, std::optional<Crop>& to) {
@@ -60,9 +174,10 @@ void crop_option(CLI::App& app, std::optional<Crop>& to) {
 // `source`: what names the values that are not given here.
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
     const std::string otherwise = " [default: " + source + "]";
-    number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole" + otherwise, "N", true);
-    number(app, "--focal-length", to.focal_length_mm, "Focal length F" + otherwise, "MM");
-    auto* focus = number(app, "--focus", to.focus_m, "Focus distance s" + otherwise, "M", true);
+    number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole" + otherwise, "N", f_numbers,
+           true);
+    number(app, "--focal-length", to.focal_length_mm, "Focal length F" + otherwise, "MM", above_0);
+    auto* focus = number(app, "--focus", to.focus_m, "Focus distance s" + otherwise, "M", above_0, true);
     app.add_option_function<std::string>(
            "--focus-at", [&to](const std::string& text) { to.focus_at = parse_position("--focus-at", text); },
            "Focus on what is seen at this raster position")
@@ -76,53 +191,53 @@ void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
         "Film at V = F s / (s - F): the view breathes with the focus, as in the 1981 paper");
 }
 
-void impulse_options(CLI::App& app, Impulse& to) {
-    app.add_option_function<std::string>(
-           "--impulse",
-           [&to](const std::string& text) {
-               const Impulse kind = parse_impulse("--impulse", text);
-               to.kind = kind.kind;
-               to.blades = kind.blades;
-               to.rotation_deg = kind.rotation_deg;
-               to.roundness = kind.roundness;
-               to.wavelengths_nm = kind.wavelengths_nm;
-               to.file = kind.file;
-           },
-           "What a point out of focus becomes: disc; polygon:BLADES[:DEG[:ROUNDNESS]], 3 to 64 blades, a "
-           "corner "
-           "at DEG from the right towards the bottom, roundness 0 to 1; image:FILE, the aperture as a "
-           "picture; "
-           "diffraction[:NM[,NM...]]; lens:PRESCRIPTION [default: disc]")
+void impulse_options(CLI::App& app, Impulse& to, bool real_lenses) {
+    reads_of_impulse(app.add_option_function<std::string>(
+                         "--impulse",
+                         [&to](const std::string& text) {
+                             const Impulse kind = parse_impulse("--impulse", text);
+                             to.kind = kind.kind;
+                             to.blades = kind.blades;
+                             to.rotation_deg = kind.rotation_deg;
+                             to.roundness = kind.roundness;
+                             to.wavelengths_nm = kind.wavelengths_nm;
+                             to.file = kind.file;
+                         },
+                         fmt::format("What a point out of focus becomes: disc; "
+                                     "polygon:BLADES[:DEG[:ROUNDNESS]], 3 to 64 blades, a "
+                                     "corner at DEG from the right towards the bottom, roundness 0 to 1; "
+                                     "image:FILE, the aperture as a "
+                                     "picture; diffraction[:NM[,NM...]]{} [default: disc]",
+                                     real_lenses ? "; lens:PRESCRIPTION" : "")))
         ->type_name("KIND");
-    number(app, "--squeeze", to.squeeze, "The aperture is so many times as tall as wide, 0.1 to 10", "X");
+    number(app, "--squeeze", to.squeeze, "The aperture is so many times as tall as wide", "X",
+           {.low = 0.1, .high = 10});
     number(app, "--cats-eye", to.cats_eye,
-           "Mechanical vignetting: a second rim, shifted by X of the lens's radius at the picture's corner, "
-           "0 to 1.5",
-           "X");
-    number(
-        app, "--spherical", to.spherical,
-        "Spherical aberration: the rim of the lens is focused X dioptres nearer than its middle, -10 to 10",
-        "X");
+           "Mechanical vignetting: a second rim, shifted by X of the lens's radius at the picture's corner",
+           "X", {.low = 0, .high = 1.5});
+    number(app, "--spherical", to.spherical,
+           "Spherical aberration: the rim of the lens is focused X dioptres nearer than its middle", "X",
+           {.low = -10, .high = 10});
 }
 
 void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
                    std::string& camera_name) {
-    app.add_option(
-           "scene", scene,
-           "Scene: .toml (docs/scene_format.md), .nff, .gltf, .glb, .obj or .ply (docs/mesh_scenes.md)")
+    reads(app.add_option(
+              "scene", scene,
+              "Scene: .toml (docs/scene_format.md), .nff, .gltf, .glb, .obj or .ply (docs/mesh_scenes.md)"))
         ->required()
         ->type_name("SCENE");
-    number(app, "--metres-per-unit", metres_per_unit, "Length of the scene's unit, m, more than 0", "X");
+    number(app, "--metres-per-unit", metres_per_unit, "Length of the scene's unit, m", "X", units_m);
     app.add_option_function<std::string>(
            "--size",
            [&camera](const std::string& text) {
                std::tie(camera.width, camera.height) = parse_size("--size", text);
            },
-           "Raster, px [default: the camera's]")
+           "Raster, px, 1 to 65536 a side [default: the camera's]")
         ->type_name("WxH");
     app.add_option("--camera", camera_name, "Camera by name [default: the scene's first]")->type_name("NAME");
-    number(app, "--film-width", camera.film_width_mm,
-           "Width of the film, more than 0 [default: the camera's]", "MM");
+    number(app, "--film-width", camera.film_width_mm, "Width of the film [default: the camera's]", "MM",
+           above_0);
 }
 
 void foreign_channel_options(CLI::App& app, ForeignChoice& to) {
@@ -143,12 +258,12 @@ void foreign_channel_options(CLI::App& app, ForeignChoice& to) {
 
 void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to) {
     number(app, "--film-width", to.film_width_mm,
-           "Of another program's picture: width of the film [default: the file's, else 36]", "MM");
+           "Of another program's picture: width of the film [default: the file's, else 36]", "MM", above_0);
     number(app, "--film-distance", to.film_distance_mm,
            "Of another program's picture: from pinhole to film; with the width: the view [default: the "
            "file's, else "
            "--focal-length, else 50]",
-           "MM");
+           "MM", above_0);
     app.add_option_function<std::string>(
            "--z",
            [&to](const std::string& text) {
@@ -162,28 +277,24 @@ void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to) {
 }
 
 void tree_options(CLI::App& app, int& max_depth, double& min_contribution) {
-    whole(app, "--max-depth", max_depth, "Nodes along a path, 1 to 17; the eye ray's is the first", "N");
+    whole(app, "--max-depth", max_depth, "Nodes along a path; the eye ray's is the first", "N",
+          {.low = 1, .high = NodePath::max_bounces + 1});
     number(app, "--min-contribution", min_contribution,
-           "Subtrees that cannot add this much radiance are not traced; 0 traces all", "C");
+           "Subtrees that cannot add this much radiance are not traced; 0 traces all", "C", from_0);
 }
 
 void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve,
                      const std::string& absent) {
-    app.add_option_function<std::string>(
-           "--shutter",
-           [&shutter](const std::string& text) {
-               const auto [open, close] = parse_span("--shutter", text);
-               shutter = TimeSpan{open, close};
-           },
-           fmt::format(
-               "When the shutter opens and closes, s on the scene's clock; OPEN not after CLOSE, equal for "
-               "an instant [default: {}]",
-               absent))
-        ->type_name("OPEN:CLOSE");
-    app.add_option(
-           "--shutter-curve", curve,
-           "Transmission while it is open: box, triangle, or a text file of lines \"time transmission\" "
-           "[default: box]")
+    instants(app, "--shutter", shutter,
+             fmt::format(
+                 "When the shutter opens and closes, s on the scene's clock; OPEN not after CLOSE, equal for "
+                 "an instant [default: {}]",
+                 absent));
+    reads_of_curve(
+        app.add_option(
+            "--shutter-curve", curve,
+            "Transmission while it is open: box, triangle, or a text file of lines \"time transmission\" "
+            "[default: box]"))
         ->type_name("box|triangle|FILE");
 }
 

@@ -10,16 +10,40 @@
 #include <vector>
 
 #include "apps/cli.h"
+#include "apps/named_files.h"
+#include "apps/numbers.h"
+#include "focus/depth_levels.h"
+#include "focus/lens_views.h"
 
 namespace postlens {
 
-// Options whose text is parsed by our own rules (inf, ranges, messages) rather than CLI11's.
+// Options whose text is parsed by our own rules (inf, ranges, messages) rather than CLI11's. The help says
+// the bounds, which hold whether or not the option has an effect.
 CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
-                    const std::string& help, const std::string& unit, bool infinite = false);
+                    const std::string& help, const std::string& unit, const OptionRange& bounds,
+                    bool infinite = false);
 CLI::Option* number(CLI::App& app, const std::string& name, double& to, const std::string& help,
-                    const std::string& unit, bool infinite = false);
+                    const std::string& unit, const OptionRange& bounds, bool infinite = false);
 CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
-                   const std::string& unit);
+                   const std::string& unit, const OptionRange& bounds);
+CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& to, const std::string& help,
+                   const std::string& unit, const OptionRange& bounds);
+inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views},
+    depth_counts{.low = 2, .high = DepthLevels::most_depths};
+
+/// OPEN:CLOSE, OPEN not after CLOSE.
+CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
+                      const std::string& help);
+
+/// Marks an option that names a file, as a whole or within its text (`image:FILE`, `box|triangle|FILE`), so
+/// that files_of finds it: all of a command that writes files. Return the option.
+CLI::Option* reads(CLI::Option* option);
+CLI::Option* reads_of_impulse(CLI::Option* option);
+CLI::Option* reads_of_curve(CLI::Option* option);
+CLI::Option* writes(CLI::Option* option);
+/// What the marked options of the subcommand that was parsed name.
+[[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
+
 void common_options(CLI::App& app, ParsedCommand& to);
 /// --salvage, of everything that reads a sample file.
 void salvage_option(CLI::App& app, bool& to);
@@ -27,7 +51,7 @@ void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
 /// The impulse response, for focus and render alike.
-void impulse_options(CLI::App& app, Impulse& to);
+void impulse_options(CLI::App& app, Impulse& to, bool real_lenses = true);
 void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
                    std::string& camera_name);
 /// Of pictures of other programs.

@@ -28,9 +28,12 @@ void axis_options(CLI::App& app, SweepOptions& o) {
         "OPEN:CLOSE,...");
     axis(app, "--impulse", o.impulse, "What a point out of focus becomes, as for focus [default: disc]",
          "KIND,...");
-    number(app, "--squeeze", o.modifiers.squeeze, "Of every impulse response, as for focus", "X");
-    number(app, "--cats-eye", o.modifiers.cats_eye, "Of every impulse response, as for focus", "X");
-    number(app, "--spherical", o.modifiers.spherical, "Of every impulse response, as for focus", "X");
+    number(app, "--squeeze", o.modifiers.squeeze, "Of every impulse response, as for focus", "X",
+           {.low = 0.1, .high = 10});
+    number(app, "--cats-eye", o.modifiers.cats_eye, "Of every impulse response, as for focus", "X",
+           {.low = 0, .high = 1.5});
+    number(app, "--spherical", o.modifiers.spherical, "Of every impulse response, as for focus", "X",
+           {.low = -10, .high = 10});
 }
 
 void method_options(CLI::App& app, SweepOptions& o) {
@@ -51,17 +54,14 @@ void method_options(CLI::App& app, SweepOptions& o) {
            },
            "How, as for focus [default: scatter; with --shutter lightfield]")
         ->type_name("scatter|layers|lightfield|hybrid|auto|pinhole");
-    number(app, "--target-db", p.target_db,
-           "With --method auto: PSNR wanted of every tile of 64 px, 10 to 80", "DB");
-    app.add_option_function<std::string>(
-           "--depths", [&p](const std::string& text) { p.depths = parse_whole("--depths", text); },
-           "Number K of impulse responses, 2 or more [default: CoC right to half a pixel]")
-        ->type_name("K");
-    app.add_option_function<std::string>(
-           "--views", [&p](const std::string& text) { p.views = parse_whole("--views", text); },
-           "Points of the lens that lightfield and hybrid look from, 1 to 4096 [default: 64; with --shutter "
-           "128]")
-        ->type_name("M");
+    number(app, "--target-db", p.target_db, "With --method auto: PSNR wanted of every tile of 64 px", "DB",
+           target_decibels);
+    whole(app, "--depths", p.depths, "Number K of impulse responses [default: CoC right to half a pixel]",
+          "K", depth_counts);
+    whole(app, "--views", p.views,
+          "Points of the lens that lightfield and hybrid look from [default: 64; with --shutter "
+          "128]",
+          "M", lens_view_counts);
     choice(app, "--spacing", p.spacing, "Spacing of the K depths: equal steps in z' or in 1/z'",
            {{"linear", DepthSpacing::linear}, {"inverse", DepthSpacing::inverse}});
     choice(app, "--depth-model", p.depth_model,
@@ -75,19 +75,20 @@ void method_options(CLI::App& app, SweepOptions& o) {
     app.add_flag_function(
         "--breathing", [&p](std::int64_t) { p.framing = Framing::breathing; },
         "Film at V = F s / (s - F): the view breathes with the focus, as in the 1981 paper");
-    app.add_option("--shutter-curve", o.curve,
-                   "Transmission while it is open: box, triangle, or a text file of lines \"time "
-                   "transmission\" [default: box]")
+    reads_of_curve(
+        app.add_option("--shutter-curve", o.curve,
+                       "Transmission while it is open: box, triangle, or a text file of lines \"time "
+                       "transmission\" [default: box]"))
         ->type_name("box|triangle|FILE");
-    app.add_option("--paths", o.paths,
-                   "Paths of objects, in place of what the file says (docs/motion_paths.md)")
+    reads(app.add_option("--paths", o.paths,
+                         "Paths of objects, in place of what the file says (docs/motion_paths.md)"))
         ->type_name("PATHS.toml");
-    app.add_option("--scene", o.retrace.scene,
-                   "The scene that the frame was traced from: hybrid traces again what no record shows "
-                   "[default: nothing is]")
+    reads(app.add_option("--scene", o.retrace.scene,
+                         "The scene that the frame was traced from: hybrid traces again what no record shows "
+                         "[default: nothing is]"))
         ->type_name("SCENE");
-    number(app, "--metres-per-unit", o.retrace.metres_per_unit, "Size of the scene's unit", "X");
-    whole(app, "--retrace-spp", o.retrace.spp, "Rays for each such pixel, 1 or more", "N");
+    number(app, "--metres-per-unit", o.retrace.metres_per_unit, "Size of the scene's unit", "X", units_m);
+    whole(app, "--retrace-spp", o.retrace.spp, "Rays for each such pixel", "N", {.low = 1});
 }
 
 void folder_options(CLI::App& app, SweepOptions& o) {
@@ -108,8 +109,7 @@ void folder_options(CLI::App& app, SweepOptions& o) {
            },
            "Where the table tells the CoC, px of the trace; may be repeated [default: 3 x 3 points]")
         ->type_name("X,Y");
-    number(app, "--coc-limit", s.coc_limit_px, "A pixel whose CoC is narrower is in focus, more than 0",
-           "PX");
+    number(app, "--coc-limit", s.coc_limit_px, "A pixel whose CoC is narrower is in focus", "PX", above_0);
     app.add_flag("--resume", s.resume,
                  "Keep the pictures of an earlier run in DIR that were made with the same settings from the "
                  "same file");
@@ -125,9 +125,10 @@ void add_sweep(CLI::App& root, ParsedCommand& common) {
     CLI::App& app = *root.add_subcommand(
         "sweep", "Many pictures of one sample file: every combination of lenses and shutters");
     const auto o = std::make_shared<SweepOptions>();
-    app.add_option("frame", o->input, "Sample file")->required()->type_name("FRAME");
-    app.add_option("-o,--output", o->output,
-                   "Folder for the pictures, sweep.csv, sweep.json and contact.png; made if it is not there")
+    reads(app.add_option("frame", o->input, "Sample file"))->required()->type_name("FRAME");
+    writes(app.add_option(
+               "-o,--output", o->output,
+               "Folder for the pictures, sweep.csv, sweep.json and contact.png; made if it is not there"))
         ->required()
         ->type_name("DIR");
     axis_options(app, *o);

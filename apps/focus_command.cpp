@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "apps/numbers.h"
 #include "apps/plan_command.h"
 #include "focus/bend_warning.h"
 #include "lens/prescription/first_order.h"
@@ -145,11 +146,12 @@ CommandResult run_focus(const FocusOptions& options) {
     if (result.method == FocusMethod::hybrid || !plan.is_null()) out.json.update(shares_json(hybrid));
     if (!plan.is_null()) out.json["plan"] = plan;
     out.text +=
-        fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} {}, widest CoC {:.1f} px",
+        fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {}, widest CoC {}",
                     options.output, result.image.width, result.image.height, method_name(result.method),
                     lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m,
-                    result.views > 0 ? result.views : result.depths, result.views > 0 ? "views" : "depths",
-                    result.largest_coc_px);
+                    result.views > 0 ? counted(static_cast<std::uint64_t>(result.views), "view")
+                                     : counted(static_cast<std::uint64_t>(result.depths), "depth"),
+                    px_text(result.largest_coc_px));
     report_crop(options.crop, out);
     return out;
 }

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "apps/numbers.h"
 #include "focus/foreign_focus.h"
 #include "records/crop.h"
 #include "records/unmix_edges.h"
@@ -132,9 +133,9 @@ CommandResult focus_foreign(const FocusOptions& options) {
                 {"has_alpha", !result.image.alpha.empty()},
                 {"channels", channels_json(picture.channels)}};
     out.text = fmt::format(
-        "{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {} depths, widest CoC {:.1f} px",
-        options.output, result.image.width, result.image.height, method_name(result.method), focal_length_mm,
-        f_number, focus_m, result.depths, result.largest_coc_px);
+        "{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {}, widest CoC {}", options.output,
+        result.image.width, result.image.height, method_name(result.method), focal_length_mm, f_number,
+        focus_m, counted(static_cast<std::uint64_t>(result.depths), "depth"), px_text(result.largest_coc_px));
     report_crop(options.crop, out);
     return out;
 }
@@ -152,8 +153,10 @@ CommandResult foreign_info(const std::string& input) {
                 {"channels", first.channels},
                 {"deep", first.deep},
                 {"parts", parts}};
-    out.text = fmt::format("{}: openexr image, {}x{} px, {} channels{}{}", input, first.width(),
-                           first.height(), first.channels.size(), first.deep ? ", deep" : "",
+    out.text = fmt::format("{}: openexr image, {}x{} px, {}{}{}", input,
+                           first.display.x_max - first.display.x_min + 1,
+                           first.display.y_max - first.display.y_min + 1,
+                           counted(first.channels.size(), "channel"), first.deep ? ", deep" : "",
                            file.parts().size() > 1 ? fmt::format(", {} parts", file.parts().size()) : "");
     ForeignChannels channels;
     try {
@@ -176,16 +179,18 @@ CommandResult foreign_info(const std::string& input) {
         mattes.push_back({{"name", m.name},
                           {"ranks", m.ranks.size()},
                           {"names", names >= 0 ? nlohmann::ordered_json(names) : nullptr}});
-        ids += fmt::format("\nCryptomatte {}, {} ranks, {}", m.name, m.ranks.size(),
+        ids += fmt::format("\nCryptomatte {}, {}, {}", m.name, counted(m.ranks.size(), "rank"),
                            names < 0 ? "a manifest that is damaged" : fmt::format("{} names", names));
     }
     for (const std::string& problem : found.problems) out.warnings.push_back({"ids", problem, 0});
     out.json["cryptomattes"] = mattes;
     if (!channels.id.empty()) ids += "\nids " + channels.id;
     out.text +=
-        fmt::format("\ncolour {}, {}, {}, alpha {}, depth {}\nfilm {:.5g} mm wide, {:.5g} mm away",
-                    channels.r, channels.g, channels.b, channels.a.empty() ? "none" : channels.a,
-                    channels.z.empty() ? "none" : channels.z, camera.film_width_mm, camera.film_distance_mm);
+        fmt::format("\ncolour {}, alpha {}, depth {}\nfilm {:.5g} mm wide, {:.5g} mm away",
+                    channels.r.empty() ? std::string("none")
+                                       : fmt::format("{}, {}, {}", channels.r, channels.g, channels.b),
+                    channels.a.empty() ? "none" : channels.a, channels.z.empty() ? "none" : channels.z,
+                    camera.film_width_mm, camera.film_distance_mm);
     out.text += ids;
     for (const std::string& text : camera.assumed) out.text += "\n" + text;
     return out;

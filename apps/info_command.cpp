@@ -6,6 +6,7 @@
 #include <set>
 
 #include "apps/command.h"
+#include "apps/numbers.h"
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/read_prescription.h"
 #include "records/exr_attributes.h"
@@ -83,11 +84,13 @@ CommandResult sample_file_info(const std::string& input, bool salvage) {
         {"sufficient", sufficient}};
     out.text = fmt::format(
         "{}: postlens samples, {}x{} px + {} px overscan, {} records, {:.1f} MB\n"
-        "scene {}; depths {:.4g} to {:.4g} m; {} objects; subdivision to level {}; paths of up to {} nodes\n"
+        "scene {}; depths {:.4g} to {:.4g} m; {}; subdivision to level {}; paths of up to {}\n"
         "film distance {:.5g} mm, pixel pitch {:.5g} mm, F {:.5g} mm",
         input, h.width, h.height, h.overscan_px, file.record_count(),
-        static_cast<double>(file.file_bytes()) / 1e6, h.scene_name, nearest, farthest, h.object_names.size(),
-        h.subdivide_levels, h.max_depth, h.film_distance_mm, h.pixel_pitch_mm, h.focal_length_mm);
+        static_cast<double>(file.file_bytes()) / 1e6, h.scene_name, nearest, farthest,
+        counted(h.object_names.size(), "object"), h.subdivide_levels,
+        counted(static_cast<std::uint64_t>(h.max_depth), "node"), h.film_distance_mm, h.pixel_pitch_mm,
+        h.focal_length_mm);
     if (layers > 1) out.text += fmt::format("\n{} layers", layers);
     if (file.instants() > 1) {
         out.text += fmt::format("\nfurther instants: {} s", fmt::join(h.key_times_s, ", "));
@@ -149,12 +152,12 @@ CommandResult scene_info(const std::string& input) {
                 {"focal_length_mm", camera.film_distance_mm},
                 {"film_distance_mm", camera.film_distance_mm},
                 {"scene_sha256", scene.sha256}};
-    out.text =
-        fmt::format("{}: scene {}, {} objects ({} moving), {} materials, {} lights, {} cameras; {}x{} px",
-                    input, scene.name, scene.objects.size(), moving, scene.materials.size(),
-                    scene.lights.size(), scene.cameras.size(), camera.width, camera.height);
+    out.text = fmt::format("{}: scene {}, {} ({} moving), {}, {}, {}; {}x{} px", input, scene.name,
+                           counted(scene.objects.size(), "object"), moving,
+                           counted(scene.materials.size(), "material"), counted(scene.lights.size(), "light"),
+                           counted(scene.cameras.size(), "camera"), camera.width, camera.height);
     if (!meshes.empty()) out.text += fmt::format("\n{} meshes of {} triangles", meshes.size(), triangles);
-    if (!textures.empty()) out.text += fmt::format("\n{} textures", textures.size());
+    if (!textures.empty()) out.text += fmt::format("\n{}", counted(textures.size(), "texture"));
     if (motion) out.text += fmt::format("\nmotion from {:.6g} to {:.6g} s", motion->open_s, motion->close_s);
     if (scene.cameras.size() > 1) out.text += fmt::format("\ncameras: {}", fmt::join(cameras, ", "));
     return out;
@@ -172,9 +175,10 @@ CommandResult lens_info(const std::string& input) {
                 {"film_distance_mm", json_number(f.film_distance_mm)},
                 {"f_number", json_number(f.f_number)},
                 {"wavelength_nm", lens.wavelength_nm}};
-    out.text = fmt::format(
-        "{}: lens prescription{}, {} surfaces, EFL {:.6g} mm, f/{:.4g} (postlens lens show says more)", input,
-        lens.name.empty() ? "" : " " + lens.name, lens.surfaces.size(), f.efl_mm, f.f_number);
+    out.text =
+        fmt::format("{}: lens prescription{}, {}, EFL {:.6g} mm, f/{:.4g} (postlens lens show says more)",
+                    input, lens.name.empty() ? "" : " " + lens.name, counted(lens.surfaces.size(), "surface"),
+                    f.efl_mm, f.f_number);
     return out;
 }
 
@@ -195,8 +199,9 @@ CommandResult image_info(const std::string& input) {
                 {"format", file->format_name()},
                 {"channels", spec.channelnames},
                 {"deep", spec.deep}};
-    out.text = fmt::format("{}: {} image, {}x{} px, {} channels{}", input, file->format_name(), spec.width,
-                           spec.height, spec.nchannels, spec.deep ? ", deep" : "");
+    out.text = fmt::format("{}: {} image, {}x{} px, {}{}", input, file->format_name(), spec.width,
+                           spec.height, counted(static_cast<std::uint64_t>(spec.nchannels), "channel"),
+                           spec.deep ? ", deep" : "");
     return out;
 }
 

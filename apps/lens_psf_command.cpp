@@ -9,6 +9,7 @@
 #include "lens/wave/crossover.h"
 #include "lens/wave/lens_response.h"
 #include "records/aperture_file.h"
+#include "records/image.h"
 
 namespace postlens {
 namespace {
@@ -90,7 +91,7 @@ CommandResult run_lens_psf(const LensPsfOptions& o) {
     }
     if (o.output.empty())
         fail(ExitCode::wrong_arguments, "OUT: missing (got nothing; expected a file OUT.exr)");
-    check_response_path(o.output);
+    check_exr_path(o.output, "responses");
     LensResponseRequest q = request_of(o);
     { const OutputFile refuses_early(o.output); }
     if (q.impulse.kind == ImpulseKind::picture) q.aperture = read_aperture(q.impulse);

@@ -36,7 +36,7 @@ bool is_csv(const std::string& path) {
 }
 
 void check_path(const std::string& path) {
-    if (!is_csv(path)) check_drawing_path(path);
+    if (!is_csv(path)) check_drawing_path(path, "csv, ");
 }
 
 FieldResult trace_field(const TracedLens& traced, double depth_m, double deg, int rays,
@@ -218,7 +218,7 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
     for (const double deg : degs) {
         fields.push_back(trace_field(traced, depth, deg, o.rays, axis.passing_area_mm2));
         const FieldResult& f = fields.back();
-        const double height = chief_height(traced, depth, f.tangent);
+        const double height = chief_height(traced, depth, f.tangent) + 0.0;  // of 0, no -0
         const double distortion = f.tangent != 0 ? 100 * (height / (scale * f.tangent) - 1) : 0;
         list.push_back({{"field_deg", deg},
                         {"film_mm", json_number(height)},

@@ -30,6 +30,17 @@ std::optional<std::pair<Number, Number>> parsed_pair(std::string_view text, std:
 
 }  // namespace
 
+std::string OptionRange::text() const {
+    if (std::isfinite(high)) return fmt::format("{:g} to {:.9g}", low, high);
+    if (!std::isfinite(low)) return "";
+    return includes_low ? fmt::format("{:g} or more", low) : fmt::format("more than {:g}", low);
+}
+
+void check_bounds(std::string_view option, double value, std::string_view text, const OptionRange& bounds) {
+    if (bounds.hold(value)) return;
+    fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected {})", option, text, bounds.text());
+}
+
 double parse_number(std::string_view option, std::string_view text, bool infinite) {
     const auto value = parsed<double>(text);
     if (value && (std::isfinite(*value) || (infinite && *value == std::numeric_limits<double>::infinity())))
@@ -40,6 +51,12 @@ double parse_number(std::string_view option, std::string_view text, bool infinit
 
 int parse_whole(std::string_view option, std::string_view text) {
     if (const auto value = parsed<int>(text)) return *value;
+    const std::string_view digits = text.substr(text.starts_with('-') || text.starts_with('+') ? 1 : 0);
+    if (!digits.empty() && digits.find_first_not_of("0123456789") == std::string_view::npos) {
+        fail(ExitCode::wrong_arguments, "{}: too {} (got {}; expected {} to {})", option,
+             text.starts_with('-') ? "small" : "large", text, std::numeric_limits<int>::min(),
+             std::numeric_limits<int>::max());
+    }
     fail(ExitCode::wrong_arguments, "{}: not a whole number (got {}; expected e.g. 4)", option,
          text.empty() ? "nothing" : text);
 }
@@ -96,6 +113,14 @@ std::vector<int> parse_whole_list(std::string_view option, std::string_view text
         begin = end + 1;
     }
     return out;
+}
+
+std::string counted(std::uint64_t count, std::string_view noun) {
+    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+std::string px_text(double px) {
+    return std::abs(px) < 1e7 ? fmt::format("{:.1f} px", px) : fmt::format("{:.3g} px", px);
 }
 
 Crop parse_crop(std::string_view option, std::string_view text) {

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <filesystem>
 
 #include "apps/command.h"
 #include "lens/prescription/read_prescription.h"
@@ -9,6 +10,11 @@ namespace postlens {
 ShutterCurve shutter_curve(const std::string& word) {
     if (word == "box") return ShutterCurve::box();
     if (word == "triangle") return ShutterCurve::triangle();
+    std::error_code none;
+    if (!std::filesystem::exists(word, none)) {
+        fail(ExitCode::invalid_input,
+             "--shutter-curve: no such file (got {}; expected box, triangle or a file)", word);
+    }
     return ShutterCurve::read(word);
 }
 

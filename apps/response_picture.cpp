@@ -7,16 +7,12 @@
 
 #include "core/error.h"
 #include "core/output_file.h"
+#include "records/image.h"
 
 namespace postlens {
-void check_response_path(const std::filesystem::path& path) {
-    if (path.extension() == ".exr") return;
-    fail(ExitCode::wrong_arguments, "{}: responses are written as OpenEXR (got ending \"{}\"; expected .exr)",
-         path.string(), path.extension().string());
-}
 
 void write_response(const std::filesystem::path& path, const ResponseGrid& grid) {
-    check_response_path(path);
+    check_exr_path(path, "responses");
     OutputFile file(path);
     OIIO::ImageSpec spec(grid.width, grid.height, 1, OIIO::TypeDesc::FLOAT);
     spec.channelnames = {"Y"};

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 
 #include "motionblur/paths_file.h"
 #include "sweep/values.h"
@@ -59,6 +61,16 @@ void take_format(const SweepOptions& o, SweepSettings& s) {
             s.frames->resize(s.frames->size() - ending.size() - 1);
             s.format = ending;
             return;
+        }
+        const std::string ending = std::filesystem::path(*s.frames).extension().string();
+        const bool is_word =
+            ending.size() > 1 && std::all_of(ending.begin() + 1, ending.end(),
+                                             [](unsigned char c) { return std::isalpha(c) != 0; });
+        if (is_word) {
+            fail(ExitCode::wrong_arguments,
+                 "--frames: unknown kind of image (got ending \"{}\"; expected .exr, .png, .tif or .jpg, or "
+                 "none)",
+                 ending);
         }
     }
     if (o.format) s.format = *o.format;

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "apps/numbers.h"
 #include "core/disk.h"
 #include "planner/trace_plan.h"
 #include "tracer/point_shading.h"
@@ -54,6 +55,7 @@ nlohmann::ordered_json rays_json(const RayCounts& rays) {
 }
 
 CommandResult run_trace(const TraceOptions& options) {
+    check_exr_path(options.output, "records");
     const Scene scene = read_scene(options.scene, {.metres_per_unit = options.metres_per_unit});
     CommandResult out;
     for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
@@ -63,6 +65,7 @@ CommandResult run_trace(const TraceOptions& options) {
     std::optional<std::uint64_t> expected_bytes;
     nlohmann::ordered_json plan = nullptr;
     if (options.plan) {
+        require_trace_memory(scene, settings, options.output);  // the look is large as well
         const TracePlan p = plan_trace(scene, settings, options.target_db);
         settings = p.settings;
         plan = {{"subdivide", p.levels}, {"floor_db", p.floor_db}, {"floors_db", p.floors_db},
@@ -109,8 +112,8 @@ CommandResult run_trace(const TraceOptions& options) {
                             r.rays.reflect, r.rays.refract, r.rays.shadow);
     if (r.rays.hidden > 0) out.text += fmt::format(", {} behind surfaces", r.rays.hidden);
     if (r.keys_sweep_degrees) {
-        out.text +=
-            fmt::format("\n{} keys, as something turns by {:.4g} degrees", r.keys, *r.keys_sweep_degrees);
+        out.text += fmt::format("\n{}, as something turns by {:.4g} degrees",
+                                counted(static_cast<std::uint64_t>(r.keys), "key"), *r.keys_sweep_degrees);
     }
     if (r.instants_s.size() > 1)
         out.text += fmt::format("\nrecorded at {:.6g} s", fmt::join(r.instants_s, ", "));

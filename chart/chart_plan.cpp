@@ -74,7 +74,29 @@ void add_shoot(const ChartRequest& request, Points& out) {
         out.add(Kind::shoot, "hybrid", "M", m, best_records, FocusMethod::hybrid);
 }
 
+// Named as they were given: what is made of them for the trace has other names.
+void check_lens(const ChartView& view) {
+    const auto positive = [](const char* option, double value, bool infinite) {
+        if (value > 0 && (infinite || std::isfinite(value))) return;
+        fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected more than 0)", option, value);
+    };
+    positive("--focal-length", view.lens.focal_length_mm, false);
+    positive("--f-number", view.lens.f_number, true);
+    positive("--focus", view.focus_m, true);
+    if (view.shutter) check_shutter("--shutter", *view.shutter);
+    const double traced = view.traced_f_number();
+    if (view.has_lens() && !(traced > 0 && std::isfinite(traced))) {
+        fail(ExitCode::wrong_arguments,
+             "--f-number: no aperture for --focal-length (got {} at {} mm; expected a diameter more than 0)",
+             view.lens.f_number, view.lens.focal_length_mm);
+    }
+}
+
 }  // namespace
+
+double ChartView::traced_f_number() const {
+    return lens.f_number * film_distance_mm / lens.focal_length_mm;
+}
 
 bool ChartView::has_lens() const {
     return std::isfinite(lens.f_number);
@@ -114,6 +136,7 @@ ChartView chart_view(const ChartRequest& request, const Scene& scene) {
              "--f-number: nothing blurs (got inf without --shutter; expected a "
              "finite f-number or a shutter)");
     }
+    check_lens(out);
     return out;
 }
 
@@ -128,8 +151,7 @@ TraceSettings best_trace(const ChartRequest& request, const ChartView& view) {
         out.keys.reset();
     }
     if (view.has_lens()) {
-        // The trace knows the lens by its diameter at the film distance of the view.
-        out.for_f_number = view.lens.f_number * view.film_distance_mm / view.lens.focal_length_mm;
+        out.for_f_number = view.traced_f_number();
         out.for_focus_m = view.focus_m;
     }
     out.overscan_auto = true;

@@ -22,6 +22,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
+    /// The trace knows the lens by its diameter at the film distance of the view.
+    [[nodiscard]] double traced_f_number() const;
 };
 
 struct PlannedTrace {

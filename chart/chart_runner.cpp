@@ -1,5 +1,6 @@
 #include "chart/chart_runner.h"
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include "chart/machine.h"
 #include "compare/error_map.h"
 #include "core/error.h"
+#include "core/file_identity.h"
 #include "core/fingerprint.h"
 #include "core/output_file.h"
 #include "core/progress.h"
@@ -28,6 +30,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t reference_seed = 1, points_seed = 2;
 constexpr int floor_spp = 256;
+constexpr std::array own_pictures{"reference.exr", "reference.a.exr", "reference.b.exr",
+                                  "reference.partial.exr", "pinhole.exr"};
 constexpr std::uintmax_t largest_chart_bytes = 64U << 20U;
 
 template <typename Work>
@@ -109,6 +113,7 @@ class Runner {
         for (const auto& given : {request_.reference, request_.second_reference}) {
             if (given) check_size(*given, read_image_size(*given));
         }
+        check_outputs();
         make_folder(folder_);
         for (const char* name : {"frames", "pictures", "maps"}) make_folder(folder_ / name);
         const std::string key = key_of(request_, view_, scene_);
@@ -122,9 +127,7 @@ class Runner {
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         } else {
             std::error_code none;
-            for (const char* name : {"reference.exr", "reference.a.exr", "reference.b.exr",
-                                     "reference.partial.exr", "pinhole.exr"})
-                fs::remove(folder_ / name, none);
+            for (const char* name : own_pictures) fs::remove(folder_ / name, none);
         }
         data_.key = key;
         data_.about = about_json(request_, view_, scene_);
@@ -148,6 +151,16 @@ class Runner {
         }
         data_.points = std::move(points);
         save();
+    }
+
+    // An earlier chart's reference may be read, but in its own folder it would be removed or overwritten.
+    void check_outputs() const {
+        std::vector<fs::path> read{request_.scene}, written{chart_path()};
+        for (const auto& given : {request_.reference, request_.second_reference}) {
+            if (given) read.push_back(*given);
+        }
+        for (const char* name : own_pictures) written.push_back(folder_ / name);
+        refuse_overwriting(read, written);
     }
 
     void check_size(const fs::path& path, const ImageSize& size) const {

@@ -177,9 +177,15 @@ Image Drawing::image() const {
     return out;
 }
 
-void check_drawing_path(const std::filesystem::path& path) {
+void check_drawing_path(const std::filesystem::path& path, const char* others) {
     if (path.extension() == ".svg" || path.extension() == ".SVG") return;
-    check_image_path(path);
+    try {
+        check_image_path(path);
+    } catch (const Error&) {
+        fail(ExitCode::wrong_arguments,
+             "{}: unknown kind of drawing (got ending \"{}\"; expected {}svg, exr, png, tif or jpg)",
+             path.string(), path.extension().string(), others);
+    }
 }
 
 void write_drawing(const std::filesystem::path& path, const Drawing& drawing) {

@@ -50,7 +50,7 @@ class Drawing {
 };
 
 /// Throws Error(wrong_arguments) unless the ending is .svg or one of `write_image`.
-void check_drawing_path(const std::filesystem::path& path);
+void check_drawing_path(const std::filesystem::path& path, const char* others = "");
 
 /// By the ending. Throws Error(cannot_write).
 void write_drawing(const std::filesystem::path& path, const Drawing& drawing);

@@ -94,8 +94,10 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
     }
     const fs::path folder = folder_of(destination_);
     if (!fs::is_directory(folder, ec)) {
-        fail(ExitCode::cannot_write, "{}: cannot write (folder {} does not exist)", target_.string(),
-             folder.string());
+        const bool is_file = fs::is_regular_file(folder, ec);
+        fail(ExitCode::cannot_write, "{}: cannot write ({})", target_.string(),
+             is_file ? fmt::format("{} is a file; expected a folder", folder.string())
+                     : fmt::format("folder {} does not exist", folder.string()));
     }
     // Keeping the ending last lets image writers choose the format. The pid tells a reader of the folder
     // whose file it is; the number keeps apart two files of one run, and runs whose pids are equal

@@ -139,6 +139,12 @@ void check_image_path(const fs::path& path) {
     }
 }
 
+void check_exr_path(const fs::path& path, const char* what) {
+    if (format_of(path) == Format::exr) return;
+    fail(ExitCode::wrong_arguments, "{}: {} are written as OpenEXR (got ending \"{}\"; expected .exr)",
+         path.string(), what, path.extension().string());
+}
+
 void write_image(const fs::path& path, const Image& image, const std::optional<Crop>& crop) {
     check_image_path(path);
     if (crop) check_crop(crop, image.width, image.height);

@@ -51,6 +51,8 @@ void write_image(const std::filesystem::path& path, const Image& image,
 
 /// Throws Error(wrong_arguments) where `write_image` would refuse the path, before any work is done.
 void check_image_path(const std::filesystem::path& path);
+/// The same for files that are written as OpenEXR alone; `what` they hold: "records", "responses".
+void check_exr_path(const std::filesystem::path& path, const char* what);
 
 struct ImageSize {
     int width = 0, height = 0;

@@ -9,6 +9,7 @@
 #include <xxhash.h>
 
 #include "core/error.h"
+#include "core/file_identity.h"
 #include "core/output_file.h"
 #include "core/progress.h"
 #include "core/text_file.h"
@@ -46,7 +47,7 @@ std::string checksum_text(const std::filesystem::path& path) {
 
 void make_folder(const std::filesystem::path& folder) {
     std::error_code error;
-    std::filesystem::create_directories(folder, error);
+    std::filesystem::create_directory(folder, error);  // one level, as chart
     if (!std::filesystem::is_directory(folder)) {
         fail(ExitCode::cannot_write,
              "{}: cannot be the folder of a sweep ({}; expected a folder, or a name "
@@ -131,6 +132,7 @@ class Sweep {
         out_.csv = folder / "sweep.csv";
         out_.json = folder / "sweep.json";
         check_lenses();
+        check_outputs(frame);
         make_folder(folder);
         common_key_ = common_key(frame);
     }
@@ -172,6 +174,17 @@ class Sweep {
     }
 
   private:
+    /// What is read may lie in the folder, but not under a name that the sweep gives.
+    void check_outputs(const std::filesystem::path& frame) const {
+        std::vector<std::filesystem::path> read{frame}, written{out_.csv, out_.json, folder_ / "contact.png"};
+        read.insert(read.end(), settings_.depends_on.begin(), settings_.depends_on.end());
+        for (const Impulse& i : settings_.axes.impulses) {
+            if (!i.file.empty()) read.push_back(i.file);
+        }
+        for (const std::string& name : names_) written.push_back(folder_ / name);
+        refuse_overwriting(read, written);
+    }
+
     /// Before hours of work find the one that no lens can be set to.
     void check_lenses() const {
         const SampleHeader& h = file_.header();

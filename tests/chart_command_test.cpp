@@ -64,6 +64,23 @@ TEST_F(ChartCommand, FillsAFolder) {
         0);
 }
 
+TEST_F(ChartCommand, WhatNoLensCanBeIsRefusedBeforeAnythingIsWritten) {
+    const std::vector<std::vector<std::string>> cases{
+        {"--f-number", "-1"}, {"--f-number", "0"},  {"--focal-length", "0"},
+        {"--focus", "-2"},    {"--shutter", "1:0"}, {"--f-number", "1e300", "--focal-length", "1e-300"},
+        {"--rays", "0"}};
+    for (const auto& options : cases) {
+        std::vector<std::string> all = words("1");
+        if (options[0] == "--rays") all = words("0");
+        if (options[0] != "--rays") all.insert(all.end(), options.begin(), options.end());
+        refused(all, ExitCode::wrong_arguments, options[0]);
+        EXPECT_FALSE(fs::exists(in("chart"))) << options[0];
+    }
+    std::vector<std::string> pinhole = words("1");
+    pinhole.insert(pinhole.end(), {"--f-number", "inf"});
+    refused(pinhole, ExitCode::wrong_arguments, "--f-number");
+}
+
 TEST_F(ChartCommand, GoesOnAfterAnInterruption) {
     std::vector<std::string> long_work = words("1,4,262144");
     const pid_t child = fork();

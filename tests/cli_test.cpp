@@ -166,6 +166,86 @@ TEST_F(Cli, WrongArgumentsAreTwo) {
             two, "--focus");
 }
 
+// Whether or not the option has an effect on what is asked for.
+TEST_F(Cli, BoundsHoldForEveryValueThatIsGiven) {
+    struct Case {
+        std::vector<std::string> command, out_of_range;
+    };
+    const std::vector<Case> cases{
+        {{"focus", "a.exr", "-o", in("x.exr")},
+         {"--views",     "-1",   "--views",        "0",  "--views",           "4097", "--depths",   "1",
+          "--target-db", "1000", "--retrace-spp",  "-5", "--metres-per-unit", "-1",   "--f-number", "-2",
+          "--focus",     "0",    "--focal-length", "0",  "--squeeze",         "11",   "--cats-eye", "2",
+          "--threads",   "5000"}},
+        {{"compare", "a.exr", "b.exr"},
+         {"--f-number", "0", "--focus", "-1", "--depths", "1", "--shutter", "1:0", "--metres-per-unit", "0",
+          "--fail-flip", "2", "--flip-white", "0"}},
+        {{"shoot", "a.exr", "-o", in("x.exr")},
+         {"--views", "0", "--target-db", "9", "--retrace-spp", "0", "--shutter", "2:1"}},
+        {{"sweep", "a.exr", "-o", in("x")},
+         {"--views", "0", "--depths", "1", "--target-db", "81", "--retrace-spp", "0", "--coc-limit", "0",
+          "--metres-per-unit", "-1"}},
+        {{"trace", "a.toml", "-o", in("x.exr")},
+         {"--target-db", "9", "--for-focus", "0", "--fps", "0", "--threshold", "-1", "--max-depth", "18",
+          "--film-width", "0"}},
+        {{"lens", "fit", "a.toml"},
+         {"--coc-limit", "0", "--focal-length", "-1", "--wavelength", "1", "--samples", "2", "--f-number",
+          "0"}},
+    };
+    for (const Case& c : cases) {
+        for (std::size_t i = 0; i < c.out_of_range.size(); i += 2) {
+            std::vector<std::string> words = c.command;
+            words.insert(words.end(), {c.out_of_range[i], c.out_of_range[i + 1]});
+            const std::string what =
+                c.out_of_range[i] == "--shutter" ? "closes before it opens" : "out of range";
+            std::string said = c.out_of_range[i];
+            said.append(": ").append(what).append(" (got ").append(c.out_of_range[i + 1]);
+            refused(words, ExitCode::wrong_arguments, said);
+        }
+    }
+    refused({"focus", "a.exr", "-o", in("x.exr"), "--views", "99999999999"}, ExitCode::wrong_arguments,
+            "--views: too large (got 99999999999");
+    EXPECT_NE(run({"focus", "--help"}).out.find("Aperture number n, more than 0; inf"), std::string::npos);
+}
+
+TEST_F(Cli, WhatIsWrongIsNamed) {
+    const ExitCode two = ExitCode::wrong_arguments;
+    const std::string frame = traced(), lens = std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml";
+    refused({"lens", "nosuch"}, two, "(got nosuch; expected one of coc, dof");
+    refused({"--nonsense"}, two, "unknown option (got --nonsense");
+    refused({"lens", "show", lens, "-o", in("x.foo")}, two, "expected svg, exr, png");
+    refused({"lens", "trace", lens, "-o", in("x.foo")}, two, "expected csv, svg, exr, png");
+    refused({"sweep", frame, "-o", in("s"), "--f-number", "2", "--focus", "1", "--frames", "p.%04d.gif"}, two,
+            "--frames: unknown kind of image (got ending \".gif\"");
+    refused({"sweep", frame, "-o", in("no/dir"), "--f-number", "2", "--focus", "1"}, ExitCode::cannot_write,
+            "no/dir: cannot be the folder of a sweep");
+    refused({"image", frame, "-o", frame + "/o.exr"}, ExitCode::cannot_write, "frame.exr is a file");
+    refused({"motionblur", frame, "-o", in("x.exr"), "--shutter", "0:1", "--shutter-curve", "bx"},
+            ExitCode::invalid_input,
+            "--shutter-curve: no such file (got bx; expected box, triangle or a file)");
+    EXPECT_EQ(run({"lens", "psf", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
+    EXPECT_NE(run({"focus", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
+}
+
+TEST_F(Cli, NumbersAreReadable) {
+    const std::string frame = traced();
+    const Outcome far = run({"focus", frame, "-o", in("x.exr"), "--focal-length", "1e300", "--f-number", "2",
+                             "--focus", "1", "--method", "layers"});
+    EXPECT_LT(far.out.size() + far.err.size(), 1200U) << far.out << far.err;
+    const Outcome axis = run({"lens", "trace", std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml"});
+    EXPECT_NE(axis.out.find("chief ray at 0 mm"), std::string::npos) << axis.out;
+
+    EXPECT_EQ(run({"image", frame, "-o", in("crop.exr"), "--crop", "8,8,16,16", "--quiet"}).exit_code, 0);
+    const Outcome crop = run({"info", in("crop.exr")});
+    EXPECT_NE(crop.out.find("96x96 px, 4 channels"), std::string::npos) << crop.out;
+    const Outcome depth = run({"info", std::string(POSTLENS_TEST_DATA) + "/exr/deep_alpha.exr"});
+    EXPECT_EQ(depth.out.find(", , "), std::string::npos) << depth.out;
+    EXPECT_NE(depth.out.find("colour none, alpha A"), std::string::npos) << depth.out;
+    const Outcome one = run({"info", std::string(POSTLENS_TEST_DATA) + "/exr/deep_one_sample.exr"});
+    EXPECT_NE(one.out.find(" 1 channel,"), std::string::npos) << one.out;
+    EXPECT_EQ(run({"info", scene()}).out.find("1 lights"), std::string::npos);
+}
+
 TEST_F(Cli, UnreadableInputIsThree) {
     const ExitCode three = ExitCode::invalid_input;
     const std::string frame = traced();

@@ -188,6 +188,14 @@ TEST_F(Render, UnwritableOutputIsFour) {
     EXPECT_EQ(text_of(in("old.exr")), "old");
 }
 
+TEST_F(Render, FocusesOnWhatThePictureShows) {
+    scene();
+    for (const char* at : {"-1,2", "2,-1", "1e9,2", "17,2", "2,10"}) {
+        refused(render("x.exr", {"--spp", "1", "--size", "16x9", "--f-number", "2", "--focus-at", at}),
+                ExitCode::wrong_arguments, "--focus-at: outside the picture (got ");
+    }
+}
+
 TEST_F(Render, TooLargeIsFiveAndSaysHowMuch) {
     scene();
     // 65536^2 pixels of at least three double sums: 103 GB, were there nothing else.

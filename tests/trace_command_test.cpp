@@ -196,6 +196,28 @@ TEST_F(TraceCommand, LayersInMirrorsDisturbNoReader) {
     EXPECT_NE(focused.out.find("nonlinear"), std::string::npos) << focused.out;
 }
 
+TEST_F(TraceCommand, WritesOpenExrAlone) {
+    for (const char* name : {"a.png", "a", "a.exr.gz", "a.toml"}) {
+        refused({"trace", scene(), "-o", in(name), "--size", "16x9"}, ExitCode::wrong_arguments,
+                std::string(name) + ": records are written as OpenEXR (got ending");
+    }
+    EXPECT_EQ(run({"trace", scene(), "-o", in("a.EXR"), "--size", "16x9"}).exit_code, 0);
+}
+
+TEST_F(TraceCommand, TooLargeIsFiveAndSaysHowMuch) {
+    // The picture alone takes 12 bytes for each of 65536^2 pixels.
+    for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{
+             {}, {"--force"}, {"--for-f-number", "2", "--for-focus", "4", "--plan"}}) {
+        std::vector<std::string> words{"trace", scene(), "-o", in("a.exr"), "--size", "65536x65536"};
+        words.insert(words.end(), options.begin(), options.end());
+        // Nothing near that is taken before.
+        const Outcome r = run(words, "ulimit -v 4000000; ");
+        EXPECT_EQ(r.exit_code, static_cast<int>(ExitCode::out_of_memory)) << r.err;
+        EXPECT_NE(r.err.find("a.exr: a trace of 65536x65536 px needs "), std::string::npos) << r.err;
+        EXPECT_NE(r.err.find(" MB of memory"), std::string::npos) << r.err;
+    }
+}
+
 TEST_F(TraceCommand, WhatCannotBeIsRefused) {
     struct Case {
         std::vector<std::string> options;
@@ -217,8 +239,11 @@ TEST_F(TraceCommand, WhatCannotBeIsRefused) {
         {{"--hidden-layers", "auto"},
          "--hidden-layers auto: needs to know the lens or the shutter (expected --for-f-number or "
          "--for-shutter)"},
-        {{"--for-f-number", "0"}, "--for-f-number: out of range (got 0; expected a number above 0)"},
+        {{"--for-f-number", "0"}, "--for-f-number: out of range (got 0; expected more than 0)"},
         {{"--for-f-number", "inf"}, "--for-f-number: not a number (got inf"},
+        {{"--for-focus", "0"}, "--for-focus: out of range (got 0; expected more than 0"},
+        {{"--for-focus", "-2"}, "--for-focus: out of range (got -2; expected more than 0"},
+        {{"--for-focus", "nan"}, "--for-focus: not a number (got nan"},
         {{"--hidden-layers", "17"}, "--hidden-layers: out of range (got 17; expected 0 to 16)"},
         {{"--hidden-layers", "-1"}, "--hidden-layers: out of range (got -1; expected 0 to 16)"},
         {{"--hidden-layers", "some"}, "--hidden-layers: not a whole number (got some"},

@@ -79,6 +79,12 @@ void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, co
     const std::optional<double> focus = s.focus_m ? s.focus_m : camera.focus_m;
     if (s.focus_at) {
         const CameraModel then(camera, time_s, s.camera);
+        const auto [x, y] = *s.focus_at;
+        if (!(x >= 0 && y >= 0 && x <= model.width && y <= model.height)) {
+            fail(ExitCode::wrong_arguments,
+                 "--focus-at: outside the picture (got {},{}; expected 0..{},0..{})", x, y, model.width,
+                 model.height);
+        }
         focus_m_ = depth_at(s.focus_at->first, s.focus_at->second, then, time_s);
     } else if (focus) {
         focus_m_ = *focus;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "core/memory.h"
 #include "core/progress.h"
 #include "lens/focus_geometry.h"
 #include "tracer/expected_size.h"
@@ -53,6 +54,10 @@ void check(const TraceSettings& s) {
     if (s.for_f_number && (!(*s.for_f_number > 0) || !std::isfinite(*s.for_f_number))) {
         fail(ExitCode::wrong_arguments, "--for-f-number: out of range (got {}; expected a number above 0)",
              *s.for_f_number);
+    }
+    if (s.for_focus_m && !(*s.for_focus_m > 0)) {
+        fail(ExitCode::wrong_arguments, "--for-focus: out of range (got {}; expected more than 0, or inf)",
+             *s.for_focus_m);
     }
     if (s.hidden_auto && !s.for_shutter && !s.for_f_number) {
         fail(ExitCode::wrong_arguments,
@@ -144,7 +149,35 @@ int overscan_for(const TraceSettings& s, const Instant& instant) {
     return find_overscan(instant.tracer(), camera, lens, instant.motion());
 }
 
+// Of what grows with the raster: less than is taken in the end, but what is refused cannot be traced.
+std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
+    constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
+    constexpr std::uint64_t rows_of_records = 64;
+    // LensReach: one inverse depth, and the pyramid of ranges over it.
+    constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
+    const auto width = static_cast<std::uint64_t>(camera.width),
+               height = static_cast<std::uint64_t>(camera.height);
+    const auto wide = width + 2 * static_cast<std::uint64_t>(overscan_px),
+               high = height + 2 * static_cast<std::uint64_t>(overscan_px);
+    const bool looks_through_lens = s.for_f_number && !s.hidden_layers;
+    return width * height * picture_bytes_per_px + wide * std::min(high, rows_of_records) * sizeof(Record) +
+           (looks_through_lens ? wide * high * reach_bytes_per_px : 0);
+}
+
+void require_trace_memory(const CameraModel& camera, int overscan_px, const TraceSettings& s,
+                          const std::filesystem::path& path) {
+    require_memory(least_memory_bytes(camera, overscan_px, s),
+                   fmt::format("{}: a trace of {}x{} px", path.string(), camera.width + 2 * overscan_px,
+                               camera.height + 2 * overscan_px));
+}
+
 }  // namespace
+
+void require_trace_memory(const Scene& scene, const TraceSettings& settings,
+                          const std::filesystem::path& path) {
+    const CameraModel camera(find_camera(scene, settings.camera_name), scene.time_s, settings.camera);
+    require_trace_memory(camera, settings.overscan_auto ? 0 : settings.overscan_px, settings, path);
+}
 
 void check_tracing(int max_depth, double min_contribution, const std::optional<double>& time_s) {
     check_whole("--max-depth", max_depth, 1, NodePath::max_bounces + 1);
@@ -242,6 +275,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     result.overscan_px = settings.overscan_auto ? overscan_for(settings, *instant) : settings.overscan_px;
     const CameraModel& camera = instant->camera();
     const int width = camera.width, height = camera.height, o = result.overscan_px;
+    require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
     // Of all instants, since a file has one grid.
     std::vector<SmallThings> small_things(result.instants_s.size());

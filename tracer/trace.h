@@ -58,6 +58,11 @@ struct TraceResult {
     std::optional<double> keys_sweep_degrees;  ///< where the motion chose `keys`: view_sweep_degrees
 };
 
+/// Throws Error(out_of_memory), saying how much it takes, where memory cannot hold what a trace of this size
+/// holds at least. trace_to_file asks as well, with the overscan it finds.
+void require_trace_memory(const Scene& scene, const TraceSettings& settings,
+                          const std::filesystem::path& path);
+
 /// Traces `scene` into a sample file at `path`; nothing appears there before all is done. Throws Error.
 TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const std::filesystem::path& path);
 
