@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <vector>
 
+#include "core/text.h"
 #include "focus/largest_bends.h"
 
 namespace postlens {
@@ -112,9 +113,9 @@ std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry&
     return FocusWarning{
         .code = "nonlinear",
         .share = share,
-        .text = fmt::format("{:.1f} % of the pixels show something in a mirror or in glass that other points "
+        .text = fmt::format("{} % of the pixels show something in a mirror or in glass that other points "
                             "of the lens see more than {} px from where its W puts it, or not at all",
-                            100 * share, most_px)};
+                            rough(100 * share), most_px)};
 }
 
 }  // namespace postlens

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "core/text.h"
+
 namespace postlens {
 namespace {
 
@@ -70,9 +72,9 @@ std::optional<FocusWarning> overscan_warning(const BorderRadii& border, const Ra
         .code = "overscan",
         .share = share,
         .text = fmt::format(
-            "{:.1f} % of the pixels lie within a circle of confusion of where the records end (got {} "
+            "{} % of the pixels lie within a circle of confusion of where the records end (got {} "
             "px of overscan; expected {} px, as the circles at the border have that radius)",
-            100 * share, *std::min_element(margin.begin(), margin.end()), needed_px)};
+            rough(100 * share), *std::min_element(margin.begin(), margin.end()), needed_px)};
 }
 
 }  // namespace postlens

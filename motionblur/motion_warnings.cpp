@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "core/text.h"
 #include "core/threads.h"
 #include "records/motion_path.h"
 
@@ -224,10 +225,10 @@ void warn_of_unseen_motion(const SampleHeader& header, const std::vector<RecordB
             const double share = share_of(pixels, header, shadow_step_px);
             out.push_back(
                 {"shadow", share,
-                 fmt::format("shadows of moving objects may pass over up to {:.1f} % of the pixels; "
+                 fmt::format("shadows of moving objects may pass over up to {} % of the pixels; "
                              "they stay where they were recorded (expected `trace --keys` or `render` "
                              "for them)",
-                             100 * share)});
+                             rough(100 * share))});
         }
     }
     const bool lights_move =
@@ -243,9 +244,9 @@ void warn_of_unseen_motion(const SampleHeader& header, const std::vector<RecordB
             });
         const double share = share_of(lit, header, 1);
         out.push_back({"light", share,
-                       fmt::format("lights move: shading is that of {} s in {:.1f} % of the pixels (expected "
+                       fmt::format("lights move: shading is that of {} s in {} % of the pixels (expected "
                                    "`trace --keys` or `render` for it)",
-                                   header.time_s, 100 * share)});
+                                   header.time_s, rough(100 * share))});
     }
 }
 
