@@ -32,6 +32,7 @@ std::size_t bytes_of(const SheetMesh& m) {
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
     std::vector<std::uint8_t> which;
+    which.reserve(reaches.size());
     for (const auto& reach : reaches) which.push_back(wanted(reach) ? 1 : 0);
     return sheet_subset(mesh, which);
 }

@@ -121,7 +121,7 @@ class PlacedSamples {
         if (!(u >= 0 && u <= edge && v >= 0 && v <= edge)) return false;
         const int column = static_cast<int>(u), row = static_cast<int>(v);
         if (static_cast<float>(column) != u || static_cast<float>(row) != v) return false;
-        used_.push_back(static_cast<std::size_t>(row * places + column));
+        used_.push_back(static_cast<std::size_t>(row) * places + static_cast<std::size_t>(column));
         at_[used_.back()] = &s;
         return true;
     }
