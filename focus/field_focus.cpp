@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <unordered_map>
+#include <utility>
 
 #include "focus/field_highlights.h"
 #include "focus/field_surfaces.h"
@@ -111,8 +112,8 @@ struct FieldFocuser::Prepared {
 
 FieldFocuser::~FieldFocuser() = default;
 
-FieldFocuser::FieldFocuser(FocusFrame& frame, const FieldFocusSettings& settings)
-    : frame_(frame), settings_(settings), prepared_(std::make_unique<Prepared>()) {
+FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
+    : frame_(frame), settings_(std::move(settings)), prepared_(std::make_unique<Prepared>()) {
     const SampleFileReader& file = frame.file();
     const FocusGeometry& g = settings_.geometry;
     Prepared& p = *prepared_;

@@ -71,7 +71,7 @@ struct FieldViews {
 class FieldFocuser {
   public:
     /// `views` and `leave_out_from_share` of the settings do not count.
-    FieldFocuser(FocusFrame& frame, const FieldFocusSettings& settings);
+    FieldFocuser(FocusFrame& frame, FieldFocusSettings settings);
     ~FieldFocuser();
     FieldFocuser(const FieldFocuser&) = delete;
     FieldFocuser& operator=(const FieldFocuser&) = delete;

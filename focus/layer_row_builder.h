@@ -37,9 +37,9 @@ class LayerSplats::RowBuilder {
     };
     /// A node with what it needs to stand as a parent.
     struct Met {
-        const Record* node;
+        const Record* node = nullptr;
         NodeResponse response;
-        std::array<float, 3> subtree;  ///< colour of the node and all that go on from it
+        std::array<float, 3> subtree{};  ///< colour of the node and all that go on from it
     };
 
     void find_hidden(const RecordBand& band, std::size_t pixel);

@@ -85,7 +85,7 @@ void retrace(const Scene& scene, const RenderSettings& render, std::vector<std::
     const RenderedPixels traced = render_pixels(scene, render, pixels);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         std::copy(traced.rgb[i].begin(), traced.rgb[i].end(),
-                  out.focus.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * pixels[i]));
+                  out.focus.image.rgb.begin() + 3 * std::ptrdiff_t{pixels[i]});
         out.what[pixels[i]] = 2;
     }
     out.rays += traced.rays;

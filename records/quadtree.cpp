@@ -106,7 +106,7 @@ class PlacedSamples {
     /// In steps of pixel_steps.
     [[nodiscard]] Sample* at(Place p) const {
         if ((p.u | p.v) % step != 0) return nullptr;
-        return at_[static_cast<std::size_t>(p.v / step * places + p.u / step)];
+        return at_[index(p.v / step, p.u / step)];
     }
 
   private:
@@ -115,13 +115,16 @@ class PlacedSamples {
     static Sample* first(const Row<Sample>& row, std::size_t column) {
         return row.samples + row.offsets[column];
     }
+    static std::size_t index(int row, int column) {
+        return static_cast<std::size_t>(row) * places + static_cast<std::size_t>(column);
+    }
     /// False between the places.
     bool add(Sample& s, float x, float y) {
         const float u = (s.x - x) * edge, v = (s.y - y) * edge;
         if (!(u >= 0 && u <= edge && v >= 0 && v <= edge)) return false;
         const int column = static_cast<int>(u), row = static_cast<int>(v);
         if (static_cast<float>(column) != u || static_cast<float>(row) != v) return false;
-        used_.push_back(static_cast<std::size_t>(row) * places + static_cast<std::size_t>(column));
+        used_.push_back(index(row, column));
         at_[used_.back()] = &s;
         return true;
     }

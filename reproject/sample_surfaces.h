@@ -20,8 +20,8 @@ struct LayerSurface {
 
 /// A node of the shading tree as a surface of its own: what is seen directly, in a mirror or through glass.
 struct TreeSurface {
-    float inverse_z = 0;       ///< of z', 1/m
-    std::array<float, 3> rgb;  ///< this node's alone
+    float inverse_z = 0;         ///< of z', 1/m
+    std::array<float, 3> rgb{};  ///< this node's alone
     std::uint32_t id = 0;
     NodePath path;
     std::uint32_t parent_id = 0;  ///< of what it is seen in; 0 for a primary node
