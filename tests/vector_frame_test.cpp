@@ -472,7 +472,7 @@ TEST_F(VectorFrameTest, CommandRefusesInOneLine) {
         return words;
     };
     refused(with({}), ExitCode::wrong_arguments, "--shutter: missing");
-    refused(with({"--shutter", "1:0"}), ExitCode::wrong_arguments, "--shutter: out of range");
+    refused(with({"--shutter", "1:0"}), ExitCode::wrong_arguments, "--shutter: closes before it opens");
     refused(with({"--shutter", "0:1e9"}), ExitCode::wrong_arguments, "--shutter: out of range");
     refused(with({"--shutter", "0:1", "--method", "convolve"}), ExitCode::wrong_arguments,
             "--method convolve");
