@@ -146,12 +146,14 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             : response_model(settings.impulse, traced, std::hypot(window.width(), window.height()) / 2.0);
     FocusResult out;
     out.method = settings.method;
+    bool parts = false;
     const auto spread_all = [&](auto&& splats, const StripPlan& plan, const auto& method) {
         const auto draw = [&](const std::optional<Crop>& part) { method(splats, out.image, part); };
         if (static_cast<double>(file.record_count()) * plan.splats_per_record *
                 static_cast<double>(plan.bytes_of_splat) >
             static_cast<double>(settings.splat_bytes)) {
             in_strips(frame, splats, plan, crop, draw);
+            parts = true;
         } else {
             take_in(frame, splats);
             draw(crop);
@@ -177,6 +179,8 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
                        scatter(splats, image, part);
                    });
     }
+    // What comes next writes the picture, which takes as much again as that.
+    if (parts) give_back_memory();
     return out;
 }
 
