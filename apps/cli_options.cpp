@@ -79,57 +79,53 @@ std::vector<NamedFile> files_of(CLI::App& app) {
     return out;
 }
 
+namespace {
+
+/// What an option's text comes to by `parse`, once it is within the bounds. `To`: a number, or an optional.
+template <typename To, typename Parse>
+CLI::Option* bounded(CLI::App& app, const std::string& name, To& to, const std::string& help,
+                     const OptionRange& bounds, const Parse& parse) {
+    return app.add_option_function<std::string>(
+        name,
+        [&to, name, bounds, parse](const std::string& text) {
+            const auto value = parse(name, text);
+            check_bounds(name, value, text, bounds);
+            to = value;
+        },
+        with_bounds(help, bounds));
+}
+
+template <typename To>
+CLI::Option* number_into(CLI::App& app, const std::string& name, To& to, const std::string& help,
+                         const std::string& unit, const OptionRange& bounds, bool infinite) {
+    const auto parse = [infinite](const std::string& option, const std::string& text) {
+        return parse_number(option, text, infinite);
+    };
+    return bounded(app, name, to, help, bounds, parse)->type_name(infinite ? unit + "|inf" : unit);
+}
+
+}  // namespace
+
 CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
                     const std::string& help, const std::string& unit, const OptionRange& bounds,
                     bool infinite) {
-    return app
-        .add_option_function<std::string>(
-            name,
-            [&to, name, bounds, infinite](const std::string& text) {
-                to = parse_number(name, text, infinite);
-                check_bounds(name, *to, text, bounds);
-            },
-            with_bounds(help, bounds))
-        ->type_name(infinite ? unit + "|inf" : unit);
+    return number_into(app, name, to, help, unit, bounds, infinite);
 }
 
 CLI::Option* number(CLI::App& app, const std::string& name, double& to, const std::string& help,
                     const std::string& unit, const OptionRange& bounds, bool infinite) {
-    return app
-        .add_option_function<std::string>(
-            name,
-            [&to, name, bounds, infinite](const std::string& text) {
-                to = parse_number(name, text, infinite);
-                check_bounds(name, to, text, bounds);
-            },
-            with_bounds(fmt::format("{} [default: {:g}]", help, to), bounds))
-        ->type_name(infinite ? unit + "|inf" : unit);
+    return number_into(app, name, to, fmt::format("{} [default: {:g}]", help, to), unit, bounds, infinite);
 }
 
 CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
                    const std::string& unit, const OptionRange& bounds) {
-    return app
-        .add_option_function<std::string>(
-            name,
-            [&to, name, bounds](const std::string& text) {
-                to = parse_whole(name, text);
-                check_bounds(name, to, text, bounds);
-            },
-            with_bounds(fmt::format("{} [default: {}]", help, to), bounds))
+    return bounded(app, name, to, fmt::format("{} [default: {}]", help, to), bounds, parse_whole)
         ->type_name(unit);
 }
 
 CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& to, const std::string& help,
                    const std::string& unit, const OptionRange& bounds) {
-    return app
-        .add_option_function<std::string>(
-            name,
-            [&to, name, bounds](const std::string& text) {
-                to = parse_whole(name, text);
-                check_bounds(name, *to, text, bounds);
-            },
-            with_bounds(help, bounds))
-        ->type_name(unit);
+    return bounded(app, name, to, help, bounds, parse_whole)->type_name(unit);
 }
 
 CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,

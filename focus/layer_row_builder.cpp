@@ -217,9 +217,7 @@ void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<
 
 void LayerSplats::RowBuilder::add_sample(const PointSample& s, std::span<const Record> nodes,
                                          std::span<const Nodes> hidden) {
-    const RasterWindow& p = t_.picture_;
-    place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
-                 static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
+    place_px_ = from_middle_px(t_.picture_, s.x, s.y);
     ids_.clear();
     radii_px_.clear();
     shown_.clear();
@@ -265,9 +263,7 @@ void LayerSplats::RowBuilder::end_row() {
 
 void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
     const PointSample s = middle_of_pixel(light.x, y_);
-    const RasterWindow& p = t_.picture_;
-    place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
-                 static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
+    place_px_ = from_middle_px(t_.picture_, s.x, s.y);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
     if (!light.hidden) {

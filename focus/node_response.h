@@ -33,6 +33,12 @@ struct RasterWindow {
             std::max(a.y_end, b.y_end)};
 }
 
+/// From the middle of a window to a place of the raster, px.
+[[nodiscard]] inline glm::dvec2 from_middle_px(const RasterWindow& window, float x, float y) {
+    return {static_cast<double>(x) - (window.x_begin + window.x_end) / 2.0,
+            static_cast<double>(y) - (window.y_begin + window.y_end) / 2.0};
+}
+
 /// A node's response: its key without phase, and its size.
 struct NodeResponse {
     KernelKey key;

@@ -66,9 +66,7 @@ void SplatTables::RowBuilder::add_splats(const PointSample& s, const NodeRespons
 }
 
 void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const Record> nodes) {
-    const RasterWindow& p = t_.picture_;
-    place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
-                 static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
+    place_px_ = from_middle_px(t_.picture_, s.x, s.y);
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
@@ -111,9 +109,7 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
 void SplatTables::RowBuilder::add_light(const PixelLight& light) {
     if (light.hidden) return;
     const PointSample s = middle_of_pixel(light.x, y_);
-    const RasterWindow& p = t_.picture_;
-    place_px_ = {static_cast<double>(s.x) - (p.x_begin + p.x_end) / 2.0,
-                 static_cast<double>(s.y) - (p.y_begin + p.y_end) / 2.0};
+    place_px_ = from_middle_px(t_.picture_, s.x, s.y);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
     if (light.inverse_depth > 0) largest_radius_px_ = std::max(largest_radius_px_, response.exact_radius_px);
