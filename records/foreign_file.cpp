@@ -405,6 +405,47 @@ class DeepBand {
     std::uint64_t total_ = 0;
 };
 
+/// The library takes as much memory as a chunk of a deep part says it has bytes before it looks for them.
+/// Asked of a file of its own: where pixels are read, the library forgets its place when it is asked for a
+/// size.
+class StoredChunks {
+  public:
+    StoredChunks(const std::string& name, std::uint64_t file_bytes, std::size_t part, bool tiled)
+        : name_(name), file_bytes_(file_bytes), file_(name.c_str(), 0, false) {
+        const int number = static_cast<int>(part);
+        if (tiled) {
+            tiles_.emplace(file_, number);
+        } else {
+            rows_.emplace(file_, number);
+        }
+    }
+    void check_row(int y) {
+        std::uint64_t bytes = 0;
+        rows_->rawPixelData(y, nullptr, bytes);
+        check(bytes);
+    }
+    void check_tile(int x, int y) {
+        int level_x = 0, level_y = 0;
+        std::uint64_t bytes = 0;
+        tiles_->rawTileData(x, y, level_x, level_y, nullptr, bytes);
+        check(bytes);
+    }
+
+  private:
+    void check(std::uint64_t bytes) const {
+        if (bytes > file_bytes_) {
+            fail(ExitCode::invalid_input, "{}: a chunk is damaged (got {} bytes in a file of {})", name_,
+                 bytes, file_bytes_);
+        }
+    }
+
+    const std::string& name_;
+    std::uint64_t file_bytes_;
+    Imf::MultiPartInputFile file_;
+    std::optional<Imf::DeepScanLineInputPart> rows_;
+    std::optional<Imf::DeepTiledInputPart> tiles_;
+};
+
 }  // namespace
 
 void ForeignFile::read_deep(std::size_t part, std::span<const std::string> channels,
@@ -413,11 +454,13 @@ void ForeignFile::read_deep(std::size_t part, std::span<const std::string> chann
     guarded(name_, [&] {
         const Imf::Header& h = impl_->header(part);
         DeepBand band(p, h, channels, impl_->bytes, name_);
+        StoredChunks stored(name_, impl_->bytes, part, p.tiled);
         if (p.tiled) {
             Imf::DeepTiledInputPart in(*impl_->file, static_cast<int>(part));
             const int rows = static_cast<int>(in.tileYSize()), last_column = in.numXTiles(0) - 1;
             for (int t = 0; t < in.numYTiles(0); ++t) {
                 const int y = p.data.y_min + t * rows;
+                for (int column = 0; column <= last_column; ++column) stored.check_tile(column, t);
                 band.read(
                     in, y, std::min(y + rows, p.data.y_max + 1),
                     [&](auto& from) { from.readPixelSampleCounts(0, last_column, t, t); },
@@ -429,6 +472,7 @@ void ForeignFile::read_deep(std::size_t part, std::span<const std::string> chann
         constexpr int rows = 16;
         for (int y = p.data.y_min; y <= p.data.y_max; y += rows) {
             const int last = std::min(y + rows - 1, p.data.y_max);
+            for (int row = y; row <= last; row += chunk_rows(h)) stored.check_row(row);
             band.read(
                 in, y, last + 1, [&](auto& from) { from.readPixelSampleCounts(y, last); },
                 [&](auto& from) { from.readPixels(y, last); }, take);

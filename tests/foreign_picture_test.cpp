@@ -423,6 +423,25 @@ TEST_F(ForeignPictureTest, RefusesRowsWiderThanThereIsReasonFor) {
     EXPECT_PRED1(too_wide, refusal([] { (void)read_image(data_folder + "damaged_window.exr"); }));
 }
 
+// The library makes room for as many bytes as a chunk of a deep part claims before it looks for them. Found
+// by fuzzing.
+TEST_F(ForeignPictureTest, RefusesChunksOfMoreBytesThanTheFile) {
+    struct Case {
+        const char* file;
+        std::size_t chunk;   ///< where the first one begins: behind header and offsets
+        std::size_t packed;  ///< from there, behind its place and the size of its counts
+    };
+    for (const auto& [name, chunk, packed] :
+         {Case{"deep_object_ids.exr", 2816, 4 + 8}, Case{"deep_alpha.exr", 944, 4 * 4 + 8}}) {
+        std::ifstream file(data_folder + name, std::ios::binary);
+        std::string bytes{std::istreambuf_iterator<char>(file), {}};
+        bytes.replace(chunk + packed, 8, std::string("\0\0\0\x40\0\0\0\0", 8));  // 1 GiB
+        std::ofstream(in(name), std::ios::binary) << bytes;
+        const std::string said = refusal([&] { (void)read_foreign_picture(in(name), {}, {}); });
+        EXPECT_NE(said.find("a chunk is damaged (got 10737"), std::string::npos) << said;
+    }
+}
+
 TEST(ExrAttribute, FillsItsSize) {
     using B = std::vector<std::uint8_t>;
     EXPECT_TRUE(fills_its_size("int", B(4)));
