@@ -205,7 +205,8 @@ void check_sufficient(const SampleHeader& header, const Exposure& exposure, std:
 /// Hybrid, with the scene that `retrace` names; writes its picture of what was done, and adds the scene's
 /// warnings.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
-                                      const RetraceOptions& retrace, CommandResult& out);
+                                      const RetraceOptions& retrace, const std::string& picture,
+                                      CommandResult& out);
 /// What `focus` and `shoot` say of a picture by hybrid.
 [[nodiscard]] nlohmann::ordered_json shares_json(const HybridResult& result);
 

@@ -4,6 +4,7 @@
 
 #include "apps/command.h"
 #include "apps/numbers.h"
+#include "apps/scene_input.h"
 #include "compare/cause_picture.h"
 #include "compare/comparison.h"
 #include "compare/comparison_text.h"
@@ -209,7 +210,7 @@ void map_causes(const CompareCommandOptions& o, CommandResult& out) {
     request.depths = o.depths;
     std::optional<Scene> scene;
     if (o.scene) {
-        scene = read_scene(*o.scene, {.metres_per_unit = o.metres_per_unit});
+        scene = read_scene_of_command(*o.scene, o.metres_per_unit, {*o.map_causes}, out);
         request.view.scene = &*scene;
     }
     const Image image = read_image(o.image), reference = read_image(o.reference);

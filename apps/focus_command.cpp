@@ -107,14 +107,14 @@ CommandResult run_focus(const FocusOptions& options) {
     nlohmann::ordered_json plan = nullptr;
     if (options.method == FocusMethod::automatic && std::isfinite(lens.lens.f_number)) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
-                                      options.retrace, out);
+                                      options.retrace, options.output, out);
         plan = plan_json(planned);
         hybrid = std::move(planned.hybrid);
         result = std::move(hybrid.focus);
         result.method = FocusMethod::automatic;
         out.text = planned.plan + "\n";
     } else if (options.method == FocusMethod::hybrid && std::isfinite(lens.lens.f_number)) {
-        hybrid = run_hybrid(frame, {.focus = settings}, options.retrace, out);
+        hybrid = run_hybrid(frame, {.focus = settings}, options.retrace, options.output, out);
         result = std::move(hybrid.focus);
         result.method = FocusMethod::hybrid;
     } else {

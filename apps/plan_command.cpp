@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "apps/scene_input.h"
 #include "tracer/scene.h"
 
 namespace postlens {
@@ -29,23 +30,23 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
 }
 
 // Also refuses what would come to nothing after the work.
-std::optional<Scene> scene_of(const RetraceOptions& retrace, CommandResult& out) {
+std::optional<Scene> scene_of(const RetraceOptions& retrace, const std::string& picture, CommandResult& out) {
     if (retrace.explain) check_image_path(*retrace.explain);
     if (retrace.spp < 1) {
         fail(ExitCode::wrong_arguments, "--retrace-spp: out of range (got {}; expected 1 or more)",
              retrace.spp);
     }
     if (!retrace.scene) return std::nullopt;
-    Scene scene = read_scene(*retrace.scene, {.metres_per_unit = retrace.metres_per_unit.value_or(1)});
-    for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
-    return scene;
+    std::vector<std::filesystem::path> written{picture};
+    if (retrace.explain) written.emplace_back(*retrace.explain);
+    return read_scene_of_command(*retrace.scene, retrace.metres_per_unit.value_or(1), written, out);
 }
 
 }  // namespace
 
 HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings, const RetraceOptions& retrace,
-                        CommandResult& out) {
-    const std::optional<Scene> scene = scene_of(retrace, out);
+                        const std::string& picture, CommandResult& out) {
+    const std::optional<Scene> scene = scene_of(retrace, picture, out);
     settings.scene = scene ? &*scene : nullptr;
     settings.retrace_spp = retrace.spp;
     HybridResult result = hybrid_picture(frame, settings);
@@ -60,8 +61,8 @@ nlohmann::ordered_json shares_json(const HybridResult& r) {
 }
 
 AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,
-                    CommandResult& out) {
-    const std::optional<Scene> scene = scene_of(retrace, out);
+                    const std::string& picture, CommandResult& out) {
+    const std::optional<Scene> scene = scene_of(retrace, picture, out);
     settings.hybrid.scene = scene ? &*scene : nullptr;
     AutoResult result = auto_picture(frame, settings);
     if (!result.met(settings.target_db)) out.exit_code = ExitCode::shortfall;

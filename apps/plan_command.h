@@ -6,10 +6,11 @@
 
 namespace postlens {
 
-/// `auto`, with the scene that `retrace` names; writes its picture of what was done, adds the scene's
-/// warnings, and sets the exit code for a target that is not met.
+/// `auto`, with the scene that `retrace` names, which may not need the `picture` that is to be written;
+/// writes its picture of what was done, adds the scene's warnings, and sets the exit code for a target that
+/// is not met.
 [[nodiscard]] AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,
-                                  CommandResult& out);
+                                  const std::string& picture, CommandResult& out);
 /// What `--json` says of a plan.
 [[nodiscard]] nlohmann::ordered_json plan_json(const AutoResult& result);
 

@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "apps/command.h"
+#include "apps/scene_input.h"
 #include "lens/prescription/read_prescription.h"
 #include "records/aperture_file.h"
 
@@ -58,9 +59,12 @@ CommandResult run_render(const RenderOptions& options) {
     }
     settings.metres_per_unit = options.metres_per_unit;
     settings.curve = shutter_curve(options.curve);
-    const Scene scene = read_scene(options.scene, {.metres_per_unit = options.metres_per_unit});
     CommandResult out;
-    for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
+    std::vector<std::filesystem::path> written{options.output};
+    if (settings.halves) {
+        for (const auto& half : half_paths(options.output)) written.push_back(half);
+    }
+    const Scene scene = read_scene_of_command(options.scene, options.metres_per_unit, written, out);
     const RenderResult r = render_to_file(scene, settings, options.output);
     if (r.motion_error_px > MotionAccuracy().tolerance_px) {
         out.warnings.push_back(

@@ -35,9 +35,9 @@ CommandResult run_shoot(const ShootOptions& options) {
     FocusFrame frame(file, automatic);
     AutoResult planned;
     if (automatic) {
-        planned = run_auto(frame, {.hybrid = settings, .target_db = o.target_db}, o.retrace, out);
+        planned = run_auto(frame, {.hybrid = settings, .target_db = o.target_db}, o.retrace, o.output, out);
     } else {
-        planned.hybrid = run_hybrid(frame, settings, o.retrace, out);
+        planned.hybrid = run_hybrid(frame, settings, o.retrace, o.output, out);
     }
     const HybridResult& result = planned.hybrid;
     write_image(o.output, result.focus.image, o.crop);

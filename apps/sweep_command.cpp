@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "apps/scene_input.h"
 #include "motionblur/paths_file.h"
 #include "sweep/values.h"
 
@@ -124,8 +125,7 @@ CommandResult run_sweep(const SweepOptions& o) {
              o.retrace.spp);
     }
     if (o.retrace.scene) {
-        scene = read_scene(*o.retrace.scene, {.metres_per_unit = o.retrace.metres_per_unit.value_or(1)});
-        for (const std::string& note : scene->notes) out.warnings.push_back({"scene", note});
+        scene = read_scene_of_command(*o.retrace.scene, o.retrace.metres_per_unit.value_or(1), {}, out);
         settings.picture.scene = &*scene;
         settings.picture.retrace_spp = o.retrace.spp;
     }

@@ -3,6 +3,7 @@
 
 #include "apps/command.h"
 #include "apps/numbers.h"
+#include "apps/scene_input.h"
 #include "core/disk.h"
 #include "planner/trace_plan.h"
 #include "tracer/point_shading.h"
@@ -56,9 +57,8 @@ nlohmann::ordered_json rays_json(const RayCounts& rays) {
 
 CommandResult run_trace(const TraceOptions& options) {
     check_exr_path(options.output, "records");
-    const Scene scene = read_scene(options.scene, {.metres_per_unit = options.metres_per_unit});
     CommandResult out;
-    for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
+    const Scene scene = read_scene_of_command(options.scene, options.metres_per_unit, {options.output}, out);
     for (const ShadingNote& n : point_shading_notes(scene)) out.warnings.push_back({n.code, n.text});
     warn_of_motion(scene, out);
     TraceSettings settings = options.settings;

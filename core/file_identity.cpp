@@ -24,8 +24,8 @@ void refuse_overwriting(std::span<const std::filesystem::path> read,
     for (const auto& path : written) outputs.insert(file_identity(path));
     for (const auto& path : read) {
         if (outputs.contains(file_identity(path))) {
-            fail(ExitCode::wrong_arguments,
-                 "--output: would overwrite the input {} (expected another folder)", path.string());
+            fail(ExitCode::wrong_arguments, "--output: would overwrite the input {} (expected another place)",
+                 path.string());
         }
     }
 }

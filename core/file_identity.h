@@ -11,7 +11,7 @@ namespace postlens {
 /// a file that is not there yet: by the folder it would lie in.
 [[nodiscard]] std::string file_identity(const std::filesystem::path& path);
 
-/// Throws Error(wrong_arguments) where one of `read` is among the files that are to be `written` in a folder.
+/// Throws Error(wrong_arguments) where one of `read` is among the files that are to be `written`.
 void refuse_overwriting(std::span<const std::filesystem::path> read,
                         std::span<const std::filesystem::path> written);
 

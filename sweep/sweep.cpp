@@ -178,6 +178,8 @@ class Sweep {
     void check_outputs(const std::filesystem::path& frame) const {
         std::vector<std::filesystem::path> read{frame}, written{out_.csv, out_.json, folder_ / "contact.png"};
         read.insert(read.end(), settings_.depends_on.begin(), settings_.depends_on.end());
+        if (const Scene* scene = settings_.picture.scene; scene != nullptr)
+            read.insert(read.end(), scene->referred.begin(), scene->referred.end());
         for (const Impulse& i : settings_.axes.impulses) {
             if (!i.file.empty()) read.push_back(i.file);
         }

@@ -81,6 +81,41 @@ TEST_F(NamedFiles, InputsAreNotWritten) {
     kept(a, {"lens", "psf", a, "--impulse", "image:" + a}, "--impulse");
 }
 
+TEST_F(NamedFiles, NorWhatASceneRefersTo) {
+    const std::string picture = in("t.exr"), half = in("t.a.exr"), frame = in("frame.exr");
+    ASSERT_EQ(run({"render", scene(), "-o", picture, "--spp", "1", "--size", "16x9", "--quiet"}).exit_code,
+              0);
+    fs::copy_file(picture, half);
+    const auto textured = [&](const std::string& file) {
+        std::string path = in("textured.toml");
+        std::ofstream(path)
+            << "[scene]\n[[camera]]\nfocal_length_mm = 50\n[[texture]]\nname = 't'\nkind = 'image'\nfile = '"
+            << file
+            << "'\n[[material]]\nname = 'm'\nemission_texture = 't'\n"
+               "[[object]]\nshape = 'rectangle'\nmaterial = 'm'\ncorner_m = [-1, -1, "
+               "-3]\nedge_u_m = [2, 0, 0]\nedge_v_m = [0, 2, 0]\n";
+        return path;
+    };
+    std::string s = textured("t.exr");
+    kept(picture, {"trace", s, "-o", picture}, "t.exr");
+    kept(picture, {"render", s, "-o", picture, "--spp", "1"}, "t.exr");
+    ASSERT_EQ(run({"trace", s, "-o", frame, "--size", "16x9", "--quiet"}).exit_code, 0);
+    kept(picture,
+         {"focus", frame, "-o", picture, "--scene", s, "--method", "hybrid", "--f-number", "2", "--focus",
+          "2"},
+         "t.exr");
+    kept(picture,
+         {"focus", frame, "-o", in("o.exr"), "--explain", picture, "--scene", s, "--method", "auto",
+          "--f-number", "2", "--focus", "2"},
+         "t.exr");
+    kept(picture,
+         {"compare", frame, frame, "--map-causes", picture, "--frame", frame, "--scene", s, "--f-number", "2",
+          "--focus", "2"},
+         "t.exr");
+    s = textured("t.a.exr");
+    kept(half, {"render", s, "-o", picture, "--spp", "2", "--halves"}, "t.a.exr");
+}
+
 TEST_F(NamedFiles, NoFileIsWrittenTwice) {
     const std::string a = frame(), o = in("o.exr");
     refused({"focus", a, "-o", o, "--explain", in("./o.exr")}, ExitCode::wrong_arguments, "--explain");

@@ -40,7 +40,7 @@ class GltfReader {
         move_objects(nodes);
         add_views(nodes);
         notes_.append_to(scene_.notes, d_.path);
-        scene_.sha256 = sha256_of_scene(d_.bytes.front(), d_.files);
+        name_sources(d_.bytes.front(), d_.files, scene_);
         // A file with lights says what is lit; else a little of the light from everywhere, as scenes of ours
         // have it.
         if (!scene_.lights.empty()) scene_.ambient_light = dvec3(0);

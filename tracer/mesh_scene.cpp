@@ -66,7 +66,7 @@ class MeshReader {
         MeshMaterials materials(path_, referred, notes_);
         add_node(*found, *found->mRootNode, materials);
         notes_.append_to(scene_.notes, path_);
-        scene_.sha256 = sha256_of_scene(bytes, referred);
+        name_sources(bytes, referred, scene_);
         complete_scene(scene_, path_, answers_to_lights(scene_), 1, open_side(scene_));
         return std::move(scene_);
     }

@@ -19,7 +19,7 @@ std::optional<fs::path> inside_scene_folder(const fs::path& scene_path, const st
     return path;
 }
 
-std::string sha256_of_scene(std::string_view bytes, const std::vector<ReferredFile>& files) {
+void name_sources(std::string_view bytes, const std::vector<ReferredFile>& files, Scene& scene) {
     Sha256 digest;
     digest.add(bytes);
     for (const ReferredFile& file : files) {
@@ -27,8 +27,9 @@ std::string sha256_of_scene(std::string_view bytes, const std::vector<ReferredFi
         digest.add(" ");
         digest.add(sha256_of_file(file.path));
         digest.add("\n");
+        scene.referred.push_back(file.path);
     }
-    return digest.hex();
+    scene.sha256 = digest.hex();
 }
 
 }  // namespace postlens

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tracer/scene.h"
+
 namespace postlens {
 
 /// A file that a scene refers to: as the scene writes it, and where it is.
@@ -20,8 +22,9 @@ struct ReferredFile {
 [[nodiscard]] std::optional<std::filesystem::path> inside_scene_folder(
     const std::filesystem::path& scene_path, const std::string& as_written);
 
-/// SHA-256 of a scene's own bytes and then, for each file, of the line "name as written, space, SHA-256 of
-/// its bytes". Throws Error(invalid_input) where a file cannot be read.
-[[nodiscard]] std::string sha256_of_scene(std::string_view bytes, const std::vector<ReferredFile>& files);
+/// Says in the scene what it refers to, and its SHA-256: of its own bytes and then, for each file, of the
+/// line "name as written, space, SHA-256 of its bytes". Throws Error(invalid_input) where a file cannot be
+/// read.
+void name_sources(std::string_view bytes, const std::vector<ReferredFile>& files, Scene& scene);
 
 }  // namespace postlens

@@ -134,7 +134,8 @@ struct Camera {
 
 struct Scene {
     std::string name;
-    std::string sha256;  ///< of the file and of everything it refers to
+    std::string sha256;                           ///< of the file and of everything it refers to
+    std::vector<std::filesystem::path> referred;  ///< the files that it refers to, where they are
     std::vector<Material> materials;
     std::vector<Object> objects;
     std::vector<Light> lights;

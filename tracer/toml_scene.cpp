@@ -50,7 +50,7 @@ Scene read_toml_scene(const std::filesystem::path& path, const SceneReadOptions&
     read_objects(root, options.metres_per_unit, scene);
     scene.cameras = read_cameras(root, options.metres_per_unit);
     scene.lights = read_lights(root, options.metres_per_unit);
-    scene.sha256 = sha256_of_scene(text, files);
+    name_sources(text, files, scene);
     // `light = []` says that darkness is meant.
     complete_scene(scene, path, answers_to_lights(scene) && !root.has("light"), 1);
     return scene;
