@@ -141,8 +141,8 @@ class Field {
             draw_view(field_.views[i], at, w);
             if (!lights) continue;
             const auto to = static_cast<std::ptrdiff_t>(i * TileViews::view);
-            std::copy(w.seen[0].inverse_z.begin(), w.seen[0].inverse_z.end(), w.views.inverse_z.begin() + to);
-            std::copy(w.seen[0].texel.begin(), w.seen[0].texel.end(), w.views.texel.begin() + to);
+            std::copy_n(w.seen[0].inverse_z.begin(), TileViews::view, w.views.inverse_z.begin() + to);
+            std::copy_n(w.seen[0].texel.begin(), TileViews::view, w.views.texel.begin() + to);
         }
         if (lights) {
             w.light.assign(3 * SeenTile::pixels, 0);
@@ -192,13 +192,13 @@ class Field {
         }
     }
 
-    /// Whether a view has nothing of a patch in pixels [x0, x1) x [y0, y1) of the tile.
-    static bool misses(const PatchReach& reach, const LensShift& lens, const TilePlace& at, int x0, int x1,
-                       int y0, int y1) {
+    /// Whether a view has nothing of a patch in a part of the tile.
+    static bool misses(const PatchReach& reach, const LensShift& lens, const TilePlace& at,
+                       const TilePart& part) {
         const glm::vec2 q(lens.lens_px), shift(lens.inverse_focus_per_m * lens.lens_px + lens.offset_px);
-        return reach.misses(q.x, q.y, shift.x, shift.y, static_cast<float>(at.x + x0),
-                            static_cast<float>(at.x + x1), static_cast<float>(at.y + y0),
-                            static_cast<float>(at.y + y1));
+        return reach.misses(q.x, q.y, shift.x, shift.y, static_cast<float>(at.x + part.x_begin),
+                            static_cast<float>(at.x + part.x_end), static_cast<float>(at.y + part.y_begin),
+                            static_cast<float>(at.y + part.y_end));
     }
 
     void draw_primary(const PatchView& v, const PatchView::Use& use, const TilePlace& at,
@@ -208,7 +208,7 @@ class Field {
         PatchPlace place;
         const PatchMesh& mesh = patches.mesh;
         for (std::size_t i = 0; i < mesh.patches.size(); ++i) {
-            if (still && misses(patches.reach[i], v.lens, at, 0, at.width, 0, at.height)) continue;
+            if (still && misses(patches.reach[i], v.lens, at, {0, at.width, 0, at.height})) continue;
             const Patch& patch = mesh.patches[i];
             if (place_patch(mesh, patch, motion_of(field_, mesh, patch, use), v.lens, place))
                 draw_patch(mesh, patch, place, at, seen);
@@ -224,18 +224,16 @@ class Field {
         const bool still = use.motions.empty();
         const TilePatches& patches = w.deeper[use.instant];
         const PatchMesh& mesh = patches.mesh;
-        const WantedPixels& wanted = w.wanted;
+        const TilePart& wanted = w.wanted.part;
         PatchPlace place;
         for (const Chain& chain : w.chains[use.instant]) {
             SeenTile* out = w.trees.begin_chain(chain.path, w.wanted);
             if (out == nullptr) continue;
             for (std::size_t i = chain.begin; i < chain.end; ++i) {
-                if (still && misses(patches.reach[i], v.lens, at, wanted.x_begin, wanted.x_end,
-                                    wanted.y_begin, wanted.y_end))
-                    continue;
+                if (still && misses(patches.reach[i], v.lens, at, wanted)) continue;
                 const Patch& patch = mesh.patches[i];
                 if (place_patch(mesh, patch, motion_of(field_, mesh, patch, use), v.lens, place))
-                    draw_patch_in(mesh, patch, place, at, wanted, *out);
+                    draw_patch_in(mesh, patch, place, at, w.wanted, *out);
             }
         }
     }

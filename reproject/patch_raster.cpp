@@ -1,7 +1,9 @@
 #include "reproject/patch_raster.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <optional>
 
 #include "core/multiversion.h"
 
@@ -13,133 +15,185 @@ constexpr float overlap = 0.02F;
 /// Less is seen from the edge and has no area.
 constexpr double smallest_area = 1e-6;
 
-constexpr int lanes = SeenTile::edge;
+/// Samples that are looked up together.
+constexpr int lanes = 16;
+static_assert(SeenTile::slack >= lanes);
 
-/// A row of samples in the patch's own coordinates, and what it reads.
-struct Row {
-    float x = 0, y = 0, by_x = 0, by_y = 0;  ///< of the first sample, and from each to the next
-    float width = 0, height = 0;             ///< of the patch
-    float z = 0, z_x = 0, z_y = 0;           ///< inverse depth in its coordinates
+/// Samples (i, j) of a tile that a patch may cover, and what they read. Sample i of a row lies at
+/// `first(j) + i * by` in the patch's own coordinates: however a row is cut, it is rounded alike.
+struct Run {
+    glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
+    glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
+    glm::dvec2 from{0};    ///< raster px of the patch's corner
+    int i0 = 0, count = 0, j0 = 0, j1 = 0;
+    float by_x = 0, by_y = 0;
+    float width = 0, height = 0;    ///< of the patch
+    float z = 0, z_x = 0, z_y = 0;  ///< inverse depth in its coordinates
     const std::uint32_t* roots = nullptr;
     std::int32_t stride = 0;
     const std::uint32_t* nodes = nullptr;
     int depth = 0;
-    int count = 0;
+    [[nodiscard]] glm::vec2 first(int j) const { return back * (origin + glm::dvec2(i0, j) - from); }
+    [[nodiscard]] std::size_t pixel(int j) const {
+        return static_cast<std::size_t>(j) * SeenTile::edge + static_cast<std::size_t>(i0);
+    }
 };
 
+/// Samples of a row: the cells that they read, where in those they lie, and their depths.
 struct Lanes {
-    alignas(64) std::array<std::uint32_t, lanes> node;
+    alignas(64) std::array<std::int32_t, lanes> cell;
     alignas(64) std::array<float, lanes> x, y, z;
 };
 
-/// Roots and depths of the samples.
-POSTLENS_MULTIVERSION void find_roots(const Row& row, std::uint32_t* __restrict node, float* __restrict fx,
-                                      float* __restrict fy, float* __restrict depth) {
-    const float x_end = row.width + overlap, y_end = row.height + overlap;
-    const float x_last = row.width - 1, y_last = row.height - 1;
-    const std::uint32_t* __restrict roots = row.roots;
-    const std::int32_t stride = row.stride;
-    for (int i = 0; i < row.count; ++i) {
+/// 1 << n: shifts of lanes by different numbers are not in every instruction set.
+alignas(64) constexpr std::uint32_t bit[lanes] = {1,        1U << 1,  1U << 2,  1U << 3, 1U << 4,  1U << 5,
+                                                  1U << 6,  1U << 7,  1U << 8,  1U << 9, 1U << 10, 1U << 11,
+                                                  1U << 12, 1U << 13, 1U << 14, 1U << 15};
+
+// The following are parts of functions that are compiled for several instruction sets, and have to be inlined
+// for that.
+#define POSTLENS_PART [[gnu::always_inline]] inline
+
+/// Samples [begin, begin + lanes) of a row that begins at `first`. Bits: those that lie in the patch and are
+/// nearer than what is there.
+POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
+                                         const float* __restrict there, Lanes& lane) {
+    const float x_end = run.width + overlap, y_end = run.height + overlap;
+    const float x_last = run.width - 1, y_last = run.height - 1;
+    const std::int32_t stride = run.stride, count = run.count;
+    const float by_x = run.by_x, by_y = run.by_y, z = run.z, z_x = run.z_x, z_y = run.z_y;
+    std::int32_t* __restrict cell = lane.cell.data();
+    float* __restrict fx = lane.x.data(), * __restrict fy = lane.y.data(), * __restrict depth = lane.z.data();
+    std::uint32_t found = 0;
+#pragma GCC unroll 1
+    for (int n = 0; n < lanes; ++n) {
+        const std::int32_t i = begin + n;
         const auto k = static_cast<float>(i);
-        const float x = row.x + row.by_x * k, y = row.y + row.by_y * k;
-        const bool inside = (x >= -overlap) & (x < x_end) & (y >= -overlap) & (y < y_end);
+        const float x = first.x + by_x * k, y = first.y + by_y * k;
         // Above 0 the conversion rounds down.
         const auto ix = static_cast<std::int32_t>(std::min(std::max(x, 0.0F), x_last)),
                    iy = static_cast<std::int32_t>(std::min(std::max(y, 0.0F), y_last));
-        const std::uint32_t root = roots[iy * stride + ix];
-        node[i] = inside ? root : SheetNode::none;
-        fx[i] = x - static_cast<float>(ix);
-        fy[i] = y - static_cast<float>(iy);
-        depth[i] = std::max(row.z + row.z_x * x + row.z_y * y, 0.0F);
+        const float mine = std::max(z + z_x * x + z_y * y, 0.0F);
+        cell[n] = iy * stride + ix;
+        fx[n] = x - static_cast<float>(ix);
+        fy[n] = y - static_cast<float>(iy);
+        depth[n] = mine;
+        const bool here =
+            (i < count) & (x >= -overlap) & (x < x_end) & (y >= -overlap) & (y < y_end) & (mine > there[n]);
+        found |= here ? bit[n] : 0U;
     }
+    return found;
 }
 
-/// Drops what lies behind what is there already. False where nothing is left.
-POSTLENS_MULTIVERSION bool drop_hidden(std::uint32_t* __restrict node, const float* __restrict depth,
-                                       int count, const float* __restrict z) {
-    std::uint32_t any = 0;
-    for (int i = 0; i < count; ++i) {
-        const bool nearer = (node[i] != SheetNode::none) & (depth[i] > z[i]);
-        node[i] = nearer ? node[i] : SheetNode::none;
-        any |= nearer ? 1U : 0U;
-    }
-    return any != 0;
+/// Bits of the samples that are wanted in `id`.
+POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
+    std::uint32_t found = 0;
+#pragma GCC unroll 1
+    for (int n = 0; n < lanes; ++n) found |= in[n] == id ? bit[n] : 0U;
+    return found;
 }
 
-/// One level down the quadtrees.
-POSTLENS_MULTIVERSION void descend(const std::uint32_t* __restrict nodes, int count,
-                                   std::uint32_t* __restrict node, float* __restrict fx,
-                                   float* __restrict fy) {
-    for (int i = 0; i < count; ++i) {
-        const bool inner = (node[i] & SheetNode::leaf) == 0;  // `none` has that bit too
-        const float x = fx[i] * 2, y = fy[i] * 2;
+/// Down the quadtree that a sample lies in.
+POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x, float y) {
+    for (int level = 0; level < run.depth && (node & SheetNode::leaf) == 0; ++level) {
+        x *= 2;
+        y *= 2;
         const bool right = x >= 1, down = y >= 1;
-        const std::uint32_t child = (inner ? node[i] : 0U) + (right ? 1U : 0U) + (down ? 2U : 0U);
-        const std::uint32_t next = nodes[child];
-        node[i] = inner ? next : node[i];
-        fx[i] = inner ? (right ? x - 1 : x) : fx[i];
-        fy[i] = inner ? (down ? y - 1 : y) : fy[i];
+        node = run.nodes[node + (right ? 1U : 0U) + (down ? 2U : 0U)];
+        x -= right ? 1.0F : 0.0F;
+        y -= down ? 1.0F : 0.0F;
+    }
+    return node;
+}
+
+/// Draws those samples that are `found` and have something. One by one, since reading sixteen places at once
+/// is no faster, and half of them are not there.
+POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, float* z,
+                                std::uint32_t* texel) {
+    for (; found != 0; found &= found - 1) {
+        const auto n = static_cast<std::size_t>(std::countr_zero(found));
+        const std::uint32_t node = leaf_at(run, run.roots[lane.cell[n]], lane.x[n], lane.y[n]);
+        if (node == SheetNode::none) continue;
+        z[n] = lane.z[n];
+        texel[n] = node & ~SheetNode::leaf;
     }
 }
 
-POSTLENS_MULTIVERSION void keep_nearest(const std::uint32_t* __restrict node, const float* __restrict depth,
-                                        int count, float* __restrict z, std::uint32_t* __restrict texel) {
-    for (int i = 0; i < count; ++i) {
-        const bool nearer = (node[i] != SheetNode::none) & (depth[i] > z[i]);
-        z[i] = nearer ? depth[i] : z[i];
-        texel[i] = nearer ? node[i] & ~SheetNode::leaf : texel[i];
+#undef POSTLENS_PART
+
+POSTLENS_MULTIVERSION void draw_rows(const Run& run, float* z, std::uint32_t* texel) {
+    Lanes lane;  // NOLINT(cppcoreguidelines-pro-type-member-init): find_samples fills it
+    for (int j = run.j0; j <= run.j1; ++j) {
+        const glm::vec2 first = run.first(j);
+        for (int i = 0; i < run.count; i += lanes) {
+            const std::size_t k = run.pixel(j) + static_cast<std::size_t>(i);
+            draw_samples(run, lane, find_samples(run, first, i, z + k, lane), z + k, texel + k);
+        }
     }
 }
 
-/// Pixels of a tile: [0, x_end) x [y_begin, y_end).
-struct Part {
-    int x_end = 0, y_begin = 0, y_end = 0;
+POSTLENS_MULTIVERSION void draw_rows_in(const Run& run, const std::uint32_t* in, std::uint32_t id, float* z,
+                                        std::uint32_t* texel) {
+    Lanes lane;  // NOLINT(cppcoreguidelines-pro-type-member-init): find_samples fills it
+    for (int j = run.j0; j <= run.j1; ++j) {
+        const glm::vec2 first = run.first(j);
+        for (int i = 0; i < run.count; i += lanes) {
+            const std::size_t k = run.pixel(j) + static_cast<std::size_t>(i);
+            const std::uint32_t found = find_samples(run, first, i, z + k, lane) & wanted_in(in + k, id);
+            draw_samples(run, lane, found, z + k, texel + k);
+        }
+    }
+}
+
+/// The part of a tile that has some pixels, which are added row by row.
+class PartOfPixels {
+  public:
+    void add(int x, int y) {
+        if (part_.y_end == 0) part_.y_begin = y;
+        part_.x_begin = std::min(part_.x_begin, x);
+        part_.x_end = std::max(part_.x_end, x + 1);
+        part_.y_end = y + 1;
+    }
+    [[nodiscard]] TilePart part() const { return part_.empty() ? TilePart{} : part_; }
+
+  private:
+    TilePart part_{SeenTile::edge, 0, 0, 0};
 };
 
-/// Calls draw(k, lanes, count) for the runs of samples of a tile's part that a patch may cover: pixel index
-/// of the first, and what is there.
-template <typename Draw>
-void for_each_run(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
-                  const Part& part, const SeenTile& out, const Draw& draw) {
+/// The samples of a tile's part that a patch may cover; nothing where there are none.
+std::optional<Run> run_of(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place,
+                          const TilePlace& tile, const TilePart& part) {
     const RasterRect rect = covered(patch, place);
     // Sample (i, j) lies at origin + (i, j).
     const glm::dvec2 origin = glm::dvec2(tile.x, tile.y) + tile.sample;
     constexpr auto margin = static_cast<double>(overlap);
-    const double i_low = std::max(0.0, std::ceil(rect.x_min - margin - origin.x)),
+    const double i_low = std::max<double>(part.x_begin, std::ceil(rect.x_min - margin - origin.x)),
                  i_high = std::min(part.x_end - 1.0, std::floor(rect.x_max + margin - origin.x)),
                  j_low = std::max<double>(part.y_begin, std::ceil(rect.y_min - margin - origin.y)),
                  j_high = std::min(part.y_end - 1.0, std::floor(rect.y_max + margin - origin.y));
-    if (!(i_low <= i_high && j_low <= j_high)) return;
-    const int i0 = static_cast<int>(i_low), i1 = static_cast<int>(i_high), j0 = static_cast<int>(j_low),
-              j1 = static_cast<int>(j_high);
-    const glm::dmat2 back = glm::inverse(place.move);
+    if (!(i_low <= i_high && j_low <= j_high)) return std::nullopt;
     const SheetMesh& sheets = *mesh.sheets;
     const Sheet& sheet = mesh.sheet(patch);
-    Row row;
-    row.by_x = static_cast<float>(back[0].x);
-    row.by_y = static_cast<float>(back[0].y);
-    row.width = static_cast<float>(patch.width);
-    row.height = static_cast<float>(patch.height);
-    row.z = static_cast<float>(place.inverse_z.x);
-    row.z_x = static_cast<float>(place.inverse_z.y);
-    row.z_y = static_cast<float>(place.inverse_z.z);
-    row.stride = sheet.width;
-    row.roots = (patch.coarse ? sheets.coarse : sheets.fine).data() + sheet.first_cell +
-                static_cast<std::size_t>(patch.y) * static_cast<std::size_t>(sheet.width) + patch.x;
-    row.nodes = sheets.nodes.data();
-    row.count = i1 - i0 + 1;
-    Lanes lane;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled as far as it is read
-    for (int j = j0; j <= j1; ++j) {
-        const glm::dvec2 first = back * (origin + glm::dvec2(i0, j) - place.from);
-        row.x = static_cast<float>(first.x);
-        row.y = static_cast<float>(first.y);
-        find_roots(row, lane.node.data(), lane.x.data(), lane.y.data(), lane.z.data());
-        const std::size_t k = static_cast<std::size_t>(j) * SeenTile::edge + static_cast<std::size_t>(i0);
-        if (!drop_hidden(lane.node.data(), lane.z.data(), row.count, out.inverse_z.data() + k)) continue;
-        for (int level = 0; level < patch.depth; ++level)
-            descend(row.nodes, row.count, lane.node.data(), lane.x.data(), lane.y.data());
-        draw(k, lane, row.count);
-    }
+    const glm::dmat2 back = glm::inverse(place.move);
+    return Run{.back = back,
+               .origin = origin,
+               .from = place.from,
+               .i0 = static_cast<int>(i_low),
+               .count = static_cast<int>(i_high) - static_cast<int>(i_low) + 1,
+               .j0 = static_cast<int>(j_low),
+               .j1 = static_cast<int>(j_high),
+               .by_x = static_cast<float>(back[0].x),
+               .by_y = static_cast<float>(back[0].y),
+               .width = static_cast<float>(patch.width),
+               .height = static_cast<float>(patch.height),
+               .z = static_cast<float>(place.inverse_z.x),
+               .z_x = static_cast<float>(place.inverse_z.y),
+               .z_y = static_cast<float>(place.inverse_z.z),
+               .roots = (patch.coarse ? sheets.coarse : sheets.fine).data() + sheet.first_cell +
+                        static_cast<std::size_t>(patch.y) * static_cast<std::size_t>(sheet.width) + patch.x,
+               .stride = sheet.width,
+               .nodes = sheets.nodes.data(),
+               .depth = patch.depth};
 }
 
 }  // namespace
@@ -147,36 +201,40 @@ void for_each_run(const PatchMesh& mesh, const Patch& patch, const PatchPlace& p
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out) {
     if (!(glm::determinant(place.move) > smallest_area)) return;
-    const Part all{tile.width, 0, tile.height};
-    for_each_run(mesh, patch, place, tile, all, out, [&](std::size_t k, const Lanes& lane, int count) {
-        keep_nearest(lane.node.data(), lane.z.data(), count, out.inverse_z.data() + k, out.texel.data() + k);
-    });
+    const auto run = run_of(mesh, patch, place, tile, {0, tile.width, 0, tile.height});
+    if (run) draw_rows(*run, out.inverse_z.data(), out.texel.data());
 }
 
-void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, WantedPixels& wanted,
-                 SeenTile& out) {
-    out.inverse_z.fill(HUGE_VALF);
-    out.texel.fill(SeenTile::no_texel);
-    int x0 = SeenTile::edge, x1 = 0, y0 = SeenTile::edge, y1 = 0;
+TilePart find_parents(const SheetMesh& mesh, const SeenTile& seen) {
+    PartOfPixels found;
     for (int y = 0; y < SeenTile::edge; ++y) {
+        const std::uint32_t* texel = seen.texel.data() + static_cast<std::size_t>(y) * SeenTile::edge;
         for (int x = 0; x < SeenTile::edge; ++x) {
-            const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+            if (texel[x] != SeenTile::no_texel && mesh.texels[texel[x]].children() != 0) found.add(x, y);
+        }
+    }
+    return found.part();
+}
+
+void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
+                 WantedPixels& wanted, SeenTile& out) {
+    PartOfPixels found;
+    for (int y = part.y_begin; y < part.y_end; ++y) {
+        const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
+        // Whole rows: patches are drawn from the left on.
+        std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
+        std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
+        for (int x = part.x_begin; x < part.x_end; ++x) {
+            const std::size_t k = row + static_cast<std::size_t>(x);
             if (in.texel[k] == SeenTile::no_texel) continue;
             const Texel& t = in_mesh.texels[in.texel[k]];
             if ((t.children() & bounce) == 0) continue;
             wanted.in[k] = in_mesh.sheets[t.sheet()].key.id;
             out.inverse_z[k] = SeenTile::nothing;
-            x0 = std::min(x0, x);
-            x1 = std::max(x1, x + 1);
-            y0 = std::min(y0, y);
-            y1 = y + 1;
+            found.add(x, y);
         }
     }
-    const bool any = x0 < x1;
-    wanted.x_begin = any ? x0 : 0;
-    wanted.x_end = any ? x1 : 0;
-    wanted.y_begin = any ? y0 : 0;
-    wanted.y_end = any ? y1 : 0;
+    wanted.part = found.part();
 }
 
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
@@ -185,17 +243,10 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
-    // Not from wanted.x_begin on: where a run begins decides how its places are rounded.
-    const Part part{wanted.x_end, wanted.y_begin, wanted.y_end};
-    for_each_run(mesh, patch, place, tile, part, out, [&](std::size_t first, const Lanes& lane, int count) {
-        for (int i = 0; i < count; ++i) {
-            const auto n = static_cast<std::size_t>(i);
-            const std::size_t k = first + n;
-            if (lane.node[n] == SheetNode::none || wanted.in[k] != parent_id) continue;
-            out.inverse_z[k] = lane.z[n];
-            out.texel[k] = lane.node[n] & ~SheetNode::leaf;
-        }
-    });
+    // Not from its x_begin on: where a run begins decides how its places are rounded.
+    const auto run =
+        run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
+    if (run) draw_rows_in(*run, wanted.in.data(), parent_id, out.inverse_z.data(), out.texel.data());
 }
 
 }  // namespace postlens

@@ -15,8 +15,11 @@ struct SeenTile {
     static constexpr float nothing = -1;  ///< as inverse depth: no surface known there
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
 
-    alignas(64) std::array<float, pixels> inverse_z{};
-    alignas(64) std::array<std::uint32_t, pixels> texel{};
+    /// Pixels are read and written sixteen at a time, beyond the last of a row, too.
+    static constexpr std::size_t slack = 16;
+
+    alignas(64) std::array<float, pixels + slack> inverse_z{};
+    alignas(64) std::array<std::uint32_t, pixels + slack> texel{};
 
     void clear() {
         inverse_z.fill(nothing);
@@ -31,6 +34,12 @@ struct TilePlace {
     glm::dvec2 sample{0.5};                               ///< px
 };
 
+/// Pixels [x_begin, x_end) x [y_begin, y_end) of a tile.
+struct TilePart {
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+    [[nodiscard]] bool empty() const { return x_begin >= x_end || y_begin >= y_end; }
+};
+
 /// Draws a patch where it has been placed. Of surfaces at one pixel the nearest stays, of equals the first
 /// drawn. A patch that is turned over is not drawn: its other side was not recorded.
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
@@ -38,15 +47,18 @@ void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& pla
 
 /// Where something is wanted that is seen in a mirror or glass, and in which.
 struct WantedPixels {
-    std::array<std::uint32_t, SeenTile::pixels> in{};  ///< the id it is seen in, where it is wanted
-    /// What it is wanted in, px of the tile; x_begin == x_end: nowhere.
-    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+    std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
+        in{};       ///< the id it is seen in, where it is wanted
+    TilePart part;  ///< that has all of them; empty: it is wanted nowhere
 };
 
-/// Where `in`, of `in_mesh`, has a child of the bounces `bounce` (child_bit): into `wanted`. `out` is cleared
-/// there; elsewhere what is nearer than everything keeps all from being drawn.
-void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, WantedPixels& wanted,
-                 SeenTile& out);
+/// Where `in`, of `in_mesh`, has a child of the bounces `bounce` (child_bit), within a `part` that has all
+/// that it has of children: into `wanted`. `out` is cleared there; elsewhere in the part's rows what is
+/// nearer than everything keeps all from being drawn.
+void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
+                 WantedPixels& wanted, SeenTile& out);
+/// The part of a tile where what is seen has children.
+[[nodiscard]] TilePart find_parents(const SheetMesh& mesh, const SeenTile& seen);
 
 /// The same of what is seen in a mirror or glass, only where it is wanted, in the sheet's parent. Turned over
 /// or not; but not where it is torn apart, a pixel to more than `largest_torn_px`. `out` as find_wanted has

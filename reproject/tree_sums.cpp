@@ -49,6 +49,7 @@ void TreeSums::begin_use(const SheetMesh& primary_mesh, const SheetMesh* deeper_
     primary_mesh_ = &primary_mesh;
     deeper_mesh_ = deeper_mesh;
     primary_ = &primary;
+    primary_part_ = find_parents(primary_mesh, primary);
     for (Chain& c : chains_) c.drawn = false;
 }
 
@@ -65,9 +66,14 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
     Chain& c = chains_[number];
     const bool first = c.parent == number;
     if (!first && !chains_[c.parent].drawn) return nullptr;
-    find_wanted(first ? *primary_mesh_ : *deeper_mesh_, first ? *primary_ : *chains_[c.parent].seen, c.bounce,
-                wanted, *c.seen);
-    c.drawn = wanted.x_begin < wanted.x_end;
+    if (first) {
+        find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, wanted, *c.seen);
+    } else {
+        find_wanted(*deeper_mesh_, *chains_[c.parent].seen, c.bounce, chains_[c.parent].part, wanted,
+                    *c.seen);
+    }
+    c.part = wanted.part;
+    c.drawn = !c.part.empty();
     return c.drawn ? c.seen.get() : nullptr;
 }
 

@@ -43,6 +43,7 @@ class TreeSums {
         std::size_t parent = 0;  ///< index into chains_; its own: the primary surface
         std::uint8_t bounce = 0;
         bool drawn = false;  ///< something may be drawn in `seen`; if not, it is out of date
+        TilePart part;       ///< where it is drawn
         Children children{no_chain, no_chain};
         std::unique_ptr<SeenTile> seen;
         std::vector<Sums> sums;
@@ -56,6 +57,7 @@ class TreeSums {
     std::vector<Chain> spare_;            ///< memory of earlier tiles
     const SheetMesh *primary_mesh_ = nullptr, *deeper_mesh_ = nullptr;
     const SeenTile* primary_ = nullptr;
+    TilePart primary_part_;  ///< where something is seen in what it shows
 };
 
 }  // namespace postlens
