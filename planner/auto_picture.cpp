@@ -42,10 +42,10 @@ constexpr double noise_exponent = 1.15, two_sets = 0.6;
 /// What retraced pixels may add to what a tile may be off by; how many rays tell how many are needed for
 /// that.
 constexpr double left_by_rays = 0.1;
-constexpr int pilot_rays = 32, most_rays = 1024;
-/// What a pixel that is traced again costs, in pixels of views. The first rays alone are worth 500 to 1000,
+constexpr int pilot_rays = 16, most_rays = 1024;
+/// What a pixel that is traced again costs, in pixels of views. The first rays alone are worth 110 to 420,
 /// and where they are noisy there are many more (docs/planner.md).
-constexpr double retraced_price = 2560;
+constexpr double retraced_price = 1280;
 
 /// Of a set of views by itself, for a pilot whose error is 1.
 double noise_of_set(int pilot, int views) {
