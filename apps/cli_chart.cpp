@@ -65,8 +65,9 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
     app.add_flag("!--no-plots", r.plots, "No SVG and PNG: gnuplot is not needed");
     common_options(app, common);
     app.callback([=, &common] {
+        const bool of_atlas = atlas_option->count() > 0;  // the options are gone when the command runs
         common.run = [=, &common] {
-            if (atlas_option->count() > 0) {
+            if (of_atlas) {
                 atlas->output = o->output;
                 atlas->restart = o->restart;
                 atlas->quiet = common.quiet;
