@@ -8,6 +8,7 @@
 
 #include "records/sample_file.h"
 #include "tests/command_test.h"
+#include "tests/limited.h"
 
 namespace postlens::test {
 namespace {
@@ -211,7 +212,7 @@ TEST_F(TraceCommand, TooLargeIsFiveAndSaysHowMuch) {
         std::vector<std::string> words{"trace", scene(), "-o", in("a.exr"), "--size", "65536x65536"};
         words.insert(words.end(), options.begin(), options.end());
         // Nothing near that is taken before.
-        const Outcome r = run(words, "ulimit -v 4000000; ");
+        const Outcome r = run(words, ten_seconds_and_a_gibibyte());
         EXPECT_EQ(r.exit_code, static_cast<int>(ExitCode::out_of_memory)) << r.err;
         EXPECT_NE(r.err.find("a.exr: a trace of 65536x65536 px needs "), std::string::npos) << r.err;
         EXPECT_NE(r.err.find(" MB of memory"), std::string::npos) << r.err;
