@@ -202,8 +202,8 @@ void take_from_prescription(const Impulse& impulse, LensOptions& lens);
 void check_sufficient(const SampleHeader& header, const ResolvedLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
-/// Hybrid, with the scene that `retrace` names; writes its picture of what was done, and adds the scene's
-/// warnings.
+/// Hybrid, with the scene that `retrace` names, which may not need the `picture` that is to be written;
+/// writes its picture of what was done, and adds the scene's warnings.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);

@@ -15,11 +15,11 @@ struct SeenTile {
     static constexpr float nothing = -1;  ///< as inverse depth: no surface known there
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
 
-    /// Pixels are read and written sixteen at a time, beyond the last of a row, too.
+    /// Depths, and what is wanted, are read sixteen at a time, beyond the last of a row, too.
     static constexpr std::size_t slack = 16;
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
-    alignas(64) std::array<std::uint32_t, pixels + slack> texel{};
+    alignas(64) std::array<std::uint32_t, pixels> texel{};
 
     void clear() {
         inverse_z.fill(nothing);

@@ -35,7 +35,7 @@ void TreeSums::begin(std::vector<NodePath> paths) {
         c.path = path;
         c.parent = parent;
         c.bounce = child_bit(path.kind());
-        c.drawn = false;
+        c.part = {};
         c.children = {no_chain, no_chain};
         c.sums.assign(SeenTile::pixels, {});
         chains_.push_back(std::move(c));
@@ -49,8 +49,8 @@ void TreeSums::begin_use(const SheetMesh& primary_mesh, const SheetMesh* deeper_
     primary_mesh_ = &primary_mesh;
     deeper_mesh_ = deeper_mesh;
     primary_ = &primary;
-    primary_part_ = find_parents(primary_mesh, primary);
-    for (Chain& c : chains_) c.drawn = false;
+    for (Chain& c : chains_) c.part = {};
+    if (deeper_mesh != nullptr) primary_part_ = find_parents(primary_mesh, primary);
 }
 
 std::uint32_t TreeSums::number_of(NodePath path) const {
@@ -65,7 +65,7 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
     if (number == no_chain) return nullptr;
     Chain& c = chains_[number];
     const bool first = c.parent == number;
-    if (!first && !chains_[c.parent].drawn) return nullptr;
+    if (!first && chains_[c.parent].part.empty()) return nullptr;
     if (first) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, wanted, *c.seen);
     } else {
@@ -73,8 +73,7 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
                     *c.seen);
     }
     c.part = wanted.part;
-    c.drawn = !c.part.empty();
-    return c.drawn ? c.seen.get() : nullptr;
+    return c.part.empty() ? nullptr : c.seen.get();
 }
 
 void TreeSums::add(std::size_t k, double weight) {
@@ -90,7 +89,7 @@ void TreeSums::add(std::size_t k, double weight, const Children& chains, const T
         if ((in_texel.children() & c.bounce) == 0) continue;
         Sums& s = c.sums[k];
         s.wanted += weight;
-        const std::uint32_t texel = c.drawn ? c.seen->texel[k] : SeenTile::no_texel;
+        const std::uint32_t texel = c.part.empty() ? SeenTile::no_texel : c.seen->texel[k];
         if (texel != SeenTile::no_texel) {
             const Texel& t = deeper_mesh_->texels[texel];
             s.known += weight;

@@ -42,8 +42,7 @@ class TreeSums {
         NodePath path;
         std::size_t parent = 0;  ///< index into chains_; its own: the primary surface
         std::uint8_t bounce = 0;
-        bool drawn = false;  ///< something may be drawn in `seen`; if not, it is out of date
-        TilePart part;       ///< where it is drawn
+        TilePart part;  ///< of `seen` where something may be drawn; empty: `seen` is out of date
         Children children{no_chain, no_chain};
         std::unique_ptr<SeenTile> seen;
         std::vector<Sums> sums;
