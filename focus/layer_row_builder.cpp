@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "focus/largest_bends.h"
+
 namespace postlens {
 namespace {
 
@@ -126,6 +128,20 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
     }
 }
 
+// The far side of a glass ball is seen through a caustic: its W errs, and so would an outline moved by it. The
+// near side stands for it then.
+const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
+    const Met* met = &from;
+    while (met->node->path != NodePath() && is_misplaced(met->node->w_bend, t_.geometry())) {
+        const auto before =
+            std::find_if(met_.begin(), met_.end(),
+                         [&](const Met& m) { return m.node->path == met->node->path.parent(); });
+        if (before == met_.end() || before->node->id != met->node->id) break;
+        met = &*before;
+    }
+    return *met;
+}
+
 void LayerSplats::RowBuilder::add_mask(const PointSample& s, const Met& from, const Met& met,
                                        LayerPart part) {
     part.path = met.node->path.bits();
@@ -174,9 +190,10 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
         };
         auto from = with_path(parent);
         while (from == met_.end()) from = with_path(parent = parent.parent());
-        part.kind = from == met_.begin() && kind == LayerPart::Kind::hidden ? LayerPart::Kind::hidden_mask
-                                                                            : LayerPart::Kind::mask;
-        add_mask(s, *from, met, part);
+        const Met& outline = outline_of(*from);
+        part.kind = &outline == met_.data() && kind == LayerPart::Kind::hidden ? LayerPart::Kind::hidden_mask
+                                                                               : LayerPart::Kind::mask;
+        add_mask(s, outline, met, part);
         add_node(s, met.response, node, {node.r, node.g, node.b},
                  {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen});
         if (kind == LayerPart::Kind::seen)
@@ -203,7 +220,7 @@ void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<
                                        [&](const Met& m) { return m.node->path == node.path.parent(); });
         LayerPart part{surface, node.path.bits(), {node.id, before}, LayerPart::Kind::hidden};
         if (from != met_.end()) {
-            add_mask(s, *from, met, {.surface = surface, .kind = LayerPart::Kind::mask});
+            add_mask(s, outline_of(*from), met, {.surface = surface, .kind = LayerPart::Kind::mask});
             part = {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen};
         } else {
             shown_.push_back(now);

@@ -69,11 +69,43 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
     if (first) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, wanted, *c.seen);
     } else {
-        find_wanted(*deeper_mesh_, *chains_[c.parent].seen, c.bounce, chains_[c.parent].part, wanted,
-                    *c.seen);
+        const Chain& parent = chains_[c.parent];
+        find_wanted(*deeper_mesh_, *parent.seen, c.bounce, parent.part, wanted, *c.seen);
+        want_in_gaps(parent, wanted, *c.seen);
     }
     c.part = wanted.part;
     return c.part.empty() ? nullptr : c.seen.get();
+}
+
+std::uint32_t TreeSums::id_around(const Chain& chain, std::size_t k) const {
+    if (chains_[chain.parent].path == chain.path)
+        return primary_mesh_->sheets[primary_mesh_->texels[primary_->texel[k]].sheet()].key.id;
+    const Chain& parent = chains_[chain.parent];
+    const std::uint32_t texel = parent.seen->texel[k];
+    if (texel == SeenTile::no_texel) return id_around(parent, k);
+    return deeper_mesh_->sheets[deeper_mesh_->texels[texel].sheet()].key.id;
+}
+
+// Sheets say in which object they are seen: where the parent would be another one, nothing is drawn.
+void TreeSums::want_in_gaps(const Chain& parent, WantedPixels& wanted, SeenTile& out) const {
+    TilePart gaps{SeenTile::edge, 0, 0, 0};
+    for (int y = parent.part.y_begin; y < parent.part.y_end; ++y) {
+        for (int x = parent.part.x_begin; x < parent.part.x_end; ++x) {
+            const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+            if (!misses(parent, k)) continue;
+            wanted.in[k] = id_around(parent, k);
+            out.inverse_z[k] = SeenTile::nothing;
+            if (gaps.y_end == 0) gaps.y_begin = y;
+            gaps.x_begin = std::min(gaps.x_begin, x);
+            gaps.x_end = std::max(gaps.x_end, x + 1);
+            gaps.y_end = y + 1;
+        }
+    }
+    if (gaps.empty()) return;
+    TilePart& all = wanted.part;
+    all = all.empty() ? gaps
+                      : TilePart{std::min(all.x_begin, gaps.x_begin), std::max(all.x_end, gaps.x_end),
+                                 std::min(all.y_begin, gaps.y_begin), std::max(all.y_end, gaps.y_end)};
 }
 
 void TreeSums::add(std::size_t k, double weight) {
@@ -91,17 +123,46 @@ void TreeSums::add(std::size_t k, double weight, const Children& chains, const T
         s.wanted += weight;
         const std::uint32_t texel = c.part.empty() ? SeenTile::no_texel : c.seen->texel[k];
         if (texel != SeenTile::no_texel) {
-            const Texel& t = deeper_mesh_->texels[texel];
-            s.known += weight;
-            s.seen[0] += weight * static_cast<double>(t.r);
-            s.seen[1] += weight * static_cast<double>(t.g);
-            s.seen[2] += weight * static_cast<double>(t.b);
-            if (t.children() != 0) add(k, weight, c.children, t, primary_texel);
+            add_seen(k, weight, c, texel, primary_texel);
+        } else if (!c.part.empty() && add_beside(k, weight, c, primary_texel)) {
+            s.beside += weight;
         } else if (c.path.depth() == 1) {
             const auto& rgb = primary_mesh_->below[primary_texel][bounce];
             for (std::size_t n = 0; n < 3; ++n) s.instead[n] += weight * static_cast<double>(rgb[n]);
         }
     }
+}
+
+void TreeSums::add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
+                        std::uint32_t primary_texel) {
+    const Texel& t = deeper_mesh_->texels[texel];
+    Sums& s = chain.sums[k];
+    s.known += weight;
+    s.seen[0] += weight * static_cast<double>(t.r);
+    s.seen[1] += weight * static_cast<double>(t.g);
+    s.seen[2] += weight * static_cast<double>(t.b);
+    if (t.children() != 0) add(k, weight, chain.children, t, primary_texel);
+}
+
+bool TreeSums::add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel) {
+    bool any = false;
+    for (const std::uint32_t number : chain.children) {
+        if (number == no_chain || chains_[number].part.empty()) continue;
+        Chain& c = chains_[number];
+        const std::uint32_t texel = c.seen->texel[k];
+        if (texel != SeenTile::no_texel) {
+            c.sums[k].wanted += weight;
+            c.sums[k].alone += weight;
+            add_seen(k, weight, c, texel, primary_texel);
+            any = true;
+        } else if (add_beside(k, weight, c, primary_texel)) {
+            c.sums[k].wanted += weight;
+            c.sums[k].alone += weight;
+            c.sums[k].beside += weight;
+            any = true;
+        }
+    }
+    return any;
 }
 
 double TreeSums::sum_up(std::size_t k, std::array<double, 3>& sum) {
@@ -110,13 +171,20 @@ double TreeSums::sum_up(std::size_t k, std::array<double, 3>& sum) {
         const Chain& c = chains_[i];
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
-        unknown = std::max(unknown, s.wanted - s.known);
-        // Where the parent's mean stands for what was not seen of it, this counts as much more.
+        const double resolved = s.known + s.beside, missing = s.wanted - resolved;
+        unknown = std::max(unknown, missing);
+        // What the parent's views did not find is shared out to what goes on from it, but for those that
+        // find that nevertheless.
         const bool first = c.parent == i;
-        const double parent = first ? 1 : chains_[c.parent].sums[k].scale;
-        const double by_mean = first ? std::min(1.0, s.known / (enough_known * s.wanted)) : 1.0;
-        s.scale = s.known > 0 ? parent * (1 + by_mean * (s.wanted - s.known) / s.known) : 0.0;
-        for (std::size_t n = 0; n < 3; ++n) sum[n] += s.scale * s.seen[n] + (1 - by_mean) * s.instead[n];
+        double inflated = 1;
+        if (!first) {
+            const Sums& in = chains_[c.parent].sums[k];
+            inflated = in.known + s.alone > 0 ? in.total / (in.known + s.alone) : 0;
+        }
+        const double by_mean = first ? std::min(1.0, resolved / (enough_known * s.wanted)) : 1.0;
+        s.total = inflated * (resolved + by_mean * missing);
+        const double scale = s.known > 0 ? s.total / s.known : 0;
+        for (std::size_t n = 0; n < 3; ++n) sum[n] += scale * s.seen[n] + (1 - by_mean) * s.instead[n];
     }
     return unknown;
 }

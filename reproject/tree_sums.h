@@ -13,6 +13,10 @@ namespace postlens {
 /// Views of one tile, one after the other: begin_use, begin_chain and drawing chain by chain, add for the
 /// pixels; at the end sum_up. Of what views ask for and do not find, because it was never recorded, the
 /// others' mean stands in; where hardly any finds it, what the pinhole saw in the mirror's place.
+///
+/// A chain that a view does not find may still show what goes on from it: the far side of a glass ball is seen
+/// through a caustic, which no W describes, and what shines through it is not. What lies within one object is
+/// therefore also drawn where the part before it is wanted, but missing.
 class TreeSums {
   public:
     /// `paths`: the chains that may occur, in any order, also several times.
@@ -34,7 +38,9 @@ class TreeSums {
         std::array<double, 3> seen{};     ///< colours times weights
         std::array<double, 3> instead{};  ///< what stands in for what was not seen
         double known = 0, wanted = 0;     ///< weights
-        double scale = 0;                 ///< of what was seen, once all is
+        double beside = 0;                ///< of views that do not find it, but what goes on from it
+        double alone = 0;                 ///< of `known`: in views that do not find its parent
+        double total = 0;                 ///< all that is wanted of it, once all views are in
     };
     static constexpr std::uint32_t no_chain = 0xFFFFFFFFU;
     using Children = std::array<std::uint32_t, 2>;  ///< by bounce: an index into chains_, or no_chain
@@ -49,6 +55,18 @@ class TreeSums {
     };
     void add(std::size_t k, double weight, const Children& chains, const Texel& in_texel,
              std::uint32_t primary_texel);
+    void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
+                  std::uint32_t primary_texel);
+    /// What goes on from a chain that is not seen in pixel k. Whether anything does.
+    bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
+    /// Whether a chain is wanted in pixel k and not found.
+    [[nodiscard]] static bool misses(const Chain& chain, std::size_t k) {
+        return chain.seen->texel[k] == SeenTile::no_texel &&
+               chain.seen->inverse_z[k] == SeenTile::nothing;
+    }
+    /// The id of what a chain is wanted in.
+    [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
+    void want_in_gaps(const Chain& parent, WantedPixels& wanted, SeenTile& out) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce
