@@ -11,20 +11,23 @@
 namespace postlens {
 namespace {
 
+constexpr double most_px = 0.5;
+
 /// Which nodes a lens shows elsewhere than W says.
 class Misplaced {
   public:
-    explicit Misplaced(const FocusGeometry& lens) : lens_(lens) {}
-    [[nodiscard]] bool possible(const SampleHeader& h) const {
-        return h.has_bend && lens_.aperture_radius_m > 0;
+    explicit Misplaced(const FocusGeometry& lens)
+        : px_per_bend_(lens.gain_px * lens.aperture_radius_m * lens.aperture_radius_m) {}
+    [[nodiscard]] bool possible(const SampleHeader& h) const { return h.has_bend && px_per_bend_ > 0; }
+    [[nodiscard]] bool by_bend(float bend) const {
+        return px_per_bend_ * static_cast<double>(bend) > most_px;
     }
-    [[nodiscard]] bool by_bend(float bend) const { return is_misplaced(bend, lens_); }
     bool operator()(const Record& r) const {
         return r.layer == 0 && std::max({r.r, r.g, r.b}) > darkest_shown && by_bend(r.w_bend);
     }
 
   private:
-    FocusGeometry lens_;
+    double px_per_bend_;
 };
 
 /// Half the width of a node's blur, px.
@@ -112,7 +115,7 @@ std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry&
         .share = share,
         .text = fmt::format("{} % of the pixels show something in a mirror or in glass that other points "
                             "of the lens see more than {} px from where its W puts it, or not at all",
-                            rough(100 * share), most_bend_px)};
+                            rough(100 * share), most_px)};
 }
 
 }  // namespace postlens

@@ -93,6 +93,26 @@ bool has_gaps(const PatchPicture& seen, const std::optional<OneSurface>& simple,
     return false;
 }
 
+FieldFocus finished(PatchPicture seen, const std::optional<OneSurface>& simple) {
+    FieldFocus out;
+    const auto width = static_cast<std::size_t>(seen.image.width);
+    if (simple) {
+        out.left_out.resize(seen.unknown.size());
+        for (std::size_t k = 0; k < out.left_out.size(); ++k) {
+            const bool left = simple->at(static_cast<int>(k % width), static_cast<int>(k / width));
+            out.left_out[k] = left ? 1 : 0;
+            if (left) seen.unknown[k] = 0;
+        }
+    }
+    std::vector<float> known(seen.unknown.size());
+    for (std::size_t k = 0; k < known.size(); ++k) known[k] = 1 - seen.unknown[k];
+    fill_gaps(seen.image, known);
+    out.image = std::move(seen.image);
+    out.unknown = std::move(seen.unknown);
+    out.unknown_below = std::move(seen.unknown_below);
+    return out;
+}
+
 }  // namespace
 
 double FieldFocus::unknown_share(const std::optional<Crop>& crop) const {
@@ -107,7 +127,8 @@ struct FieldFocuser::Prepared {
     PatchLens lens;
     HighlightRule rule;
     std::vector<double> instants_s;
-    std::optional<FieldSurfaces> all;  ///< none: they are read strip by strip
+    std::optional<FieldSurfaces> all;           ///< none: they are read strip by strip
+    std::unique_ptr<FieldHighlights> of_all;  ///< none: of each strip
 };
 
 FieldFocuser::~FieldFocuser() = default;
@@ -144,10 +165,12 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.all.emplace();
     for (std::size_t i = 0; i < instants; ++i)
         p.all->add(frame.sheets(i, p.rule, i == 0 ? settings_.also : RecordsRead{}), p.lens);
+    p.of_all =
+        std::make_unique<FieldHighlights>(*p.all->sheets[0], settings_.aperture, g, settings_.window);
 }
 
-/// Views of surfaces that are to come.
-PatchField FieldFocuser::outline(const FieldViews& views, std::span<const LensViewPoint> points) const {
+/// Of surfaces and views that are to come.
+PatchField FieldFocuser::outline() const {
     const Prepared& p = *prepared_;
     PatchField field;
     field.x = settings_.window.x_begin;
@@ -155,6 +178,13 @@ PatchField FieldFocuser::outline(const FieldViews& views, std::span<const LensVi
     field.width = settings_.window.width();
     field.height = settings_.window.height();
     if (p.moves) field.motion_class = [&p](std::uint32_t id) { return p.motions->class_of(id); };
+    return field;
+}
+
+std::vector<PatchView> FieldFocuser::views_at(const FieldViews& views,
+                                              std::span<const LensViewPoint> points) const {
+    const Prepared& p = *prepared_;
+    std::vector<PatchView> out;
     for (std::size_t i = 0; i < points.size(); ++i) {
         PatchView v;
         v.sample = points[i].place;
@@ -170,80 +200,92 @@ PatchField FieldFocuser::outline(const FieldViews& views, std::span<const LensVi
                 for (auto& use : v.uses) use.motions.clear();
             }
         }
-        field.views.push_back(std::move(v));
+        out.push_back(std::move(v));
     }
-    return field;
+    return out;
 }
 
 FieldFocus FieldFocuser::draw(const FieldViews& views) const {
+    return std::move(draw(std::span(&views, 1)).front());
+}
+
+std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) const {
     const Prepared& p = *prepared_;
     const FocusGeometry& g = settings_.geometry;
     const RasterWindow& window = settings_.window;
-    const std::vector<LensViewPoint> points = lens_view_points(settings_.aperture, g, views.count, views.set);
     const glm::dvec2 lens_box_px = g.gain_px * g.aperture_radius_m * settings_.aperture.half_extent();
-    PatchField field = outline(views, points);
+    std::vector<std::vector<LensViewPoint>> points;
+    PatchField field = outline();
+    std::size_t pictures = 0;
+    for (const FieldViews& set : sets) {
+        points.push_back(lens_view_points(settings_.aperture, g, set.count, set.set));
+        field.sets.push_back({views_at(set, points.back()), {}, nullptr, set.picture});
+        pictures = std::max(pictures, set.picture + 1);
+    }
     std::optional<FieldStrips> strips;
     if (!p.all) {
         // What is read for a strip may have lights.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px);
     }
-    std::optional<OneSurface> simple;
-    if (views.leave_out_from_share && !p.moves && p.instants_s.size() == 1) {
-        OneSurfaceFinder finder(lens_box_px, g.inverse_focus_per_m, window);
-        if (p.all) {
-            finder.add(p.all->primary[0], p.all->deeper[0]);
-        } else {
-            strips->visit(
-                0, [&](const PatchMesh& primary, const PatchMesh& deeper) { finder.add(primary, deeper); });
-        }
-        simple = finder.found();
-        if (simple->share() < *views.leave_out_from_share) simple.reset();
-    }
-    PatchPicture seen(window.width(), window.height());
-    const auto draw_part = [&](const FieldSurfaces& surfaces, const Crop& part) {
+    const std::optional<OneSurface> simple = one_surface(sets, strips ? &*strips : nullptr);
+    std::vector<PatchPicture> seen(pictures, PatchPicture(window.width(), window.height()));
+    const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
+                               const Crop& part) {
         surfaces.show(field);
-        const FieldHighlights highlights(*surfaces.sheets[0], settings_.aperture, g, points, views.set,
-                                         window);
-        field.lights = highlights.any() ? &highlights : nullptr;
         field.lens_reach_px = highlights.any() ? lens_box_px : glm::dvec2(0);
-        field.wanted = [&](int x, int y, int width, int height) {
-            return part.meets(x, y, width, height) && !(simple && simple->all(x, y, width, height)) &&
-                   (!views.wanted || views.wanted(x, y, width, height));
-        };
+        std::vector<std::unique_ptr<Lights>> lights;
+        for (std::size_t i = 0; i < sets.size(); ++i) {
+            if (highlights.any()) lights.push_back(highlights.over(points[i], sets[i].set));
+            field.sets[i].lights = highlights.any() ? lights.back().get() : nullptr;
+            field.sets[i].wanted = [&, i](int x, int y, int width, int height) {
+                return part.meets(x, y, width, height) && !(simple && simple->all(x, y, width, height)) &&
+                       (!sets[i].wanted || sets[i].wanted(x, y, width, height));
+            };
+        }
         patch_field(field, seen);
     };
     const auto draw_crop = [&](const Crop& crop) {
         if (p.all) {
-            draw_part(*p.all, crop);
+            draw_part(*p.all, *p.of_all, crop);
             return;
         }
         for (const auto& [first, last] : strips->strips(window, settings_.surface_bytes / 4)) {
             const int top = std::max(crop.y, first - window.y_begin),
                       end = std::min(crop.y + crop.height, last - window.y_begin);
-            if (top < end) draw_part(strips->read(first, last), {crop.x, top, crop.width, end - top});
+            if (top >= end) continue;
+            const FieldSurfaces surfaces = strips->read(first, last);
+            const FieldHighlights highlights(*surfaces.sheets[0], settings_.aperture, g, window);
+            draw_part(surfaces, highlights, {crop.x, top, crop.width, end - top});
         }
     };
     const Crop whole{0, 0, window.width(), window.height()};
     draw_crop(settings_.crop.value_or(whole));
-    if (settings_.crop && has_gaps(seen, simple, *settings_.crop)) draw_crop(whole);
-    FieldFocus out;
-    if (simple) {
-        out.left_out.resize(seen.unknown.size());
-        for (std::size_t k = 0; k < out.left_out.size(); ++k) {
-            const auto width = static_cast<std::size_t>(window.width());
-            const bool left = simple->at(static_cast<int>(k % width), static_cast<int>(k / width));
-            out.left_out[k] = left ? 1 : 0;
-            if (left) seen.unknown[k] = 0;
-        }
-    }
-    std::vector<float> known(seen.unknown.size());
-    for (std::size_t k = 0; k < known.size(); ++k) known[k] = 1 - seen.unknown[k];
-    fill_gaps(seen.image, known);
-    out.image = std::move(seen.image);
-    out.unknown = std::move(seen.unknown);
-    out.unknown_below = std::move(seen.unknown_below);
+    if (settings_.crop && std::any_of(seen.begin(), seen.end(), [&](const PatchPicture& picture) {
+            return has_gaps(picture, simple, *settings_.crop);
+        }))
+        draw_crop(whole);
+    std::vector<FieldFocus> out;
+    for (PatchPicture& picture : seen) out.push_back(finished(std::move(picture), simple));
     return out;
+}
+
+std::optional<OneSurface> FieldFocuser::one_surface(std::span<const FieldViews> sets,
+                                                    FieldStrips* strips) const {
+    const Prepared& p = *prepared_;
+    const FocusGeometry& g = settings_.geometry;
+    if (!sets.front().leave_out_from_share || p.moves || p.instants_s.size() != 1) return std::nullopt;
+    const glm::dvec2 lens_box_px = g.gain_px * g.aperture_radius_m * settings_.aperture.half_extent();
+    OneSurfaceFinder finder(lens_box_px, g.inverse_focus_per_m, settings_.window);
+    if (p.all) {
+        finder.add(p.all->primary[0], p.all->deeper[0]);
+    } else {
+        strips->visit(0,
+                      [&](const PatchMesh& primary, const PatchMesh& deeper) { finder.add(primary, deeper); });
+    }
+    OneSurface found = finder.found();
+    if (found.share() < *sets.front().leave_out_from_share) return std::nullopt;
+    return found;
 }
 
 FieldFocus field_focus(FocusFrame& frame, const FieldFocusSettings& settings) {

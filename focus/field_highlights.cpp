@@ -1,10 +1,12 @@
 #include "focus/field_highlights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
 
+#include "core/threads.h"
 #include "focus/depth_levels.h"
 #include "reproject/patch_raster.h"
 #include "reproject/sample_surfaces.h"
@@ -39,6 +41,48 @@ double light_of(const std::array<float, 3>& rgb) {
 
 }  // namespace
 
+/// A set of views, and which of them lie nearest to each point of the lens.
+class FieldHighlights::OverViews final : public Lights {
+  public:
+    OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set)
+        : of_(of), view_count_(views.size()), set_(set) {
+        lay_nearest(views);
+    }
+
+    [[nodiscard]] bool reach(int x, int y, int width, int height) const override {
+        return of_.reach(x, y, width, height);
+    }
+    void add(const TileViews& views, std::vector<double>& rgb) const override;
+
+  private:
+    void lay_nearest(const std::vector<LensViewPoint>& views);
+    /// Those that reach the tile.
+    [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
+    void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
+    void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& rgb) const;
+    /// Of the views nearest to the point of the lens that `at`, picture px, gets its light through.
+    [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
+                                    const glm::dvec2& at) const;
+    /// In a view, at a pixel of its tile.
+    [[nodiscard]] bool sees(const Source& s, const TileViews& views, std::size_t view,
+                            std::size_t pixel) const {
+        const std::size_t k = view * TileViews::view + pixel;
+        return of_.sees(s, views.texel[k], views.inverse_z[k]);
+    }
+
+    static constexpr int table_edge = 64;       ///< cells across the lens
+    static constexpr int nearest = 3;           ///< views that are asked
+    static constexpr double table_reach = 1.1;  ///< lens radii
+    const FieldHighlights& of_;
+    std::size_t view_count_;
+    int set_;
+    std::vector<std::array<std::uint32_t, nearest>> nearest_;
+};
+
+std::unique_ptr<Lights> FieldHighlights::over(const std::vector<LensViewPoint>& views, int set) const {
+    return std::make_unique<OverViews>(*this, views, set);
+}
+
 HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry) {
     HighlightRule rule;
     rule.above = brightest;
@@ -51,9 +95,8 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
 }
 
 FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& aperture,
-                                 const FocusGeometry& geometry, const std::vector<LensViewPoint>& views,
-                                 int set, const RasterWindow& window)
-    : sheets_(sheets), geometry_(geometry), window_(window), round_(aperture.is_round()), set_(set) {
+                                 const FocusGeometry& geometry, const RasterWindow& window)
+    : sheets_(sheets), geometry_(geometry), window_(window), round_(aperture.is_round()) {
     if (sheets.primary.highlights.empty() && sheets.deeper.highlights.empty()) return;
     model_ = aperture_model(aperture, geometry, std::hypot(window.width(), window.height()) / 2.0);
     const KernelReach reach{window.width() + 1, window.height() + 1};
@@ -87,8 +130,6 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     }
     kernels_->build();
     group_sources();
-    lay_nearest_views(views);
-    view_count_ = views.size();
     rows_.resize(static_cast<std::size_t>((window.height() + band_px - 1) / band_px));
     for (std::uint32_t i = 0; i < sources_.size(); ++i) {
         const Kernel& k = (*kernels_)[sources_[i].kernel];
@@ -128,26 +169,29 @@ void FieldHighlights::add_source(const Highlight& h, const SheetMesh& mesh, Kern
     sources_.push_back(s);
 }
 
-void FieldHighlights::lay_nearest_views(const std::vector<LensViewPoint>& views) {
+void FieldHighlights::OverViews::lay_nearest(const std::vector<LensViewPoint>& views) {
     nearest_.resize(static_cast<std::size_t>(table_edge) * table_edge);
-    for (int y = 0; y < table_edge; ++y) {
-        for (int x = 0; x < table_edge; ++x) {
-            const glm::dvec2 q((2 * (x + 0.5) / table_edge - 1) * table_reach,
-                               (2 * (y + 0.5) / table_edge - 1) * table_reach);
+    parallel_for(table_edge, [&](std::size_t row) {
+        for (std::size_t x = 0; x < table_edge; ++x) {
+            const auto of_cell = [](std::size_t i) {
+                return (2 * (static_cast<double>(i) + 0.5) / table_edge - 1) * table_reach;
+            };
+            const glm::dvec2 q(of_cell(x), of_cell(row));
             std::array<std::pair<double, std::uint32_t>, nearest> best;
             best.fill({HUGE_VAL, 0});
             for (std::uint32_t v = 0; v < views.size(); ++v) {
                 const glm::dvec2 d = views[v].lens - q;
                 std::pair<double, std::uint32_t> candidate{glm::dot(d, d), v};
+                if (!(candidate < best.back())) continue;
                 for (auto& b : best) {
                     if (candidate < b) std::swap(candidate, b);
                 }
             }
-            auto& to = nearest_[static_cast<std::size_t>(y) * table_edge + static_cast<std::size_t>(x)];
+            auto& to = nearest_[row * table_edge + x];
             for (std::size_t i = 0; i < nearest; ++i)
                 to[i] = std::isinf(best[i].first) ? best[0].second : best[i].second;
         }
-    }
+    });
 }
 
 bool FieldHighlights::reach(int x, int y, int width, int height) const {
@@ -204,17 +248,17 @@ void FieldHighlights::group_sources() {
                      [](const Source& a, const Source& b) { return a.group < b.group; });
 }
 
-std::vector<FieldHighlights::GroupHere> FieldHighlights::groups_in(const TileViews& views) const {
+std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(const TileViews& views) const {
     std::vector<GroupHere> out;
-    for (const std::uint32_t i : rows_[static_cast<std::size_t>(views.y / band_px)]) {
-        if (!reaches(sources_[i], views.x, views.y, views.width, views.height)) continue;
-        if (out.empty() || sources_[out.back().sources.front()].group != sources_[i].group)
+    for (const std::uint32_t i : of_.rows_[static_cast<std::size_t>(views.y / band_px)]) {
+        if (!of_.reaches(of_.sources_[i], views.x, views.y, views.width, views.height)) continue;
+        if (out.empty() || of_.sources_[out.back().sources.front()].group != of_.sources_[i].group)
             out.emplace_back();
         out.back().sources.push_back(i);
     }
     // What is drawn costs by its area: in all as much as the views, or as least_drawn of them.
     const auto group = [&](const GroupHere& here) -> const Group& {
-        return groups_[sources_[here.sources.front()].group];
+        return of_.groups_[of_.sources_[here.sources.front()].group];
     };
     std::vector<std::size_t> order;
     double samples = 0;
@@ -242,11 +286,11 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::groups_in(const TileVie
     return out;
 }
 
-void FieldHighlights::draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const {
+void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const {
     const Source& s = g.middle;
-    const PointRays rays{s.at + glm::dvec2(window_.x_begin, window_.y_begin),
-                         geometry_.gain_px * geometry_.aperture_radius_m * s.lens_from_px,
-                         geometry_.inverse_focus_per_m};
+    const PointRays rays{s.at + glm::dvec2(of_.window_.x_begin, of_.window_.y_begin),
+                         of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
+                         of_.geometry_.inverse_focus_per_m};
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     // Elsewhere for each group: where many lights shine on one edge they must not all miss it. By its place,
     // as groups are counted otherwise where a part of the picture is made alone. And for each set, so that
@@ -262,14 +306,14 @@ void FieldHighlights::draw_shares(const Group& g, const PatchMesh& patches, int 
         PatchPlace at;
         if (!place_patch(patches, patch, rays, at)) continue;
         const RasterRect r = covered(patch, at);
-        const double x = window_.x_begin + part.x0, y = window_.y_begin + part.y0;
+        const double x = of_.window_.x_begin + part.x0, y = of_.window_.y_begin + part.y0;
         if (r.x_max + 1 >= x && r.x_min - 1 <= x + width && r.y_max + 1 >= y && r.y_min - 1 <= y + height)
             before.emplace_back(&patch, at);
     }
     SeenTile seen;
     for (int n = 0; n < samples; ++n) {
         const TilePlace place{
-            window_.x_begin + part.x0, window_.y_begin + part.y0, width, height,
+            of_.window_.x_begin + part.x0, of_.window_.y_begin + part.y0, width, height,
             glm::fract(turn + (samples == 1 ? glm::dvec2(0.5) : drawn_samples[static_cast<std::size_t>(n)]))};
         seen.clear();
         for (const auto& [patch, at] : before) draw_patch(patches, *patch, at, place, seen);
@@ -279,17 +323,17 @@ void FieldHighlights::draw_shares(const Group& g, const PatchMesh& patches, int 
                     static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
                 if (n == 0) part.share[k] = 0;
                 part.share[k] +=
-                    sees(s, seen.texel[k], seen.inverse_z[k]) ? 1.0F / static_cast<float>(samples) : 0;
+                    of_.sees(s, seen.texel[k], seen.inverse_z[k]) ? 1.0F / static_cast<float>(samples) : 0;
             }
         }
     }
 }
 
-void FieldHighlights::add(const TileViews& views, std::vector<double>& rgb) const {
+void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>& rgb) const {
     Part part;
     for (const GroupHere& here : groups_in(views)) {
         if (here.samples > 0) {
-            const Group& g = groups_[sources_[here.sources.front()].group];
+            const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
             part.x0 = std::max(views.x, g.x_begin);
             part.x1 = std::min(views.x + views.width, g.x_end);
             part.y0 = std::max(views.y, g.y_begin);
@@ -297,13 +341,13 @@ void FieldHighlights::add(const TileViews& views, std::vector<double>& rgb) cons
             draw_shares(g, *views.patches, here.samples, part);
         }
         for (const std::uint32_t i : here.sources)
-            add(sources_[i], here.samples > 0 ? &part : nullptr, views, rgb);
+            add(of_.sources_[i], here.samples > 0 ? &part : nullptr, views, rgb);
     }
 }
 
-void FieldHighlights::add(const Source& s, const Part* part, const TileViews& views,
-                          std::vector<double>& rgb) const {
-    const Kernel& kernel = (*kernels_)[s.kernel];
+void FieldHighlights::OverViews::add(const Source& s, const Part* part, const TileViews& views,
+                                     std::vector<double>& rgb) const {
+    const Kernel& kernel = (*of_.kernels_)[s.kernel];
     const int y0 = std::max(views.y, s.y + kernel.y_begin),
               y1 = std::min(views.y + views.height, s.y + kernel.y_end());
     for (int y = y0; y < y1; ++y) {
@@ -337,7 +381,7 @@ void FieldHighlights::add(const Source& s, const Part* part, const TileViews& vi
     }
 }
 
-double FieldHighlights::seen_share(const Source& s, const TileViews& views, std::size_t pixel,
+double FieldHighlights::OverViews::seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                    const glm::dvec2& at) const {
     const glm::dvec2 q = s.lens_from_px * (at - s.at);
     const auto cell = [](double v) {

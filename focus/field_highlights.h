@@ -18,22 +18,23 @@ namespace postlens {
 /// Nothing for apertures whose responses differ over the field or are not images of their outline.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
-/// Adds the light that the rule has taken from the sheets. At a pixel the response's value comes through one
-/// point of the lens. Whether that point sees the light: of what is seen directly, exactly, by drawing what
-/// stands before it as the light sees the lens; of what mirrors and glass show, and of lights beyond the
-/// brightest of a tile, by the views nearest to the point.
-class FieldHighlights final : public Lights {
+/// The light that the rule has taken from the sheets. At a pixel the response's value comes through one point
+/// of the lens. Whether that point sees the light: of what is seen directly, exactly, by drawing what stands
+/// before it as the light sees the lens; of what mirrors and glass show, and of lights beyond the brightest of
+/// a tile, by the views nearest to the point.
+class FieldHighlights {
   public:
-    /// Keeps references to `sheets`. `set`: of the views; what is drawn is sampled elsewhere for each, as
-    /// they are. `window`: the picture's pixels.
+    /// Keeps references to `sheets`. `window`: the picture's pixels.
     FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
-                    const std::vector<LensViewPoint>& views, int set, const RasterWindow& window);
+                    const RasterWindow& window);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    [[nodiscard]] bool reach(int x, int y, int width, int height) const override;
-    void add(const TileViews& views, std::vector<double>& rgb) const override;
+    /// What is added to these views. `set`: of the views; what is drawn is sampled elsewhere for each, as
+    /// they are. Keeps a reference to this.
+    [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set) const;
 
   private:
+    class OverViews;
     struct Source {
         int x = 0, y = 0;  ///< picture px of the kernel's anchor
         std::uint32_t kernel = 0;
@@ -61,42 +62,22 @@ class FieldHighlights final : public Lights {
     };
     void group_sources();
     void add_source(const Highlight& h, const SheetMesh& mesh, KernelNumberCache& cache);
-    void lay_nearest_views(const std::vector<LensViewPoint>& views);
     /// Of a part of a tile, the share of each pixel that gets the light.
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< picture px
         std::array<float, SeenTile::pixels> share{};
     };
-    void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
-    /// Those that reach the tile.
-    [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
-    void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& rgb) const;
     [[nodiscard]] bool reaches(const Source& s, int x, int y, int width, int height) const;
-    /// Of the views nearest to the point of the lens that `at`, picture px, gets its light through.
-    [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
-                                    const glm::dvec2& at) const;
+    [[nodiscard]] bool reach(int x, int y, int width, int height) const;
     [[nodiscard]] bool sees(const Source& s, std::uint32_t texel, float inverse_z) const;
-    /// In a view, at a pixel of its tile.
-    [[nodiscard]] bool sees(const Source& s, const TileViews& views, std::size_t view,
-                            std::size_t pixel) const {
-        const std::size_t k = view * TileViews::view + pixel;
-        return sees(s, views.texel[k], views.inverse_z[k]);
-    }
-
-    static constexpr int table_edge = 64;       ///< cells across the lens
-    static constexpr int nearest = 3;           ///< views that are asked
-    static constexpr double table_reach = 1.1;  ///< lens radii
     const TreeSheets& sheets_;
     FocusGeometry geometry_;
     RasterWindow window_;
     bool round_;
-    std::size_t view_count_ = 0;
-    int set_;
     std::unique_ptr<ResponseModel> model_;
     std::unique_ptr<KernelTable> kernels_;
     std::vector<Source> sources_;  ///< those of a group together
     std::vector<Group> groups_;
-    std::vector<std::array<std::uint32_t, nearest>> nearest_;
     std::vector<std::vector<std::uint32_t>> rows_;  ///< sources by rows of 64 px that they reach
 };
 

@@ -3,21 +3,12 @@
 
 #include <vector>
 
-#include "lens/focus_geometry.h"
 #include "records/sample_file.h"
 
 namespace postlens {
 
 /// Darker nodes no picture of eight bits shows.
 inline constexpr float darkest_shown = 1.0F / 255;
-
-/// W may be off by so much.
-inline constexpr double most_bend_px = 0.5;
-/// Whether a lens shows a node of this W.bend, m^-2, further from where its W puts it.
-[[nodiscard]] inline bool is_misplaced(float w_bend, const FocusGeometry& lens) {
-    return lens.gain_px * lens.aperture_radius_m * lens.aperture_radius_m * static_cast<double>(w_bend) >
-           most_bend_px;
-}
 
 /// The greatest W.bend, m^-2 (records/record.h), of a pixel's nodes of layer 0 that are brighter than
 /// darkest_shown. Of no lens: one of diameter D sees such a node up to (d / pitch) W.bend (D / 2)^2 px from

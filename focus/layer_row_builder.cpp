@@ -4,8 +4,6 @@
 #include <cmath>
 #include <tuple>
 
-#include "focus/largest_bends.h"
-
 namespace postlens {
 namespace {
 
@@ -128,11 +126,11 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
     }
 }
 
-// The far side of a glass ball is seen through a caustic: its W errs, and so would an outline moved by it. The
-// near side stands for it then.
+// What is entered is left again wherever it is entered, so that the far side has no outline of its own; and it
+// may be seen through a caustic, whose W would blur that away.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
-    while (met->node->path != NodePath() && is_misplaced(met->node->w_bend, t_.geometry())) {
+    while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
         const auto before =
             std::find_if(met_.begin(), met_.end(),
                          [&](const Met& m) { return m.node->path == met->node->path.parent(); });

@@ -101,8 +101,10 @@ class Planner {
 
   private:
     void pilot(const FieldFocuser& focuser, const std::vector<float>& misplaced) {
-        FieldFocus a = focuser.draw({pilot_views, 0, {}, {}});
-        const FieldFocus b = focuser.draw({pilot_views, 1, {}, {}});
+        const std::array<FieldViews, 2> sets{{{pilot_views, 0, {}, {}, 0}, {pilot_views, 1, {}, {}, 1}}};
+        std::vector<FieldFocus> drawn = focuser.draw(sets);
+        FieldFocus& a = drawn[0];
+        const FieldFocus& b = drawn[1];
         const std::vector<float> ea = encoded(a.image), eb = encoded(b.image);
         const TileGrid& grid = out_.grid;
         // Half the mean squared difference of two sets is the error of one.
@@ -203,29 +205,32 @@ class Planner {
         return error(k) + floor_unseen * (aligned_nine_in_ten - 1) * static_cast<double>(aligned_[k]);
     }
 
+    /// Of each tile a set of its own, and the pilots' for what they are worth beside it: their noise chose
+    /// the tile, and what happened to be small there is not small in the other again.
     void draw(const FieldFocuser& focuser) {
-        std::map<int, std::size_t> groups;
-        for (const TilePlan& p : out_.tiles) ++groups[p.views];
-        Image& picture = out_.hybrid.focus.image;
-        for (const auto& [views, tiles] : groups) {
-            if (views == ladder.front()) continue;  // the pilots' mean is there already
-            const auto wanted = [&, views = views](int x, int y) {
+        std::map<int, float> shares;  // of the own set, by numbers of views
+        for (const TilePlan& p : out_.tiles) {
+            if (p.views == ladder.front()) continue;  // the pilots' mean is there already
+            const double noise = noise_of_set(pilot_views, p.views - both_pilots);
+            shares[p.views] = static_cast<float>(two_sets / (two_sets + noise));
+        }
+        if (shares.empty()) return;
+        std::vector<FieldViews> sets;
+        for (const auto& [views, share] : shares) {
+            const auto wanted = [&, views = views](int x, int y, int /*width*/, int /*height*/) {
                 return out_.tiles[out_.grid.at(x, y)].views == views;
             };
-            // A set of its own, and the pilots' for what they are worth beside it: their noise chose the
-            // tile, and what happened to be small there is not small in the other again.
-            const int own = views - both_pilots;
-            const FieldFocus f =
-                focuser.draw({own, 2, [&](int x, int y, int, int) { return wanted(x, y); }, {}});
-            const double noise = noise_of_set(pilot_views, own);
-            const auto share = static_cast<float>(two_sets / (two_sets + noise));
-            for (int y = 0; y < h_.height; ++y) {
-                for (int x = 0; x < h_.width; ++x) {
-                    if (!wanted(x, y)) continue;
-                    float* to = picture.pixel(x, y);
-                    const float* from = f.image.pixel(x, y);
-                    for (std::size_t c = 0; c < 3; ++c) to[c] += share * (from[c] - to[c]);
-                }
+            sets.push_back({views - both_pilots, 2, wanted, {}, 0});
+        }
+        const FieldFocus drawn = std::move(focuser.draw(sets).front());
+        Image& picture = out_.hybrid.focus.image;
+        for (int y = 0; y < h_.height; ++y) {
+            for (int x = 0; x < h_.width; ++x) {
+                const auto share = shares.find(out_.tiles[out_.grid.at(x, y)].views);
+                if (share == shares.end()) continue;
+                float* to = picture.pixel(x, y);
+                const float* from = drawn.image.pixel(x, y);
+                for (std::size_t c = 0; c < 3; ++c) to[c] += share->second * (from[c] - to[c]);
             }
         }
     }

@@ -35,6 +35,7 @@ struct Workplace {
     SeenTile seen[2];
     std::vector<TilePatches> primary, deeper;  ///< by instant
     std::vector<std::vector<Chain>> chains;    ///< by instant: of `deeper`
+    std::vector<NodePath> paths;               ///< of all chains
     WantedPixels wanted;
     std::array<std::array<double, 4>, SeenTile::pixels> sum{};  ///< r, g, b and known
     TreeSums trees;
@@ -46,12 +47,15 @@ class Field {
   public:
     explicit Field(const PatchField& field)
         : field_(field), columns_(tiles(field.width)), rows_(tiles(field.height)) {
-        for (const PatchView& v : field.views) {
-            total_ += v.weight;
-            farthest_px_ = glm::max(farthest_px_, glm::abs(v.lens.lens_px));
-            farthest_shift_px_ =
-                std::max(farthest_shift_px_,
-                         glm::length(v.lens.inverse_focus_per_m * v.lens.lens_px + v.lens.offset_px));
+        for (const PatchViews& set : field.sets) {
+            total_.push_back(0);
+            for (const PatchView& v : set.views) {
+                total_.back() += v.weight;
+                farthest_px_ = glm::max(farthest_px_, glm::abs(v.lens.lens_px));
+                farthest_shift_px_ =
+                    std::max(farthest_shift_px_,
+                             glm::length(v.lens.inverse_focus_per_m * v.lens.lens_px + v.lens.offset_px));
+            }
         }
         farthest_px_ = glm::max(farthest_px_, field.lens_reach_px);
         for (std::size_t i = 0; i < field.instants.size(); ++i) {
@@ -62,7 +66,7 @@ class Field {
         }
     }
 
-    void draw(PatchPicture& out) {
+    void draw(std::span<PatchPicture> out) {
         parallel_for(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_),
                      [&](std::size_t tile) {
                          thread_local std::unique_ptr<Workplace> w;
@@ -112,33 +116,40 @@ class Field {
         return bins;
     }
 
-    void draw_tile(std::size_t tile, Workplace& w, PatchPicture& out) const {
+    void draw_tile(std::size_t tile, Workplace& w, std::span<PatchPicture> out) const {
         const int x0 = static_cast<int>(tile) % columns_ * SeenTile::edge,
                   y0 = static_cast<int>(tile) / columns_ * SeenTile::edge;
-        TilePlace at{field_.x + x0, field_.y + y0, std::min(SeenTile::edge, field_.width - x0),
-                     std::min(SeenTile::edge, field_.height - y0)};
-        if (field_.wanted && !field_.wanted(x0, y0, at.width, at.height)) return;
+        const TilePlace at{field_.x + x0, field_.y + y0, std::min(SeenTile::edge, field_.width - x0),
+                           std::min(SeenTile::edge, field_.height - y0)};
+        bool gathered = false;
+        for (std::size_t set = 0; set < field_.sets.size(); ++set) {
+            const auto& wanted = field_.sets[set].wanted;
+            if (wanted && !wanted(x0, y0, at.width, at.height)) continue;
+            if (!gathered) gather(tile, w);
+            gathered = true;
+            draw_set(set, at, w, out[field_.sets[set].picture]);
+        }
+    }
+
+    void draw_set(std::size_t number, TilePlace at, Workplace& w, PatchPicture& out) const {
+        const PatchViews& set = field_.sets[number];
+        const int x0 = at.x - field_.x, y0 = at.y - field_.y;
         w.sum.fill({});
-        w.primary.resize(field_.instants.size());
-        w.deeper.resize(field_.instants.size());
-        w.chains.assign(field_.instants.size(), {});
-        for (std::size_t i = 0; i < field_.instants.size(); ++i)
-            gather(*field_.instants[i].primary, primary_[i][tile], w.primary[i]);
-        if (trees_) begin_trees(tile, w);
-        const bool lights = field_.lights != nullptr && field_.lights->reach(x0, y0, at.width, at.height);
+        if (trees_) w.trees.begin(w.paths);
+        const bool lights = set.lights != nullptr && set.lights->reach(x0, y0, at.width, at.height);
         if (lights) {
             w.views.x = x0;
             w.views.y = y0;
             w.views.width = at.width;
             w.views.height = at.height;
-            const PatchView::Use& use = field_.views.front().uses.front();
+            const PatchView::Use& use = set.views.front().uses.front();
             w.views.patches = use.motions.empty() ? &w.primary[use.instant].mesh : nullptr;
-            w.views.inverse_z.resize(field_.views.size() * TileViews::view);
-            w.views.texel.resize(field_.views.size() * TileViews::view);
+            w.views.inverse_z.resize(set.views.size() * TileViews::view);
+            w.views.texel.resize(set.views.size() * TileViews::view);
         }
-        for (std::size_t i = 0; i < field_.views.size(); ++i) {
-            at.sample = field_.views[i].sample;
-            draw_view(field_.views[i], at, w);
+        for (std::size_t i = 0; i < set.views.size(); ++i) {
+            at.sample = set.views[i].sample;
+            draw_view(set.views[i], at, w);
             if (!lights) continue;
             const auto to = static_cast<std::ptrdiff_t>(i * TileViews::view);
             std::copy_n(w.seen[0].inverse_z.begin(), TileViews::view, w.views.inverse_z.begin() + to);
@@ -146,14 +157,24 @@ class Field {
         }
         if (lights) {
             w.light.assign(3 * SeenTile::pixels, 0);
-            field_.lights->add(w.views, w.light);
+            set.lights->add(w.views, w.light);
         }
-        store(x0, y0, at, lights, w, out);
+        store(at, total_[number], lights, w, out);
+    }
+
+    /// What the tile has in any set.
+    void gather(std::size_t tile, Workplace& w) const {
+        w.primary.resize(field_.instants.size());
+        w.deeper.resize(field_.instants.size());
+        w.chains.assign(field_.instants.size(), {});
+        w.paths.clear();
+        for (std::size_t i = 0; i < field_.instants.size(); ++i)
+            gather(*field_.instants[i].primary, primary_[i][tile], w.primary[i]);
+        if (trees_) gather_chains(tile, w);
     }
 
     // All chains of bounces that the tile may show, so that they are counted also where a view has none.
-    void begin_trees(std::size_t tile, Workplace& w) const {
-        std::vector<NodePath> paths;
+    void gather_chains(std::size_t tile, Workplace& w) const {
         for (std::size_t i = 0; i < field_.instants.size(); ++i) {
             if (field_.instants[i].deeper == nullptr) continue;
             gather(*field_.instants[i].deeper, deeper_[i][tile], w.deeper[i]);
@@ -162,17 +183,16 @@ class Field {
             for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
                 const NodePath path = mesh.sheet(mesh.patches[p]).key.path;
                 if (chains.empty() || chains.back().path != path) {
-                    paths.push_back(path);
+                    w.paths.push_back(path);
                     chains.push_back({path, p, p});
                 }
                 chains.back().end = p + 1;
             }
         }
-        if (!paths.empty()) {
-            paths.push_back(NodePath().child(NodePath::Bounce::reflected));
-            paths.push_back(NodePath().child(NodePath::Bounce::transmitted));
+        if (!w.paths.empty()) {
+            w.paths.push_back(NodePath().child(NodePath::Bounce::reflected));
+            w.paths.push_back(NodePath().child(NodePath::Bounce::transmitted));
         }
-        w.trees.begin(std::move(paths));
     }
 
     /// A tile's patches one after the other, for every view to go through.
@@ -278,7 +298,9 @@ class Field {
         return mine > other || (mine == other && u == 0) ? 1 : 0;
     }
 
-    void store(int x0, int y0, const TilePlace& at, bool lights, Workplace& w, PatchPicture& out) const {
+    void store(const TilePlace& at, double total, bool lights, Workplace& w, PatchPicture& out) const {
+        const int x0 = at.x - field_.x, y0 = at.y - field_.y;
+        if (trees_) w.trees.end_views();
         for (int y = 0; y < at.height; ++y) {
             for (int x = 0; x < at.width; ++x) {
                 const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
@@ -286,13 +308,13 @@ class Field {
                     static_cast<std::size_t>(y0 + y) * static_cast<std::size_t>(field_.width) +
                     static_cast<std::size_t>(x0 + x);
                 const double known = w.sum[k][3];
-                out.unknown[p] = static_cast<float>(std::max(0.0, 1 - known / total_));
+                out.unknown[p] = static_cast<float>(std::max(0.0, 1 - known / total));
                 if (known <= 0) {
                     out.unknown[p] = 1;
                     continue;
                 }
                 std::array<double, 3> sum{w.sum[k][0], w.sum[k][1], w.sum[k][2]};
-                if (trees_) out.unknown_below[p] = static_cast<float>(w.trees.sum_up(k, sum) / total_);
+                if (trees_) out.unknown_below[p] = static_cast<float>(w.trees.sum_up(k, known, sum) / total);
                 float* rgb = out.image.pixel(x0 + x, y0 + y);
                 for (std::size_t c = 0; c < 3; ++c) {
                     rgb[c] = static_cast<float>(sum[c] / known);
@@ -304,7 +326,7 @@ class Field {
 
     const PatchField& field_;
     int columns_, rows_;
-    double total_ = 0;
+    std::vector<double> total_;     ///< weight of each set's views
     glm::dvec2 farthest_px_{0};     ///< of the lens's points, by axis
     double farthest_shift_px_ = 0;  ///< by which a view moves everything
     bool trees_ = false;
@@ -318,14 +340,8 @@ PatchPicture::PatchPicture(int width, int height) : image(width, height) {
     unknown_below.assign(unknown.size(), 0);
 }
 
-void patch_field(const PatchField& field, PatchPicture& out) {
+void patch_field(const PatchField& field, std::span<PatchPicture> out) {
     Field(field).draw(out);
-}
-
-PatchPicture patch_field(const PatchField& field) {
-    PatchPicture out(field.width, field.height);
-    patch_field(field, out);
-    return out;
 }
 
 }  // namespace postlens

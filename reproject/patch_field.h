@@ -1,8 +1,9 @@
-// The mean of many views of the sheets, each from its own point of the lens and at its own instant.
+// Means of many views of the sheets, each from its own point of the lens and at its own instant.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "records/image.h"
@@ -33,19 +34,28 @@ struct PatchView {
     std::function<bool(int x, int y)> passes;
 };
 
-struct PatchField {
-    std::vector<PatchInstant> instants;
-    /// The motion class of an id; not asked for where nothing moves.
-    std::function<std::size_t(std::uint32_t id)> motion_class;
+/// Views that a picture, or some of its tiles, is the mean of.
+struct PatchViews {
     std::vector<PatchView> views;
-    int x = 0, y = 0;  ///< raster px of the picture's first pixel
-    int width = 0, height = 0;
-    /// Whether a rectangle of the picture is wanted; none: all is. What is not stays black and unknown.
+    /// Whether a rectangle of the picture is wanted of them; none: all is. What is not stays black and
+    /// unknown.
     std::function<bool(int x, int y, int width, int height)> wanted;
     /// May add light of its own to a tile, knowing what every view sees there; from several threads. None:
     /// nothing is added.
     const class Lights* lights = nullptr;
-    /// Where `lights` look at TileViews::patches: how far the lens goes from its middle, as
+    /// Which of the pictures they are of. Sets that share one want different tiles.
+    std::size_t picture = 0;
+};
+
+struct PatchField {
+    std::vector<PatchInstant> instants;
+    /// The motion class of an id; not asked for where nothing moves.
+    std::function<std::size_t(std::uint32_t id)> motion_class;
+    /// Drawn together: where patches lie is found out once for all.
+    std::vector<PatchViews> sets;
+    int x = 0, y = 0;  ///< raster px of the pictures' first pixel
+    int width = 0, height = 0;
+    /// Where a set's `lights` look at TileViews::patches: how far the lens goes from its middle, as
     /// LensShift::lens_px.
     glm::dvec2 lens_reach_px{0};
 };
@@ -82,13 +92,13 @@ struct PatchPicture {
     PatchPicture(int width, int height);
     Image image;                 ///< mean of what is known; black where nothing is
     std::vector<float> unknown;  ///< share of the views' weight in which no surface is known there
-    /// Share of the views' weight in which something is seen in a mirror or glass that was not recorded.
+    /// Share of the views' weight in which something is seen in a mirror or glass that was not recorded; of
+    /// what is dimmer than the pixel wherever it is seen within the tile so much less (TreeSums).
     std::vector<float> unknown_below;
 };
 
-/// Same bits for any number of threads.
-[[nodiscard]] PatchPicture patch_field(const PatchField& field);
-/// Into a picture of the field's size: what is not wanted keeps what it has.
-void patch_field(const PatchField& field, PatchPicture& out);
+/// Into pictures of the field's size: what is not wanted keeps what it has. Same bits for any number of
+/// threads, and whichever sets are drawn together.
+void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

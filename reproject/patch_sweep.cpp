@@ -10,25 +10,29 @@ RasterMap motion_of(const PatchField& field, const PatchMesh& mesh, const Patch&
 }
 
 PatchSweep::PatchSweep(const PatchField& field) : field_(field) {
-    for (const PatchView& v : field.views) {
-        for (const auto& use : v.uses) {
-            if (boxes_.size() <= use.instant) boxes_.resize(use.instant + 1);
-            Box& box = boxes_[use.instant];
-            if (!use.motions.empty()) {
-                box.still = false;
-                continue;
-            }
-            if (!box.any) box.low = box.high = v.lens;
-            box.any = true;
-            box.low.lens_px = glm::min(box.low.lens_px, v.lens.lens_px);
-            box.high.lens_px = glm::max(box.high.lens_px, v.lens.lens_px);
-            box.low.offset_px = glm::min(box.low.offset_px, v.lens.offset_px);
-            box.high.offset_px = glm::max(box.high.offset_px, v.lens.offset_px);
-        }
+    for (const PatchViews& set : field.sets) {
+        for (const PatchView& v : set.views) note(v);
     }
     for (Box& box : boxes_) {
         box.low.lens_px = glm::min(box.low.lens_px, -field.lens_reach_px);
         box.high.lens_px = glm::max(box.high.lens_px, field.lens_reach_px);
+    }
+}
+
+void PatchSweep::note(const PatchView& v) {
+    for (const auto& use : v.uses) {
+        if (boxes_.size() <= use.instant) boxes_.resize(use.instant + 1);
+        Box& box = boxes_[use.instant];
+        if (!use.motions.empty()) {
+            box.still = false;
+            continue;
+        }
+        if (!box.any) box.low = box.high = v.lens;
+        box.any = true;
+        box.low.lens_px = glm::min(box.low.lens_px, v.lens.lens_px);
+        box.high.lens_px = glm::max(box.high.lens_px, v.lens.lens_px);
+        box.low.offset_px = glm::min(box.low.offset_px, v.lens.offset_px);
+        box.high.offset_px = glm::max(box.high.offset_px, v.lens.offset_px);
     }
 }
 
@@ -41,9 +45,11 @@ RasterRect PatchSweep::of(const PatchMesh& mesh, const Patch& patch, std::size_t
     };
     const Box& box = boxes_[instant];
     if (!box.still) {
-        for (const PatchView& v : field_.views) {
-            for (const auto& use : v.uses) {
-                if (use.instant == instant) add(motion_of(field_, mesh, patch, use), v.lens);
+        for (const PatchViews& set : field_.sets) {
+            for (const PatchView& v : set.views) {
+                for (const auto& use : v.uses) {
+                    if (use.instant == instant) add(motion_of(field_, mesh, patch, use), v.lens);
+                }
             }
         }
         return out;

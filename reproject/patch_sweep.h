@@ -17,7 +17,7 @@ namespace postlens {
 /// far as `lens_reach_px` has.
 class PatchSweep {
   public:
-    /// Keeps a reference to `field`, of which views, motion_class and lens_reach_px are asked for.
+    /// Keeps a reference to `field`, of which sets' views, motion_class and lens_reach_px are asked for.
     explicit PatchSweep(const PatchField& field);
     /// Raster px; nothing where no view has anything of it.
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
@@ -29,6 +29,7 @@ class PatchSweep {
         LensShift low, high;
         bool any = false, still = true;
     };
+    void note(const PatchView& view);
     const PatchField& field_;
     std::vector<Box> boxes_;  ///< by instant
 };

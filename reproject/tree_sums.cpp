@@ -1,6 +1,7 @@
 #include "reproject/tree_sums.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "reproject/sample_surfaces.h"
 
@@ -38,6 +39,8 @@ void TreeSums::begin(std::vector<NodePath> paths) {
         c.part = {};
         c.children = {no_chain, no_chain};
         c.sums.assign(SeenTile::pixels, {});
+        c.brightest = 0;
+        c.any_wanted = c.any_seen = false;
         chains_.push_back(std::move(c));
         (parent == number ? first_ : chains_[parent].children)[static_cast<std::size_t>(path.kind()) - 1] =
             number;
@@ -121,6 +124,7 @@ void TreeSums::add(std::size_t k, double weight, const Children& chains, const T
         if ((in_texel.children() & c.bounce) == 0) continue;
         Sums& s = c.sums[k];
         s.wanted += weight;
+        c.any_wanted = true;
         const std::uint32_t texel = c.part.empty() ? SeenTile::no_texel : c.seen->texel[k];
         if (texel != SeenTile::no_texel) {
             add_seen(k, weight, c, texel, primary_texel);
@@ -128,6 +132,8 @@ void TreeSums::add(std::size_t k, double weight, const Children& chains, const T
             s.beside += weight;
         } else if (c.path.depth() == 1) {
             const auto& rgb = primary_mesh_->below[primary_texel][bounce];
+            c.brightest = std::max({c.brightest, rgb[0], rgb[1], rgb[2]});
+            c.any_seen = true;
             for (std::size_t n = 0; n < 3; ++n) s.instead[n] += weight * static_cast<double>(rgb[n]);
         }
     }
@@ -137,6 +143,8 @@ void TreeSums::add_seen(std::size_t k, double weight, Chain& chain, std::uint32_
                         std::uint32_t primary_texel) {
     const Texel& t = deeper_mesh_->texels[texel];
     Sums& s = chain.sums[k];
+    chain.brightest = std::max({chain.brightest, t.r, t.g, t.b});
+    chain.any_seen = true;
     s.known += weight;
     s.seen[0] += weight * static_cast<double>(t.r);
     s.seen[1] += weight * static_cast<double>(t.g);
@@ -165,14 +173,21 @@ bool TreeSums::add_beside(std::size_t k, double weight, const Chain& chain, std:
     return any;
 }
 
-double TreeSums::sum_up(std::size_t k, std::array<double, 3>& sum) {
-    double unknown = 0;
+void TreeSums::end_views() {
+    for (std::size_t i = chains_.size(); i-- > 0;) {
+        Chain& c = chains_[i];
+        // Nothing is known of it: it may be as bright as anything.
+        if (c.any_wanted && !c.any_seen) c.brightest = HUGE_VALF;
+        if (c.parent != i) chains_[c.parent].brightest += c.brightest;
+    }
+}
+
+double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum) {
     for (std::size_t i = 0; i < chains_.size(); ++i) {
         const Chain& c = chains_[i];
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        unknown = std::max(unknown, missing);
         // What the parent's views did not find is shared out to what goes on from it, but for those that
         // find that nevertheless.
         const bool first = c.parent == i;
@@ -185,6 +200,15 @@ double TreeSums::sum_up(std::size_t k, std::array<double, 3>& sum) {
         s.total = inflated * (resolved + by_mean * missing);
         const double scale = s.known > 0 ? s.total / s.known : 0;
         for (std::size_t n = 0; n < 3; ++n) sum[n] += scale * s.seen[n] + (1 - by_mean) * s.instead[n];
+    }
+    const double light = std::max({sum[0], sum[1], sum[2]}) / weight;
+    double unknown = 0;
+    for (const Chain& c : chains_) {
+        const Sums& s = c.sums[k];
+        const auto brightest = static_cast<double>(c.brightest);
+        const double missing = s.wanted - s.known - s.beside;
+        if (missing > 0 && brightest > 0)
+            unknown = std::max(unknown, missing * (brightest < light ? brightest / light : 1));
     }
     return unknown;
 }

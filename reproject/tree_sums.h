@@ -30,8 +30,12 @@ class TreeSums {
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Takes in pixel k.
     void add(std::size_t k, double weight);
-    /// Adds what all views have seen to a pixel's sum. Returns the weight of what was not recorded.
-    double sum_up(std::size_t k, std::array<double, 3>& sum);
+    /// Before the pixels are summed up, once all views are in.
+    void end_views();
+    /// Adds what all views have seen to a pixel's sum, of colours times weights, `weight` together. Returns
+    /// the weight of what was not recorded, as far as it may matter: what is dim in the whole tile is counted
+    /// as so much less than the pixel.
+    double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {
@@ -52,6 +56,9 @@ class TreeSums {
         Children children{no_chain, no_chain};
         std::unique_ptr<SeenTile> seen;
         std::vector<Sums> sums;
+        /// Greatest radiance of it that was seen in the tile; then with all that goes on from it.
+        float brightest = 0;
+        bool any_wanted = false, any_seen = false;
     };
     void add(std::size_t k, double weight, const Children& chains, const Texel& in_texel,
              std::uint32_t primary_texel);

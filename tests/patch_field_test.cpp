@@ -386,10 +386,11 @@ TEST(PatchField, WhatIsNotWantedStaysUnknown) {
     field.height = height;
     PatchView v;
     v.uses = {{0, 1, {}}};
-    field.views = {v};
-    field.wanted = [](int, int, int, int) { return false; };
-    const PatchPicture p = patch_field(field);
-    for (const float u : p.unknown) EXPECT_EQ(u, 1);
+    field.sets = {{{v}, [](int, int, int, int) { return false; }, nullptr, 0}, {{v}, {}, nullptr, 1}};
+    std::vector<PatchPicture> pictures(2, PatchPicture(width, height));
+    patch_field(field, pictures);
+    for (const float u : pictures[0].unknown) EXPECT_EQ(u, 1);
+    for (const float u : pictures[1].unknown) EXPECT_EQ(u, 0);
 }
 
 }  // namespace
