@@ -14,7 +14,8 @@ constexpr double enough_weight = 0.05;
 struct Chain {
     std::uint32_t path;
     std::array<double, 3> rgb;
-    SurfaceLight mask, hidden_mask;  ///< their colours are the stand-in's
+    SurfaceLight mask, hidden_mask, outer_mask;  ///< their colours are the stand-in's
+    [[nodiscard]] double masks() const { return mask.alpha + hidden_mask.alpha + outer_mask.alpha; }
 };
 
 /// Adds what a chain shows where the surface has it; it comes through the lens as the surface's own light.
@@ -64,27 +65,30 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
                     const FocusGeometry& geometry) {
     thread_local std::vector<Fragment> fragments;
     const std::uint32_t path = terms[0].part->path;
-    Chain out{path, {}, {}, {}};
+    Chain out{path, {}, {}, {}, {}};
     for (const LayerTerm& term : terms) {
         if (term.part->kind == Kind::mask) out.mask = light_of(&term);
         if (term.part->kind == Kind::hidden_mask) out.hidden_mask = light_of(&term);
+        if (term.part->kind == Kind::outer_mask) out.outer_mask = light_of(&term);
     }
-    const double masks = out.mask.alpha + out.hidden_mask.alpha;
+    const double masks = out.masks();
     if (!(masks > smallest_layer_weight)) return out;
     double weight = 0;
     gather(terms, fragments, weight);
-    const double own = std::clamp(weight / enough_weight, 0.0, 1.0);
-    if (weight > smallest_layer_weight) {
-        out.rgb = composite(fragments, geometry);
-        // Masks of longer chains are by the responses of what this one shows.
-        for (const Chain& next : longer) {
-            if (NodePath(next.path).parent() != NodePath(path)) continue;
-            const double share = std::min(next.mask.alpha / weight, 1.0);
-            for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        }
+    double own = std::clamp(weight / enough_weight, 0.0, 1.0);
+    const bool arrives = weight > smallest_layer_weight;
+    if (arrives) out.rgb = composite(fragments, geometry);
+    // Masks of longer chains are by the responses of what this one shows, or by those of its own masks.
+    for (const Chain& next : longer) {
+        if (NodePath(next.path).parent() != NodePath(path)) continue;
+        const double share =
+            std::min((arrives ? next.mask.alpha / weight : 0.0) + next.outer_mask.alpha / masks, 1.0);
+        for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
+        // What this one shows is known without its own nodes.
+        if (next.outer_mask.alpha > smallest_layer_weight) own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c) {
-        const double stand_in = (out.mask.rgb[c] + out.hidden_mask.rgb[c]) / masks;
+        const double stand_in = (out.mask.rgb[c] + out.hidden_mask.rgb[c] + out.outer_mask.rgb[c]) / masks;
         out.rgb[c] = own * out.rgb[c] + (1 - own) * stand_in;
     }
     return out;

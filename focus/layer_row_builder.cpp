@@ -126,8 +126,8 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
     }
 }
 
-// What is entered is left again wherever it is entered, so that the far side has no outline of its own; and it
-// may be seen through a caustic, whose W would blur that away.
+// What is entered is left again wherever it is entered: the far side has no outline of its own, and is masked
+// as the near side is. It may be seen through a caustic, whose W would blur away what shines through it.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -144,7 +144,9 @@ void LayerSplats::RowBuilder::add_mask(const PointSample& s, const Met& from, co
                                        LayerPart part) {
     part.path = met.node->path.bits();
     part.shown = {};
-    add_node(s, from.response, *from.node, met.subtree, part);
+    const Met& outline = outline_of(from);
+    if (&outline != &from) part.kind = LayerPart::Kind::outer_mask;
+    add_node(s, outline.response, *outline.node, met.subtree, part);
 }
 
 void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Record> nodes,
@@ -188,10 +190,9 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
         };
         auto from = with_path(parent);
         while (from == met_.end()) from = with_path(parent = parent.parent());
-        const Met& outline = outline_of(*from);
-        part.kind = &outline == met_.data() && kind == LayerPart::Kind::hidden ? LayerPart::Kind::hidden_mask
-                                                                               : LayerPart::Kind::mask;
-        add_mask(s, outline, met, part);
+        part.kind = from == met_.begin() && kind == LayerPart::Kind::hidden ? LayerPart::Kind::hidden_mask
+                                                                            : LayerPart::Kind::mask;
+        add_mask(s, *from, met, part);
         add_node(s, met.response, node, {node.r, node.g, node.b},
                  {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen});
         if (kind == LayerPart::Kind::seen)
@@ -218,7 +219,7 @@ void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<
                                        [&](const Met& m) { return m.node->path == node.path.parent(); });
         LayerPart part{surface, node.path.bits(), {node.id, before}, LayerPart::Kind::hidden};
         if (from != met_.end()) {
-            add_mask(s, outline_of(*from), met, {.surface = surface, .kind = LayerPart::Kind::mask});
+            add_mask(s, *from, met, {.surface = surface, .kind = LayerPart::Kind::mask});
             part = {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen};
         } else {
             shown_.push_back(now);

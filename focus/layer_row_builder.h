@@ -48,7 +48,7 @@ class LayerSplats::RowBuilder {
     void add_tree(const PointSample& s, std::span<const Record> nodes, LayerPart::Kind kind);
     void add_hidden_chains(const PointSample& s, std::span<const Record> nodes, const NodeResponse& primary,
                            SurfaceKey surface);
-    /// What a chain is seen in, by whose response it is masked: `from` is the node that it goes on from.
+    /// What has the outline of `from`, the node that a chain goes on from.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
     void add_mask(const PointSample& s, const Met& from, const Met& met, LayerPart part);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,

@@ -39,6 +39,7 @@ struct LayerPart {
         mask,         ///< where the surface that a chain goes on from has that chain, by that surface's own
                       ///< responses; its colour is that of the chain's nodes
         hidden_mask,  ///< the same, of records of the surface that stand behind something else
+        outer_mask,   ///< of a longer chain: by the responses that the chain it goes on from is masked by
     };
     SurfaceKey surface;      ///< of the primary node
     std::uint32_t path = 0;  ///< NodePath's bits; 0: the surface itself
