@@ -127,7 +127,7 @@ struct FieldFocuser::Prepared {
     PatchLens lens;
     HighlightRule rule;
     std::vector<double> instants_s;
-    std::optional<FieldSurfaces> all;           ///< none: they are read strip by strip
+    std::optional<FieldSurfaces> all;         ///< none: they are read strip by strip
     std::unique_ptr<FieldHighlights> of_all;  ///< none: of each strip
 };
 
@@ -138,7 +138,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     const SampleFileReader& file = frame.file();
     const FocusGeometry& g = settings_.geometry;
     Prepared& p = *prepared_;
-    p.lens = {g.gain_px * g.aperture_radius_m, g.inverse_focus_per_m};
+    p.lens = {g.gain_px * g.aperture_radius_m, g.inverse_focus_per_m,
+              g.gain_px * g.aperture_radius_m * g.aperture_radius_m};
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
@@ -165,8 +166,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.all.emplace();
     for (std::size_t i = 0; i < instants; ++i)
         p.all->add(frame.sheets(i, p.rule, i == 0 ? settings_.also : RecordsRead{}), p.lens);
-    p.of_all =
-        std::make_unique<FieldHighlights>(*p.all->sheets[0], settings_.aperture, g, settings_.window);
+    p.of_all = std::make_unique<FieldHighlights>(*p.all->sheets[0], settings_.aperture, g, settings_.window);
 }
 
 /// Of surfaces and views that are to come.
@@ -280,8 +280,8 @@ std::optional<OneSurface> FieldFocuser::one_surface(std::span<const FieldViews> 
     if (p.all) {
         finder.add(p.all->primary[0], p.all->deeper[0]);
     } else {
-        strips->visit(0,
-                      [&](const PatchMesh& primary, const PatchMesh& deeper) { finder.add(primary, deeper); });
+        strips->visit(
+            0, [&](const PatchMesh& primary, const PatchMesh& deeper) { finder.add(primary, deeper); });
     }
     OneSurface found = finder.found();
     if (found.share() < *sets.front().leave_out_from_share) return std::nullopt;

@@ -20,8 +20,8 @@ namespace postlens {
 
 /// The light that the rule has taken from the sheets. At a pixel the response's value comes through one point
 /// of the lens. Whether that point sees the light: of what is seen directly, exactly, by drawing what stands
-/// before it as the light sees the lens; of what mirrors and glass show, and of lights beyond the brightest of
-/// a tile, by the views nearest to the point.
+/// before it as the light sees the lens; of what mirrors and glass show, and of lights beyond the brightest
+/// of a tile, by the views nearest to the point.
 class FieldHighlights {
   public:
     /// Keeps references to `sheets`. `window`: the picture's pixels.

@@ -24,8 +24,8 @@ std::size_t bytes_of(const std::vector<T>& list) {
 
 std::size_t bytes_of(const SheetMesh& m) {
     return bytes_of(m.sheets) + bytes_of(m.fine) + bytes_of(m.coarse) + bytes_of(m.planes) +
-           bytes_of(m.nodes) + bytes_of(m.texels) + bytes_of(m.below) + bytes_of(m.bright) +
-           bytes_of(m.bright_texels);
+           bytes_of(m.bends) + bytes_of(m.nodes) + bytes_of(m.texels) + bytes_of(m.below) +
+           bytes_of(m.bright) + bytes_of(m.bright_texels);
 }
 
 /// The sheets of which `wanted` says so by how far each reaches.

@@ -131,9 +131,8 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
-        const auto before =
-            std::find_if(met_.begin(), met_.end(),
-                         [&](const Met& m) { return m.node->path == met->node->path.parent(); });
+        const auto before = std::find_if(
+            met_.begin(), met_.end(), [&](const Met& m) { return m.node->path == met->node->path.parent(); });
         if (before == met_.end() || before->node->id != met->node->id) break;
         met = &*before;
     }

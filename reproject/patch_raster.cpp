@@ -33,6 +33,7 @@ struct Run {
     std::int32_t stride = 0;
     const std::uint32_t* nodes = nullptr;
     int depth = 0;
+    std::uint32_t mark = 0;  ///< of every texel
     [[nodiscard]] glm::vec2 first(int j) const { return back * (origin + glm::dvec2(i0, j) - from); }
     [[nodiscard]] std::size_t pixel(int j) const {
         return static_cast<std::size_t>(j) * SeenTile::edge + static_cast<std::size_t>(i0);
@@ -115,7 +116,7 @@ POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t
         const std::uint32_t node = leaf_at(run, run.roots[lane.cell[n]], lane.x[n], lane.y[n]);
         if (node == SheetNode::none) continue;
         z[n] = lane.z[n];
-        texel[n] = node & ~SheetNode::leaf;
+        texel[n] = (node & ~SheetNode::leaf) | run.mark;
     }
 }
 
@@ -193,7 +194,8 @@ std::optional<Run> run_of(const PatchMesh& mesh, const Patch& patch, const Patch
                         static_cast<std::size_t>(patch.y) * static_cast<std::size_t>(sheet.width) + patch.x,
                .stride = sheet.width,
                .nodes = sheets.nodes.data(),
-               .depth = patch.depth};
+               .depth = patch.depth,
+               .mark = patch.bent ? SeenTile::bent : 0U};
 }
 
 }  // namespace
@@ -227,7 +229,7 @@ void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t boun
         for (int x = part.x_begin; x < part.x_end; ++x) {
             const std::size_t k = row + static_cast<std::size_t>(x);
             if (in.texel[k] == SeenTile::no_texel) continue;
-            const Texel& t = in_mesh.texels[in.texel[k]];
+            const Texel& t = in_mesh.texels[in.texel[k] & ~SeenTile::bent];
             if ((t.children() & bounce) == 0) continue;
             wanted.in[k] = in_mesh.sheets[t.sheet()].key.id;
             out.inverse_z[k] = SeenTile::nothing;
@@ -235,6 +237,7 @@ void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t boun
         }
     }
     wanted.part = found.part();
+    wanted.any_gaps = false;
 }
 
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
@@ -246,7 +249,11 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     // Not from its x_begin on: where a run begins decides how its places are rounded.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
-    if (run) draw_rows_in(*run, wanted.in.data(), parent_id, out.inverse_z.data(), out.texel.data());
+    if (!run) return;
+    draw_rows_in(*run, wanted.in.data(), parent_id, out.inverse_z.data(), out.texel.data());
+    if (!wanted.any_gaps || patch.bent) return;
+    draw_rows_in(*run, wanted.in.data(), WantedPixels::in_gap(parent_id), out.inverse_z.data(),
+                 out.texel.data());
 }
 
 }  // namespace postlens

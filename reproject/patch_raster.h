@@ -14,6 +14,8 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< as inverse depth: no surface known there
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
+    /// Of what is seen in mirrors and glass, beside the texel: drawn by a patch that is bent.
+    static constexpr std::uint32_t bent = 0x80000000U;
 
     /// Depths, and what is wanted, are read sixteen at a time, beyond the last of a row, too.
     static constexpr std::size_t slack = 16;
@@ -50,6 +52,9 @@ struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};       ///< the id it is seen in, where it is wanted
     TilePart part;  ///< that has all of them; empty: it is wanted nowhere
+    /// Whether it is also wanted where what it would be seen in is missing; `in` there is in_gap of the id.
+    bool any_gaps = false;
+    [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
 
 /// Where `in`, of `in_mesh`, has a child of the bounces `bounce` (child_bit), within a `part` that has all
@@ -61,8 +66,8 @@ void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t boun
 [[nodiscard]] TilePart find_parents(const SheetMesh& mesh, const SeenTile& seen);
 
 /// The same of what is seen in a mirror or glass, only where it is wanted, in the sheet's parent. Turned over
-/// or not; but not where it is torn apart, a pixel to more than `largest_torn_px`. `out` as find_wanted has
-/// made it.
+/// or not; but not where it is torn apart, a pixel to more than `largest_torn_px`. In gaps only what is
+/// not bent. `out` as find_wanted has made it.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

@@ -156,6 +156,11 @@ class Cutter {
         bool divided = false;
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
+            if constexpr (values == 5) {
+                // Infinity is bent for any lens.
+                const auto bend = static_cast<double>(sheets_.bends[k]);
+                p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
+            }
         });
         p.depth = divided ? static_cast<std::uint8_t>(sheets_.sheets[sheet_].depth) : std::uint8_t{0};
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());

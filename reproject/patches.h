@@ -15,16 +15,21 @@ namespace postlens {
 struct PatchLens {
     double radius_px_m = 0;  ///< gain times the lens's radius: px by which 1/m out of focus moves its rim
     double inverse_focus_per_m = 0;
+    double bend_px_m2 = 0;  ///< px by which a W.bend of 1/m^2 misses at the rim
 
     /// Least half width of the blur of what has this W, px.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
+
+/// What W may be off by where nothing but W says that something is seen.
+inline constexpr double most_bend_px = 0.5;
 
 /// Cells [x, x + width) x [y, y + height) of a sheet.
 struct Patch {
     std::uint32_t sheet = 0;
     std::uint8_t x = 0, y = 0, width = 0, height = 0;
     bool coarse = false;            ///< blurred over so many pixels that each cell may be one even square
+    bool bent = false;              ///< somewhere W is off by more than most_bend_px
     std::uint8_t depth = 0;         ///< levels of the quadtrees that matter
     std::uint32_t first_plane = 0;  ///< `values` of PatchMesh::planes
 };

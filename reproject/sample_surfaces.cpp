@@ -141,6 +141,7 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
         s.id = r.id;
         s.path = r.path;
         s.w = r.w;
+        s.bend = r.w_bend;
         return s;
     };
     for_each_layer(

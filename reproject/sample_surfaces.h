@@ -27,6 +27,7 @@ struct TreeSurface {
     std::uint32_t parent_id = 0;  ///< of what it is seen in; 0 for a primary node
     std::uint8_t children = 0;    ///< child_bit of the bounces that have a node here
     Mat2 w;                       ///< 1/m
+    float bend = 0;               ///< Record::w_bend
     /// Of primary nodes: the colours of all nodes whose first bounce is the reflection, the transmission.
     std::array<std::array<float, 3>, 2> below{};
 };

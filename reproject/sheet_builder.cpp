@@ -171,6 +171,7 @@ void SheetBuilder::add_sheets(std::span<const Piece* const> pieces) {
                 d.fine.clear();
                 d.coarse.clear();
                 d.planes.clear();
+                d.bends.clear();
                 d.depth = 0;
                 d.number = static_cast<std::uint32_t>(out_.sheets.size() + s);
             }
@@ -281,6 +282,13 @@ void SheetBuilder::add_cell(std::size_t sheet, std::span<const Piece* const> pie
     }
     draft.planes.insert(draft.planes.end(), planes.begin(),
                         planes.begin() + static_cast<std::ptrdiff_t>(out_.values));
+    if (!out_.has_w()) return;
+    float bend = 0;
+    for (const Piece* p : pieces) {
+        for (int k = 0; k < p->corners; ++k)
+            bend = std::max(bend, node(p->node[static_cast<std::size_t>(k)]).bend);
+    }
+    draft.bends.push_back(bend);
 }
 
 std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*>& pieces, std::size_t begin,
@@ -391,6 +399,7 @@ void SheetBuilder::emit() {
         out_.fine.resize(end, SheetNode::none);
         out_.coarse.resize(end, SheetNode::none);
         out_.planes.resize(end * out_.values);
+        if (out_.has_w()) out_.bends.resize(end, 0.0F);
         for (std::size_t i = 0; i < d.cells.size(); ++i) {
             const std::size_t to = first + static_cast<std::size_t>((d.cells[i] / edge - y0) * sheet.width +
                                                                     d.cells[i] % edge - x0);
@@ -398,6 +407,7 @@ void SheetBuilder::emit() {
             out_.coarse[to] = d.coarse[i];
             std::copy_n(d.planes.begin() + static_cast<std::ptrdiff_t>(i * out_.values), out_.values,
                         out_.planes.begin() + static_cast<std::ptrdiff_t>(to * out_.values));
+            if (out_.has_w()) out_.bends[to] = d.bends[i];
         }
         out_.sheets.push_back(sheet);
     }

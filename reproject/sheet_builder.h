@@ -67,6 +67,7 @@ class SheetBuilder {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;
         std::vector<CellPlane> planes;
+        std::vector<float> bends;
         int depth = 0;
         std::uint32_t number = 0;
     };

@@ -58,6 +58,7 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     each(&SheetMesh::fine, &Before::cells, 1, moved_node);
     each(&SheetMesh::coarse, &Before::cells, 1, moved_node);
     each(&SheetMesh::planes, &Before::cells, out.values, same);
+    if (out.has_w()) each(&SheetMesh::bends, &Before::cells, 1, same);
     each(&SheetMesh::nodes, &Before::nodes, 1, moved_node);
     each(&SheetMesh::texels, &Before::texels, 1, [](Texel t, const Before& b) {
         t.info += static_cast<std::uint32_t>(b.sheets) << 2U;
@@ -98,6 +99,7 @@ void clear(SheetMesh& m) {
     m.fine.clear();
     m.coarse.clear();
     m.planes.clear();
+    m.bends.clear();
     m.nodes.clear();
     m.texels.clear();
     m.below.clear();

@@ -82,6 +82,7 @@ struct SheetMesh {
     /// By cell, `values` each, around the cell's middle: 1/z', then with W its xx, xy, yx, yy; 1/m.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
+    std::vector<float> bends;  ///< by cell, with W: the greatest Record::w_bend that it has
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
     /// By texel where primary surfaces have mirrors or glass, else empty: TreeSurface's.

@@ -23,6 +23,7 @@ class Subset {
         for (std::size_t i = first; i < first + cells; ++i) {
             to_.fine.push_back(tree(from_.fine[i]));
             to_.coarse.push_back(tree(from_.coarse[i]));
+            if (from_.has_w()) to_.bends.push_back(from_.bends[i]);
         }
         const auto planes = from_.planes.begin();
         to_.planes.insert(to_.planes.end(), planes + static_cast<std::ptrdiff_t>(first * from_.values),

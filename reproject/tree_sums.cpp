@@ -86,7 +86,7 @@ std::uint32_t TreeSums::id_around(const Chain& chain, std::size_t k) const {
     const Chain& parent = chains_[chain.parent];
     const std::uint32_t texel = parent.seen->texel[k];
     if (texel == SeenTile::no_texel) return id_around(parent, k);
-    return deeper_mesh_->sheets[deeper_mesh_->texels[texel].sheet()].key.id;
+    return deeper_mesh_->sheets[deeper_mesh_->texels[texel & ~SeenTile::bent].sheet()].key.id;
 }
 
 // Sheets say in which object they are seen: where the parent would be another one, nothing is drawn.
@@ -96,7 +96,7 @@ void TreeSums::want_in_gaps(const Chain& parent, WantedPixels& wanted, SeenTile&
         for (int x = parent.part.x_begin; x < parent.part.x_end; ++x) {
             const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
             if (!misses(parent, k)) continue;
-            wanted.in[k] = id_around(parent, k);
+            wanted.in[k] = WantedPixels::in_gap(id_around(parent, k));
             out.inverse_z[k] = SeenTile::nothing;
             if (gaps.y_end == 0) gaps.y_begin = y;
             gaps.x_begin = std::min(gaps.x_begin, x);
@@ -105,6 +105,7 @@ void TreeSums::want_in_gaps(const Chain& parent, WantedPixels& wanted, SeenTile&
         }
     }
     if (gaps.empty()) return;
+    wanted.any_gaps = true;
     TilePart& all = wanted.part;
     all = all.empty() ? gaps
                       : TilePart{std::min(all.x_begin, gaps.x_begin), std::max(all.x_end, gaps.x_end),
@@ -141,8 +142,9 @@ void TreeSums::add(std::size_t k, double weight, const Children& chains, const T
 
 void TreeSums::add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                         std::uint32_t primary_texel) {
-    const Texel& t = deeper_mesh_->texels[texel];
+    const Texel& t = deeper_mesh_->texels[texel & ~SeenTile::bent];
     Sums& s = chain.sums[k];
+    if ((texel & SeenTile::bent) != 0) s.bent += weight;
     chain.brightest = std::max({chain.brightest, t.r, t.g, t.b});
     chain.any_seen = true;
     s.known += weight;
@@ -206,7 +208,9 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
     for (const Chain& c : chains_) {
         const Sums& s = c.sums[k];
         const auto brightest = static_cast<double>(c.brightest);
-        const double missing = s.wanted - s.known - s.beside;
+        const double beside =
+            c.parent == static_cast<std::size_t>(&c - chains_.data()) ? 0 : chains_[c.parent].sums[k].beside;
+        const double missing = s.wanted - s.known - s.beside + (beside > 0 ? s.bent : 0);
         if (missing > 0 && brightest > 0)
             unknown = std::max(unknown, missing * (brightest < light ? brightest / light : 1));
     }

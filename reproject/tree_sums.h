@@ -14,9 +14,9 @@ namespace postlens {
 /// pixels; at the end sum_up. Of what views ask for and do not find, because it was never recorded, the
 /// others' mean stands in; where hardly any finds it, what the pinhole saw in the mirror's place.
 ///
-/// A chain that a view does not find may still show what goes on from it: the far side of a glass ball is seen
-/// through a caustic, which no W describes, and what shines through it is not. What lies within one object is
-/// therefore also drawn where the part before it is wanted, but missing.
+/// A chain that a view does not find may still show what goes on from it: the far side of a glass ball is
+/// seen through a caustic, which no W describes, and what shines through it is not. What lies within one
+/// object is therefore also drawn where the part before it is wanted, but missing.
 class TreeSums {
   public:
     /// `paths`: the chains that may occur, in any order, also several times.
@@ -34,7 +34,7 @@ class TreeSums {
     void end_views();
     /// Adds what all views have seen to a pixel's sum, of colours times weights, `weight` together. Returns
     /// the weight of what was not recorded, as far as it may matter: what is dim in the whole tile is counted
-    /// as so much less than the pixel.
+    /// as so much less than the pixel. Where views miss what goes on, what bent patches show is as unknown.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
@@ -44,6 +44,7 @@ class TreeSums {
         double known = 0, wanted = 0;     ///< weights
         double beside = 0;                ///< of views that do not find it, but what goes on from it
         double alone = 0;                 ///< of `known`: in views that do not find its parent
+        double bent = 0;                  ///< of `known`: drawn by patches that are bent
         double total = 0;                 ///< all that is wanted of it, once all views are in
     };
     static constexpr std::uint32_t no_chain = 0xFFFFFFFFU;
@@ -68,8 +69,7 @@ class TreeSums {
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
     /// Whether a chain is wanted in pixel k and not found.
     [[nodiscard]] static bool misses(const Chain& chain, std::size_t k) {
-        return chain.seen->texel[k] == SeenTile::no_texel &&
-               chain.seen->inverse_z[k] == SeenTile::nothing;
+        return chain.seen->texel[k] == SeenTile::no_texel && chain.seen->inverse_z[k] == SeenTile::nothing;
     }
     /// The id of what a chain is wanted in.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
