@@ -349,5 +349,21 @@ TEST(FieldFocus, WhatASphereShowsHasItsOwnDepth) {
     }
 }
 
+// Towards its rim the ball's far side is seen through a caustic; the boards behind it are not.
+TEST(FieldFocus, ABallsFarSideIsNotNeededToSeeThroughIt) {
+    SceneBuilder b;
+    b.add(Sphere{{0, 0, -1.5}, 0.5}, glass(1.5, 0.9));
+    for (int i = -12; i < 12; ++i) b.add(board(i * 0.4, i * 0.4 + 0.2, -9, 9, 3.9), glowing({0.8, 0.6, 0.2}));
+    b.add(board(-20, 20, -20, 20, 4), glowing({0.1, 0.2, 0.3}));
+    const TracedFrame frame(b.scene, for_lens(1.4));
+    FocusSettings f = by_field(0.8);
+    f.lens.f_number = 1.4;
+    const Image truth = rays(b.scene, f);
+    const FocusResult got = focus_picture(frame.file(), f);
+    EXPECT_GT(psnr(got.image, truth), 36);
+    for (const FocusWarning& w : got.warnings)
+        EXPECT_TRUE(w.code != "uncovered" || w.share < 0.05) << w.share;
+}
+
 }  // namespace
 }  // namespace postlens::test
