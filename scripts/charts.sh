@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. A quarter of an hour on two cores.
+# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. Twenty minutes on two cores.
 #
 #   scripts/charts.sh [--build BUILD] [--out DIR] [--charts-only | --atlas-only]
 #
