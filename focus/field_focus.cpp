@@ -266,6 +266,7 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
         }))
         draw_crop(whole);
     std::vector<FieldFocus> out;
+    out.reserve(seen.size());
     for (PatchPicture& picture : seen) out.push_back(finished(std::move(picture), simple));
     return out;
 }

@@ -71,7 +71,7 @@ struct FieldViews {
 };
 
 class FieldStrips;
-class OneSurface;
+struct OneSurface;
 
 /// The surfaces prepared for one lens, of which several pictures are drawn. Keeps a reference to the frame.
 class FieldFocuser {
