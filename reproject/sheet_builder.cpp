@@ -63,8 +63,9 @@ void SheetBuilder::sort_pieces() {
 
 void SheetBuilder::add_leaf(const Leaf& leaf, int cell) {
     const PointSample& at = leaves_.points.samples[leaf.corner[0]];
+    const int row = cell / edge;
     const float x = at.x - static_cast<float>(square_.x + cell % edge),
-                y = at.y - static_cast<float>(square_.y + cell / edge);
+                y = at.y - static_cast<float>(square_.y + row);
     std::array<std::uint32_t, 4> begin{};
     bool simple = true;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -220,7 +221,8 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
                     y = piece.y + piece.size * (whole ? ((k & 2) != 0 ? 0.75F : 0.25F) : 0.5F);
         Highlight light;
         light.x = x + static_cast<float>(square_.x + piece.cell % edge);
-        light.y = y + static_cast<float>(square_.y + piece.cell / edge);
+        const int row = piece.cell / edge;
+        light.y = y + static_cast<float>(square_.y + row);
         light.rgb = {area * excess[0], area * excess[1], area * excess[2]};
         light.area = area;
         light.w = s.path.bits() == 0 ? Mat2::isotropic(s.inverse_z) : s.w;
@@ -326,12 +328,12 @@ void SheetBuilder::fit(std::span<const Piece* const> pieces, CellPlane* planes) 
         for (const Piece* p : pieces) {
             const double area = static_cast<double>(p->size) * static_cast<double>(p->size) / p->corners;
             for (int k = 0; k < p->corners; ++k) {
-                const double x = static_cast<double>(p->corners == 1 ? p->at_x
-                                                     : (k & 1) != 0  ? p->x + p->size
-                                                                     : p->x),
-                             y = static_cast<double>(p->corners == 1 ? p->at_y
-                                                     : (k & 2) != 0  ? p->y + p->size
-                                                                     : p->y);
+                const auto x = static_cast<double>(p->corners == 1 ? p->at_x
+                                                   : (k & 1) != 0  ? p->x + p->size
+                                                                   : p->x),
+                           y = static_cast<double>(p->corners == 1 ? p->at_y
+                                                   : (k & 2) != 0  ? p->y + p->size
+                                                                   : p->y);
                 const TreeSurface& s = node(p->node[static_cast<std::size_t>(k)]);
                 std::array<double, values> v{static_cast<double>(s.inverse_z)};
                 if constexpr (values == 5) {
