@@ -7,11 +7,10 @@
 
 #include "core/text.h"
 #include "focus/largest_bends.h"
+#include "reproject/patches.h"
 
 namespace postlens {
 namespace {
-
-constexpr double most_px = 0.5;
 
 /// Which nodes a lens shows elsewhere than W says.
 class Misplaced {
@@ -20,7 +19,7 @@ class Misplaced {
         : px_per_bend_(lens.gain_px * lens.aperture_radius_m * lens.aperture_radius_m) {}
     [[nodiscard]] bool possible(const SampleHeader& h) const { return h.has_bend && px_per_bend_ > 0; }
     [[nodiscard]] bool by_bend(float bend) const {
-        return px_per_bend_ * static_cast<double>(bend) > most_px;
+        return px_per_bend_ * static_cast<double>(bend) > most_bend_px;
     }
     bool operator()(const Record& r) const {
         return r.layer == 0 && std::max({r.r, r.g, r.b}) > darkest_shown && by_bend(r.w_bend);
@@ -115,7 +114,7 @@ std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry&
         .share = share,
         .text = fmt::format("{} % of the pixels show something in a mirror or in glass that other points "
                             "of the lens see more than {} px from where its W puts it, or not at all",
-                            rough(100 * share), most_px)};
+                            rough(100 * share), most_bend_px)};
 }
 
 }  // namespace postlens

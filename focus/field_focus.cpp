@@ -138,8 +138,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     const SampleFileReader& file = frame.file();
     const FocusGeometry& g = settings_.geometry;
     Prepared& p = *prepared_;
-    p.lens = {g.gain_px * g.aperture_radius_m, g.inverse_focus_per_m,
-              g.gain_px * g.aperture_radius_m * g.aperture_radius_m};
+    p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;

@@ -87,7 +87,7 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
     HighlightRule rule;
     rule.above = brightest;
     if (aperture.varies_over_field() || aperture.spherical_per_m() != 0) return rule;
-    const PatchLens lens{geometry.gain_px * geometry.aperture_radius_m, geometry.inverse_focus_per_m, 0};
+    const PatchLens lens = patch_lens(geometry);
     rule.takes = [lens](const Mat2& w, std::uint32_t /*id*/, float area_px2) {
         return area_px2 < small_px2 || lens.least_blur_px(w) >= spread_from_px;
     };
@@ -104,7 +104,7 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     KernelNumberCache cache(*kernels_);
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
         // Lights of one sheet that lie close together are one.
-        const PatchLens lens{geometry.gain_px * geometry.aperture_radius_m, geometry.inverse_focus_per_m, 0};
+        const PatchLens lens = patch_lens(geometry);
         std::map<std::tuple<std::uint32_t, int, int>, std::pair<Highlight, double>> merged;
         for (const Highlight& h : mesh->highlights) {
             const double energy = light_of(h.rgb);
@@ -163,7 +163,7 @@ void FieldHighlights::add_source(const Highlight& h, const SheetMesh& mesh, Kern
     s.rgb = h.rgb;
     s.inverse_z = h.inverse_z;
     // A pixel that is as large as the response gets light from all of the lens.
-    s.by_all = PatchLens{scale, geometry_.inverse_focus_per_m, 0}.least_blur_px(h.w) < spread_from_px;
+    s.by_all = patch_lens(geometry_).least_blur_px(h.w) < spread_from_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
     sources_.push_back(s);

@@ -126,15 +126,20 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
     }
 }
 
+const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath path) const {
+    const auto found =
+        std::find_if(met_.begin(), met_.end(), [path](const Met& m) { return m.node->path == path; });
+    return found == met_.end() ? nullptr : &*found;
+}
+
 // What is entered is left again wherever it is entered: the far side has no outline of its own, and is masked
 // as the near side is. It may be seen through a caustic, whose W would blur away what shines through it.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
-        const auto before = std::find_if(
-            met_.begin(), met_.end(), [&](const Met& m) { return m.node->path == met->node->path.parent(); });
-        if (before == met_.end() || before->node->id != met->node->id) break;
-        met = &*before;
+        const Met* before = met_at(met->node->path.parent());
+        if (before == nullptr || before->node->id != met->node->id) break;
+        met = before;
     }
     return *met;
 }
@@ -183,14 +188,10 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
         if (node.path == NodePath()) continue;
         // A node whose parent was not recorded goes on from the nearest that was.
         NodePath parent = node.path.parent();
-        const auto with_path = [&](NodePath path) {
-            return std::find_if(met_.begin(), met_.end(),
-                                [path](const Met& m) { return m.node->path == path; });
-        };
-        auto from = with_path(parent);
-        while (from == met_.end()) from = with_path(parent = parent.parent());
-        part.kind = from == met_.begin() && kind == LayerPart::Kind::hidden ? LayerPart::Kind::hidden_mask
-                                                                            : LayerPart::Kind::mask;
+        const Met* from = met_at(parent);
+        while (from == nullptr) from = met_at(parent = parent.parent());
+        part.kind = from == met_.data() && kind == LayerPart::Kind::hidden ? LayerPart::Kind::hidden_mask
+                                                                           : LayerPart::Kind::mask;
         add_mask(s, *from, met, part);
         add_node(s, met.response, node, {node.r, node.g, node.b},
                  {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen});
@@ -214,10 +215,9 @@ void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<
             before += other.id == now.id ? 1 : 0;
             apart = std::min(apart, std::abs(now.radius_px - other.radius_px));
         }
-        const auto from = std::find_if(met_.begin(), met_.end(),
-                                       [&](const Met& m) { return m.node->path == node.path.parent(); });
+        const Met* from = met_at(node.path.parent());
         LayerPart part{surface, node.path.bits(), {node.id, before}, LayerPart::Kind::hidden};
-        if (from != met_.end()) {
+        if (from != nullptr) {
             add_mask(s, *from, met, {.surface = surface, .kind = LayerPart::Kind::mask});
             part = {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen};
         } else {

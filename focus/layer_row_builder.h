@@ -48,6 +48,8 @@ class LayerSplats::RowBuilder {
     void add_tree(const PointSample& s, std::span<const Record> nodes, LayerPart::Kind kind);
     void add_hidden_chains(const PointSample& s, std::span<const Record> nodes, const NodeResponse& primary,
                            SurfaceKey surface);
+    /// Of the tree at hand; null: it has none.
+    [[nodiscard]] const Met* met_at(NodePath path) const;
     /// What has the outline of `from`, the node that a chain goes on from.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
     void add_mask(const PointSample& s, const Met& from, const Met& met, LayerPart part);

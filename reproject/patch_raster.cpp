@@ -219,8 +219,10 @@ TilePart find_parents(const SheetMesh& mesh, const SeenTile& seen) {
 }
 
 void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
-                 WantedPixels& wanted, SeenTile& out) {
+                 const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
+                 SeenTile& out) {
     PartOfPixels found;
+    wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
         // Whole rows: patches are drawn from the left on.
@@ -228,16 +230,20 @@ void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t boun
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         for (int x = part.x_begin; x < part.x_end; ++x) {
             const std::size_t k = row + static_cast<std::size_t>(x);
-            if (in.texel[k] == SeenTile::no_texel) continue;
-            const Texel& t = in_mesh.texels[in.texel[k] & ~SeenTile::bent];
-            if ((t.children() & bounce) == 0) continue;
-            wanted.in[k] = in_mesh.sheets[t.sheet()].key.id;
+            if (in.texel[k] == SeenTile::no_texel) {
+                if (!around || in.inverse_z[k] != SeenTile::nothing) continue;
+                wanted.in[k] = WantedPixels::in_gap(around(k));
+                wanted.any_gaps = true;
+            } else {
+                const Texel& t = in_mesh.texels[in.texel[k] & ~SeenTile::bent];
+                if ((t.children() & bounce) == 0) continue;
+                wanted.in[k] = in_mesh.sheets[t.sheet()].key.id;
+            }
             out.inverse_z[k] = SeenTile::nothing;
             found.add(x, y);
         }
     }
     wanted.part = found.part();
-    wanted.any_gaps = false;
 }
 
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 
 #include "reproject/patches.h"
 
@@ -59,9 +60,11 @@ struct WantedPixels {
 
 /// Where `in`, of `in_mesh`, has a child of the bounces `bounce` (child_bit), within a `part` that has all
 /// that it has of children: into `wanted`. `out` is cleared there; elsewhere in the part's rows what is
-/// nearer than everything keeps all from being drawn.
+/// nearer than everything keeps all from being drawn. `around`: where `in` itself is wanted and missing, the
+/// id of what it is wanted in, and so the child may be there as well; none: it is not.
 void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
-                 WantedPixels& wanted, SeenTile& out);
+                 const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
+                 SeenTile& out);
 /// The part of a tile where what is seen has children.
 [[nodiscard]] TilePart find_parents(const SheetMesh& mesh, const SeenTile& seen);
 

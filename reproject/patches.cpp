@@ -176,6 +176,11 @@ class Cutter {
 
 }  // namespace
 
+PatchLens patch_lens(const FocusGeometry& geometry) {
+    const double radius_px_m = geometry.gain_px * geometry.aperture_radius_m;
+    return {radius_px_m, geometry.inverse_focus_per_m, radius_px_m * geometry.aperture_radius_m};
+}
+
 double PatchLens::least_blur_px(const Mat2& w) const {
     // The smaller singular value of I/s - W.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "lens/focus_geometry.h"
 #include "reproject/raster_map.h"
 #include "reproject/raster_rect.h"
 #include "reproject/sheet_mesh.h"
@@ -20,6 +21,7 @@ struct PatchLens {
     /// Least half width of the blur of what has this W, px.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
+[[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
 /// What W may be off by where nothing but W says that something is seen.
 inline constexpr double most_bend_px = 0.5;

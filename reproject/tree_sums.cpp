@@ -70,11 +70,13 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
     const bool first = c.parent == number;
     if (!first && chains_[c.parent].part.empty()) return nullptr;
     if (first) {
-        find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, wanted, *c.seen);
+        find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        find_wanted(*deeper_mesh_, *parent.seen, c.bounce, parent.part, wanted, *c.seen);
-        want_in_gaps(parent, wanted, *c.seen);
+        // Sheets say in which object they are seen: where the parent would be another one, nothing is drawn.
+        find_wanted(
+            *deeper_mesh_, *parent.seen, c.bounce, parent.part,
+            [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
     }
     c.part = wanted.part;
     return c.part.empty() ? nullptr : c.seen.get();
@@ -87,29 +89,6 @@ std::uint32_t TreeSums::id_around(const Chain& chain, std::size_t k) const {
     const std::uint32_t texel = parent.seen->texel[k];
     if (texel == SeenTile::no_texel) return id_around(parent, k);
     return deeper_mesh_->sheets[deeper_mesh_->texels[texel & ~SeenTile::bent].sheet()].key.id;
-}
-
-// Sheets say in which object they are seen: where the parent would be another one, nothing is drawn.
-void TreeSums::want_in_gaps(const Chain& parent, WantedPixels& wanted, SeenTile& out) const {
-    TilePart gaps{SeenTile::edge, 0, 0, 0};
-    for (int y = parent.part.y_begin; y < parent.part.y_end; ++y) {
-        for (int x = parent.part.x_begin; x < parent.part.x_end; ++x) {
-            const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
-            if (!misses(parent, k)) continue;
-            wanted.in[k] = WantedPixels::in_gap(id_around(parent, k));
-            out.inverse_z[k] = SeenTile::nothing;
-            if (gaps.y_end == 0) gaps.y_begin = y;
-            gaps.x_begin = std::min(gaps.x_begin, x);
-            gaps.x_end = std::max(gaps.x_end, x + 1);
-            gaps.y_end = y + 1;
-        }
-    }
-    if (gaps.empty()) return;
-    wanted.any_gaps = true;
-    TilePart& all = wanted.part;
-    all = all.empty() ? gaps
-                      : TilePart{std::min(all.x_begin, gaps.x_begin), std::max(all.x_end, gaps.x_end),
-                                 std::min(all.y_begin, gaps.y_begin), std::max(all.y_end, gaps.y_end)};
 }
 
 void TreeSums::add(std::size_t k, double weight) {
@@ -159,18 +138,18 @@ bool TreeSums::add_beside(std::size_t k, double weight, const Chain& chain, std:
     for (const std::uint32_t number : chain.children) {
         if (number == no_chain || chains_[number].part.empty()) continue;
         Chain& c = chains_[number];
+        Sums& s = c.sums[k];
         const std::uint32_t texel = c.seen->texel[k];
         if (texel != SeenTile::no_texel) {
-            c.sums[k].wanted += weight;
-            c.sums[k].alone += weight;
             add_seen(k, weight, c, texel, primary_texel);
-            any = true;
         } else if (add_beside(k, weight, c, primary_texel)) {
-            c.sums[k].wanted += weight;
-            c.sums[k].alone += weight;
-            c.sums[k].beside += weight;
-            any = true;
+            s.beside += weight;
+        } else {
+            continue;
         }
+        s.wanted += weight;
+        s.alone += weight;
+        any = true;
     }
     return any;
 }
@@ -205,12 +184,12 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
     }
     const double light = std::max({sum[0], sum[1], sum[2]}) / weight;
     double unknown = 0;
-    for (const Chain& c : chains_) {
+    for (std::size_t i = 0; i < chains_.size(); ++i) {
+        const Chain& c = chains_[i];
         const Sums& s = c.sums[k];
         const auto brightest = static_cast<double>(c.brightest);
-        const double beside =
-            c.parent == static_cast<std::size_t>(&c - chains_.data()) ? 0 : chains_[c.parent].sums[k].beside;
-        const double missing = s.wanted - s.known - s.beside + (beside > 0 ? s.bent : 0);
+        const bool misses_parent = c.parent != i && chains_[c.parent].sums[k].beside > 0;
+        const double missing = s.wanted - s.known - s.beside + (misses_parent ? s.bent : 0);
         if (missing > 0 && brightest > 0)
             unknown = std::max(unknown, missing * (brightest < light ? brightest / light : 1));
     }

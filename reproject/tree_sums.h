@@ -67,13 +67,8 @@ class TreeSums {
                   std::uint32_t primary_texel);
     /// What goes on from a chain that is not seen in pixel k. Whether anything does.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Whether a chain is wanted in pixel k and not found.
-    [[nodiscard]] static bool misses(const Chain& chain, std::size_t k) {
-        return chain.seen->texel[k] == SeenTile::no_texel && chain.seen->inverse_z[k] == SeenTile::nothing;
-    }
     /// The id of what a chain is wanted in.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
-    void want_in_gaps(const Chain& parent, WantedPixels& wanted, SeenTile& out) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce
