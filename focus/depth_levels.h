@@ -33,10 +33,11 @@ struct DepthRange {
 /// A set of levels. A sample uses the one whose depth is nearest to its own in the chosen spacing.
 ///
 /// With K given: K equal steps from the nearest to the farthest finite z' and one level more for infinity
-/// [potmesil1981]. Without: inverse spacing puts levels around the focus, one pixel of CoC diameter apart, so
-/// that what is in focus is exactly sharp and equal CoCs before and behind it share a level; from a diameter
-/// of `even_diameter_px` on the steps grow with the CoC, to a 500th of it. Linear spacing takes as many
-/// levels as keep the CoC within half a pixel, but no more than `most_linear_levels`.
+/// [potmesil1981]. Without: inverse spacing puts levels around the focus, so that what is in focus is
+/// exactly sharp and equal CoCs before and behind it share a level: from a diameter of 0.4 px on an eighth
+/// of a pixel apart, then a fiftieth of the diameter, then half a pixel; from `even_diameter_px` on the steps
+/// grow with the CoC, to a 500th of it. Linear spacing takes as many levels as keep the CoC within half a
+/// pixel, but no more than `most_linear_levels`.
 class DepthLevels {
   public:
     static constexpr int most_depths = 4096;

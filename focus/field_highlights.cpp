@@ -52,14 +52,14 @@ class FieldHighlights::OverViews final : public Lights {
     [[nodiscard]] bool reach(int x, int y, int width, int height) const override {
         return of_.reach(x, y, width, height);
     }
-    void add(const TileViews& views, std::vector<double>& rgb) const override;
+    void add(const TileViews& views, std::vector<double>& light) const override;
 
   private:
     void lay_nearest(const std::vector<LensViewPoint>& views);
     /// Those that reach the tile.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
-    void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& rgb) const;
+    void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
     /// Of the views nearest to the point of the lens that `at`, picture px, gets its light through.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
@@ -124,6 +124,7 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
             mix(sum.w.yx, h.w.yx);
             mix(sum.w.yy, h.w.yy);
             for (std::size_t c = 0; c < 3; ++c) sum.rgb[c] += h.rgb[c];
+            sum.area += h.area;
             weight += energy;
         }
         for (const auto& [key, light] : merged) add_source(light.first, *mesh, cache);
@@ -148,8 +149,8 @@ void FieldHighlights::add_source(const Highlight& h, const SheetMesh& mesh, Kern
                                               -static_cast<double>(h.w.yx), -static_cast<double>(h.w.xy),
                                               geometry_.inverse_focus_per_m - static_cast<double>(h.w.yy));
     s.lens_from_px = glm::inverse(map);
-    KernelKey key = round_ ? KernelKey::ellipse(Ellipse::from_map(map, DepthLevels::smallest_radius_px))
-                           : KernelKey::map(map);
+    KernelKey key = round_ ? KernelKey::ellipse(Ellipse::from_map(map, DepthLevels::smallest_radius_px), true)
+                           : KernelKey::map(map, true);
     s.at = glm::dvec2(h.x, h.y) - glm::dvec2(window_.x_begin, window_.y_begin);
     const glm::dvec2 whole = glm::floor(s.at);
     s.x = static_cast<int>(whole.x);
@@ -161,6 +162,8 @@ void FieldHighlights::add_source(const Highlight& h, const SheetMesh& mesh, Kern
     key.phase_y = phase(s.at.y - whole.y);
     s.kernel = cache.number_of(key);
     s.rgb = h.rgb;
+    const double most = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}));
+    if (h.area > 0) s.square = most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
     // A pixel that is as large as the response gets light from all of the lens.
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < spread_from_px;
@@ -330,7 +333,7 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     }
 }
 
-void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>& rgb) const {
+void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>& light) const {
     Part part;
     for (const GroupHere& here : groups_in(views)) {
         if (here.samples > 0) {
@@ -342,12 +345,12 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
             draw_shares(g, *views.patches, here.samples, part);
         }
         for (const std::uint32_t i : here.sources)
-            add(of_.sources_[i], here.samples > 0 ? &part : nullptr, views, rgb);
+            add(of_.sources_[i], here.samples > 0 ? &part : nullptr, views, light);
     }
 }
 
 void FieldHighlights::OverViews::add(const Source& s, const Part* part, const TileViews& views,
-                                     std::vector<double>& rgb) const {
+                                     std::vector<double>& light) const {
     const Kernel& kernel = (*of_.kernels_)[s.kernel];
     const int y0 = std::max(views.y, s.y + kernel.y_begin),
               y1 = std::min(views.y + views.height, s.y + kernel.y_end());
@@ -377,7 +380,9 @@ void FieldHighlights::OverViews::add(const Source& s, const Part* part, const Ti
             } else {
                 share *= seen_share(s, views, pixel, {x + 0.5, y + 0.5});
             }
-            for (std::size_t c = 0; c < 3; ++c) rgb[3 * pixel + c] += share * static_cast<double>(s.rgb[c]);
+            double* to = light.data() + values * pixel;
+            for (std::size_t c = 0; c < 3; ++c) to[c] += share * static_cast<double>(s.rgb[c]);
+            to[3] += share * s.square;
         }
     }
 }

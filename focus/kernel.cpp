@@ -21,8 +21,8 @@ constexpr int shortest_inner_px = 6;
 /// What stands for an ellipse without extent; small enough for the limit of a vanishing CoC.
 constexpr double smallest_ellipse_px = 1e-4;
 
-std::int32_t steps(double px) {
-    return static_cast<std::int32_t>(std::lround(px / KernelKey::ellipse_step_px));
+std::int32_t steps(double px, double step_px) {
+    return static_cast<std::int32_t>(std::lround(px / step_px));
 }
 
 /// Of EllipseRows or OutlineRows.
@@ -105,24 +105,26 @@ Kernel make_kernel(const ResponseGrid& grid, KernelReach reach) {
     return out;
 }
 
-KernelKey KernelKey::ellipse(const Ellipse& e) {
+KernelKey KernelKey::ellipse(const Ellipse& e, bool fine) {
     const double extent = std::max(e.half_width(), e.half_height);
     const double shrink = std::min(1.0, largest_ellipse_px / extent);
-    return {.is_disc = false,
-            .half_height = steps(e.half_height * shrink),
-            .half_chord = steps(e.half_chord * shrink),
-            .top_displacement = steps(e.shear * e.half_height * shrink)};
+    KernelKey out{.is_disc = false, .is_fine = fine && extent < fine_below_px};
+    const double step = out.step_px() / shrink;
+    out.half_height = steps(e.half_height, step);
+    out.half_chord = steps(e.half_chord, step);
+    out.top_displacement = steps(e.shear * e.half_height, step);
+    return out;
 }
 
-KernelKey KernelKey::map(const glm::dmat2& m) {
+KernelKey KernelKey::map(const glm::dmat2& m, bool fine) {
     const double extent = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     const double shrink = std::min(1.0, largest_ellipse_px / std::max(extent, 1.0));
-    KernelKey out{.is_disc = false,
-                  .half_height = steps(m[0].x * shrink),
-                  .half_chord = steps(m[0].y * shrink),
-                  .top_displacement = steps(m[1].x * shrink),
-                  .is_map = true,
-                  .map_yy = steps(m[1].y * shrink)};
+    KernelKey out{.is_disc = false, .is_fine = fine && extent < fine_below_px, .is_map = true};
+    const double step = out.step_px() / shrink;
+    out.half_height = steps(m[0].x, step);
+    out.half_chord = steps(m[0].y, step);
+    out.top_displacement = steps(m[1].x, step);
+    out.map_yy = steps(m[1].y, step);
     out.round_map(map_bits);
     return out;
 }
@@ -136,7 +138,8 @@ KernelKey::Packed KernelKey::packed() const {
     constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
     const std::uint64_t more =
         (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
-        (upside_down ? std::uint64_t{1} << 18 : 0) | field(std::clamp(cell_x, -cells, cells - 1), cells, 19) |
+        (upside_down ? std::uint64_t{1} << 18 : 0) | (is_fine ? std::uint64_t{1} << 63 : 0) |
+        field(std::clamp(cell_x, -cells, cells - 1), cells, 19) |
         field(std::clamp(cell_y, -cells, cells - 1), cells, 35) | field(cell_log2, 0, 51);
     if (is_disc) return {phases | static_cast<std::uint64_t>(level) << 12, more};
     const std::int32_t offset = is_map ? sign : 0;
@@ -173,20 +176,18 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
 Ellipse KernelTable::outline(const KernelKey& key) const {
     if (key.is_disc) return Ellipse::disc(disc_radius_px_[key.level]);
     // What rounds to nothing keeps half a step, so that it has an area.
-    const auto size = [](std::int32_t n) {
-        return n > 0 ? n * KernelKey::ellipse_step_px : KernelKey::ellipse_step_px / 2;
-    };
+    const double step = key.step_px();
+    const auto size = [step](std::int32_t n) { return n > 0 ? n * step : step / 2; };
     if (key.half_height == 0 && key.half_chord == 0 && key.top_displacement == 0)
         return Ellipse::disc(smallest_ellipse_px);
     const double half_height = size(key.half_height);
-    return {half_height, size(key.half_chord),
-            key.top_displacement * KernelKey::ellipse_step_px / half_height};
+    return {half_height, size(key.half_chord), key.top_displacement * step / half_height};
 }
 
 glm::dmat2 KernelTable::map_px(const KernelKey& key) const {
     if (key.is_disc)
         return glm::dmat2(key.upside_down ? -disc_radius_px_[key.level] : disc_radius_px_[key.level]);
-    constexpr double step = KernelKey::ellipse_step_px;
+    const double step = key.step_px();
     return {key.half_height * step, key.half_chord * step, key.top_displacement * step, key.map_yy * step};
 }
 

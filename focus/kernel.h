@@ -58,12 +58,13 @@ struct KernelKey {
     /// Steps of phases: centres lie on a grid of 1/16 px.
     static constexpr int phase_steps = 16;
     /// Ellipses are told apart in steps of a quarter pixel: no outline is off by more than an eighth in
-    /// either axis.
-    static constexpr double ellipse_step_px = 0.25;
+    /// either axis. Fine ones of less than `fine_below_px` in steps of a sixteenth.
+    static constexpr double ellipse_step_px = 0.25, fine_step_px = 0.0625, fine_below_px = 8;
     /// Ellipses reach no farther; beyond, they are scaled down as a whole.
     static constexpr double largest_ellipse_px = 16000;
 
     bool is_disc = true;
+    bool is_fine = false;
     std::uint32_t level = 0;                                             ///< of a disc
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;                               ///< in 1/phase_steps px, -16..16
@@ -76,10 +77,12 @@ struct KernelKey {
     std::int32_t cell_log2 = 0;           ///< its width is 2^cell_log2 px; 0: one for all
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
-    [[nodiscard]] static KernelKey ellipse(const Ellipse& e);
+    /// `fine`: of highlights, which a disc that is a few hundredths of itself too wide shows too dark.
+    [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
     /// Maps are told apart by so many leading bits of their largest number, and by no less than a step.
     static constexpr int map_bits = 6;
-    [[nodiscard]] static KernelKey map(const glm::dmat2& map_px);
+    [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
+    [[nodiscard]] double step_px() const { return is_fine ? fine_step_px : ellipse_step_px; }
     /// A shape for several of its like. An ellipse keeps `ellipse_bits` - `times` leading bits of its largest
     /// number, or as many fewer than it has, the others in the same steps, and its phase in half of these; a
     /// map as many fewer than map_bits, and as many times twice the place in the field. 0: as it is.

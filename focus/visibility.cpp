@@ -36,20 +36,35 @@ struct Laid {
     OverLens cover;  ///< what it holds back
 };
 
-void sort_by_depth(std::span<Fragment> fragments) {
+template <typename Before>
+void sort(std::span<Fragment> fragments, const Before& before) {
     constexpr std::size_t few = 16;
     if (fragments.size() > few) {
-        std::stable_sort(fragments.begin(), fragments.end(), [](const Fragment& a, const Fragment& b) {
-            return a.inverse_depth_per_m > b.inverse_depth_per_m;
-        });
+        std::stable_sort(fragments.begin(), fragments.end(), before);
         return;
     }
     for (std::size_t i = 1; i < fragments.size(); ++i) {
         const Fragment f = fragments[i];
         std::size_t k = i;
-        for (; k > 0 && fragments[k - 1].inverse_depth_per_m < f.inverse_depth_per_m; --k)
-            fragments[k] = fragments[k - 1];
+        for (; k > 0 && before(f, fragments[k - 1]); --k) fragments[k] = fragments[k - 1];
         fragments[k] = f;
+    }
+}
+
+void sort_by_depth(std::span<Fragment> fragments) {
+    sort(fragments,
+         [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
+    // Depths are means, so that roundings would decide about what lies in one plane: there the smaller one
+    // comes first, as a wall that fills the pixel leaves nothing to a lamp on it.
+    constexpr double one_plane = 1e-5;
+    for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
+        while (end < fragments.size() &&
+               fragments[end].inverse_depth_per_m >= (1 - one_plane) * fragments[end - 1].inverse_depth_per_m)
+            ++end;
+        if (end - begin < 2) continue;
+        sort(fragments.subspan(begin, end - begin), [](const Fragment& a, const Fragment& b) {
+            return a.seen.alpha + a.hidden.alpha < b.seen.alpha + b.hidden.alpha;
+        });
     }
 }
 

@@ -34,7 +34,8 @@ struct Fragment {
 [[nodiscard]] double independence(double radius_px, double other_px);
 
 /// The pixel's colour: its fragments laid over each other, divided by what of the pixel they fill together.
-/// Of fragments of positive alpha; black without any. Sorts them, nearest first; the order of equals counts.
+/// Of fragments of positive alpha; black without any. Sorts them, nearest first, and of those in one plane
+/// the smallest.
 ///
 /// What is laid down holds back the light behind it: "over" [porter1984], but of the light of single lens
 /// points, not of all the lens at once. What is still free is kept as a linear function over the lens, and so

@@ -160,12 +160,13 @@ double Aperture::share_passing(const dvec2& field, double rim_scale) const {
 }
 
 void Aperture::lay_transmission_table() {
-    constexpr std::size_t side = table_steps + 1;
+    const int steps = table_steps();
+    const std::size_t side = static_cast<std::size_t>(steps) + 1;
     transmission_.resize(side * side * table_slices);
     parallel_for(transmission_.size(), [&](std::size_t i) {
         const std::size_t slice = i / (side * side), row = i % (side * side) / side, column = i % side;
-        const dvec2 field(2.0 * static_cast<double>(column) / table_steps - 1,
-                          2.0 * static_cast<double>(row) / table_steps - 1);
+        const dvec2 field(2.0 * static_cast<double>(column) / steps - 1,
+                          2.0 * static_cast<double>(row) / steps - 1);
         transmission_[i] = static_cast<float>(
             share_passing(field, 1 - 0.5 * static_cast<double>(slice) / (table_slices - 1)));
     });
@@ -174,8 +175,9 @@ void Aperture::lay_transmission_table() {
 double Aperture::transmission(const dvec2& field, double rim_scale) const {
     if (!varies_over_field()) return 1;
     if (is_plain_disc()) return share_of_disc(field, rim_scale);
-    constexpr std::size_t side = table_steps + 1;
-    const auto place = [](double at) { return std::clamp((at + 1) / 2, 0.0, 1.0) * table_steps; };
+    const int steps = table_steps();
+    const std::size_t side = static_cast<std::size_t>(steps) + 1;
+    const auto place = [steps](double at) { return std::clamp((at + 1) / 2, 0.0, 1.0) * steps; };
     const double x = place(field.x), y = place(field.y);
     const auto i = std::min(static_cast<std::size_t>(x), side - 2),
                j = std::min(static_cast<std::size_t>(y), side - 2);

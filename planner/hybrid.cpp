@@ -38,16 +38,6 @@ std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vect
 /// where it saves most of the picture.
 constexpr double scatter_costs_views = 200;
 
-/// Steps of the CoC's diameter, px: in scatter's own of one pixel a small blur is off by a third.
-int fine_depths(const DepthRange& range, const FocusGeometry& g) {
-    constexpr double step_px = 0.2;
-    if (!range.nearest_m || !range.farthest_m) return 2;
-    const double across_px =
-        2 * g.gain_px * g.aperture_radius_m * (1 / *range.nearest_m - 1 / *range.farthest_m);
-    return static_cast<int>(
-        std::clamp(std::ceil(across_px / step_px) + 1, 2.0, static_cast<double>(DepthLevels::most_depths)));
-}
-
 }  // namespace
 
 HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings) {
@@ -89,7 +79,7 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
     if (std::find(field.left_out.begin(), field.left_out.end(), 1) != field.left_out.end()) {
         focus.method = FocusMethod::scatter;
         focus.spacing = DepthSpacing::inverse;
-        focus.depths = fine_depths(depth_range(file), geometry);
+        focus.depths.reset();
         out.focus = focus_picture(frame, focus);
         std::size_t scattered = 0;
         for (std::size_t k = 0; k < field.left_out.size(); ++k) {

@@ -12,6 +12,7 @@
 #include "core/threads.h"
 #include "focus/behind_fill.h"
 #include "records/unmix_edges.h"
+#include "tests/level_radius.h"
 
 namespace postlens {
 namespace {
@@ -61,11 +62,6 @@ double edge_response(double t) {
     return 0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / std::numbers::pi;
 }
 
-/// The radius that the levels give (DepthLevels): steps of 0.99 px of diameter.
-double level_radius(double radius_px) {
-    return std::max(std::round(2 * std::abs(radius_px) / 0.99) * 0.99 / 2, 1e-4);
-}
-
 float value(const Image& image, int x, int y, std::size_t c) {
     return image.pixel(x, y)[c];
 }
@@ -92,7 +88,7 @@ TEST(ForeignFocus, HalfPlaneBeforeADeepBackgroundIsItsOwnEdge) {
             const FocusResult r = bench.focus(p, FocusMethod::layers);
             EXPECT_TRUE(r.image.alpha.empty());
             for (int x = 0; x < 80; ++x) {
-                const double front = edge_response((x + 0.5 - x0) / level_radius(near_px));
+                const double front = edge_response((x + 0.5 - x0) / test::level_radius(near_px));
                 // Circles that differ by a share of the larger one and a pixel move along by the rest.
                 ASSERT_NEAR(value(r.image, x, 1, 0), front, 2e-6) << near_px << " " << far_px << " " << x;
                 ASSERT_NEAR(value(r.image, x, 1, 2), 1 - front, 2e-6) << near_px << " " << far_px << " " << x;
@@ -116,7 +112,7 @@ TEST(ForeignFocus, HalfPlaneBeforeAnEvenBackgroundIsTheSameFromAFlatPicture) {
             ASSERT_FALSE(r.warnings.empty());
             EXPECT_EQ(r.warnings.back().code, "uncovered");
             for (int x = 0; x < 80; ++x) {
-                const double front = edge_response((x + 0.5 - x0) / level_radius(near_px));
+                const double front = edge_response((x + 0.5 - x0) / test::level_radius(near_px));
                 ASSERT_NEAR(value(r.image, x, 12, 0), front, 2e-6) << near_px << " " << far_px << " " << x;
             }
         }
@@ -135,7 +131,7 @@ TEST(ForeignFocus, AlphaOfAHalfPlaneBeforeNothingIsItsEdge) {
             const FocusResult r = bench.focus(p, method);
             ASSERT_FALSE(r.image.alpha.empty());
             for (int x = 0; x < 80; ++x) {
-                const double front = edge_response((x + 0.5 - x0) / level_radius(near_px));
+                const double front = edge_response((x + 0.5 - x0) / test::level_radius(near_px));
                 // Premultiplied. Both: layers lay nothing behind it, scatter spreads nothing by its circle.
                 ASSERT_NEAR(alpha(r.image, x, 12), front, 3e-6) << near_px << " " << x;
                 ASSERT_NEAR(value(r.image, x, 12, 0), 0.8 * front, 3e-6) << near_px << " " << x;
@@ -161,14 +157,14 @@ TEST(ForeignFocus, WhatIsAlmostInfinitelyFarDoesNotMoveAlongWithNothing) {
     for (const FocusMethod method : both) {
         const Image edge = spread([](int x, int) { return x >= 40; }, method);
         for (int x = 0; x < 80; ++x) {
-            const double front = edge_response((x + 0.5 - 40) / level_radius(12.1));
+            const double front = edge_response((x + 0.5 - 40) / test::level_radius(12.1));
             ASSERT_NEAR(alpha(edge, x, 32), front, 3e-6) << x;
             ASSERT_NEAR(value(edge, x, 32, 0), 0.8 * front, 3e-6) << x;
         }
         // Less than half a circle away from its middle all of a small square arrives.
         const auto in_square = [](int x, int y) { return x >= 37 && x < 43 && y >= 29 && y < 35; };
         const Image square = spread(in_square, method);
-        const double radius = level_radius(12.1), share = 36 / (std::numbers::pi * radius * radius);
+        const double radius = test::level_radius(12.1), share = 36 / (std::numbers::pi * radius * radius);
         for (int x = 36; x < 44; ++x) EXPECT_NEAR(alpha(square, x, 32), share, 2e-3 * share) << x;
         double sum = 0;
         for (const float a : square.alpha) sum += static_cast<double>(a);
@@ -186,7 +182,7 @@ TEST(ForeignFocus, WhatIsSharpNearbyLeavesNoOutlineInWhatIsBlurred) {
         if (in_square(x, y, 46)) return Stack{{bench.inverse_z(0), 0, 1, 0}};
         return Stack{};
     });
-    const double radius = level_radius(11.9), share = 36 / (std::numbers::pi * radius * radius);
+    const double radius = test::level_radius(11.9), share = 36 / (std::numbers::pi * radius * radius);
     for (const FocusMethod method : both) {
         const Image image = bench.focus(p, method).image;
         for (int x = 29; x < 37; ++x) EXPECT_NEAR(alpha(image, x, 32), share, 2e-3 * share) << x;
@@ -348,7 +344,7 @@ TEST(ForeignFocus, AHalfPlaneThatEndsInsideAPixelIsItsOwnEdge) {
                 EXPECT_TRUE(apart.image.alpha.empty());
                 double largest = 0;
                 for (int x = 0; x < 80; ++x) {
-                    const double r = level_radius(near_px), t = x + 0.5 - x0;
+                    const double r = test::level_radius(near_px), t = x + 0.5 - x0;
                     const double front = static_cast<double>(share) * edge_response(t / r) +
                                          (1 - static_cast<double>(share)) * edge_response((t - 1) / r);
                     ASSERT_NEAR(value(apart.image, x, 12, 0), front, 3e-6)
