@@ -83,7 +83,8 @@ nlohmann::ordered_json plan_json(const AutoResult& r) {
                                 {"noise_mse", t.noise_mse},
                                 {"floor_mse", t.floor_mse},
                                 {"hidden_mse", t.hidden_mse},
-                                {"retraced_share", t.retraced}});
+                                {"retraced_share", t.retraced},
+                                {"met_chance", t.chance}});
     }
     return out;
 }

@@ -50,6 +50,9 @@ struct FieldFocus {
     Image image;
     std::vector<float> unknown;        ///< by pixel, the share of its light that no record shows
     std::vector<float> unknown_below;  ///< the same of what is seen in mirrors and through glass
+    /// By pixel, of highlights that are spread by themselves: the mean square of the light that single rays
+    /// would meet, which is what makes rays noisy there. Empty where there are none.
+    std::vector<float> light_square;
     /// By pixel: 1 where it was left out, as asked for; empty if it was not.
     std::vector<std::uint8_t> left_out;
     /// Of the pixels that were asked for.

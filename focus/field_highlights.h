@@ -40,6 +40,7 @@ class FieldHighlights {
         std::uint32_t kernel = 0;
         glm::dvec2 at{0};  ///< picture px
         std::array<float, 3> rgb{};
+        double square = 0;  ///< light times radiance, of the brightest channel
         glm::dmat2 lens_from_px{1};
         float inverse_z = 0;
         bool by_all = false;  ///< all views are asked, not those near one point of the lens

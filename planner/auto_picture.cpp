@@ -14,6 +14,7 @@
 #include "planner/record_floor.h"
 #include "planner/retrace.h"
 #include "planner/tile_choices.h"
+#include "planner/weighed_rays.h"
 #include "records/aperture_file.h"
 #include "records/srgb.h"
 #include "tracer/point_shading.h"
@@ -27,9 +28,12 @@ constexpr int both_pilots = 2 * pilot_views;
 /// pilots together, to which the others add.
 constexpr std::array<int, 14> ladder{both_pilots, 24,  32,  48,  64,  96,   128,
                                      192,         256, 384, 512, 768, 1024, 2048};
-/// What is expected of a tile strays by a few dB; so much of what its target allows is aimed at, that nine
-/// tiles in ten get there (docs/planner.md).
-constexpr double aimed_at = 0.5;
+/// Of the tiles, what is aimed at: more than is promised, as chances are off themselves.
+constexpr double aimed_share = 0.92;
+/// Of the whole picture's error, what is aimed at.
+constexpr double aimed_at = 0.9;
+/// A choice that is at its target with such a chance needs neither more views nor rays.
+constexpr double sure = 0.995;
 /// What is filled in or misplaced is off by less than filled_in_error and misplaced_error say, which are
 /// upper bounds: where they are most of what a tile expects, nine in ten of the calibrating tiles came to
 /// 0.38 of it.
@@ -39,10 +43,6 @@ constexpr double hidden_seen = 0.5;
 constexpr double still_unseen = 0.2;
 /// See noise_of_views.
 constexpr double noise_exponent = 1.15, two_sets = 0.6;
-/// What retraced pixels may add to what a tile may be off by; how many rays tell how many are needed for
-/// that.
-constexpr double left_by_rays = 0.1;
-constexpr int pilot_rays = 16, most_rays = 1024;
 /// What a pixel that is traced again costs, in pixels of views. The first rays alone are worth 110 to 420,
 /// and where they are noisy there are many more (docs/planner.md).
 constexpr double retraced_price = 1280;
@@ -71,8 +71,7 @@ class Planner {
           geometry_(focus_geometry(settings.hybrid.focus.lens, settings.hybrid.focus.focus_distance_m,
                                    Framing::keep, {h_.film_distance_mm, h_.pixel_pitch_mm})),
           aperture_(read_aperture(settings.hybrid.focus.impulse)),
-          most_mse_(std::pow(10.0, -settings.target_db / 10)),
-          aim_(aimed_at * most_mse_) {
+          most_mse_(std::pow(10.0, -settings.target_db / 10)) {
         out_.grid = {h_.width, h_.height};
         out_.tiles.resize(out_.grid.count());
     }
@@ -90,6 +89,7 @@ class Planner {
         by_field.also.leaves = floor.adds();
         const FieldFocuser focuser(frame_, by_field);
         aligned_ = floor.aligned();
+        spread_ = floor.spread();
         floor_ = std::move(floor).picture();
         pilot(focuser, misplaced.picture());
         choose();
@@ -140,69 +140,98 @@ class Planner {
             a.image.rgb[i] = (a.image.rgb[i] + b.image.rgb[i]) / 2;
         out_.hybrid.focus.image = std::move(a.image);
         out_.hybrid.what.assign(hidden_.size(), 0);
+        ray_noise_.assign(hidden_.size(), 0);
+        for (std::size_t k = 0; k < a.light_square.size(); ++k)
+            ray_noise_[k] = static_cast<float>(noise_of_ray(out_.hybrid.focus.image, k, a.light_square[k]));
     }
 
-    /// Of each tile the cheapest number of views, and of its pixels those that are then to be traced again.
+    /// What highlights that a lens spreads add to the squared error, encoded, of a single ray: few of many
+    /// meet them, and are too bright then.
+    static double noise_of_ray(const Image& image, std::size_t k, float light_square) {
+        const float* rgb = image.rgb.data() + 3 * k;
+        const float light = std::max({rgb[0], rgb[1], rgb[2]}), step = 0.01F * std::max(0.01F, light);
+        const double slope =
+            static_cast<double>((srgb_from_linear(light + step) - srgb_from_linear(light)) / step);
+        return slope * slope * static_cast<double>(light_square);
+    }
+
+    /// Of each tile how many views, and which of its pixels are then to be traced again.
     void choose() {
         const std::size_t tiles = out_.tiles.size();
         std::vector<std::vector<TileChoice>> choices(tiles);
         parallel_for(tiles, [&](std::size_t t) { choices[t] = choices_of(t); });
-        const auto most =
-            static_cast<std::size_t>(settings_.hybrid.most_retraced * static_cast<double>(hidden_.size()));
-        const std::vector<TileChoice> chosen = cheapest_choices(choices, out_.grid, retraced_price, most);
+        const auto all = static_cast<double>(hidden_.size());
+        const ChosenTiles chosen =
+            cheapest_choices(choices, out_.grid,
+                             {aimed_at * most_mse_, aimed_share, retraced_price,
+                              static_cast<std::size_t>(settings_.hybrid.most_retraced * all)});
         std::vector<std::vector<std::uint32_t>> pixels(tiles);
         parallel_for(tiles, [&](std::size_t t) {
-            out_.tiles[t].views = chosen[t].views;
-            out_.tiles[t].noise_mse = chosen[t].noise_mse;
-            if (chosen[t].retraced == 0) return;
-            pixels[t] = rest_of(t).pixels;
-            pixels[t].resize(chosen[t].retraced);
+            const TileChoice& c = chosen.tiles[t];
+            out_.tiles[t].views = c.views;
+            out_.tiles[t].noise_mse = c.noise_mse;
+            out_.tiles[t].chance = c.chance;
+            // Without the scene what would be traced again is only told.
+            const bool told = settings_.hybrid.scene == nullptr && c.chance < 0.5;
+            if (c.retraced == 0 && !told) return;
+            TileRest rest = rest_of(t);
+            rest.pixels.resize(told ? rest.nearly_all() : c.retraced);
+            pixels[t] = std::move(rest.pixels);
         });
         for (const auto& some : pixels) pixels_.insert(pixels_.end(), some.begin(), some.end());
-        std::sort(pixels_.begin(), pixels_.end(), [&](std::uint32_t a, std::uint32_t b) {
-            const double p = at_worst(a), q = at_worst(b);
-            return p != q ? p > q : a < b;
-        });
-        out_.hybrid.wanted_share = static_cast<double>(pixels_.size()) / static_cast<double>(hidden_.size());
+        out_.hybrid.wanted_share = static_cast<double>(std::max(pixels_.size(), chosen.wanted)) / all;
     }
 
-    /// Those that bring a tile to its aim, or as near as can be; by growing number of views.
+    /// By growing number of views, and for each of pixels that are traced again.
     [[nodiscard]] std::vector<TileChoice> choices_of(std::size_t t) const {
         const TileRest rest = rest_of(t);
-        const double unseen = still_unseen * out_.tiles[t].floor_mse, all = rest.mean[0] + unseen;
+        const bool has_scene = settings_.hybrid.scene != nullptr;
+        const double all = out_.tiles[t].floor_mse + out_.tiles[t].hidden_mse, stays = all - rest.mean[0];
         // Where the rest alone is too much, views that add a third of it are as good as any; unless what
         // keeps the tile from its target can be traced again.
-        const bool has_scene = settings_.hybrid.scene != nullptr;
-        const double room = std::max(aim_ - all, (has_scene ? aim_ : all) / 3);
+        const double little = std::max(0.1 * most_mse_, has_scene ? 0 : all / 3);
         std::vector<TileChoice> out;
-        TileChoice last;
         for (const int views : ladder) {
             const double noise = noise_of_views(pilot_noise_[t], pilot_views, views);
-            const auto needed = rest.needed(aim_ - noise - unseen, most_mse_ - noise - unseen);
-            last = {views, noise, needed.value_or(rest.nearly_all())};
-            // Without the scene there is nothing to choose: nothing can be traced again.
-            if (has_scene && needed) out.push_back(last);
-            if (noise <= room) break;
+            const auto choice = [&](std::size_t retraced) {
+                const double mse = noise + stays + rest.mean[retraced];
+                return TileChoice{views, noise, retraced, mse,
+                                  chance_of(mse, noise + stays + rest.at_worst[retraced], most_mse_)};
+            };
+            out.push_back(choice(0));
+            if (out.back().chance >= sure) break;
+            const std::size_t most = has_scene ? rest.nearly_all() : 0;
+            for (std::size_t n = 1; n <= most && out.back().chance < sure; n += 1 + n / 4)
+                out.push_back(choice(n));
+            if (noise <= little) break;
         }
-        if (out.empty()) out.push_back(last);
         return out;
     }
 
     [[nodiscard]] TileRest rest_of(std::size_t tile) const {
-        return {out_.grid, tile, [this](std::uint32_t k) { return error(k); },
-                [this](std::uint32_t k) { return at_worst(k); }};
+        return {out_.grid, tile, [this](std::uint32_t k) { return removed(k); },
+                [this](std::uint32_t k) { return removed_at_worst(k); }};
     }
 
-    /// What tracing a pixel again makes good, beside the noise of views; and should its edges be worse than
-    /// the mean.
+    /// What rays may make good of a pixel beside the noise of views, and what of that those do that it gets
+    /// at first.
     [[nodiscard]] double error(std::uint32_t k) const {
         return static_cast<double>(hidden_[k]) + removed_floor(k);
     }
-    [[nodiscard]] double removed_floor(std::uint32_t k) const {
-        return (1 - still_unseen) * floor_unseen * static_cast<double>(floor_[k]);
+    /// What the lens spreads of a pixel's light is off in others.
+    [[nodiscard]] double own_floor(std::uint32_t k) const {
+        return floor_unseen * static_cast<double>(floor_[k] - spread_[k]);
     }
-    [[nodiscard]] double at_worst(std::uint32_t k) const {
-        return error(k) + floor_unseen * (aligned_nine_in_ten - 1) * static_cast<double>(aligned_[k]);
+    [[nodiscard]] double removed_floor(std::uint32_t k) const { return (1 - still_unseen) * own_floor(k); }
+    [[nodiscard]] double removed_part(std::uint32_t k) const {
+        const double noise = static_cast<double>(ray_noise_[k]) / first_rays;
+        return noise > 0 ? error(k) / (error(k) + noise) : 1;
+    }
+    [[nodiscard]] double removed(std::uint32_t k) const { return removed_part(k) * error(k); }
+    /// The same, should the edges be worse than the mean.
+    [[nodiscard]] double removed_at_worst(std::uint32_t k) const {
+        return removed(k) +
+               removed_part(k) * floor_unseen * (aligned_nine_in_ten - 1) * static_cast<double>(aligned_[k]);
     }
 
     /// Of each tile a set of its own, and the pilots' for what they are worth beside it: their noise chose
@@ -238,61 +267,24 @@ class Planner {
     void trace_again() {
         HybridResult& hybrid = out_.hybrid;
         const HybridSettings& s = settings_.hybrid;
-        std::vector<std::uint32_t>& pixels = pixels_;
-        if (s.scene == nullptr || pixels.empty()) return;
-        limit_retraced(s.most_retraced, pixels, hybrid);
-        trace_pixels(pixels);
-        for (std::size_t k = 0; k < hybrid.what.size(); ++k) {
-            if (hybrid.what[k] != 2) continue;
+        if (s.scene == nullptr || pixels_.empty()) return;
+        limit_retraced(s.most_retraced, pixels_, hybrid);
+        trace_weighed(*s.scene, retrace_settings(h_, s, checked_camera(h_, *s.scene), aperture_),
+                      {pixels_, out_.grid, most_mse_, [this](std::uint32_t k) { return error_of_views(k); },
+                       [this](std::uint32_t k) { return static_cast<double>(ray_noise_[k]); }},
+                      hybrid);
+        for (const std::uint32_t k : pixels_) {
             TilePlan& p = out_.tiles[tile_of(k)];
-            const double part = 1.0 / out_.grid.pixels(tile_of(k));
-            p.retraced += part;
-            p.floor_mse = std::max(0.0, p.floor_mse - part * removed_floor(static_cast<std::uint32_t>(k)));
+            const double pixel = 1.0 / out_.grid.pixels(tile_of(k)), part = pixel * removed_part(k);
+            p.retraced += pixel;
+            p.floor_mse = std::max(0.0, p.floor_mse - part * removed_floor(k));
             p.hidden_mse = std::max(0.0, p.hidden_mse - part * static_cast<double>(hidden_[k]));
         }
     }
 
-    /// Two sets of rays, whose difference tells their noise; more where that is too much of what a tile may
-    /// be off by. By tiles, as a pixel where both sets miss a lamp does not know.
-    void trace_pixels(const std::vector<std::uint32_t>& pixels) {
-        const HybridSettings& s = settings_.hybrid;
-        RenderSettings rays = retrace_settings(h_, s, checked_camera(h_, *s.scene), aperture_);
-        rays.spp = pilot_rays;
-        rays.seed = 1;
-        retrace(*s.scene, rays, pixels, out_.hybrid);
-        Image& picture = out_.hybrid.focus.image;
-        const Image first = picture;
-        rays.seed = 2;
-        retrace(*s.scene, rays, pixels, out_.hybrid);
-        std::vector<double> noise(out_.tiles.size());
-        for (const std::uint32_t k : pixels) {
-            for (std::size_t c = 3 * std::size_t{k}; c < 3 * std::size_t{k} + 3; ++c) {
-                const double d = static_cast<double>(srgb_from_linear(first.rgb[c])) -
-                                 static_cast<double>(srgb_from_linear(picture.rgb[c]));
-                noise[tile_of(k)] += d * d / 12 / out_.grid.pixels(tile_of(k));
-                picture.rgb[c] = (first.rgb[c] + picture.rgb[c]) / 2;
-            }
-        }
-        std::map<int, std::vector<std::uint32_t>> by_rays;
-        for (const std::uint32_t k : pixels) {
-            const double factor = noise[tile_of(k)] / (left_by_rays * most_mse_);
-            int spp = pilot_rays;
-            while (spp < most_rays && spp < 2 * pilot_rays * (factor - 1)) spp *= 2;
-            if (factor > 1) by_rays[spp].push_back(k);
-        }
-        const Image both = picture;
-        rays.seed = 3;
-        for (const auto& [spp, some] : by_rays) {
-            rays.spp = spp;
-            retrace(*s.scene, rays, some, out_.hybrid);
-            const float share = static_cast<float>(spp) / static_cast<float>(spp + 2 * pilot_rays);
-            for (const std::uint32_t k : some) {
-                for (std::size_t c = 3 * std::size_t{k}; c < 3 * std::size_t{k} + 3; ++c)
-                    picture.rgb[c] = both.rgb[c] + share * (picture.rgb[c] - both.rgb[c]);
-            }
-        }
-        out_.hybrid.retraced_share =
-            static_cast<double>(pixels.size()) / static_cast<double>(out_.hybrid.what.size());
+    /// Of a pixel that is not traced again.
+    [[nodiscard]] double error_of_views(std::uint32_t k) const {
+        return static_cast<double>(hidden_[k]) + own_floor(k) + out_.tiles[tile_of(k)].noise_mse;
     }
 
     [[nodiscard]] std::size_t tile_of(std::size_t pixel) const {
@@ -309,7 +301,7 @@ class Planner {
                 static_cast<double>(out_.grid.pixels(t)) / static_cast<double>(hidden_.size());
             mse += share * p.mse();
             views += share * p.views;
-            met += p.mse() <= most_mse_ ? 1 : 0;
+            met += p.chance;
             least = std::min(least, p.views);
             most = std::max(most, p.views);
         }
@@ -335,8 +327,8 @@ class Planner {
         if (!out_.met(settings_.target_db)) {
             out_.hybrid.focus.warnings.push_back(
                 {"target", 1 - out_.met_share,
-                 fmt::format("{:.1f} dB are expected instead of {:.1f}: {}", out_.predicted_db,
-                             settings_.target_db, reason())});
+                 fmt::format("{:.1f} dB are expected, and {:.0f} % of the tiles at {:.1f}: {}",
+                             out_.predicted_db, 100 * out_.met_share, settings_.target_db, reason())});
         }
     }
 
@@ -362,10 +354,11 @@ class Planner {
     const SampleHeader& h_;
     FocusGeometry geometry_;
     Aperture aperture_;
-    double most_mse_, aim_;
+    double most_mse_;
     std::vector<double> pilot_noise_;
-    std::vector<float> floor_, aligned_, hidden_;
-    std::vector<std::uint32_t> pixels_;  ///< to be traced again, the worst first
+    std::vector<float> floor_, aligned_, spread_, hidden_;
+    std::vector<float> ray_noise_;       ///< see noise_of_ray
+    std::vector<std::uint32_t> pixels_;  ///< to be traced again
     AutoResult out_;
 };
 

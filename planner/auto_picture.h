@@ -11,6 +11,8 @@
 namespace postlens {
 
 inline constexpr double default_target_db = 40;
+/// Of the tiles, so many are promised to be at the target.
+inline constexpr double promised_share = 0.9;
 
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views`, `retrace_spp` and `tolerated` do not count
@@ -25,6 +27,7 @@ struct TilePlan {
     double floor_mse = 0;   ///< of the records' density
     double hidden_mse = 0;  ///< of what no record shows, and of what W misplaces
     double retraced = 0;    ///< share of the pixels
+    double chance = 0;      ///< to be at the target
     [[nodiscard]] double mse() const { return noise_mse + floor_mse + hidden_mse; }
 };
 
@@ -33,10 +36,12 @@ struct AutoResult {
     TileGrid grid;
     std::vector<TilePlan> tiles;
     double predicted_db = 0;  ///< of the whole picture
-    double met_share = 0;     ///< of the tiles, as predicted
+    double met_share = 0;     ///< of the tiles, as predicted: the mean of their chances
     double mean_views = 0;
     std::string plan;  ///< a sentence
-    [[nodiscard]] bool met(double target_db) const { return predicted_db >= target_db; }
+    [[nodiscard]] bool met(double target_db) const {
+        return predicted_db >= target_db && met_share >= promised_share;
+    }
 };
 
 /// Draws two small sets of views, whose difference tells the noise of any number of views tile by tile; adds

@@ -70,21 +70,45 @@ CellStep cell_step(const std::array<const CellCorner*, 4>& corners) {
     return out;
 }
 
-double spread_light_error(const CellStep& step, double size_px, double coc_px) {
-    const double pixels = std::numbers::pi / 4 * coc_px * coc_px;
-    if (step.high <= 1 || pixels <= 1) return 0;
-    const double light = std::sqrt(edge_cell_variance) * (step.high - step.low) * size_px * size_px / pixels;
-    const double ground = std::min(step.low, 1.0);
-    const auto e = static_cast<double>(srgb_from_linear(static_cast<float>(ground + light)) -
-                                       srgb_from_linear(static_cast<float>(ground)));
-    return pixels * e * e;
+void SpreadLight::add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
+                      const FocusGeometry& geometry) {
+    if (step.high <= 1) return;
+    const double area = size_px * size_px;
+    for (const CellCorner* c : corners) {
+        const auto light = static_cast<double>(std::max({c->linear[0], c->linear[1], c->linear[2]}));
+        if (light > 1) area_ += area / 4;
+        light_ += area * std::max(0.0, light - 1) / 4;
+        if (light <= brightest_) continue;
+        brightest_ = light;
+        coc_px_ = std::abs(geometry.coc_diameter_px(c->inverse_z));
+    }
+    if (step.split == CellStep::Split::none) return;
+    const double off = area * (step.high - step.low);
+    variance_ += edge_cell_variance * off * off;
+    ground_ = std::min(ground_, step.low);
 }
 
-const CellCorner& brightest(const std::array<const CellCorner*, 4>& corners) {
-    return **std::max_element(corners.begin(), corners.end(), [](const CellCorner* a, const CellCorner* b) {
-        return std::max({a->linear[0], a->linear[1], a->linear[2]}) <
-               std::max({b->linear[0], b->linear[1], b->linear[2]});
-    });
+double SpreadLight::error(double variance_share) const {
+    const double pixels = std::numbers::pi / 4 * coc_px_ * coc_px_;
+    if (pixels <= 1 || variance_ <= 0) return 0;
+    const double off = std::sqrt(variance_share * variance_), each = light_ / pixels;
+    const auto difference = [&](double light, double other) {
+        return static_cast<double>(srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, light))) -
+                                   srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
+    };
+    // There is more or less of it,
+    const double e = difference(each + off / pixels, each - off / pixels) / 2;
+    // and the middle of what there is lies elsewhere, which shows at the rim of the circle, the more the
+    // brighter it is.
+    const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
+    constexpr int coverages = 8;
+    double rim = 0;
+    for (int i = 0; i < coverages; ++i) {
+        const double covered = (i + 0.5) / coverages;
+        const double moved = difference(each * std::min(1.0, covered + moved_px), each * covered);
+        rim += moved * moved / coverages;
+    }
+    return pixels * e * e + std::numbers::pi * coc_px_ * rim;
 }
 
 void PixelEdges::add(const CellStep& s, double size) {

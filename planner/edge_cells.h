@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "lens/focus_geometry.h"
 #include "records/quadtree.h"
 #include "records/record.h"
 
@@ -39,11 +40,24 @@ struct CellStep {
     double high = 0, low = 0;
 };
 
-/// The squared error, summed over pixels and encoded, that a cell with light above 1 makes where a circle of
-/// confusion spreads it: encoding clips the light in the cell itself, but not what is left of it out there.
-[[nodiscard]] double spread_light_error(const CellStep& step, double size_px, double coc_px);
-/// Whose light that is: the corner with the highest channel.
-[[nodiscard]] const CellCorner& brightest(const std::array<const CellCorner*, 4>& corners);
+/// Light above 1 of some cells, which a circle of confusion spreads: encoding clips it in the cells
+/// themselves, but not what is left of it out there.
+class SpreadLight {
+  public:
+    void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
+             const FocusGeometry& geometry);
+    /// The squared error, summed over pixels and encoded, of knowing the cells' edges by their corners.
+    /// `variance_share`: as if that of the light were so much of what it is.
+    [[nodiscard]] double error(double variance_share = 1) const;
+
+  private:
+    double area_ = 0;      ///< px^2
+    double light_ = 0;     ///< radiance times px^2, brightest channel
+    double variance_ = 0;  ///< of that
+    double ground_ = 1;    ///< radiance beside it
+    double coc_px_ = 0;    ///< of the brightest
+    double brightest_ = 1;
+};
 /// Corners up-left, up-right, down-left, down-right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 

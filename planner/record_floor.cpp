@@ -20,6 +20,7 @@ RecordFloor::RecordFloor(const SampleHeader& header, const FocusGeometry& geomet
     : width_(header.width), height_(header.height), geometry_(geometry) {
     mse_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0F);
     aligned_ = mse_;
+    spread_ = mse_;
 }
 
 void RecordFloor::add(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves) {
@@ -39,6 +40,7 @@ void RecordFloor::add(const RecordBand& band, int y_begin, int y_end, const Pixe
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
             mse_[to] = error.mse;
             aligned_[to] = error.aligned;
+            spread_[to] = error.spread;
         }
     }
 }
@@ -46,21 +48,23 @@ void RecordFloor::add(const RecordBand& band, int y_begin, int y_end, const Pixe
 RecordFloor::PixelError RecordFloor::pixel_error(std::span<const Leaf> leaves,
                                                  std::span<const CellCorner> corners) const {
     PixelEdges edges;
-    double coc_px = std::numeric_limits<double>::infinity(), bright = 0;
+    SpreadLight spread;
+    double coc_px = std::numeric_limits<double>::infinity();
     for (const Leaf& leaf : leaves) {
         std::array<const CellCorner*, 4> at{};
         for (std::size_t i = 0; i < 4; ++i) at[i] = &corners[leaf.corner[i]];
         const CellStep step = cell_step(at);
         edges.add(step, static_cast<double>(leaf.size));
+        spread.add(at, step, static_cast<double>(leaf.size), geometry_);
         if (step.split == CellStep::Split::none) continue;
         for (const CellCorner* c : at)
             coc_px = std::min(coc_px, std::abs(geometry_.coc_diameter_px(c->inverse_z)));
-        bright += spread_light_error(step, static_cast<double>(leaf.size),
-                                     std::abs(geometry_.coc_diameter_px(brightest(at).inverse_z)));
     }
     double mse = edges.mse();
     if (mse > 0 && std::isfinite(coc_px)) mse /= averaged_by(coc_px, edges.aligned());
-    return {static_cast<float>(mse + bright), static_cast<float>(edges.aligned() ? mse : 0)};
+    const double bright = spread.error();
+    return {static_cast<float>(mse + bright), static_cast<float>(edges.aligned() ? mse : 0),
+            static_cast<float>(bright)};
 }
 
 std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry) {

@@ -67,15 +67,15 @@ RenderSettings retrace_settings(const SampleHeader& h, const HybridSettings& s, 
 }
 
 void limit_retraced(double most_retraced, std::vector<std::uint32_t>& pixels, HybridResult& out) {
+    if (out.wanted_share <= most_retraced) return;
     const auto most = static_cast<std::size_t>(most_retraced * static_cast<double>(out.what.size()));
-    if (pixels.size() <= most) return;
     out.focus.warnings.push_back(
-        {"retraced", static_cast<double>(pixels.size() - most) / static_cast<double>(out.what.size()),
+        {"retraced", out.wanted_share - most_retraced,
          fmt::format(
              "the records do not suffice for {} % of the pixels; {} %, the worst of them, are traced "
              "again (expected a trace for this lens, or render where mirrors and glass show too much)",
              rough(100 * out.wanted_share), rough(100 * most_retraced))});
-    pixels.resize(most);
+    pixels.resize(std::min(pixels.size(), most));
 }
 
 void retrace(const Scene& scene, const RenderSettings& render, std::vector<std::uint32_t> pixels,

@@ -94,11 +94,11 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
-                const double bright_coc_px = std::abs(of_trace.coc_diameter_px(brightest(at).inverse_z));
-                for (int level = 0; level <= most_levels; ++level) {
-                    error[static_cast<std::size_t>(level)] +=
-                        std::exp2(level) * spread_light_error(step, std::exp2(-level), bright_coc_px);
-                }
+                // At level L an edge crosses 2^L cells of 4^-L px^2.
+                SpreadLight spread;
+                spread.add(at, step, 1, of_trace);
+                for (int level = 0; level <= most_levels; ++level)
+                    error[static_cast<std::size_t>(level)] += spread.error(std::exp2(-3.0 * level));
             }
             const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
                       y = static_cast<int>(pixel) / rows.band->width() + begin;

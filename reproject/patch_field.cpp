@@ -156,7 +156,7 @@ class Field {
             std::copy_n(w.seen[0].texel.begin(), TileViews::view, w.views.texel.begin() + to);
         }
         if (lights) {
-            w.light.assign(3 * SeenTile::pixels, 0);
+            w.light.assign(Lights::values * SeenTile::pixels, 0);
             set.lights->add(w.views, w.light);
         }
         store(at, total_[number], lights, w, out);
@@ -318,8 +318,9 @@ class Field {
                 float* rgb = out.image.pixel(x0 + x, y0 + y);
                 for (std::size_t c = 0; c < 3; ++c) {
                     rgb[c] = static_cast<float>(sum[c] / known);
-                    if (lights) rgb[c] += static_cast<float>(w.light[3 * k + c]);
+                    if (lights) rgb[c] += static_cast<float>(w.light[Lights::values * k + c]);
                 }
+                if (lights) out.light_square[p] = static_cast<float>(w.light[Lights::values * k + 3]);
             }
         }
     }
@@ -341,6 +342,10 @@ PatchPicture::PatchPicture(int width, int height) : image(width, height) {
 }
 
 void patch_field(const PatchField& field, std::span<PatchPicture> out) {
+    for (const PatchViews& set : field.sets) {
+        PatchPicture& picture = out[set.picture];
+        if (set.lights != nullptr) picture.light_square.resize(picture.unknown.size());
+    }
     Field(field).draw(out);
 }
 

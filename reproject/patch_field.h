@@ -82,8 +82,10 @@ class Lights {
     Lights& operator=(Lights&&) = delete;
     virtual ~Lights() = default;
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
-    /// `rgb`: three for each pixel, in rows of TileViews::row pixels.
-    virtual void add(const TileViews& views, std::vector<double>& rgb) const = 0;
+    /// Four for each pixel, in rows of TileViews::row pixels: colour, and that times the radiance of what it
+    /// comes from, both of the brightest channel: the mean square of what single rays would meet.
+    virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
+    static constexpr std::size_t values = 4;
 };
 
 struct PatchPicture {
@@ -95,6 +97,8 @@ struct PatchPicture {
     /// Share of the views' weight in which something is seen in a mirror or glass that was not recorded; of
     /// what is dimmer than the pixel wherever it is seen within the tile so much less (TreeSums).
     std::vector<float> unknown_below;
+    /// The squares that `Lights` tell; empty without.
+    std::vector<float> light_square;
 };
 
 /// Into pictures of the field's size: what is not wanted keeps what it has. Same bits for any number of
