@@ -150,7 +150,7 @@ class Planner {
     static double noise_of_ray(const Image& image, std::size_t k, float light_square) {
         const float* rgb = image.rgb.data() + 3 * k;
         const float light = std::max({rgb[0], rgb[1], rgb[2]}), step = 0.01F * std::max(0.01F, light);
-        const double slope =
+        const auto slope =
             static_cast<double>((srgb_from_linear(light + step) - srgb_from_linear(light)) / step);
         return slope * slope * static_cast<double>(light_square);
     }
