@@ -221,8 +221,9 @@ TEST(SpreadLight, IsWhatKnowingALampByItsCornersErrsBy) {
                 const double r = radius(random), x0 = place(random), y0 = place(random);
                 std::array<CellCorner, (cells + 1) * (cells + 1)> corners{};
                 for (std::size_t k = 0; k < corners.size(); ++k) {
-                    const double x = static_cast<double>(k % (cells + 1)) * size - x0,
-                                 y = static_cast<double>(k / (cells + 1)) * size - y0;
+                    const std::size_t column = k % (cells + 1), row = k / (cells + 1);
+                    const double x = static_cast<double>(column) * size - x0,
+                                 y = static_cast<double>(row) * size - y0;
                     corners[k].linear.fill(static_cast<float>(x * x + y * y < r * r ? radiance : 0.02));
                     for (float& e : corners[k].encoded) e = srgb_from_linear(corners[k].linear[0]);
                     corners[k].inverse_z = coc_px;
