@@ -14,7 +14,7 @@ constexpr double measured_median = 0.8, measured_deviation = 0.5;
 /// the whole picture has a target too, and a tile that misses its own should not miss it by much.
 constexpr double mse_counts = 0.1;
 /// Where the aims cannot be met, the part of what the best choices come to.
-constexpr double nearly_best = 0.93, nearly_least = 1.1;
+constexpr double nearly_best = 0.97, nearly_least = 1.1;
 /// What a tile at its target may cost, in pixels of views: from next to nothing to more than any choice
 /// costs.
 constexpr double least_value = 1e3, most_value = 1e11, value_step = 1.3;
