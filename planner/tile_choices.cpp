@@ -51,6 +51,7 @@ class Chooser {
         out.tiles.resize(choices_.size());
         for (std::size_t t = 0; t < choices_.size(); ++t) {
             double least = std::numeric_limits<double>::infinity();
+            out.tiles[t] = choices_[t].front();
             for (const TileChoice& c : choices_[t]) {
                 const double cost = static_cast<double>(c.views) * grid_.pixels(t) +
                                     price * static_cast<double>(c.retraced) - value * worth(c);
@@ -74,6 +75,7 @@ class Chooser {
     /// Between two choices that are both best for some value others are not: what may be traced again beside
     /// goes to them.
     void spend_rest(ChosenTiles& chosen) const {
+        if (chosen.retraced >= aims_.most_retraced) return;
         for (std::size_t t = 0; t < choices_.size(); ++t) {
             TileChoice& mine = chosen.tiles[t];
             const std::size_t most = mine.retraced + (aims_.most_retraced - chosen.retraced);
@@ -151,7 +153,9 @@ double chance_of(double mse, double at_worst_mse, double most_mse) {
 ChosenTiles cheapest_choices(std::span<const std::vector<TileChoice>> choices, const TileGrid& grid,
                              const ChoiceAims& aims) {
     const Chooser chooser(choices, grid, aims);
-    ChosenTiles out;
+    // At first what costs nothing: of pictures without finite errors nothing is better.
+    Chosen first = chooser.at(aims.ray_price, least_value);
+    ChosenTiles out{std::move(first.tiles), first.retraced, 0};
     double best = -std::numeric_limits<double>::infinity();
     for (double price = aims.ray_price; price <= dearest_rays * aims.ray_price; price *= 2) {
         for (double value = least_value; value <= most_value; value *= value_step) {
