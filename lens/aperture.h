@@ -73,8 +73,8 @@ class Aperture {
     [[nodiscard]] bool is_plain_disc() const { return impulse_.kind == ImpulseKind::disc; }
     void lay_transmission_table();
 
-    /// Per axis of the field, over [-1, 1]. Between the steps what passes is told too low, by up to 0.1 %
-    /// for 32.
+    /// Per axis of the field, over [-1, 1]. Between the steps what passes is told too low: of a
+    /// hexagon's light 0.05 % less arrives with 32 than with 128, and 0.025 % less with 64.
     [[nodiscard]] int table_steps() const { return picture_ ? 32 : 64; }
     static constexpr int table_slices = 9;  ///< rim_scale 1, 0.9375, ... 0.5; at 0 nothing is lost
     Impulse impulse_;

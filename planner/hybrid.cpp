@@ -1,7 +1,6 @@
 #include "planner/hybrid.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 
 #include "core/error.h"

@@ -83,8 +83,6 @@ double psnr_db(const Image& a, const Image& b) {
     return -10 * std::log10(encoded_mse(a, b));
 }
 
-// The number in edge_cells.h: a straight edge of any direction and place that parts the corners of a
-// square.
 TEST(TileChoices, TheWorstPixelsAreTracedAgainFirst) {
     const TileGrid grid{66, 3};
     // The second tile is 2 px wide: pixels 64, 65, 130, 131, 196, 197.
@@ -155,6 +153,8 @@ TEST(TileChoices, WhereTheAimsCannotBeMetAsMuchAsCanBe) {
     EXPECT_EQ(none.wanted, 300U);
 }
 
+// The number in edge_cells.h: a straight edge of any direction and place that parts the corners of a
+// square.
 TEST(RecordFloor, VarianceOfAnEdgeInASquare) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> unit(0, 1);
