@@ -265,6 +265,7 @@ void add_focus(CLI::App& root, State& s) {
            {{"W", DepthModel::ray_differentials},
             {"path", DepthModel::path},
             {"first-hit", DepthModel::first_hit}});
+    predict_option(app, o.predict);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     salvage_option(app, o.salvage);
     common_options(app, s.common);
@@ -326,6 +327,7 @@ void add_motionblur(CLI::App& root, State& s) {
     whole(app, "--views", o.settings.views,
           "Instants of lightfield [default: one for two pixels of the longest way, 128 to 512]", "M",
           lens_view_counts);
+    predict_option(app, o.predict);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     salvage_option(app, o.salvage);
     common_options(app, s.common);
@@ -358,6 +360,7 @@ void add_shoot(CLI::App& root, State& s) {
     whole(app, "--views", o.views, "Points of the lens, each at its own instant", "M", lens_view_counts);
     target_option(app, o.target_db);
     retrace_options(app, o.retrace);
+    predict_option(app, o.predict);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     salvage_option(app, o.salvage);
     common_options(app, s.common);

@@ -149,6 +149,12 @@ void common_options(CLI::App& app, ParsedCommand& to) {
     app.add_flag("--json", to.json, "The result as JSON on standard output");
 }
 
+void predict_option(CLI::App& app, bool& to) {
+    app.add_flag("--predict", to,
+                 "Say how far the picture is expected to be from the truth, tile by tile with --json: looks "
+                 "at the records through 16 other points of the lens, or 64 where it was not made of views");
+}
+
 void salvage_option(CLI::App& app, bool& to) {
     app.add_flag(
         "--salvage", to,

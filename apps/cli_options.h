@@ -47,6 +47,8 @@ CLI::Option* writes(CLI::Option* option);
 void common_options(CLI::App& app, ParsedCommand& to);
 /// --salvage, of everything that reads a sample file.
 void salvage_option(CLI::App& app, bool& to);
+/// --predict: says how far the picture is expected to be from the truth.
+void predict_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");

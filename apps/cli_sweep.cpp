@@ -113,6 +113,7 @@ void folder_options(CLI::App& app, SweepOptions& o) {
     app.add_flag("--resume", s.resume,
                  "Keep the pictures of an earlier run in DIR that were made with the same settings from the "
                  "same file");
+    predict_option(app, s.picture.predict);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     app.add_flag_function(
         "--salvage", [&s](std::int64_t) { s.damage = Damage::salvage; },

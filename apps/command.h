@@ -82,6 +82,7 @@ struct FocusOptions {
     RetraceOptions retrace;
     ForeignOptions foreign;
     std::optional<Crop> crop;
+    bool predict = false;  ///< how far it is expected to be from the truth
     bool strict = false;
     bool salvage = false;  ///< read what is whole of a damaged sample file
 };
@@ -119,6 +120,7 @@ struct MotionBlurOptions {
     std::string layer;     ///< likewise
     MotionBlurSettings settings;
     bool shutter_from_frame = false;  ///< of sample files: as in ShootOptions
+    bool predict = false;             ///< as in FocusOptions
     bool strict = false;
     bool salvage = false;
 };

@@ -99,6 +99,8 @@ CommandResult run_focus(const FocusOptions& options) {
                                  .depths = options.depths,
                                  .views = options.views,
                                  .crop = options.crop};
+    const bool predict = options.predict && options.method != FocusMethod::automatic;
+    if (predict) check_predictable(file.header(), settings);
     CommandResult out;
     warn_of_lost_rows(file, out.warnings);
     FocusFrame frame(file, options.method == FocusMethod::automatic);
@@ -152,6 +154,11 @@ CommandResult run_focus(const FocusOptions& options) {
                     result.views > 0 ? counted(static_cast<std::uint64_t>(result.views), "view")
                                      : counted(static_cast<std::uint64_t>(result.depths), "depth"),
                     px_text(result.largest_coc_px));
+    if (predict) {
+        report_prediction(predict_error(frame, {.focus = settings},
+                                        {&result.image, result.method, result.views, std::span(hybrid.what)}),
+                          out);
+    }
     report_crop(options.crop, out);
     return out;
 }

@@ -80,6 +80,11 @@ CommandResult foreign_image(const ImageOptions& options) {
 }
 
 CommandResult focus_foreign(const FocusOptions& options) {
+    if (options.predict) {
+        fail(ExitCode::wrong_arguments,
+             "--predict: not for a picture of another program, which does not tell what it lacks (expected a "
+             "sample file)");
+    }
     LensOptions lens = options.lens;
     if (options.impulse.kind == ImpulseKind::lens) take_from_prescription(options.impulse, lens);
     ForeignCameraChoice choice = options.foreign.camera;

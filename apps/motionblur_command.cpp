@@ -1,6 +1,8 @@
 #include <cmath>
+#include <limits>
 
 #include "apps/command.h"
+#include "apps/plan_command.h"
 #include "motionblur/paths_file.h"
 #include "motionblur/vector_blur.h"
 
@@ -95,6 +97,7 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     refuse_for_pictures(options.paths.has_value(), "--paths");
     refuse_for_pictures(options.settings.fit_px.has_value(), "--fit-paths");
     refuse_for_pictures(options.settings.method == MotionMethod::convolve, "--method convolve");
+    refuse_for_pictures(options.predict, "--predict");
     if (!options.shutter) {
         fail(ExitCode::wrong_arguments,
              "--shutter: missing (got nothing; expected OPEN:CLOSE in frames, 0 this picture, 1 the next)");
@@ -165,10 +168,15 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     if (options.paths) settings.paths = read_paths(*options.paths);
     const SampleFileReader file(options.input, damage_rule(options.salvage));
     settings.exposure = resolve_exposure(options.shutter, file.header(), options.shutter_from_frame);
+    const SampleHeader& h = file.header();
+    // What a pinhole sees, whose focus does not matter.
+    const FocusSettings pinhole{
+        .lens = {.focal_length_mm = h.focal_length_mm, .f_number = std::numeric_limits<double>::infinity()},
+        .crop = settings.crop};
+    if (options.predict) check_predictable(h, pinhole);
     const MotionBlurResult result = motion_blur(file, settings);
     write_image(options.output, result.image, settings.crop);
 
-    const SampleHeader& h = file.header();
     std::vector<Warning> warnings;
     warn_of_lost_rows(file, warnings);
     check_sufficient(h, settings.exposure, warnings);
@@ -184,6 +192,18 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     out.text = headline(
         options, result,
         fmt::format("shutter {:.6g} to {:.6g} s", settings.exposure.open_s, settings.exposure.close_s));
+    if (options.predict) {
+        const FrameMotion motion = motion_of(h, settings.paths);
+        FocusFrame frame(file);
+        report_prediction(
+            predict_error(frame,
+                          {.focus = pinhole,
+                           .motion = &motion,
+                           .shutter = TimeSpan{settings.exposure.open_s, settings.exposure.close_s},
+                           .curve = settings.curve},
+                          {.image = &result.image}),
+            out);
+    }
     constexpr std::size_t most_lines = 20;
     std::size_t lines = 0, left = 0;
     for (const ObjectReport& o : result.objects) {

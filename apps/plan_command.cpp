@@ -71,6 +71,20 @@ AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptio
     return result;
 }
 
+void report_prediction(const PredictedError& predicted, CommandResult& out) {
+    out.json["predicted_db"] = json_number(predicted.predicted_db);
+    nlohmann::ordered_json tiles = nlohmann::ordered_json::array();
+    for (const PredictedTile& t : predicted.tiles) {
+        tiles.push_back(
+            {{"method_mse", t.method_mse}, {"floor_mse", t.floor_mse}, {"hidden_mse", t.hidden_mse}});
+    }
+    out.json["prediction"] = {{"views", predicted.views},
+                              {"tile_px", TileGrid::edge},
+                              {"columns", predicted.grid.columns()},
+                              {"tiles", std::move(tiles)}};
+    out.text += fmt::format(", {:.1f} dB expected", predicted.predicted_db);
+}
+
 nlohmann::ordered_json plan_json(const AutoResult& r) {
     nlohmann::ordered_json out{{"predicted_db", json_number(r.predicted_db)},
                                {"met_share", r.met_share},

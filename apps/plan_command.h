@@ -3,6 +3,7 @@
 
 #include "apps/command.h"
 #include "planner/auto_picture.h"
+#include "planner/predicted_error.h"
 
 namespace postlens {
 
@@ -11,6 +12,8 @@ namespace postlens {
 /// is not met.
 [[nodiscard]] AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,
                                   const std::string& picture, CommandResult& out);
+/// `--predict`: adds what is expected of a picture to what is said of it.
+void report_prediction(const PredictedError& predicted, CommandResult& out);
 /// What `--json` says of a plan.
 [[nodiscard]] nlohmann::ordered_json plan_json(const AutoResult& result);
 

@@ -32,6 +32,8 @@ CommandResult run_shoot(const ShootOptions& options) {
                                   .shutter = TimeSpan{exposure.open_s, exposure.close_s},
                                   .curve = shutter_curve(options.curve)};
     const bool automatic = o.method == FocusMethod::automatic;
+    const bool predict = o.predict && !automatic;
+    if (predict) check_predictable(h, settings.focus);
     FocusFrame frame(file, automatic);
     AutoResult planned;
     if (automatic) {
@@ -72,6 +74,11 @@ CommandResult run_shoot(const ShootOptions& options) {
         o.output, result.focus.image.width, result.focus.image.height, method, views,
         lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m, exposure.open_s, exposure.close_s,
         100 * result.retraced_share);
+    if (predict) {
+        report_prediction(
+            predict_error(frame, settings, {&result.focus.image, FocusMethod::hybrid, views, result.what}),
+            out);
+    }
     report_crop(o.crop, out);
     return out;
 }

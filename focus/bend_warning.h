@@ -27,13 +27,22 @@ class MisplacedLight {
     /// Takes in the records of rows [y_begin, y_end) of `band`: each row of the file once, in order.
     void add(const RecordBand& band, int y_begin, int y_end);
     /// Empty where bend_warning has nothing to say.
-    [[nodiscard]] std::vector<float> picture() const;
+    [[nodiscard]] std::vector<float> picture() const {
+        return any_ ? summed_up(light_) : std::vector<float>();
+    }
+    /// That light times how far from where W puts it a point of the lens's rim sees it, px, farthest_px at
+    /// most; empty likewise.
+    [[nodiscard]] std::vector<float> moved_px() const {
+        return any_ ? summed_up(moved_) : std::vector<float>();
+    }
+    static constexpr double farthest_px = 32;
 
   private:
     FocusGeometry lens_;
     int width_, height_;
     bool possible_, any_ = false;
-    std::vector<double> sums_;  ///< squares as differences in both directions, summed up in the end
+    [[nodiscard]] std::vector<float> summed_up(const std::vector<double>& of) const;
+    std::vector<double> light_, moved_;  ///< squares as differences in both directions, summed up in the end
 };
 
 }  // namespace postlens

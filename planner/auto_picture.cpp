@@ -8,14 +8,13 @@
 
 #include "core/error.h"
 #include "core/threads.h"
-#include "focus/bend_warning.h"
 #include "focus/field_focus.h"
-#include "planner/local_contrast.h"
+#include "planner/hidden_error.h"
+#include "planner/pilot.h"
 #include "planner/record_floor.h"
 #include "planner/retrace.h"
 #include "planner/tile_choices.h"
 #include "planner/weighed_rays.h"
-#include "records/aperture_file.h"
 #include "records/srgb.h"
 #include "tracer/point_shading.h"
 
@@ -34,33 +33,9 @@ constexpr double aimed_share = 0.92;
 constexpr double aimed_at = 0.9;
 /// A choice that is at its target with such a chance needs neither more views nor rays.
 constexpr double sure = 0.995;
-/// What is filled in or misplaced is off by less than filled_in_error and misplaced_error say, which are
-/// upper bounds: where they are most of what a tile expects, nine in ten of the calibrating tiles came to
-/// 0.38 of it.
-constexpr double hidden_seen = 0.5;
-/// Of the floor of pixels that are traced again, what is in others: edges run on where no corner sees them.
-/// In calibrating tiles that had a third of their pixels or fewer traced again 0.11 to 0.39, mostly 0.2.
-constexpr double still_unseen = 0.2;
-/// See noise_of_views.
-constexpr double noise_exponent = 1.15, two_sets = 0.6;
 /// What a pixel that is traced again costs, in pixels of views. The first rays alone are worth 110 to 420,
 /// and where they are noisy there are many more (docs/planner.md).
 constexpr double retraced_price = 1280;
-
-/// Of a set of views by itself, for a pilot whose error is 1.
-double noise_of_set(int pilot, int views) {
-    return views <= pilot ? 1 : two_sets * std::pow(2.0 * pilot / views, noise_exponent);
-}
-
-/// Encoded values of a picture, three a pixel.
-std::vector<float> encoded(const Image& image) {
-    std::vector<float> out(image.rgb.size());
-    parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t y) {
-        const std::size_t row = 3 * static_cast<std::size_t>(image.width);
-        for (std::size_t i = y * row; i < (y + 1) * row; ++i) out[i] = srgb_from_linear(image.rgb[i]);
-    });
-    return out;
-}
 
 class Planner {
   public:
@@ -68,91 +43,45 @@ class Planner {
         : frame_(frame),
           settings_(settings),
           h_(frame.file().header()),
-          geometry_(focus_geometry(settings.hybrid.focus.lens, settings.hybrid.focus.focus_distance_m,
-                                   Framing::keep, {h_.film_distance_mm, h_.pixel_pitch_mm})),
-          aperture_(read_aperture(settings.hybrid.focus.impulse)),
           most_mse_(std::pow(10.0, -settings.target_db / 10)) {
         out_.grid = {h_.width, h_.height};
         out_.tiles.resize(out_.grid.count());
     }
 
     AutoResult run() {
-        FieldFocusSettings by_field{geometry_, aperture_, {0, h_.width, 0, h_.height}, pilot_views, {}, {}};
-        const HybridSettings& s = settings_.hybrid;
-        if (s.motion != nullptr && s.shutter)
-            by_field.shutter = {s.motion, s.shutter->open_s, s.shutter->close_s, s.curve};
-        MisplacedLight misplaced(h_, geometry_);
-        RecordFloor floor(h_, geometry_);
-        by_field.also.rows = [&](const RecordBand& band, int y_begin, int y_end) {
-            misplaced.add(band, y_begin, y_end);
-        };
-        by_field.also.leaves = floor.adds();
-        const FieldFocuser focuser(frame_, by_field);
-        aligned_ = floor.aligned();
-        spread_ = floor.spread();
-        floor_ = std::move(floor).picture();
-        pilot(focuser, misplaced.picture());
+        HybridSettings whole = settings_.hybrid;
+        whole.focus.crop.reset();
+        const Pilot pilot(frame_, whole, pilot_views);
+        take(pilot);
         choose();
-        draw(focuser);
-        trace_again();
-        sum_up();
+        draw(pilot.focuser());
+        trace_again(pilot.aperture());
+        sum_up(pilot.geometry());
         return std::move(out_);
     }
 
   private:
-    void pilot(const FieldFocuser& focuser, const std::vector<float>& misplaced) {
-        const std::array<FieldViews, 2> sets{{{pilot_views, 0, {}, {}, 0}, {pilot_views, 1, {}, {}, 1}}};
-        std::vector<FieldFocus> drawn = focuser.draw(sets);
-        FieldFocus& a = drawn[0];
-        const FieldFocus& b = drawn[1];
-        const std::vector<float> ea = encoded(a.image), eb = encoded(b.image);
+    void take(const Pilot& pilot) {
+        aligned_ = pilot.aligned;
+        spread_ = pilot.spread;
+        floor_ = pilot.floor;
+        hidden_ = pilot.hidden;
         const TileGrid& grid = out_.grid;
-        // Half the mean squared difference of two sets is the error of one.
-        const std::vector<double> noise = grid.means([&](std::size_t k) {
-            double sum = 0;
-            for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {
-                const double d = static_cast<double>(ea[c]) - static_cast<double>(eb[c]);
-                sum += d * d / 6;
-            }
-            return sum;
-        });
-        const std::vector<double> floor =
-            grid.means([&](std::size_t k) { return static_cast<double>(floor_[k]); });
-        const std::vector<float> contrast = local_contrast(a.image);
-        hidden_.resize(a.unknown.size());
-        for (std::size_t k = 0; k < hidden_.size(); ++k) {
-            const double unknown = (static_cast<double>(std::max(a.unknown[k], a.unknown_below[k])) +
-                                    static_cast<double>(std::max(b.unknown[k], b.unknown_below[k]))) /
-                                   2;
-            const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));
-            hidden_[k] =
-                static_cast<float>(hidden_seen * (filled_in_error(unknown, static_cast<double>(contrast[k])) +
-                                                  misplaced_error(lost)));
-        }
-        const std::vector<double> hidden =
-            grid.means([&](std::size_t k) { return static_cast<double>(hidden_[k]); });
+        pilot_noise_ = grid.means(pilot.noise);
+        const std::vector<double> floor = grid.means(floor_), hidden = grid.means(hidden_);
         for (std::size_t t = 0; t < grid.count(); ++t) {
-            pilot_noise_.push_back(noise[t]);
             out_.tiles[t].floor_mse = floor_unseen * floor[t];
             out_.tiles[t].hidden_mse = hidden[t];
         }
-        for (std::size_t i = 0; i < a.image.rgb.size(); ++i)
-            a.image.rgb[i] = (a.image.rgb[i] + b.image.rgb[i]) / 2;
-        out_.hybrid.focus.image = std::move(a.image);
+        Image& picture = out_.hybrid.focus.image;
+        picture = pilot.a;
+        for (std::size_t i = 0; i < picture.rgb.size(); ++i)
+            picture.rgb[i] = (picture.rgb[i] + pilot.b.rgb[i]) / 2;
         out_.hybrid.what.assign(hidden_.size(), 0);
         ray_noise_.assign(hidden_.size(), 0);
-        for (std::size_t k = 0; k < a.light_square.size(); ++k)
-            ray_noise_[k] = static_cast<float>(noise_of_ray(out_.hybrid.focus.image, k, a.light_square[k]));
-    }
-
-    /// What highlights that a lens spreads add to the squared error, encoded, of a single ray: few of many
-    /// meet them, and are too bright then.
-    static double noise_of_ray(const Image& image, std::size_t k, float light_square) {
-        const float* rgb = image.rgb.data() + 3 * k;
-        const float light = std::max({rgb[0], rgb[1], rgb[2]}), step = 0.01F * std::max(0.01F, light);
-        const auto slope =
-            static_cast<double>((srgb_from_linear(light + step) - srgb_from_linear(light)) / step);
-        return slope * slope * static_cast<double>(light_square);
+        for (std::size_t k = 0; k < pilot.light_square.size(); ++k)
+            ray_noise_[k] =
+                static_cast<float>(first_rays * noise_of_rays(picture, k, pilot.light_square[k], first_rays));
     }
 
     /// Of each tile how many views, and which of its pixels are then to be traced again.
@@ -264,12 +193,12 @@ class Planner {
         }
     }
 
-    void trace_again() {
+    void trace_again(const Aperture& aperture) {
         HybridResult& hybrid = out_.hybrid;
         const HybridSettings& s = settings_.hybrid;
         if (s.scene == nullptr || pixels_.empty()) return;
         limit_retraced(s.most_retraced, pixels_, hybrid);
-        trace_weighed(*s.scene, retrace_settings(h_, s, checked_camera(h_, *s.scene), aperture_),
+        trace_weighed(*s.scene, retrace_settings(h_, s, checked_camera(h_, *s.scene), aperture),
                       {pixels_, out_.grid, most_mse_, [this](std::uint32_t k) { return error_of_views(k); },
                        [this](std::uint32_t k) { return static_cast<double>(ray_noise_[k]); }},
                       hybrid);
@@ -292,7 +221,7 @@ class Planner {
         return out_.grid.at(static_cast<int>(pixel % width), static_cast<int>(pixel / width));
     }
 
-    void sum_up() {
+    void sum_up(const FocusGeometry& geometry) {
         double mse = 0, views = 0, met = 0;
         int least = ladder.back(), most = ladder.front();
         for (std::size_t t = 0; t < out_.tiles.size(); ++t) {
@@ -310,8 +239,8 @@ class Planner {
         out_.mean_views = views;
         out_.hybrid.focus.method = FocusMethod::hybrid;
         out_.hybrid.focus.views = most;
-        out_.hybrid.focus.geometry = geometry_;
-        out_.hybrid.focus.largest_coc_px = largest_coc_px(depth_range(frame_.file()), geometry_);
+        out_.hybrid.focus.geometry = geometry;
+        out_.hybrid.focus.largest_coc_px = largest_coc_px(depth_range(frame_.file()), geometry);
         out_.plan = fmt::format(
             "{} to {} views a tile, {:.0f} on the mean, {:.1f} % of the pixels traced again: {:.1f} dB "
             "expected, {:.0f} % of "
@@ -352,24 +281,15 @@ class Planner {
     FocusFrame& frame_;
     const AutoSettings& settings_;
     const SampleHeader& h_;
-    FocusGeometry geometry_;
-    Aperture aperture_;
     double most_mse_;
     std::vector<double> pilot_noise_;
     std::vector<float> floor_, aligned_, spread_, hidden_;
-    std::vector<float> ray_noise_;       ///< see noise_of_ray
+    std::vector<float> ray_noise_;       ///< of one ray, as so much falls to each of the first
     std::vector<std::uint32_t> pixels_;  ///< to be traced again
     AutoResult out_;
 };
 
 }  // namespace
-
-double noise_of_views(double pilot_mse, int pilot, int views) {
-    if (views <= pilot) return pilot_mse;
-    // Two sets are not quite independent: both are evenly spread over the lens.
-    if (views <= 2 * pilot) return two_sets * pilot_mse;
-    return pilot_mse / (1 / two_sets + 1 / noise_of_set(pilot, views - 2 * pilot));
-}
 
 AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     if (!(settings.target_db >= 10 && settings.target_db <= 80)) {

@@ -51,9 +51,4 @@ struct AutoResult {
 /// bits for any number of threads. Throws what hybrid_picture throws.
 [[nodiscard]] AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings);
 
-/// Expected squared error of `views` views, of which `pilot_mse` is that of `pilot_views`: two such sets, and
-/// one of all others, whose own falls with a power of their number (docs/planner.md has the fit), each
-/// weighted by what it is worth.
-[[nodiscard]] double noise_of_views(double pilot_mse, int pilot_views, int views);
-
 }  // namespace postlens

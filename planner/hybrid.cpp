@@ -8,6 +8,7 @@
 #include "focus/bend_warning.h"
 #include "focus/depth_levels.h"
 #include "focus/field_focus.h"
+#include "planner/hidden_error.h"
 #include "planner/retrace.h"
 #include "records/aperture_file.h"
 #include "records/crop.h"
@@ -31,6 +32,18 @@ std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vect
     std::stable_sort(out.begin(), out.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return error(a) > error(b); });
     return out;
+}
+
+/// Leaves out those where so many rays, most of which miss a highlight that the lens spreads, are expected to
+/// be further off than the views.
+void leave_to_views(std::vector<std::uint32_t>& pixels, const FieldFocus& field, HiddenError& hidden,
+                    int spp) {
+    if (field.light_square.empty()) return;
+    std::erase_if(pixels, [&](std::uint32_t k) {
+        return noise_of_rays(field.image, k, field.light_square[k], spp) >
+               hidden.at(k, static_cast<double>(field.unknown[k]),
+                         static_cast<double>(field.unknown_below[k]));
+    });
 }
 
 /// Scattering costs about as much as so many views of the whole picture, so that it pays for few views only
@@ -104,6 +117,8 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
         insufficient(field, misplaced.picture(), settings.tolerated, focus.crop);
     out.wanted_share = static_cast<double>(pixels.size()) / drawn;
     if (settings.scene != nullptr) {
+        HiddenError hidden(field.image, misplaced, apart_px(file, geometry, moves));
+        leave_to_views(pixels, field, hidden, settings.retrace_spp);
         limit_retraced(settings.most_retraced, pixels, out);
         retrace(*settings.scene, retrace_settings(h, settings, camera, by_field.aperture), std::move(pixels),
                 out);

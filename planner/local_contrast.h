@@ -16,10 +16,25 @@ namespace postlens {
 [[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
     return unknown_share * unknown_share * variance;
 }
-/// The same of one that shows so much light (encoded) which belongs elsewhere: some of it is right where it
-/// is.
+/// The same of one that shows so much light (encoded) which belongs elsewhere, however far: some of it is
+/// right where it is.
 [[nodiscard]] inline double misplaced_error(double light) {
     return light * light / 4;
 }
+
+/// local_contrast for several distances.
+class Contrasts {
+  public:
+    static constexpr int largest_px = 32;
+    explicit Contrasts(const Image& image) : image_(image), by_octave_(octaves) {}
+    /// Of pixel k within `radius_px`, rounded up to a power of two, largest_px at most. Not for several
+    /// threads at once.
+    [[nodiscard]] double at(std::size_t k, double radius_px);
+
+  private:
+    static constexpr std::size_t octaves = 6;
+    const Image& image_;
+    std::vector<std::vector<float>> by_octave_;  ///< empty: not asked for yet
+};
 
 }  // namespace postlens

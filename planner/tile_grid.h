@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace postlens {
@@ -27,13 +28,11 @@ struct TileGrid {
         return std::min(edge, width - x) * std::min(edge, height - y);
     }
     /// Means by tile of a value for each pixel, row by row.
-    template <typename OfPixel>
-    [[nodiscard]] std::vector<double> means(const OfPixel& value) const {
+    [[nodiscard]] std::vector<double> means(std::span<const float> values) const {
         std::vector<double> out(count(), 0);
+        auto value = values.begin();
         for (int y = 0; y < height; ++y) {
-            for (int x = 0; x < width; ++x)
-                out[at(x, y)] += value(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                       static_cast<std::size_t>(x));
+            for (int x = 0; x < width; ++x) out[at(x, y)] += static_cast<double>(*value++);
         }
         for (std::size_t t = 0; t < out.size(); ++t) out[t] /= pixels(t);
         return out;

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "motionblur/motion_blur.h"
 #include "planner/auto_picture.h"
+#include "planner/predicted_error.h"
 
 namespace postlens {
 namespace {
@@ -67,17 +68,30 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
         .depths = settings_.depths,
         .views = settings_.views.value_or(s.shutter ? shutter_views : default_lens_views)};
     if (s.shutter) return moving(s, focus);
-    if (method_ == FocusMethod::automatic && std::isfinite(s.f_number)) return planned({.focus = focus});
-    if (method_ == FocusMethod::hybrid && std::isfinite(s.f_number)) {
-        return made(
-            hybrid_picture(frame_,
-                           {.focus = focus, .scene = settings_.scene, .retrace_spp = settings_.retrace_spp})
-                .focus,
-            "hybrid");
-    }
+    const bool pinhole = std::isinf(s.f_number);
+    if (method_ == FocusMethod::automatic && !pinhole) return planned({.focus = focus});
+    if (method_ == FocusMethod::hybrid && !pinhole) return by_hybrid({.focus = focus});
     FocusResult r = focus_picture(frame_, focus);
-    const char* name = method_name(r.method);
-    return made(std::move(r), name);
+    const FocusMethod method = r.method;
+    MadePicture out = made(std::move(r), method_name(method));
+    predict(out, {.focus = focus}, method);
+    return out;
+}
+
+MadePicture PictureMaker::by_hybrid(HybridSettings settings) {
+    settings.scene = settings_.scene;
+    settings.retrace_spp = settings_.retrace_spp;
+    HybridResult r = hybrid_picture(frame_, settings);
+    MadePicture out = made(std::move(r.focus), method_name(method_));
+    predict(out, settings, FocusMethod::hybrid, r.what);
+    return out;
+}
+
+void PictureMaker::predict(MadePicture& picture, const HybridSettings& settings, FocusMethod method,
+                           std::span<const std::uint8_t> what) {
+    if (!settings_.predict) return;
+    picture.predicted_db =
+        predict_error(frame_, settings, {&picture.image, method, picture.views, what}).predicted_db;
 }
 
 MadePicture PictureMaker::planned(HybridSettings settings) {
@@ -89,17 +103,10 @@ MadePicture PictureMaker::planned(HybridSettings settings) {
 }
 
 MadePicture PictureMaker::moving(const SweepSetting& s, const FocusSettings& focus) {
-    if (std::isfinite(s.f_number) && method_ == FocusMethod::automatic)
-        return planned({.focus = focus, .motion = &*motion_, .shutter = s.shutter, .curve = settings_.curve});
+    const HybridSettings settings{
+        .focus = focus, .motion = &*motion_, .shutter = s.shutter, .curve = settings_.curve};
     if (std::isfinite(s.f_number)) {
-        return made(hybrid_picture(frame_, {.focus = focus,
-                                            .motion = &*motion_,
-                                            .shutter = s.shutter,
-                                            .curve = settings_.curve,
-                                            .scene = settings_.scene,
-                                            .retrace_spp = settings_.retrace_spp})
-                        .focus,
-                    method_name(method_));
+        return method_ == FocusMethod::automatic ? planned(settings) : by_hybrid(settings);
     }
     MotionBlurResult r = motion_blur(file_, {.exposure = {s.shutter->open_s, s.shutter->close_s},
                                              .curve = settings_.curve,
@@ -115,6 +122,8 @@ MadePicture PictureMaker::moving(const SweepSetting& s, const FocusSettings& foc
                                       {h.film_distance_mm, h.pixel_pitch_mm});
     }
     for (const MotionWarning& w : r.warnings) out.warnings.push_back({w.code, w.share, w.text});
+    // Parts of it may be convolved.
+    predict(out, settings, FocusMethod::scatter);
     return out;
 }
 

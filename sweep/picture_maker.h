@@ -1,8 +1,10 @@
 // Many pictures of one sample file: what they have in common is read and prepared once.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,7 @@ struct PictureSettings {
     const Scene* scene = nullptr;   ///< for hybrid and automatic
     int retrace_spp = 128;
     double target_db = default_target_db;  ///< of `automatic`
+    bool predict = false;                  ///< of each picture how far it is expected to be from the truth
 };
 
 struct MadePicture {
@@ -39,7 +42,7 @@ struct MadePicture {
     int depths = 0, views = 0;
     std::optional<FocusGeometry> geometry;  ///< of the image; absent for an orthographic file
     std::vector<FocusWarning> warnings;
-    std::optional<double> predicted_db{};  ///< by `automatic`
+    std::optional<double> predicted_db{};  ///< by `automatic`, or asked for
 };
 
 /// Makes one picture after the other; each has the bits that focus_picture, hybrid_picture, auto_picture or,
@@ -64,7 +67,11 @@ class PictureMaker {
 
   private:
     [[nodiscard]] MadePicture planned(HybridSettings settings);
+    [[nodiscard]] MadePicture by_hybrid(HybridSettings settings);
     [[nodiscard]] MadePicture moving(const SweepSetting& setting, const FocusSettings& focus);
+    /// Adds what is expected of it, if that is asked for.
+    void predict(MadePicture& picture, const HybridSettings& settings, FocusMethod method,
+                 std::span<const std::uint8_t> what = {});
 
     const SampleFileReader& file_;
     PictureSettings settings_;

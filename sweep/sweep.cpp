@@ -14,6 +14,7 @@
 #include "core/progress.h"
 #include "core/text_file.h"
 #include "focus/bend_warning.h"
+#include "planner/predicted_error.h"
 #include "records/pixel_samples.h"
 #include "sweep/contact_sheet.h"
 #include "sweep/figures.h"
@@ -194,8 +195,10 @@ class Sweep {
         check_range("--depths", p.depths, 2, DepthLevels::most_depths);
         check_range("--views", p.views, 1, most_lens_views);
         const FocusMethod method = maker_.method();
-        const bool by_views = method == FocusMethod::lightfield || method == FocusMethod::hybrid;
+        const bool by_views = method == FocusMethod::lightfield || method == FocusMethod::hybrid ||
+                              method == FocusMethod::automatic;
         for (const SweepSetting& s : grid_.pictures) {
+            if (p.predict) check_predictable(h, {.framing = p.framing, .impulse = s.impulse});
             if (std::isinf(s.f_number) || method == FocusMethod::pinhole) continue;
             if (by_views) check_has_points(s.impulse);
             if (h.projection == Projection::orthographic) {
@@ -219,6 +222,7 @@ class Sweep {
             static_cast<int>(p.framing), static_cast<int>(p.spacing), static_cast<int>(p.depth_model),
             p.depths.value_or(0), p.views.value_or(0), settings_.coc_limit_px, p.curve.fingerprint(),
             p.scene != nullptr ? fmt::format("{} {}", p.scene->sha256, p.retrace_spp) : "");
+        if (p.predict) key += " predicted";
         if (maker_.method() == FocusMethod::automatic) key += fmt::format(" {}", p.target_db);
         for (const glm::dvec2& at : out_.table.at) key += fmt::format(" {},{}", at.x, at.y);
         for (const auto& path : settings_.depends_on) key.append(" ").append(checksum_text(path));

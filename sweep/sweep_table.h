@@ -22,7 +22,7 @@ struct SweepRow {
     double largest_coc_px = 0;   ///< of all pixels, without its sign
     double in_focus_share = 0;
     std::optional<double> sharpness;     ///< absent where the pinhole picture is even
-    std::optional<double> predicted_db;  ///< by `auto`
+    std::optional<double> predicted_db;  ///< by `auto`, or asked for
     double seconds = 0;
     std::string settings_key;      ///< equal for equal settings of an equal file
     std::string picture_checksum;  ///< of the file as it was written

@@ -1,4 +1,5 @@
 // `focus --method lightfield|hybrid` and `shoot` as people type them: what they print, write and refuse.
+#include <cmath>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -87,6 +88,43 @@ TEST_F(FieldCommand, WhatHasNoPointsOfALensIsRefusedByName) {
         EXPECT_EQ(focus({"--method", method, "--views", "4097"}).exit_code, 2);
     }
     EXPECT_EQ(focus({"--method", "lightfield", "--depth-model", "path"}).exit_code, 2);
+}
+
+TEST_F(FieldCommand, EveryMethodSaysWhatItExpectsToBeOffBy) {
+    for (const char* method : {"pinhole", "scatter", "layers", "lightfield", "hybrid"}) {
+        const Outcome plain = focus({"--method", method});
+        ASSERT_EQ(plain.exit_code, 0) << plain.err;
+        EXPECT_TRUE(json::parse(plain.out)["predicted_db"].is_null()) << method;
+        const Image before = read_image(in("out.exr"));
+        const Outcome r = focus({"--method", method, "--predict"});
+        ASSERT_EQ(r.exit_code, 0) << r.err;
+        const json j = json::parse(r.out);
+        EXPECT_GT(j["predicted_db"], 15) << method;
+        EXPECT_LT(j["predicted_db"], 80) << method;
+        ASSERT_EQ(j["prediction"]["tiles"].size(), 1U);
+        const json& tile = j["prediction"]["tiles"][0];
+        const double mse = tile["method_mse"].get<double>() + tile["floor_mse"].get<double>() +
+                           tile["hidden_mse"].get<double>();
+        EXPECT_NEAR(j["predicted_db"], -10 * std::log10(mse), 1e-6) << method;
+        EXPECT_EQ(read_image(in("out.exr")).rgb, before.rgb) << method;
+    }
+    const Outcome shot = shoot({"--predict", "--views", "16"});
+    ASSERT_EQ(shot.exit_code, 0) << shot.err;
+    EXPECT_GT(json::parse(shot.out)["predicted_db"], 15);
+    const Outcome blurred =
+        run({"motionblur", in("frame.exr"), "-o", in("out.exr"), "--shutter", "0:1", "--predict", "--json"});
+    ASSERT_EQ(blurred.exit_code, 0) << blurred.err;
+    EXPECT_GT(json::parse(blurred.out)["predicted_db"], 15);
+    const Outcome text = run({"focus", in("frame.exr"), "-o", in("out.exr"), "--predict"});
+    EXPECT_NE(text.out.find(" dB expected"), std::string::npos) << text.out;
+    // Before anything is made.
+    std::filesystem::remove(in("out.exr"));
+    for (const Words& options : {Words{"--impulse", "diffraction"}, Words{"--framing", "lens"}}) {
+        Words words{"focus", in("frame.exr"), "-o", in("out.exr"), "--predict"};
+        words.insert(words.end(), options.begin(), options.end());
+        refused(words, ExitCode::wrong_arguments, "--predict");
+    }
+    EXPECT_FALSE(std::filesystem::exists(in("out.exr")));
 }
 
 TEST_F(FieldCommand, ShootTakesTheFilesExposureUnlessToldOtherwise) {

@@ -157,6 +157,7 @@ TEST_F(ForeignCommand, RefusesInOneLine) {
     for (const std::string method : {"lightfield", "hybrid"})
         refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--method", method}, two,
                 "--method");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--predict"}, two, "--predict");
     refused({"focus", a, "-o", o, "--focus", "4"}, two, "--f-number");
     refused({"focus", a, "-o", o, "--f-number", "2"}, two, "--focus");
     refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--z", "x"}, two, "--z");

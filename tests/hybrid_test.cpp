@@ -207,6 +207,24 @@ TEST(Shoot, LensAndShutterAtOnceAreWhatRaysSee) {
     EXPECT_LT(psnr(hybrid_picture(shot.frame.file(), still).focus.image, truth), 30);
 }
 
+// What a bar hides of the disc of a lamp is not recorded, and rays that look for it mostly miss the lamp.
+TEST(Hybrid, LeavesToViewsWhatRaysWouldMissMore) {
+    SceneBuilder b;
+    b.add(board(-0.02, 0.02, -0.02, 0.02, 4), glowing({60, 40, 20}));
+    b.add(board(0.01, 0.05, -3, 3, 0.7), glowing({0.2, 0.2, 0.2}));
+    b.add(board(-90, 90, -90, 90, 10), glowing({0.2, 0.2, 0.2}));
+    b.scene.sha256 = std::string(64, 'b');
+    const TracedFrame frame(b.scene, traced(false));
+    HybridSettings s = settings(0.9, 64);
+    s.retrace_spp = 8;
+    const Image views = hybrid_picture(frame.file(), s).focus.image;
+    s.scene = &b.scene;
+    const HybridResult again = hybrid_picture(frame.file(), s);
+    const Image truth = rays(b.scene, s, 16384);
+    EXPECT_GT(psnr(again.focus.image, truth), psnr(views, truth) - 0.1);
+    EXPECT_LT(again.retraced_share, again.wanted_share);
+}
+
 // What stands before a lamp is drawn where it was recorded; where it moves the views say where it is.
 TEST(Shoot, AStillLampShinesPastAMovingBar) {
     SceneBuilder b = bar_and_wall();

@@ -10,6 +10,7 @@
 #include "focus/kernel.h"
 #include "planner/auto_picture.h"
 #include "planner/edge_cells.h"
+#include "planner/pilot.h"
 #include "planner/record_floor.h"
 #include "planner/tile_choices.h"
 #include "planner/trace_plan.h"

@@ -58,6 +58,33 @@ TEST_F(SweepCommand, MakesEveryCombinationAsFocusDoes) {
     EXPECT_EQ(json::parse(sweep({"--f-number", "1.4:2.8:1", "--focus", "1,inf", "--resume"}).out)["kept"], 6);
 }
 
+TEST_F(SweepCommand, PredictsEveryPictureIfAsked) {
+    const Words lenses{"--f-number", "1.4,inf", "--focus", "2"};
+    ASSERT_EQ(sweep(lenses).exit_code, 0);
+    const auto with = [&](const Words& more) {
+        Words words = lenses;
+        words.insert(words.end(), more.begin(), more.end());
+        return sweep(words);
+    };
+    // What was made without is made again.
+    for (const char* method : {"scatter", "lightfield"}) {
+        const Outcome r = with({"--predict", "--resume", "--method", method});
+        ASSERT_EQ(r.exit_code, 0) << r.err;
+        const json j = json::parse(r.out);
+        EXPECT_EQ(j["made"], 2);
+        ASSERT_EQ(run({"focus", in("frame.exr"), "-o", in("one.exr"), "--f-number", "1.4", "--focus", "2",
+                       "--method", method, "--predict", "--json"})
+                      .exit_code,
+                  0);
+        for (const json& picture : j["pictures"]) EXPECT_GT(picture["predicted_db"], 15) << method;
+    }
+    EXPECT_EQ(json::parse(with({"--predict", "--resume", "--method", "lightfield"}).out)["kept"], 2);
+    const Outcome shot = with({"--predict", "--shutter", "0:0.5", "--views", "16"});
+    ASSERT_EQ(shot.exit_code, 0) << shot.err;
+    for (const json& picture : json::parse(shot.out)["pictures"]) EXPECT_GT(picture["predicted_db"], 15);
+    EXPECT_EQ(with({"--predict", "--impulse", "disc,diffraction"}).exit_code, 2);
+}
+
 TEST_F(SweepCommand, PullsFocusWithTheShutterOpen) {
     const Outcome r = sweep({"--focus", "8:1:3", "--shutter", "0:0.5", "--f-number", "2,inf", "--views", "16",
                              "--frames", "pull.%04d.png", "--at", "30,20", "--at", "1,1", "--threads", "2"});

@@ -35,7 +35,9 @@ struct Probe {
     double start = 0;  // from the origin, where surfaces are passed by
     HitKey from;
     int bounces = 0, passed = 0;
-    bool lost = false;
+    // How it ended before its last bounce: something else was met, or it is bent away.
+    bool hidden = false, lost = false;
+    [[nodiscard]] bool ended() const { return hidden || lost; }
 };
 
 class Prober {
@@ -53,20 +55,22 @@ class Prober {
         p.bounces = p.passed = 0;
     }
     [[nodiscard]] bool on_its_way(const Probe& p) const {
-        return !p.lost && p.bounces < nodes_[p.node].path.depth();
+        return !p.ended() && p.bounces < nodes_[p.node].path.depth();
     }
     // Takes the hit of the current ray: bounces where the chain bounced.
     void meet(Probe& p, const HitKey& key, double t) const {
         const BentNode& n = nodes_[p.node];
-        p.lost = true;
+        p.hidden = true;
         if (!key.valid()) return;
         const SurfacePoint s = scene_.surface(key, p.origin, p.direction, t);
         if (s.object != n.bounces.object[static_cast<std::size_t>(p.bounces)]) {
-            p.lost = p.bounces != n.hidden_bounce || ++p.passed > most_passed;
+            p.hidden = p.bounces != n.hidden_bounce || ++p.passed > most_passed;
             p.start = s.t + RayScene::offset(s.position);
             p.from = key;
             return;
         }
+        p.hidden = false;
+        p.lost = true;
         const Facing f = face(s, p.direction);
         const Continuation c =
             continuation(scene_.scene().materials[scene_.scene().objects[s.object].material], f, p.direction);
@@ -163,9 +167,9 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         follow(scene, prober, probes, open, rays_spent);
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
-            // One ray that is not found decides for its node.
+            // One ray that is lost decides for its node.
             if (p.lost) ended[p.node] = true;
-            if (ended[p.node]) return true;
+            if (ended[p.node] || p.hidden) return true;
             const dvec2 change = prober.correction(p);
             p.tangent += change;
             p.last_step = glm::length(change);
@@ -176,13 +180,18 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
             return settled;
         });
     }
-    out.assign(nodes.size(), 0);
+    out.assign(nodes.size(), -1);
     for (const Probe& p : probes) {
+        if (p.hidden) continue;
         const bool found = !p.lost && p.last_step == 0 && !runs_away(p.tangent);
         const double bend = found ? glm::length(p.tangent - p.predicted) / (radius_m * radius_m) : infinity;
         // Converted from float: what is too large for a half is infinite.
         const float rounded = Imath::half(static_cast<float>(bend));
         out[p.node] = std::max(out[p.node], rounded);
+    }
+    // Of those that nothing is known of, none was found.
+    for (float& bend : out) {
+        if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }
 }
 
