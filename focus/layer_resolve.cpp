@@ -12,13 +12,20 @@ using Kind = LayerPart::Kind;
 constexpr double enough_weight = 0.05;
 
 struct Chain {
-    std::uint32_t path;
-    std::array<double, 3> rgb;
-    SurfaceLight mask, hidden_mask, outer_mask;  ///< their colours are the stand-in's
-    [[nodiscard]] double masks() const { return mask.alpha + hidden_mask.alpha + outer_mask.alpha; }
+    std::span<const LayerTerm> terms;
+    std::array<double, 3> rgb{};
+    double masks = 0;                  ///< sum of their weights
+    std::array<double, 3> stand_in{};  ///< of their colours
+    double outer = 0;                  ///< of the weights of outer masks
+    [[nodiscard]] NodePath path() const { return NodePath(terms[0].part->path); }
 };
 
-/// Adds what a chain shows where the surface has it; it comes through the lens as the surface's own light.
+SurfaceLight light_of(const LayerTerm* term) {
+    if (term == nullptr) return {};
+    return {std::max(term->weight, 0.0), term->rgb, term->lens};
+}
+
+/// Adds what a chain shows where a surface has it; it comes through the lens as the surface's own light.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -28,9 +35,13 @@ void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<doub
     }
 }
 
-SurfaceLight light_of(const LayerTerm* term) {
-    if (term == nullptr) return {};
-    return {std::max(term->weight, 0.0), term->rgb, term->lens};
+/// The same of what that chain goes on from, where the masks belong to it.
+void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
+    for (const LayerTerm& term : chain.terms) {
+        if (term.part->shown != shown) continue;
+        if (term.part->kind == Kind::mask) show(fragment.seen, light_of(&term), chain.rgb);
+        if (term.part->kind == Kind::hidden_mask) show(fragment.hidden, light_of(&term), chain.rgb);
+    }
 }
 
 /// Of the terms of one thing that is seen, hidden or both.
@@ -42,10 +53,12 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// The things of a chain, or the surface itself, as fragments; `weight` becomes the sum of theirs.
-void gather(std::span<const LayerTerm> terms, std::vector<Fragment>& fragments, double& weight) {
+/// The things of a chain as fragments, each with what the chains that go on from it show; returns the sum of
+/// their weights.
+double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
+              std::vector<Fragment>& fragments) {
     fragments.clear();
-    weight = 0;
+    double weight = 0;
     for (std::size_t i = 0; i < terms.size(); ++i) {
         const LayerTerm& term = terms[i];
         if (term.part->kind != Kind::seen && term.part->kind != Kind::hidden) continue;
@@ -57,40 +70,40 @@ void gather(std::span<const LayerTerm> terms, std::vector<Fragment>& fragments, 
             hidden = &terms[++i];
             weight += hidden->weight;
         }
-        if (const auto fragment = fragment_of(seen, hidden)) fragments.push_back(*fragment);
+        auto fragment = fragment_of(seen, hidden);
+        if (!fragment) continue;
+        for (const Chain& next : longer) {
+            if (next.path().parent() == NodePath(term.part->path)) show(*fragment, term.part->shown, next);
+        }
+        fragments.push_back(*fragment);
     }
+    return weight;
 }
 
 Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> longer,
                     const FocusGeometry& geometry) {
     thread_local std::vector<Fragment> fragments;
-    const std::uint32_t path = terms[0].part->path;
-    Chain out{path, {}, {}, {}, {}};
+    Chain out{terms};
     for (const LayerTerm& term : terms) {
-        if (term.part->kind == Kind::mask) out.mask = light_of(&term);
-        if (term.part->kind == Kind::hidden_mask) out.hidden_mask = light_of(&term);
-        if (term.part->kind == Kind::outer_mask) out.outer_mask = light_of(&term);
+        if (term.part->kind == Kind::seen || term.part->kind == Kind::hidden) continue;
+        const SurfaceLight mask = light_of(&term);
+        out.masks += mask.alpha;
+        for (std::size_t c = 0; c < 3; ++c) out.stand_in[c] += mask.rgb[c];
+        if (term.part->kind == Kind::outer_mask) out.outer += mask.alpha;
     }
-    const double masks = out.masks();
-    if (!(masks > smallest_layer_weight)) return out;
-    double weight = 0;
-    gather(terms, fragments, weight);
+    if (!(out.masks > smallest_layer_weight)) return out;
+    const double weight = gather(terms, longer, fragments);
     double own = std::clamp(weight / enough_weight, 0.0, 1.0);
-    const bool arrives = weight > smallest_layer_weight;
-    if (arrives) out.rgb = composite(fragments, geometry);
-    // Masks of longer chains are by the responses of what this one shows, or by those of its own masks.
+    if (weight > smallest_layer_weight) out.rgb = composite(fragments, geometry);
     for (const Chain& next : longer) {
-        if (NodePath(next.path).parent() != NodePath(path)) continue;
-        const double share =
-            std::min((arrives ? next.mask.alpha / weight : 0.0) + next.outer_mask.alpha / masks, 1.0);
+        if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
+        const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
         // What this one shows is known without its own nodes.
-        if (next.outer_mask.alpha > smallest_layer_weight) own = 1;
+        own = 1;
     }
-    for (std::size_t c = 0; own < 1 && c < 3; ++c) {
-        const double stand_in = (out.mask.rgb[c] + out.hidden_mask.rgb[c] + out.outer_mask.rgb[c]) / masks;
-        out.rgb[c] = own * out.rgb[c] + (1 - own) * stand_in;
-    }
+    for (std::size_t c = 0; own < 1 && c < 3; ++c)
+        out.rgb[c] = own * out.rgb[c] + (1 - own) * out.stand_in[c] / out.masks;
     return out;
 }
 
@@ -114,9 +127,7 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
         end = begin;
     }
     for (const Chain& chain : chains) {
-        if (NodePath(chain.path).depth() != 1) continue;
-        show(out->seen, chain.mask, chain.rgb);
-        show(out->hidden, chain.hidden_mask, chain.rgb);
+        if (chain.path().depth() == 1) show(*out, {}, chain);
     }
     return out;
 }

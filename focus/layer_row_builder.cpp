@@ -144,12 +144,15 @@ const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Me
     return *met;
 }
 
-void LayerSplats::RowBuilder::add_mask(const PointSample& s, const Met& from, const Met& met,
-                                       LayerPart part) {
+void LayerSplats::RowBuilder::add_mask(const PointSample& s, const Met& from, const Met& met) {
+    LayerPart part = from.part;
     part.path = met.node->path.bits();
-    part.shown = {};
+    part.kind = part.kind == LayerPart::Kind::hidden ? LayerPart::Kind::hidden_mask : LayerPart::Kind::mask;
     const Met& outline = outline_of(from);
-    if (&outline != &from) part.kind = LayerPart::Kind::outer_mask;
+    if (&outline != &from) {
+        part.shown = {};
+        part.kind = LayerPart::Kind::outer_mask;
+    }
     add_node(s, outline.response, *outline.node, met.subtree, part);
 }
 
@@ -183,18 +186,17 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
     meet(nodes, primary);
     row_.colours.include(met_.front().subtree);
-    for (const Met& met : met_) {
+    met_.front().part = part;
+    for (Met& met : met_) {
         const Record& node = *met.node;
         if (node.path == NodePath()) continue;
         // A node whose parent was not recorded goes on from the nearest that was.
         NodePath parent = node.path.parent();
         const Met* from = met_at(parent);
         while (from == nullptr) from = met_at(parent = parent.parent());
-        part.kind = from == met_.data() && kind == LayerPart::Kind::hidden ? LayerPart::Kind::hidden_mask
-                                                                           : LayerPart::Kind::mask;
-        add_mask(s, *from, met, part);
-        add_node(s, met.response, node, {node.r, node.g, node.b},
-                 {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen});
+        add_mask(s, *from, met);
+        met.part = {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen};
+        add_node(s, met.response, node, {node.r, node.g, node.b}, met.part);
         if (kind == LayerPart::Kind::seen)
             shown_.push_back(
                 {node.path.bits(), node.id, signed_radius_px(t_.geometry(), mean_w_per_m(node))});
@@ -205,7 +207,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);
-    for (const Met& met : met_) {
+    for (Met& met : met_) {
         const Record& node = *met.node;
         Shown now{node.path.bits(), node.id, signed_radius_px(t_.geometry(), mean_w_per_m(node))};
         std::uint32_t before = 0;
@@ -216,15 +218,15 @@ void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<
             apart = std::min(apart, std::abs(now.radius_px - other.radius_px));
         }
         const Met* from = met_at(node.path.parent());
-        LayerPart part{surface, node.path.bits(), {node.id, before}, LayerPart::Kind::hidden};
+        met.part = {surface, node.path.bits(), {node.id, before}, LayerPart::Kind::hidden};
         if (from != nullptr) {
-            add_mask(s, *from, met, {.surface = surface, .kind = LayerPart::Kind::mask});
-            part = {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen};
+            add_mask(s, *from, met);
+            met.part = {surface, node.path.bits(), {node.id, 0}, LayerPart::Kind::seen};
         } else {
             shown_.push_back(now);
             covered_ = static_cast<float>(1 - apart);
         }
-        add_node(s, met.response, node, {node.r, node.g, node.b}, part);
+        add_node(s, met.response, node, {node.r, node.g, node.b}, met.part);
         covered_ = 0;
         row_.colours.include({node.r, node.g, node.b});
     }

@@ -40,6 +40,7 @@ class LayerSplats::RowBuilder {
         const Record* node = nullptr;
         NodeResponse response;
         std::array<float, 3> subtree{};  ///< colour of the node and all that go on from it
+        LayerPart part{};                ///< where it was placed
     };
 
     void find_hidden(const RecordBand& band, std::size_t pixel);
@@ -52,7 +53,8 @@ class LayerSplats::RowBuilder {
     [[nodiscard]] const Met* met_at(NodePath path) const;
     /// What has the outline of `from`, the node that a chain goes on from.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    void add_mask(const PointSample& s, const Met& from, const Met& met, LayerPart part);
+    /// Of the chain that ends at `met` and goes on from `from`, which was placed.
+    void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);
     void place(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,

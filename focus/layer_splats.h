@@ -36,14 +36,15 @@ struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< what the pinhole sees: of the surface, or of what a chain of bounces shows
         hidden,       ///< what stands behind something else
-        mask,         ///< where the surface that a chain goes on from has that chain, by that surface's own
-                      ///< responses; its colour is that of the chain's nodes
-        hidden_mask,  ///< the same, of records of the surface that stand behind something else
+        mask,         ///< where what a chain goes on from has that chain, by its own responses; its colour is
+                      ///< that of the chain's nodes
+        hidden_mask,  ///< the same, where what the chain goes on from stands behind something else
         outer_mask,   ///< of a longer chain: by the responses that the chain it goes on from is masked by
     };
     SurfaceKey surface;      ///< of the primary node
     std::uint32_t path = 0;  ///< NodePath's bits; 0: the surface itself
-    SurfaceKey shown;        ///< what the chain meets; nothing for masks
+    SurfaceKey shown;        ///< what the chain meets; for masks what the chain before it met: nothing at
+                             ///< the first bounce, nor for outer masks
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;

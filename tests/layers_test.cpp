@@ -321,6 +321,31 @@ TEST(Layers, MirrorsInMirrorsAddUp) {
     }
 }
 
+TEST(Layers, WhatAMirrorInAMirrorHidesDoesNotDarkenIt) {
+    // In a sharp mirror a near mirror with an edge, before a wall that was recorded behind it: what the near
+    // mirror shows, in focus, fills it up to its soft edge.
+    FocusGeometry geometry = unit_geometry;
+    geometry.inverse_focus_per_m = 10;
+    const double near_px = level_radius(5.88);
+    constexpr int x0 = 20;
+    const NodePath twice = reflected.child(NodePath::Bounce::reflected);
+    const RecordBand band = corner_band(40, 30, 20, [&](int x, int) {
+        std::vector nodes{of(1, 1 / 10.0, {0, 0, 0})};
+        if (x >= x0) {
+            nodes.push_back(shown(2, 1 / (10 + near_px), {0, 0, 0.25F}));
+            nodes.push_back(shown(5, 1 / 10.0, {0, 0, 0.5F}, twice));
+        }
+        nodes.push_back(shown(4, 1 / 10.0, {0.8F, 0, 0}, reflected, x >= x0 ? 1 : 0));
+        return nodes;
+    });
+    const Image image = layered(band, 20, {.geometry = geometry});
+    for (int x = 0; x < 40; ++x) {
+        const double front = edge_response((x + 1 - x0) / near_px);
+        ASSERT_NEAR(value(image, x, 15, 0), 0.8 * (1 - front), x == x0 - 1 ? 0.02 : 1e-5) << x;
+        ASSERT_NEAR(value(image, x, 15, 2), 0.75 * front, 1e-5) << x;
+    }
+}
+
 // --- the fast form, limits
 // ---------------------------------------------------------------------------------------
 

@@ -151,11 +151,19 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        const bool seen = !first && wanted_.lens->may_see(c.covers, inverse_depth);
+        // What a mirror or glass shows lies elsewhere than itself, most often farther away, and comes to light
+        // farther from the edge.
+        const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
+                                     (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
         c.covers.nearest = std::max(c.covers.nearest, inverse_depth);
         c.covers.farthest = std::min(c.covers.farthest, inverse_depth);
         return seen;
+    }
+
+    [[nodiscard]] bool shows_more(const SurfacePoint& s) const {
+        const Material& m = scene_.scene().materials[scene_.scene().objects[s.object].material];
+        return m.reflection != glm::dvec3(0) || m.transmission != glm::dvec3(0);
     }
 
     // Whether all before it move away from it on the film at some instant. Remembers where it lies.

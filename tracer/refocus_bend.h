@@ -39,10 +39,10 @@ struct BentNode {
 /// W.bend of each node, 1/m^2: the largest departure of the tangent of the ray that sees the target from
 /// p - W q, over |q|^2, among four lens points q at `radius_m` on the raster axes. The rays are followed
 /// through the same chain of objects up to the last bounce and found by Newton's method with the
-/// derivatives at the pinhole. Infinity where that does not converge or a chain ends: at outlines, by total
-/// reflection, or in the shade of something before the first bounce or between two. What stands between the
-/// last bounce and the target does not count. Rounded to what a half float holds. Adds the rays traced to
-/// `rays_spent`. Thread-safe; deterministic.
+/// derivatives at the pinhole. Infinity where that does not converge or a chain ends by total reflection.
+/// Rays that something else stands in the way of, or that pass beyond an outline, do not count, unless all
+/// four do: then it is infinity as well. Nor does what stands between the last bounce and the target. Rounded
+/// to what a half float holds. Adds the rays traced to `rays_spent`. Thread-safe; deterministic.
 void measure_bends(const RayScene& scene, const CameraModel& camera, double radius_m,
                    std::span<const BentNode> nodes, std::vector<float>& out, std::uint64_t& rays_spent);
 
