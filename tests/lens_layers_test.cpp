@@ -102,6 +102,30 @@ TEST(LensLayers, BehindAPlateAsFarAsTheLensLooks) {
     }
 }
 
+TEST(LensLayers, GlassBehindAPlateAsFarAsWhatItShows) {
+    // A tinted sheet parts from the plate's edge by 1.3 px, the wall that shines through it by over 5.
+    constexpr double near = 1, sheet = 1.25, far = 7.5;
+    SceneBuilder b = wide();
+    add_plate(b, near, 60.3);
+    b.add(square({0, 0, -sheet}, {0, 0, 1}, 200), glass(1, 0.8));
+    add_wall(b, far);
+    const double of_sheet = gain_px_m * (1 / near - 1 / sheet), of_wall = gain_px_m * (1 / near - 1 / far);
+    ASSERT_GT(of_wall, of_sheet + margin_px + 1);
+    int shown = 0;
+    for (const auto& [at, layers] : places(chosen(b.scene))) {
+        const double from_edge = 60.3 - static_cast<double>(at.second);
+        if (from_edge > gain_px_m / near + margin_px) {
+            EXPECT_EQ(layers.size(), 1U) << from_edge;
+        } else if (from_edge > 0 && from_edge <= of_wall) {
+            ASSERT_TRUE(layers.contains(1)) << from_edge << " px, of " << of_wall;
+            EXPECT_TRUE(std::any_of(layers.at(1).begin(), layers.at(1).end(),
+                                    [](const Record& r) { return r.path.text() == "T" && r.id == 3; }));
+            ++shown;
+        }
+    }
+    EXPECT_GE(shown, height * std::floor(of_wall));
+}
+
 TEST(LensLayers, NothingBehindWhatIsTooCloseOrHasNoEdge) {
     // 0.2 px over the lens's radius.
     SceneBuilder close = wide();

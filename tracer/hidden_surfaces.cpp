@@ -151,8 +151,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // What a mirror or glass shows lies elsewhere than itself, most often farther away, and comes to light
-        // farther from the edge.
+        // What a mirror or glass shows lies elsewhere than itself, most often farther away, and comes to
+        // light farther from the edge.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
