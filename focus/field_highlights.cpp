@@ -34,6 +34,12 @@ constexpr double group_px = 1.5;
 /// Where in a pixel the eye looks that sees them: no two in one row or column.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
+/// For each of them a place, of mean 0 and variance 1 along either axis, that does not go with it: else edges
+/// of shadows would be too soft or too hard.
+constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
+                                                  glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
+/// Lights that are closer together throw one shadow.
+constexpr double told_apart_px = 0.05;
 
 double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
@@ -233,8 +239,15 @@ void FieldHighlights::group_sources() {
         s.group = found->second;
         const double light = light_of(s.rgb);
         if (is_new) {
-            groups_.push_back({s, cell(s.at.x), cell(s.at.y), light, s.x + k.x_begin, s.x + k.x_end,
-                               s.y + k.y_begin, s.y + k.y_end()});
+            groups_.push_back({s,
+                               cell(s.at.x),
+                               cell(s.at.y),
+                               light,
+                               {},
+                               s.x + k.x_begin,
+                               s.x + k.x_end,
+                               s.y + k.y_begin,
+                               s.y + k.y_end()});
             continue;
         }
         Group& g = groups_[s.group];
@@ -247,6 +260,12 @@ void FieldHighlights::group_sources() {
         g.y_begin = std::min(g.y_begin, s.y + k.y_begin);
         g.y_end = std::max(g.y_end, s.y + k.y_end());
     }
+    for (const Source& s : sources_) {
+        Group& g = groups_[s.group];
+        const glm::dvec2 off = s.at - g.middle.at;
+        g.spread_px += light_of(s.rgb) / g.light * off * off;
+    }
+    for (Group& g : groups_) g.spread_px = glm::sqrt(g.spread_px);
     std::stable_sort(sources_.begin(), sources_.end(),
                      [](const Source& a, const Source& b) { return a.group < b.group; });
 }
@@ -292,9 +311,6 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
 void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& patches, int samples,
                                              Part& part) const {
     const Source& s = g.middle;
-    const PointRays rays{s.at + glm::dvec2(of_.window_.x_begin, of_.window_.y_begin),
-                         of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
-                         of_.geometry_.inverse_focus_per_m};
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     // Elsewhere for each group: where many lights shine on one edge they must not all miss it. By its place,
     // as groups are counted otherwise where a part of the picture is made alone. And for each set, so that
@@ -303,22 +319,33 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);
+    // Lights of a lamp stand side by side, and each throws a shadow of its own. A sample is of one of four
+    // places that spread about the middle as they do.
+    const bool apart = samples > 1 && std::max(g.spread_px.x, g.spread_px.y) > told_apart_px;
     std::vector<std::pair<const Patch*, PatchPlace>> before;
-    for (const Patch& patch : patches.patches) {
-        // Sorted by depth, but at their corners: of those that follow some may still be nearer.
-        if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
-        PatchPlace at;
-        if (!place_patch(patches, patch, rays, at)) continue;
-        const RasterRect r = covered(patch, at);
-        const double x = of_.window_.x_begin + part.x0, y = of_.window_.y_begin + part.y0;
-        if (r.x_max + 1 >= x && r.x_min - 1 <= x + width && r.y_max + 1 >= y && r.y_min - 1 <= y + height)
-            before.emplace_back(&patch, at);
-    }
+    const auto find_before = [&](const glm::dvec2& from_middle_px) {
+        before.clear();
+        const PointRays rays{s.at + from_middle_px + glm::dvec2(of_.window_.x_begin, of_.window_.y_begin),
+                             of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
+                             of_.geometry_.inverse_focus_per_m};
+        for (const Patch& patch : patches.patches) {
+            // Sorted by depth, but at their corners: of those that follow some may still be nearer.
+            if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
+            PatchPlace at;
+            if (!place_patch(patches, patch, rays, at)) continue;
+            const RasterRect r = covered(patch, at);
+            const double x = of_.window_.x_begin + part.x0, y = of_.window_.y_begin + part.y0;
+            if (r.x_max + 1 >= x && r.x_min - 1 <= x + width && r.y_max + 1 >= y && r.y_min - 1 <= y + height)
+                before.emplace_back(&patch, at);
+        }
+    };
+    if (!apart) find_before({0, 0});
     SeenTile seen;
     for (int n = 0; n < samples; ++n) {
         const TilePlace place{
             of_.window_.x_begin + part.x0, of_.window_.y_begin + part.y0, width, height,
             glm::fract(turn + (samples == 1 ? glm::dvec2(0.5) : drawn_samples[static_cast<std::size_t>(n)]))};
+        if (apart) find_before(spread_places[static_cast<std::size_t>(n)] * g.spread_px);
         seen.clear();
         for (const auto& [patch, at] : before) draw_patch(patches, *patch, at, place, seen);
         for (int y = 0; y < height; ++y) {

@@ -53,6 +53,7 @@ class FieldHighlights {
         Source middle;
         int column = 0, row = 0;  ///< among the squares whose lights are seen alike
         double light = 0;
+        glm::dvec2 spread_px{0};                             ///< deviation of its sources from the middle
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< picture px that their responses reach
     };
     /// One that reaches a tile: its sources there, and the samples a pixel that are drawn of what stands

@@ -15,6 +15,7 @@ namespace {
 
 /// See noise_of_set.
 constexpr double noise_exponent = 1.15;
+
 FocusGeometry geometry_as_traced(const SampleHeader& h, const FocusSettings& focus) {
     return focus_geometry(focus.lens, focus.focus_distance_m, Framing::keep,
                           {h.film_distance_mm, h.pixel_pitch_mm});
@@ -79,7 +80,8 @@ Pilot::Pilot(FocusFrame& frame, const HybridSettings& lens, int views, int first
 }
 
 double noise_of_set(int pilot_views, int views) {
-    return views <= pilot_views ? 1 : two_sets * std::pow(2.0 * pilot_views / views, noise_exponent);
+    const double of_one = views <= pilot_views ? 1 : two_sets * std::pow(2, noise_exponent);
+    return of_one * std::pow(static_cast<double>(pilot_views) / views, noise_exponent);
 }
 
 double noise_of_views(double pilot_mse, int pilot_views, int views) {

@@ -287,6 +287,13 @@ TEST(RecordFloor, IsWhatThePinholePictureErrsBy) {
     }
 }
 
+TEST(NoiseOfViews, OfASetFallsAsAPower) {
+    EXPECT_DOUBLE_EQ(noise_of_set(8, 8), 1);
+    EXPECT_DOUBLE_EQ(noise_of_set(8, 16), two_sets);
+    EXPECT_NEAR(noise_of_set(8, 4), std::pow(2, 1.15), 1e-12);
+    EXPECT_NEAR(noise_of_set(8, 64), two_sets / std::pow(4, 1.15), 1e-12);
+}
+
 TEST(NoiseOfViews, FallsForTwoSetsAndThenWithAThirdThatFallsAsAPower) {
     EXPECT_DOUBLE_EQ(noise_of_views(0.01, 8, 8), 0.01);
     EXPECT_LT(noise_of_views(0.01, 8, 16), 0.0075);
