@@ -38,8 +38,8 @@ constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm:
 /// of shadows would be too soft or too hard.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// Lights that are closer together throw one shadow.
-constexpr double told_apart_px = 0.05;
+/// Shadows whose deviation from their middle is less are one: a sample's place in its pixel matters more.
+constexpr double told_apart_px = 0.3;
 
 double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
@@ -319,9 +319,6 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);
-    // Lights of a lamp stand side by side, and each throws a shadow of its own. A sample is of one of four
-    // places that spread about the middle as they do.
-    const bool apart = samples > 1 && std::max(g.spread_px.x, g.spread_px.y) > told_apart_px;
     std::vector<std::pair<const Patch*, PatchPlace>> before;
     const auto find_before = [&](const glm::dvec2& from_middle_px) {
         before.clear();
@@ -339,7 +336,17 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                 before.emplace_back(&patch, at);
         }
     };
-    if (!apart) find_before({0, 0});
+    find_before({0, 0});
+    // Lights of a lamp stand side by side, and each throws a shadow of its own. Where these lie apart, a
+    // sample is of one of four places that spread about the middle as the lights do.
+    double shadow_px = 0;  // by which the shadow moves with its light
+    const double s_per_m = of_.geometry_.inverse_focus_per_m;
+    for (const auto& [patch, at] : before) {
+        const auto of_patch = static_cast<double>(patches.sheet(*patch).inverse_z_max);
+        shadow_px = std::max(shadow_px,
+                             std::abs((of_patch - s_per_m) / (of_patch - static_cast<double>(s.inverse_z))));
+    }
+    const bool apart = samples > 1 && shadow_px * std::max(g.spread_px.x, g.spread_px.y) > told_apart_px;
     SeenTile seen;
     for (int n = 0; n < samples; ++n) {
         const TilePlace place{

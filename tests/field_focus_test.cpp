@@ -262,18 +262,18 @@ TEST(FieldFocus, AHighlightIsCutByWhatStandsBeforeIt) {
     EXPECT_GT(psnr(got, truth), 36);
 }
 
-// A lamp three pixels wide is many lights, each of which throws a shadow elsewhere: the bar's has a soft
-// edge, not steps of a group of lights.
+// A lamp some pixels wide is many lights, each of which throws a shadow elsewhere: those of bars behind the
+// focus move twice as far as the lights do, and have soft edges, not steps of a group of lights.
 TEST(FieldFocus, AWideLampsShadowsAreSoft) {
     SceneBuilder b;
-    b.add(board(-0.07, 0.07, -0.07, 0.07, 4), glowing({6, 6, 6}));
-    b.add(board(-3, 0.004, -3, 3, 0.45), glowing({0.1, 0.1, 0.1}));
-    b.add(board(-90, 90, -90, 90, 10), glowing({0.1, 0.1, 0.1}));
+    b.add(board(-0.4, 0.4, -0.4, 0.4, 12), glowing({15, 15, 15}));
+    b.add(board(-5, 0.02, -5, 5, 2.5), glowing({0.1, 0.1, 0.1}));
+    b.add(board(-90, 90, -90, 90, 20), glowing({0.1, 0.1, 0.1}));
     const TracedFrame frame(b.scene, for_lens(wide.f_number));
     const FocusSettings f = by_field(0.6, 256);
     const Image truth = rays(b.scene, f, 16384), got = focus_picture(frame.file(), f).image;
-    // Measured 57.1; 51.3 when all of a group threw the shadow of its middle.
-    EXPECT_GT(psnr(got, truth), 54);
+    // Measured 36.7; 27.3 where all of a group throw the shadow of its middle.
+    EXPECT_GT(psnr(got, truth), 35);
 }
 
 // The lamp's light comes to each pixel through a point of the lens of its own: what stands before it must not
