@@ -14,9 +14,13 @@ double fraction(double v) {
 
 }  // namespace
 
+bool has_points(const Impulse& impulse) {
+    return impulse.kind != ImpulseKind::diffraction && impulse.kind != ImpulseKind::lens;
+}
+
 void check_has_points(const Impulse& impulse) {
     check_impulse(impulse);
-    if (impulse.kind != ImpulseKind::diffraction && impulse.kind != ImpulseKind::lens) return;
+    if (has_points(impulse)) return;
     fail(ExitCode::wrong_arguments,
          "--impulse: lightfield, hybrid and shoot look from points of a thin lens, and {} (got {}; expected "
          "disc, polygon "

@@ -20,7 +20,9 @@ struct LensViewPoint {
     LensShift shift;
 };
 
-/// Throws Error(wrong_arguments) for impulse responses that no aperture of a thin lens has.
+/// Whether an aperture of a thin lens has this impulse response.
+[[nodiscard]] bool has_points(const Impulse& impulse);
+/// Throws Error(wrong_arguments) for those that none has.
 void check_has_points(const Impulse& impulse);
 
 /// `views` points of the aperture, as even as its light, each with its place in the pixel: together a

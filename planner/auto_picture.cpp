@@ -51,7 +51,7 @@ class Planner {
     AutoResult run() {
         HybridSettings whole = settings_.hybrid;
         whole.focus.crop.reset();
-        const Pilot pilot(frame_, whole, pilot_views);
+        Pilot pilot(frame_, whole, pilot_views);
         take(pilot);
         choose();
         draw(pilot.focuser());
@@ -61,11 +61,12 @@ class Planner {
     }
 
   private:
-    void take(const Pilot& pilot) {
-        aligned_ = pilot.aligned;
-        spread_ = pilot.spread;
-        floor_ = pilot.floor;
-        hidden_ = pilot.hidden;
+    /// What the pilot found, of which nothing is held twice.
+    void take(Pilot& pilot) {
+        aligned_ = std::move(pilot.aligned);
+        spread_ = std::move(pilot.spread);
+        floor_ = std::move(pilot.floor);
+        hidden_ = std::move(pilot.hidden);
         const TileGrid& grid = out_.grid;
         pilot_noise_ = grid.means(pilot.noise);
         const std::vector<double> floor = grid.means(floor_), hidden = grid.means(hidden_);
@@ -74,9 +75,10 @@ class Planner {
             out_.tiles[t].hidden_mse = hidden[t];
         }
         Image& picture = out_.hybrid.focus.image;
-        picture = pilot.a;
+        picture = std::move(pilot.a);
+        const Image other = std::move(pilot.b);
         for (std::size_t i = 0; i < picture.rgb.size(); ++i)
-            picture.rgb[i] = (picture.rgb[i] + pilot.b.rgb[i]) / 2;
+            picture.rgb[i] = (picture.rgb[i] + other.rgb[i]) / 2;
         out_.hybrid.what.assign(hidden_.size(), 0);
         ray_noise_.assign(hidden_.size(), 0);
         for (std::size_t k = 0; k < pilot.light_square.size(); ++k)

@@ -36,9 +36,10 @@ std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vect
 
 /// Leaves out those where so many rays, most of which miss a highlight that the lens spreads, are expected to
 /// be further off than the views.
-void leave_to_views(std::vector<std::uint32_t>& pixels, const FieldFocus& field, HiddenError& hidden,
-                    int spp) {
+void leave_to_views(std::vector<std::uint32_t>& pixels, const FieldFocus& field,
+                    const MisplacedLight& misplaced, double apart, int spp) {
     if (field.light_square.empty()) return;
+    HiddenError hidden(field.image, misplaced, apart);
     std::erase_if(pixels, [&](std::uint32_t k) {
         return noise_of_rays(field.image, k, field.light_square[k], spp) >
                hidden.at(k, static_cast<double>(field.unknown[k]),
@@ -117,8 +118,7 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
         insufficient(field, misplaced.picture(), settings.tolerated, focus.crop);
     out.wanted_share = static_cast<double>(pixels.size()) / drawn;
     if (settings.scene != nullptr) {
-        HiddenError hidden(field.image, misplaced, apart_px(file, geometry, moves));
-        leave_to_views(pixels, field, hidden, settings.retrace_spp);
+        leave_to_views(pixels, field, misplaced, apart_px(file, geometry, moves), settings.retrace_spp);
         limit_retraced(settings.most_retraced, pixels, out);
         retrace(*settings.scene, retrace_settings(h, settings, camera, by_field.aperture), std::move(pixels),
                 out);

@@ -21,11 +21,11 @@ FocusGeometry geometry_as_traced(const SampleHeader& h, const FocusSettings& foc
                           {h.film_distance_mm, h.pixel_pitch_mm});
 }
 
-Image encoded(const Image& image) {
-    Image out(image.width, image.height);
+std::vector<float> encoded(const Image& image) {
+    std::vector<float> out(image.rgb.size());
     parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t y) {
         const std::size_t row = 3 * static_cast<std::size_t>(image.width);
-        for (std::size_t i = y * row; i < (y + 1) * row; ++i) out.rgb[i] = srgb_from_linear(image.rgb[i]);
+        for (std::size_t i = y * row; i < (y + 1) * row; ++i) out[i] = srgb_from_linear(image.rgb[i]);
     });
     return out;
 }
@@ -54,8 +54,7 @@ Pilot::Pilot(FocusFrame& frame, const HybridSettings& lens, int views, int first
     const std::array<FieldViews, 2> sets{{{views, first_set, {}, {}, 0}, {views, first_set + 1, {}, {}, 1}}};
     std::vector<FieldFocus> drawn = focuser_->draw(sets);
     const FieldFocus &one = drawn[0], &other = drawn[1];
-    ea = encoded(one.image);
-    eb = encoded(other.image);
+    const std::vector<float> ea = encoded(one.image), eb = encoded(other.image);
     HiddenError hidden_error(one.image, misplaced,
                              apart_px(frame.file(), geometry_, lens.shutter.has_value()));
     hidden.resize(one.unknown.size());
@@ -64,7 +63,7 @@ Pilot::Pilot(FocusFrame& frame, const HybridSettings& lens, int views, int first
         // Half the mean squared difference of two sets is the error of one.
         double square = 0;
         for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {
-            const double d = static_cast<double>(ea.rgb[c]) - static_cast<double>(eb.rgb[c]);
+            const double d = static_cast<double>(ea[c]) - static_cast<double>(eb[c]);
             square += d * d / 6;
         }
         noise[k] = static_cast<float>(square);

@@ -7,7 +7,6 @@
 
 #include "focus/field_focus.h"
 #include "planner/hybrid.h"
-#include "planner/tile_grid.h"
 
 namespace postlens {
 
@@ -25,7 +24,6 @@ class Pilot {
     [[nodiscard]] const Aperture& aperture() const { return aperture_; }
 
     Image a, b;                          ///< the sets' means, scene-linear
-    Image ea, eb;                        ///< encoded values
     std::vector<float> noise;            ///< of one set, as the two differ
     std::vector<float> floor;            ///< of the records' density, without what no cell sees (RecordFloor)
     std::vector<float> aligned, spread;  ///< parts of it, see RecordFloor

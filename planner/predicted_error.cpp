@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "focus/lens_views.h"
 #include "planner/pilot.h"
 #include "planner/record_floor.h"
 #include "records/crop.h"
@@ -21,10 +22,12 @@ constexpr double common = 2 * two_sets - 1;
 
 double product_of_errors(const Image& image, const Pilot& pilot, std::size_t k) {
     double sum = 0;
+    const auto encoded = [](const Image& of, std::size_t c) {
+        return static_cast<double>(srgb_from_linear(of.rgb[c]));
+    };
     for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {
-        const auto value = static_cast<double>(srgb_from_linear(image.rgb[c]));
-        sum += (value - static_cast<double>(pilot.ea.rgb[c])) *
-               (value - static_cast<double>(pilot.eb.rgb[c])) / 3;
+        const double value = encoded(image, c);
+        sum += (value - encoded(pilot.a, c)) * (value - encoded(pilot.b, c)) / 3;
     }
     // Half the squared difference of two sets is what each is off by, without what both have in common.
     return sum - common / (1 - common) * static_cast<double>(pilot.noise[k]);
@@ -41,7 +44,7 @@ void check_predictable(const SampleHeader& h, const FocusSettings& focus) {
         fail(ExitCode::wrong_arguments,
              "--predict: not of an orthographic file (expected a perspective one)");
     check_impulse(focus.impulse);
-    if (focus.impulse.kind == ImpulseKind::diffraction || focus.impulse.kind == ImpulseKind::lens) {
+    if (!has_points(focus.impulse)) {
         fail(ExitCode::wrong_arguments,
              "--predict: looks at the records from points of a thin lens (got --impulse {}; expected disc, "
              "polygon or image)",

@@ -149,6 +149,18 @@ def db(mse):
     return -10 * math.log10(max(mse, 1e-9))
 
 
+def trace(postlens, case, at):
+    run(postlens, "trace", case.scene, "-o", at + ".frame.exr", "--size", f"{case.size[0]}x{case.size[1]}", *case.trace, "--quiet")
+
+
+def references(postlens, case, at, spp):
+    """Two independent ones, made if they are not there."""
+    if not os.path.exists(at + ".ref.b.exr"):
+        run(postlens, "render", case.scene, "-o", at + ".ref.exr", "--size", f"{case.size[0]}x{case.size[1]}", *case.picture, "--spp",
+            str(2 * spp * (8 if case.name in LAMPS else 1)), "--halves", "--seed", "1", "--quiet")
+    return pixels(at + ".ref.a.exr", case.size), pixels(at + ".ref.b.exr", case.size)
+
+
 def share_at(errors, target):
     return sum(db(e) >= target for e in errors) / len(errors)
 
@@ -213,12 +225,8 @@ def main():
             continue
         name, group, size = case.name, case.group, case.size
         at = os.path.join(o.out, case.file)
-        wide = ["--size", f"{size[0]}x{size[1]}"]
-        run(postlens, "trace", case.scene, "-o", at + ".frame.exr", *wide, *case.trace, *common)
-        if not os.path.exists(at + ".ref.b.exr"):
-            run(postlens, "render", case.scene, "-o", at + ".ref.exr", *wide, *case.picture, "--spp",
-                str(2 * o.spp * (8 if name in LAMPS else 1)), "--halves", "--seed", "1", *common)
-        a, b = pixels(at + ".ref.a.exr", size), pixels(at + ".ref.b.exr", size)
+        trace(postlens, case, at)
+        a, b = references(postlens, case, at, o.spp)
         commands = {}
         for target in targets:
             commands[("auto", target)] = ["--method", "auto", "--target-db", str(target), "--scene", case.scene]

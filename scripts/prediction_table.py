@@ -4,7 +4,7 @@
     prediction_table.py BUILD OUT [--cases samples|atlas|all] [--size WxH] [--spp N]
 
 BUILD is a built folder (build/release). The cases are those of planner_table.py, whose sample files and references in OUT are used
-if they are there. OUT gets prediction.csv, a line per tile, prediction.md, a line per picture and what they come to by method, and
+if they are there. OUT gets prediction.csv, a line per tile, pictures.csv and prediction.md, a line per picture and what they come to by method, and
 prediction.svg/.png (gnuplot): expected against measured error of whole pictures.
 """
 
@@ -15,9 +15,8 @@ import os
 import statistics
 import subprocess
 
-from planner_table import CASES, LAMPS, atlas_cases, db, pixels, run, sample_cases, tile_errors
+from planner_table import atlas_cases, db, pixels, references, run, sample_cases, tile_errors, trace
 
-assert CASES  # the scenes are named there
 SETTINGS = [("scatter", 0), ("layers", 0), ("lightfield", 16), ("lightfield", 64), ("lightfield", 256), ("hybrid", 64)]
 
 
@@ -40,13 +39,9 @@ def main():
         if o.only and o.only != case.name:
             continue
         at = os.path.join(o.out, case.file)
-        wide = ["--size", f"{case.size[0]}x{case.size[1]}"]
         if not os.path.exists(at + ".frame.exr"):
-            run(postlens, "trace", case.scene, "-o", at + ".frame.exr", *wide, *case.trace, *common)
-        if not os.path.exists(at + ".ref.b.exr"):
-            run(postlens, "render", case.scene, "-o", at + ".ref.exr", *wide, *case.picture, "--spp",
-                str(2 * o.spp * (8 if case.name in LAMPS else 1)), "--halves", "--seed", "1", *common)
-        a, b = pixels(at + ".ref.a.exr", case.size), pixels(at + ".ref.b.exr", case.size)
+            trace(postlens, case, at)
+        a, b = references(postlens, case, at, o.spp)
         for method, views in SETTINGS:
             if case.focus == "shoot" and method in ("scatter", "layers"):
                 continue
