@@ -1,4 +1,3 @@
-#include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -10,6 +9,7 @@
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/read_prescription.h"
 #include "records/exr_attributes.h"
+#include "records/picture_library.h"
 
 namespace postlens {
 namespace {
@@ -184,24 +184,19 @@ CommandResult lens_info(const std::string& input) {
 
 CommandResult image_info(const std::string& input) {
     check_exr_headers(input);
-    const auto file = OIIO::ImageInput::open(input);
+    std::string problem;
+    const auto file = picture_library().open(input, problem);
     if (!file) {
-        (void)OIIO::geterror();
         fail(ExitCode::invalid_input,
              "{}: not a file that postlens knows (expected a scene, a lens, a sample file or an image)",
              input);
     }
-    const OIIO::ImageSpec& spec = file->spec();
+    const PictureLayout& layout = file->layout();
     CommandResult out;
-    out.json = {{"kind", "image"},
-                {"width", spec.width},
-                {"height", spec.height},
-                {"format", file->format_name()},
-                {"channels", spec.channelnames},
-                {"deep", spec.deep}};
-    out.text = fmt::format("{}: {} image, {}x{} px, {}{}", input, file->format_name(), spec.width,
-                           spec.height, counted(static_cast<std::uint64_t>(spec.nchannels), "channel"),
-                           spec.deep ? ", deep" : "");
+    out.json = {{"kind", "image"},         {"width", layout.width},       {"height", layout.height},
+                {"format", layout.format}, {"channels", layout.channels}, {"deep", layout.deep}};
+    out.text = fmt::format("{}: {} image, {}x{} px, {}{}", input, layout.format, layout.width, layout.height,
+                           counted(layout.channels.size(), "channel"), layout.deep ? ", deep" : "");
     return out;
 }
 

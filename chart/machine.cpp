@@ -1,7 +1,6 @@
 #include "chart/machine.h"
 
 #include <OpenEXR/OpenEXRConfig.h>
-#include <OpenImageIO/oiioversion.h>
 #include <embree3/rtcore_config.h>
 #include <fmt/format.h>
 #include <fstream>
@@ -38,7 +37,7 @@ nlohmann::ordered_json machine_json() {
             {"postlens", POSTLENS_VERSION},
             {"embree", RTC_VERSION_STRING},
             {"openexr", OPENEXR_VERSION_STRING},
-            {"openimageio", OIIO_VERSION_STRING},
+            {"openimageio", POSTLENS_OPENIMAGEIO_VERSION},
             {"opencv", CV_VERSION}};
 }
 

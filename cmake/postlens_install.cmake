@@ -1,11 +1,10 @@
 # `cmake --install`: the program, the libraries with their headers, and what finds them: a CMake package and a
 # pkg-config file.
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 # Folders of headers; the libraries in them, each before those that it may use.
 set(postlens_header_folders core lens records reproject focus motionblur tracer planner compare sweep chart)
-set(postlens_installed_libraries chart sweep compare planner tracer motionblur focus reproject records fits prescription
+set(postlens_installed_libraries chart sweep compare planner tracer motionblur focus reproject records pictures fits prescription
     wave lens core)
 
 set(targets postlens_options fftw3 fftw3f libdeflate_library)

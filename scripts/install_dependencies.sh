@@ -17,7 +17,7 @@ build_packages=(
     libembree-dev libtbb-dev libglm-dev libfmt-dev
     libopenexr-dev libimath-dev
     # The CMake package of libopenimageio-dev refuses to load unless the programs of openimageio-tools are there.
-    libopenimageio-dev openimageio-tools
+    libopenimageio-dev openimageio-tools libpng-dev
     libopencv-dev
     libassimp-dev
     libfftw3-dev libceres-dev

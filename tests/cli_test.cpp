@@ -285,6 +285,19 @@ TEST_F(Cli, UnwritableOutputIsFour) {
     EXPECT_EQ(folder_.file_count(), 2U);
 }
 
+TEST_F(Cli, OpenImageIOIsLoadedByWhatNeedsItAlone) {
+    const std::string frame = traced();
+    program_ = in("postlens");
+    fs::copy_file(POSTLENS_BINARY, program_);
+    for (const char* name : {"x.exr", "x.png"})
+        EXPECT_EQ(run({"image", frame, "-o", in(name)}).exit_code, 0) << name;
+    const std::string module = "/postlens_pictures.so: cannot be loaded (";
+    refused({"image", frame, "-o", in("x.jpg")}, ExitCode::invalid_input, module);
+    refused({"compare", in("x.exr"), in("x.exr")}, ExitCode::invalid_input, module);
+    program_ = POSTLENS_BINARY;
+    EXPECT_EQ(run({"compare", in("x.exr"), in("x.exr")}).exit_code, 0);
+}
+
 TEST_F(Cli, StrictTurnsAShortfallIntoSix) {
     const std::string frame = traced();
     const std::vector<std::string> words{"focus", frame,     "-o",  in("x.exr"), "--f-number",

@@ -58,7 +58,7 @@ inline std::string quoted(const std::string& word) {
 class CommandTest : public testing::Test {
   protected:
     Outcome run(const std::vector<std::string>& words, const std::string& before = "") {
-        std::string command = before + quoted(POSTLENS_BINARY);
+        std::string command = before + test::quoted(program_);
         for (const std::string& w : words) command.append(" ").append(quoted(w));
         const std::filesystem::path out = folder_.path() / ".out", err = folder_.path() / ".err";
         command.append(" >")
@@ -99,6 +99,7 @@ class CommandTest : public testing::Test {
     }
 
     TemporaryFolder folder_;
+    std::string program_ = POSTLENS_BINARY;  ///< that `run` runs
 };
 
 }  // namespace postlens::test

@@ -14,6 +14,9 @@ mv "$folder/first" "$folder/there"
 there=$folder/there
 "$there/bin/postlens" trace "$source/samples/scenes/bars.toml" -o "$folder/frame.exr" --size 48x27 --subdivide 0 --quiet
 "$there/bin/postlens" focus "$folder/frame.exr" -o "$folder/wanted.exr" --focal-length 50 --f-number 2 --focus 3 --quiet
+# The module with OpenImageIO is where the program looks for it.
+"$there/bin/postlens" image "$folder/frame.exr" -o "$folder/frame.jpg" --quiet
+"$there/bin/postlens" compare "$folder/frame.jpg" "$folder/wanted.exr" >/dev/null
 
 # The source tree is out of reach, so that nothing of it is used by mistake.
 cp -r "$source/samples/library" "$folder/library"

@@ -1,15 +1,13 @@
 #include "tracer/image_bytes.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <exception>
 
 #include "core/error.h"
 #include "core/text.h"
+#include "records/picture_library.h"
 #include "records/srgb.h"
 
 namespace postlens {
@@ -41,46 +39,38 @@ std::string one_line(std::string text) {
 RawImage decode_image(std::string_view bytes, const std::string& name) {
     const char* format = format_of(bytes);
     if (!format) fail(ExitCode::invalid_input, "{}: is no PNG, JPEG or OpenEXR picture", name);
-    try {
-        OIIO::Filesystem::IOMemReader memory(bytes.data(), bytes.size());
-        const auto in = OIIO::ImageInput::open(std::string("memory.") + format, nullptr, &memory);
-        if (!in) {
-            fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(OIIO::geterror()));
-        }
-        const OIIO::ImageSpec spec = in->spec();
-        const double pixels = static_cast<double>(spec.width) * spec.height;
-        if (spec.width < 1 || spec.height < 1 || pixels > most_image_pixels || spec.nchannels < 1 ||
-            spec.deep) {
-            fail(ExitCode::invalid_input, "{}: is too large (got {}x{} px; expected at most {} px)", name,
-                 spec.width, spec.height, most_image_pixels);
-        }
-        const int channels = std::min(spec.nchannels, 4);
-        RawImage out;
-        out.width = spec.width;
-        out.height = spec.height;
-        const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
-        std::vector<float> read(count * static_cast<std::size_t>(channels));
-        if (!in->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, read.data())) {
-            fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(in->geterror()));
-        }
-        const bool grey = channels < 3;
-        out.has_alpha = channels == 2 || channels == 4;
-        out.rgba.resize(4 * count);
-        for (std::size_t i = 0; i < count; ++i) {
-            const float* from = read.data() + i * static_cast<std::size_t>(channels);
-            float* to = out.rgba.data() + 4 * i;
-            for (int k = 0; k < 3; ++k) to[k] = from[grey ? 0 : k];
-            to[3] = out.has_alpha ? from[channels - 1] : 1.0F;
-        }
-        if (std::any_of(out.rgba.begin(), out.rgba.end(), [](float v) { return !std::isfinite(v); })) {
-            fail(ExitCode::invalid_input, "{}: has pixels that are not finite", name);
-        }
-        return out;
-    } catch (const Error&) {
-        throw;
-    } catch (const std::exception& e) {  // a decoder's own
-        fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(e.what()));
+    std::string problem;
+    const auto in = picture_library().open(bytes, format, problem);
+    if (!in) fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(problem));
+    const PictureLayout& layout = in->layout();
+    const double pixels = static_cast<double>(layout.width) * layout.height;
+    if (layout.width < 1 || layout.height < 1 || pixels > most_image_pixels || layout.channels.empty() ||
+        layout.deep) {
+        fail(ExitCode::invalid_input, "{}: is too large (got {}x{} px; expected at most {} px)", name,
+             layout.width, layout.height, most_image_pixels);
     }
+    const std::size_t channels = std::min<std::size_t>(layout.channels.size(), 4);
+    RawImage out;
+    out.width = layout.width;
+    out.height = layout.height;
+    const auto count = static_cast<std::size_t>(layout.width) * static_cast<std::size_t>(layout.height);
+    std::vector<float> read(count * channels);
+    problem = in->read(static_cast<int>(channels), read.data());
+    if (!problem.empty())
+        fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(problem));
+    const bool grey = channels < 3;
+    out.has_alpha = channels == 2 || channels == 4;
+    out.rgba.resize(4 * count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const float* from = read.data() + i * channels;
+        float* to = out.rgba.data() + 4 * i;
+        for (int k = 0; k < 3; ++k) to[k] = from[grey ? 0 : k];
+        to[3] = out.has_alpha ? from[channels - 1] : 1.0F;
+    }
+    if (std::any_of(out.rgba.begin(), out.rgba.end(), [](float v) { return !std::isfinite(v); })) {
+        fail(ExitCode::invalid_input, "{}: has pixels that are not finite", name);
+    }
+    return out;
 }
 
 ImageTexture colour_image(const RawImage& raw) {

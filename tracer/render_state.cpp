@@ -1,8 +1,14 @@
 #include "tracer/render_state.h"
 
-#include <OpenImageIO/imageio.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <bit>
 #include <cstring>
+#include <exception>
+#include <memory>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -10,6 +16,7 @@
 #include "core/error.h"
 #include "core/output_file.h"
 #include "records/exr_attributes.h"
+#include "records/flat_exr.h"
 
 namespace postlens {
 namespace {
@@ -22,20 +29,27 @@ std::size_t words_per_pixel(int halves) {
     return 3 + 7 * static_cast<std::size_t>(halves);
 }
 
-OIIO::ImageSpec layout(int width, int height, int halves) {
-    OIIO::ImageSpec spec(width, height, static_cast<int>(words_per_pixel(halves)), OIIO::TypeDesc::FLOAT);
-    spec.channelnames = {"R", "G", "B"};
-    spec.channelformats.assign(3, OIIO::TypeDesc::FLOAT);
+/// Their first word in `words`, which may be null.
+std::vector<FlatExr::Channel> channels(int halves, const std::uint32_t* words) {
+    std::vector<FlatExr::Channel> out;
+    const auto add = [&](std::string name, ExrChannel::Type type) {
+        out.push_back({std::move(name), type, words == nullptr ? nullptr : words + out.size()});
+    };
+    for (const char* colour : {"R", "G", "B"}) add(colour, ExrChannel::Type::float32);
     for (int h = 0; h < halves; ++h) {
         const std::string half = fmt::format("half{}.", h);
-        spec.channelnames.push_back(half + "samples");
+        add(half + "samples", ExrChannel::Type::uint32);
         for (const char* colour : {"R", "G", "B"}) {
-            spec.channelnames.push_back(half + colour + ".low");
-            spec.channelnames.push_back(half + colour + ".high");
+            add(half + colour + ".low", ExrChannel::Type::uint32);
+            add(half + colour + ".high", ExrChannel::Type::uint32);
         }
     }
-    spec.channelformats.resize(spec.channelnames.size(), OIIO::TypeDesc::UINT);
-    return spec;
+    return out;
+}
+
+std::string text_of(const Imf::Header& header, const char* name) {
+    const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
+    return attribute == nullptr ? std::string() : attribute->value();
 }
 
 std::vector<std::uint32_t> pack(const RenderState& s) {
@@ -121,17 +135,15 @@ Image RenderState::half(int which) const {
 
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings) {
     OutputFile file(path);
-    OIIO::ImageSpec spec = layout(state.width, state.height, state.halves);
     const std::vector<std::uint32_t> words = pack(state);
-    spec.attribute("compression", "none");  // sums are noise to any compression
-    spec.attribute(settings_attribute, settings);
-    spec.attribute(checksum_attribute, checksum(words));
-    auto out = OIIO::ImageOutput::create("exr");
-    if (!out || !out->open(file.temporary_path().string(), spec) ||
-        !out->write_image(OIIO::TypeDesc::UNKNOWN, words.data()) || !out->close()) {
-        fail(ExitCode::cannot_write, "{}: cannot write: {}", path.string(),
-             out ? out->geterror() : OIIO::geterror());
-    }
+    FlatExr exr;
+    exr.display = exr.data = {0, 0, state.width - 1, state.height - 1};
+    exr.channels = channels(state.halves, words.data());
+    exr.pixel_bytes = sizeof(std::uint32_t) * words_per_pixel(state.halves);
+    exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(state.width);
+    exr.compression = ChunkCompression::none;  // sums are noise to any compression
+    exr.texts = {{settings_attribute, settings}, {checksum_attribute, checksum(words)}};
+    write_flat_exr(file.temporary_path(), path.string(), exr);
     file.commit();
 }
 
@@ -145,38 +157,39 @@ void read_state(const std::filesystem::path& path, const std::string& settings, 
     } catch (const Error& e) {
         bad(e.what());
     }
-    auto in = OIIO::ImageInput::open(path.string());
-    if (!in) {
-        OIIO::geterror();
+    std::unique_ptr<Imf::InputFile> in;
+    try {
+        in = std::make_unique<Imf::InputFile>(path.c_str());
+    } catch (const std::exception&) {
         bad("it is no picture that an interrupted run left");
     }
-    const OIIO::ImageSpec& spec = in->spec();
-    const OIIO::ImageSpec wanted = layout(state.width, state.height, state.halves);
-    const std::string found = spec.get_string_attribute(settings_attribute);
+    const Imf::Header& header = in->header();
+    const std::string found = text_of(header, settings_attribute);
     if (found.empty()) bad("it is no picture that an interrupted run left");
     if (found != settings) bad(fmt::format("other settings (got {}; expected {})", found, settings));
-    if (spec.width != wanted.width || spec.height != wanted.height || spec.nchannels != wanted.nchannels)
+    const Imath::Box2i& window = header.dataWindow();
+    if (window != Imath::Box2i({0, 0}, {state.width - 1, state.height - 1}))
         bad("its size does not fit its settings");
-    // Readers may order channels by their own taste.
-    std::vector<std::size_t> channel;
-    for (std::size_t i = 0; i < wanted.channelnames.size(); ++i) {
-        const int at = spec.channelindex(wanted.channelnames[i]);
-        if (at < 0 || spec.channelformat(at) != wanted.channelformats[i]) bad("channels are missing");
-        channel.push_back(static_cast<std::size_t>(at));
+    std::vector<std::uint32_t> words(words_per_pixel(state.halves) * static_cast<std::size_t>(state.width) *
+                                     static_cast<std::size_t>(state.height));
+    const std::size_t pixel_bytes = sizeof(std::uint32_t) * words_per_pixel(state.halves);
+    Imf::FrameBuffer buffer;
+    std::size_t at = 0;
+    for (const FlatExr::Channel& wanted : channels(state.halves, nullptr)) {
+        const auto type = wanted.type == ExrChannel::Type::float32 ? Imf::FLOAT : Imf::UINT;
+        const Imf::Channel* channel = header.channels().findChannel(wanted.name);
+        if (channel == nullptr || channel->type != type || channel->xSampling != 1 || channel->ySampling != 1)
+            bad("channels are missing");
+        buffer.insert(wanted.name, Imf::Slice(type, reinterpret_cast<char*>(words.data() + at++), pixel_bytes,
+                                              pixel_bytes * static_cast<std::size_t>(state.width)));
     }
-    const std::size_t n = channel.size();
-    std::vector<std::uint32_t> row(n * static_cast<std::size_t>(state.width)), words;
-    words.reserve(row.size() * static_cast<std::size_t>(state.height));
-    for (int y = 0; y < state.height; ++y) {
-        if (!in->read_scanline(y, 0, OIIO::TypeDesc::UNKNOWN, row.data())) {
-            bad(fmt::format("damaged: {}", in->geterror()));
-        }
-        for (std::size_t x = 0; x < static_cast<std::size_t>(state.width); ++x) {
-            for (const std::size_t c : channel) words.push_back(row[x * n + c]);
-        }
+    try {
+        in->setFrameBuffer(buffer);
+        in->readPixels(0, state.height - 1);
+    } catch (const std::exception& e) {
+        bad(fmt::format("damaged: {}", e.what()));
     }
-    if (checksum(words) != spec.get_string_attribute(checksum_attribute))
-        bad("damaged: its checksum is wrong");
+    if (checksum(words) != text_of(header, checksum_attribute)) bad("damaged: its checksum is wrong");
     unpack(words, state);
 }
 

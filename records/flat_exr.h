@@ -1,0 +1,33 @@
+// Flat OpenEXR files, one part of scanlines, written by the OpenEXR library.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "records/chunk_codec.h"
+#include "records/exr_input.h"
+
+namespace postlens {
+
+struct FlatExr {
+    /// Pixel (0, 0) is at `first`, its neighbours `pixel_bytes` and `row_bytes` on.
+    struct Channel {
+        std::string name;
+        ExrChannel::Type type = ExrChannel::Type::float32;
+        const void* first = nullptr;
+    };
+    Window display, data;
+    std::vector<Channel> channels;
+    std::size_t pixel_bytes = 0, row_bytes = 0;
+    ChunkCompression compression = ChunkCompression::rle;
+    std::vector<std::pair<std::string, std::string>> texts;  ///< attributes
+};
+
+/// Writes `path`, an existing file, from its beginning on. `shown_name` stands in messages. Throws
+/// Error(cannot_write), on a full disk too.
+void write_flat_exr(const std::filesystem::path& path, const std::string& shown_name, const FlatExr& picture);
+
+}  // namespace postlens

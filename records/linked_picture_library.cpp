@@ -1,0 +1,10 @@
+// For programs that link OpenImageIO.
+#include "records/oiio_picture_library.h"
+
+namespace postlens {
+
+const PictureLibrary& picture_library() {
+    return oiio_picture_library();
+}
+
+}  // namespace postlens

@@ -1,0 +1,131 @@
+#include "records/oiio_picture_library.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <exception>
+#include <new>
+#include <utility>
+
+namespace postlens {
+namespace {
+
+class OiioReader : public PictureReader {
+  public:
+    /// `memory`: what `in` reads from; null: a file.
+    OiioReader(std::unique_ptr<OIIO::ImageInput> in,
+               std::unique_ptr<OIIO::Filesystem::IOMemReader> memory = nullptr)
+        : memory_(std::move(memory)), in_(std::move(in)) {
+        const OIIO::ImageSpec& s = in_->spec();
+        layout_ = {.width = s.width,
+                   .height = s.height,
+                   .depth = s.depth,
+                   .x = s.x,
+                   .y = s.y,
+                   .full_x = s.full_x,
+                   .full_y = s.full_y,
+                   .full_width = s.full_width,
+                   .full_height = s.full_height,
+                   .channels = s.channelnames,
+                   .format = in_->format_name(),
+                   .colour_space = s.get_string_attribute("oiio:ColorSpace"),
+                   .crop = s.get_string_attribute(crop_attribute),
+                   .deep = s.deep,
+                   .floating_point = s.format == OIIO::TypeDesc::FLOAT || s.format == OIIO::TypeDesc::HALF ||
+                                     s.format == OIIO::TypeDesc::DOUBLE};
+    }
+
+    [[nodiscard]] const PictureLayout& layout() const override { return layout_; }
+
+    [[nodiscard]] std::string read(int channels, float* to) override {
+        try {
+            if (in_->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, to)) return {};
+            std::string problem = in_->geterror();
+            return problem.empty() ? "no reason given" : problem;
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& e) {  // a decoder's own
+            return e.what();
+        }
+    }
+
+  private:
+    std::unique_ptr<OIIO::Filesystem::IOMemReader> memory_;
+    std::unique_ptr<OIIO::ImageInput> in_;  // goes before what it reads from
+    PictureLayout layout_;
+};
+
+/// The whole file in memory: on a full disk OpenImageIO 2.4 reports success for PNG and TIFF and ends the
+/// process for JPEG, so it is not the one to write to the disk.
+std::vector<unsigned char> encode(const char* name, const OIIO::ImageSpec& spec, const void* values,
+                                  std::string& problem) {
+    try {
+        OIIO::Filesystem::IOVecOutput memory;
+        const auto out = OIIO::ImageOutput::create(name, &memory);
+        if (out && out->open(name, spec) && out->write_image(spec.format, values) && out->close())
+            return std::move(memory.buffer());
+        problem = out ? out->geterror() : OIIO::geterror();
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        problem = e.what();
+    }
+    return {};
+}
+
+class OiioLibrary : public PictureLibrary {
+  public:
+    [[nodiscard]] std::unique_ptr<PictureReader> open(const std::string& path,
+                                                      std::string& problem) const override {
+        try {
+            if (auto in = OIIO::ImageInput::open(path)) return std::make_unique<OiioReader>(std::move(in));
+            problem = OIIO::geterror();
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& e) {
+            problem = e.what();
+        }
+        return nullptr;
+    }
+
+    [[nodiscard]] std::unique_ptr<PictureReader> open(std::string_view bytes, const std::string& format,
+                                                      std::string& problem) const override {
+        try {
+            auto memory = std::make_unique<OIIO::Filesystem::IOMemReader>(bytes.data(), bytes.size());
+            auto in = OIIO::ImageInput::open("memory." + format, nullptr, memory.get());
+            if (in) return std::make_unique<OiioReader>(std::move(in), std::move(memory));
+            problem = OIIO::geterror();
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& e) {
+            problem = e.what();
+        }
+        return nullptr;
+    }
+
+    [[nodiscard]] std::vector<unsigned char> tiff(int width, int height, std::span<const std::uint16_t> rgb,
+                                                  std::string& problem) const override {
+        OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT16);
+        // No colour space: it would ask for an EXIF directory, which OpenImageIO 2.4 cannot write to memory.
+        // Integer pixels are taken as sRGB without it.
+        // No time of writing, which it would add: equal pictures would be unequal files.
+        spec["DateTime"] = "";
+        return encode("picture.tif", spec, rgb.data(), problem);
+    }
+
+    [[nodiscard]] std::vector<unsigned char> jpeg(int width, int height, std::span<const std::uint8_t> rgb,
+                                                  std::string& problem) const override {
+        OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
+        spec["oiio:ColorSpace"] = "sRGB";
+        spec["compression"] = "jpeg:95";
+        return encode("picture.jpg", spec, rgb.data(), problem);
+    }
+};
+
+}  // namespace
+
+const PictureLibrary& oiio_picture_library() {
+    static const OiioLibrary library;
+    return library;
+}
+
+}  // namespace postlens

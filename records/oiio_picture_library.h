@@ -1,0 +1,10 @@
+// PictureLibrary as OpenImageIO has it.
+#pragma once
+
+#include "records/picture_library.h"
+
+namespace postlens {
+
+[[nodiscard]] const PictureLibrary& oiio_picture_library();
+
+}  // namespace postlens
