@@ -1,6 +1,7 @@
 // A raster of numbers that tells quickly whether something lower than a cone lies near a place.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -38,8 +39,10 @@ class MinMaxPyramid {
     };
     [[nodiscard]] int coarse_level(double radius) const;
     [[nodiscard]] bool any_in(const Cone& cone, int level) const;
-    template <typename Visit>
-    void descend(const glm::dvec2& at, const Visit& visit) const;
+    enum class Next : std::uint8_t { into, past, end };  ///< of a square: look inside, do not, or stop
+    template <typename Visit, typename Promise, typename Keeps>
+    void descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
+                 const Keeps& keeps) const;
 
     int x_begin_, y_begin_;
     std::vector<Level> levels_;  ///< from the values up to a single square

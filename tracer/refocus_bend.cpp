@@ -15,12 +15,17 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Newton's method with derivatives that stay those of the pinhole gains a digit or so each time; a ray that
-// is not found in so many steps is bent beyond use.
+// Newton's method with derivatives that stay those of the pinhole gains a digit or so each time; near
+// caustics it goes to and fro. A ray that is not found in so many steps counts with what may still be
+// missing, and where the steps grow it is bent beyond use.
 constexpr int most_steps = 5;
 // The last step may leave so much of the departure unsettled; and where it is of so few px, it was right to a
 // share of itself, whichever step it was.
 constexpr double settled_share = 0.05, settled_px = 0.1;
+// The first step leaves less than so much of itself; later ones what they are of the step before.
+constexpr double first_step_leaves = 0.25;
+// Of settled_px: what departs by less on one side of the lens is not looked at on the other.
+constexpr double straight_share = 0.5;
 
 // Of a ray behind surfaces that are not part of the chain.
 constexpr int most_passed = 16;
@@ -30,6 +35,8 @@ struct Probe {
     std::uint32_t node = 0;
     dvec2 q{0}, predicted{0}, tangent{0};
     double last_step = infinity;
+    double departure = 0, unsettled = 0;  // from the prediction, and what may be wrong with that
+    bool converges = false;
     // The ray as it is now.
     dvec3 origin{0}, direction{0}, off{0};
     double start = 0;  // from the origin, where surfaces are passed by
@@ -137,56 +144,123 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 
 }  // namespace
 
-void measure_bends(const RayScene& scene, const CameraModel& camera, double radius_m,
-                   std::span<const BentNode> nodes, std::vector<float>& out, std::uint64_t& rays_spent) {
-    thread_local std::vector<Probe> probes;
-    thread_local std::vector<std::uint32_t> open;
-    probes.clear();
-    open.clear();
-    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-        const BentNode& n = nodes[i];
-        for (const dvec2 q : {dvec2(1, 0), dvec2(-1, 0), dvec2(0, 1), dvec2(0, -1)}) {
-            Probe p;
-            p.node = i;
-            p.q = radius_m * q;
-            p.predicted =
-                n.tangent - dvec2(static_cast<double>(n.w.xx) * p.q.x + static_cast<double>(n.w.xy) * p.q.y,
-                                  static_cast<double>(n.w.yx) * p.q.x + static_cast<double>(n.w.yy) * p.q.y);
-            p.tangent = p.predicted;
-            open.push_back(static_cast<std::uint32_t>(probes.size()));
-            probes.push_back(p);
-        }
+namespace {
+
+/// Beyond this a tangent is no picture's: W is that of a fold, or the steps run away.
+constexpr double widest_tangent = 1e3;
+
+bool runs_away(const dvec2& tangent) {
+    return !(glm::length(tangent) < widest_tangent);
+}
+
+/// Rays that see nodes, and how far from where W has them they start.
+struct Search {
+    std::vector<Probe> probes;
+    std::vector<std::uint32_t> open;  ///< of the probes: those that have not settled
+    // By node:
+    std::vector<bool> ended;       ///< one of its rays is lost
+    std::vector<double> greatest;  ///< departure of those that have settled
+    std::vector<double> at_least;  ///< of all of them
+
+    void begin(std::span<const BentNode> nodes) {
+        probes.clear();
+        ended.assign(nodes.size(), false);
+        greatest.assign(nodes.size(), 0);
+        at_least.assign(nodes.size(), 0);
     }
-    const Prober prober(scene, camera, nodes);
-    // Beyond this a tangent is no picture's: W is that of a fold, or the steps run away.
-    constexpr double widest_tangent = 1e3;
-    const auto runs_away = [](const dvec2& tangent) { return !(glm::length(tangent) < widest_tangent); };
-    std::vector<bool> ended(nodes.size(), false);
+    void add(const BentNode& n, std::uint32_t node, const dvec2& q) {
+        Probe p;
+        p.node = node;
+        p.q = q;
+        p.predicted =
+            n.tangent - dvec2(static_cast<double>(n.w.xx) * q.x + static_cast<double>(n.w.xy) * q.y,
+                              static_cast<double>(n.w.yx) * q.x + static_cast<double>(n.w.yy) * q.y);
+        p.tangent = p.predicted;
+        open.push_back(static_cast<std::uint32_t>(probes.size()));
+        probes.push_back(p);
+    }
+    void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
+                std::uint64_t& rays_spent);
+    /// Of one that is not hidden, as a tangent; infinite where it was not found.
+    [[nodiscard]] static double departure(const Probe& p) {
+        return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
+    }
+
+  private:
+    void correct(const Prober& prober, bool first_step);
+};
+
+void Search::correct(const Prober& prober, bool first_step) {
+    for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
+    for (const std::uint32_t i : open) {
+        Probe& p = probes[i];
+        // One ray that is lost decides for its node.
+        if (p.lost) ended[p.node] = true;
+        if (p.ended()) continue;
+        const dvec2 change = prober.correction(p);
+        const double length = glm::length(change);
+        const double leaves = first_step ? first_step_leaves : length / p.last_step;
+        p.tangent += change;
+        p.last_step = length;
+        p.departure = glm::length(p.tangent - p.predicted);
+        p.converges = leaves < 1;
+        p.unsettled = p.converges ? leaves * length : length;
+        at_least[p.node] = std::max(at_least[p.node], p.departure - p.unsettled);
+    }
+}
+
+void Search::settle(const RayScene& scene, const Prober& prober, double settled_tangent,
+                    std::uint64_t& rays_spent) {
     for (int step = 0; step < most_steps && !open.empty(); ++step) {
         for (const std::uint32_t i : open) probes[i].lost = runs_away(probes[i].tangent);
         follow(scene, prober, probes, open, rays_spent);
+        correct(prober, step == 0);
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
-            // One ray that is lost decides for its node.
-            if (p.lost) ended[p.node] = true;
             if (ended[p.node] || p.hidden) return true;
-            const dvec2 change = prober.correction(p);
-            p.tangent += change;
-            p.last_step = glm::length(change);
-            const double departure = glm::length(p.tangent - p.predicted);
-            const bool settled = p.last_step <= settled_px * camera.tangent_per_px ||
-                                 (step > 0 && p.last_step <= settled_share * departure);
-            if (settled) p.last_step = 0;
-            return settled;
+            // Only the greatest departure counts.
+            const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
+            const bool settled = p.last_step <= settled_tangent ||
+                                 (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
+            if (!smaller && !settled) return false;
+            p.unsettled = 0;
+            p.converges = true;
+            greatest[p.node] = std::max(greatest[p.node], p.departure);
+            return true;
         });
     }
+    open.clear();
+}
+
+}  // namespace
+
+void measure_bends(const RayScene& scene, const CameraModel& camera, double radius_m,
+                   std::span<const BentNode> nodes, std::vector<float>& out, std::uint64_t& rays_spent) {
+    thread_local Search search;
+    search.begin(nodes);
+    const Prober prober(scene, camera, nodes);
+    const double settled_tangent = settled_px * camera.tangent_per_px;
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+        for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
+    }
+    search.settle(scene, prober, settled_tangent, rays_spent);
+    // Departures are of second order, the same on both sides of the lens but for what is of third: where two
+    // rays at right angles see the node all but where it should be, the two across from them would as well.
+    // That is most nodes.
+    std::vector<bool> straight(nodes.size(), true);
+    for (const Probe& p : search.probes) {
+        if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
+    }
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+        if (straight[i] || search.ended[i]) continue;
+        for (const dvec2 q : {dvec2(-1, 0), dvec2(0, -1)}) search.add(nodes[i], i, radius_m * q);
+    }
+    search.settle(scene, prober, settled_tangent, rays_spent);
     out.assign(nodes.size(), -1);
-    for (const Probe& p : probes) {
+    for (const Probe& p : search.probes) {
         if (p.hidden) continue;
-        const bool found = !p.lost && p.last_step == 0 && !runs_away(p.tangent);
-        const double bend = found ? glm::length(p.tangent - p.predicted) / (radius_m * radius_m) : infinity;
         // Converted from float: what is too large for a half is infinite.
-        const float rounded = Imath::half(static_cast<float>(bend));
+        const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
     // Of those that nothing is known of, none was found.
