@@ -128,11 +128,14 @@ void write_other(OutputFile& file, Format format, const Image& image) {
 }  // namespace
 
 void check_image_path(const fs::path& path) {
-    if (format_of(path) == Format::unknown) {
+    const Format format = format_of(path);
+    if (format == Format::unknown) {
         fail(ExitCode::wrong_arguments,
              "{}: unknown kind of image (got ending \"{}\"; expected exr, png, tif or jpg)", path.string(),
              path.extension().string());
     }
+    // Where it cannot be loaded, that is to be known before the work is done.
+    if (format == Format::tiff || format == Format::jpeg) (void)picture_library();
 }
 
 void check_exr_path(const fs::path& path, const char* what) {

@@ -49,7 +49,8 @@ struct Crop {
 void write_image(const std::filesystem::path& path, const Image& image,
                  const std::optional<Crop>& crop = std::nullopt);
 
-/// Throws Error(wrong_arguments) where `write_image` would refuse the path, before any work is done.
+/// Throws Error(wrong_arguments) where `write_image` would refuse the path, before any work is done; and
+/// Error(invalid_input) where what writes it cannot be loaded (picture_library.h).
 void check_image_path(const std::filesystem::path& path);
 /// The same for files that are written as OpenEXR alone; `what` they hold: "records", "responses".
 void check_exr_path(const std::filesystem::path& path, const char* what);

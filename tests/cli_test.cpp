@@ -293,6 +293,9 @@ TEST_F(Cli, OpenImageIOIsLoadedByWhatNeedsItAlone) {
         EXPECT_EQ(run({"image", frame, "-o", in(name)}).exit_code, 0) << name;
     const std::string module = "/postlens_pictures.so: cannot be loaded (";
     refused({"image", frame, "-o", in("x.jpg")}, ExitCode::invalid_input, module);
+    // Before any work is done: this picture would take hours.
+    refused({"render", scene(), "-o", in("x.tif"), "--size", "4096x4096", "--spp", "10000"},
+            ExitCode::invalid_input, module);
     refused({"compare", in("x.exr"), in("x.exr")}, ExitCode::invalid_input, module);
     program_ = POSTLENS_BINARY;
     EXPECT_EQ(run({"compare", in("x.exr"), in("x.exr")}).exit_code, 0);
