@@ -9,6 +9,19 @@
 namespace postlens {
 namespace {
 
+/// What `work` comes to; where a decoder or encoder throws something of its own, nothing, and what it said.
+template <typename Work>
+auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        problem = e.what();
+        return {};
+    }
+}
+
 class OiioReader : public PictureReader {
   public:
     /// `memory`: what `in` reads from; null: a file.
@@ -37,15 +50,13 @@ class OiioReader : public PictureReader {
     [[nodiscard]] const PictureLayout& layout() const override { return layout_; }
 
     [[nodiscard]] std::string read(int channels, float* to) override {
-        try {
-            if (in_->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, to)) return {};
-            std::string problem = in_->geterror();
-            return problem.empty() ? "no reason given" : problem;
-        } catch (const std::bad_alloc&) {
-            throw;
-        } catch (const std::exception& e) {  // a decoder's own
-            return e.what();
-        }
+        std::string problem;
+        const bool ok = guarded(problem, [&] {
+            if (in_->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, to)) return true;
+            problem = in_->geterror();
+            return false;
+        });
+        return ok ? "" : problem.empty() ? "no reason given" : problem;
     }
 
   private:
@@ -58,48 +69,36 @@ class OiioReader : public PictureReader {
 /// process for JPEG, so it is not the one to write to the disk.
 std::vector<unsigned char> encode(const char* name, const OIIO::ImageSpec& spec, const void* values,
                                   std::string& problem) {
-    try {
+    return guarded(problem, [&]() -> std::vector<unsigned char> {
         OIIO::Filesystem::IOVecOutput memory;
         const auto out = OIIO::ImageOutput::create(name, &memory);
         if (out && out->open(name, spec) && out->write_image(spec.format, values) && out->close())
             return std::move(memory.buffer());
         problem = out ? out->geterror() : OIIO::geterror();
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& e) {
-        problem = e.what();
-    }
-    return {};
+        return {};
+    });
 }
 
 class OiioLibrary : public PictureLibrary {
   public:
     [[nodiscard]] std::unique_ptr<PictureReader> open(const std::string& path,
                                                       std::string& problem) const override {
-        try {
+        return guarded(problem, [&]() -> std::unique_ptr<PictureReader> {
             if (auto in = OIIO::ImageInput::open(path)) return std::make_unique<OiioReader>(std::move(in));
             problem = OIIO::geterror();
-        } catch (const std::bad_alloc&) {
-            throw;
-        } catch (const std::exception& e) {
-            problem = e.what();
-        }
-        return nullptr;
+            return nullptr;
+        });
     }
 
     [[nodiscard]] std::unique_ptr<PictureReader> open(std::string_view bytes, const std::string& format,
                                                       std::string& problem) const override {
-        try {
+        return guarded(problem, [&]() -> std::unique_ptr<PictureReader> {
             auto memory = std::make_unique<OIIO::Filesystem::IOMemReader>(bytes.data(), bytes.size());
             auto in = OIIO::ImageInput::open("memory." + format, nullptr, memory.get());
             if (in) return std::make_unique<OiioReader>(std::move(in), std::move(memory));
             problem = OIIO::geterror();
-        } catch (const std::bad_alloc&) {
-            throw;
-        } catch (const std::exception& e) {
-            problem = e.what();
-        }
-        return nullptr;
+            return nullptr;
+        });
     }
 
     [[nodiscard]] std::vector<unsigned char> tiff(int width, int height, std::span<const std::uint16_t> rgb,

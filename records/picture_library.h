@@ -2,7 +2,7 @@
 //
 // Debian's OpenImageIO brings two hundred other libraries, which take the dynamic loader 0.3 s. The programs
 // here therefore load it when they first need it (loaded_picture_library.cpp); programs that link the
-// installed libraries link it (oiio_picture_library.cpp alone). Which of the two is a question of linking.
+// installed libraries link it (linked_picture_library.cpp). Which of the two is a question of linking.
 #pragma once
 
 #include <cstdint>
