@@ -8,6 +8,7 @@
 #include "reproject/patch_raster.h"
 #include "reproject/patch_reach.h"
 #include "reproject/patch_sweep.h"
+#include "reproject/seen_light.h"
 #include "reproject/tree_sums.h"
 
 namespace postlens {
@@ -37,7 +38,8 @@ struct Workplace {
     std::vector<std::vector<Chain>> chains;    ///< by instant: of `deeper`
     std::vector<NodePath> paths;               ///< of all chains
     WantedPixels wanted;
-    std::array<std::array<double, 4>, SeenTile::pixels> sum{};  ///< r, g, b and known
+    LightSums sum{};
+    PixelList with_children;
     TreeSums trees;
     TileViews views;
     std::vector<double> light;
@@ -212,23 +214,38 @@ class Field {
         }
     }
 
-    /// Whether a view has nothing of a patch in a part of the tile.
-    static bool misses(const PatchReach& reach, const LensShift& lens, const TilePlace& at,
-                       const TilePart& part) {
-        const glm::vec2 q(lens.lens_px), shift(lens.inverse_focus_per_m * lens.lens_px + lens.offset_px);
-        return reach.misses(q.x, q.y, shift.x, shift.y, static_cast<float>(at.x + part.x_begin),
-                            static_cast<float>(at.x + part.x_end), static_cast<float>(at.y + part.y_begin),
-                            static_cast<float>(at.y + part.y_end));
-    }
+    /// Where a view has what does not move by itself.
+    class ViewReach {
+      public:
+        ViewReach(const LensShift& lens, const TilePlace& at)
+            : q_(lens.lens_px),
+              shift_(lens.inverse_focus_per_m * lens.lens_px + lens.offset_px),
+              x_(static_cast<float>(at.x)),
+              y_(static_cast<float>(at.y)),
+              x_end_(static_cast<float>(at.x + at.width)),
+              y_end_(static_cast<float>(at.y + at.height)) {}
+        [[nodiscard]] bool misses_tile(const PatchReach& patch) const {
+            return patch.bounds(q_, shift_).misses(x_, x_end_, y_, y_end_);
+        }
+        [[nodiscard]] bool misses(const PixelBlocks& blocks, const PatchReach& patch) const {
+            const PatchReach::Bounds b = patch.bounds(q_, shift_);
+            return !blocks.any_in(b.x0 - x_, b.x1 - x_, b.y0 - y_, b.y1 - y_);
+        }
+
+      private:
+        glm::vec2 q_, shift_;
+        float x_, y_, x_end_, y_end_;
+    };
 
     void draw_primary(const PatchView& v, const PatchView::Use& use, const TilePlace& at,
                       const TilePatches& patches, SeenTile& seen) const {
         const bool still = use.motions.empty();
+        const ViewReach reach(v.lens, at);
         seen.clear();
         PatchPlace place;
         const PatchMesh& mesh = patches.mesh;
         for (std::size_t i = 0; i < mesh.patches.size(); ++i) {
-            if (still && misses(patches.reach[i], v.lens, at, {0, at.width, 0, at.height})) continue;
+            if (still && reach.misses_tile(patches.reach[i])) continue;
             const Patch& patch = mesh.patches[i];
             if (place_patch(mesh, patch, motion_of(field_, mesh, patch, use), v.lens, place))
                 draw_patch(mesh, patch, place, at, seen);
@@ -238,19 +255,18 @@ class Field {
     void draw_deeper(const PatchView& v, const PatchView::Use& use, const TilePlace& at, const SeenTile& seen,
                      Workplace& w) const {
         const PatchInstant& instant = field_.instants[use.instant];
-        w.trees.begin_use(*instant.primary->sheets,
-                          instant.deeper != nullptr ? instant.deeper->sheets : nullptr, seen);
+        w.trees.begin_use(*instant.primary, instant.deeper, seen);
         if (instant.deeper == nullptr) return;
         const bool still = use.motions.empty();
         const TilePatches& patches = w.deeper[use.instant];
         const PatchMesh& mesh = patches.mesh;
-        const TilePart& wanted = w.wanted.part;
+        const ViewReach reach(v.lens, at);
         PatchPlace place;
         for (const Chain& chain : w.chains[use.instant]) {
             SeenTile* out = w.trees.begin_chain(chain.path, w.wanted);
             if (out == nullptr) continue;
             for (std::size_t i = chain.begin; i < chain.end; ++i) {
-                if (still && misses(patches.reach[i], v.lens, at, wanted)) continue;
+                if (still && reach.misses(w.wanted.blocks, patches.reach[i])) continue;
                 const Patch& patch = mesh.patches[i];
                 if (place_patch(mesh, patch, motion_of(field_, mesh, patch, use), v.lens, place))
                     draw_patch_in(mesh, patch, place, at, w.wanted, *out);
@@ -265,32 +281,56 @@ class Field {
         // Per use: a pixel counts with the use's share where both show one surface, else the nearer counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
-            const SheetMesh& mesh = *field_.instants[v.uses[u].instant].primary->sheets;
-            for (int y = 0; y < at.height; ++y) {
-                for (int x = 0; x < at.width; ++x) {
-                    const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
-                    const std::uint32_t texel = w.seen[u].texel[k];
-                    if (texel == SeenTile::no_texel) continue;
-                    const double weight = v.uses.size() == 1 ? v.weight : v.weight * share(v, u, k, w);
-                    if (weight == 0) continue;
-                    w.sum[k][3] += weight;
-                    if (v.passes && !v.passes(at.x - field_.x + x, at.y - field_.y + y)) continue;
-                    const Texel& t = mesh.texels[texel];
-                    w.sum[k][0] += weight * static_cast<double>(t.r);
-                    w.sum[k][1] += weight * static_cast<double>(t.g);
-                    w.sum[k][2] += weight * static_cast<double>(t.b);
-                    if (trees && t.children() != 0) w.trees.add(k, weight);
-                }
+            if (v.uses.size() == 1 && !v.passes) {
+                add_all(v, at, trees, w);
+            } else {
+                add_some(v, u, at, trees, w);
             }
         }
+    }
+
+    /// Into the sums: all that a view of one use sees.
+    void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
+        const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
+        add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);
+        for (const std::size_t k : w.with_children)
+            add_children(mesh, w.seen[0].texel[k], k, v.weight, trees, w);
+    }
+
+    /// Of one of a view's uses: only what counts and passes.
+    void add_some(const PatchView& v, std::size_t u, const TilePlace& at, bool trees, Workplace& w) const {
+        const PatchMesh& mesh = *field_.instants[v.uses[u].instant].primary;
+        for (int y = 0; y < at.height; ++y) {
+            for (int x = 0; x < at.width; ++x) {
+                const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+                const std::uint32_t texel = w.seen[u].texel[k];
+                if (texel == SeenTile::no_texel) continue;
+                const double weight = v.uses.size() == 1 ? v.weight : v.weight * share(v, u, k, w);
+                if (weight == 0) continue;
+                w.sum[k][3] += weight;
+                if (v.passes && !v.passes(at.x - field_.x + x, at.y - field_.y + y)) continue;
+                const Texel& t = mesh.sheets->texels[texel];
+                w.sum[k][0] += weight * static_cast<double>(t.r);
+                w.sum[k][1] += weight * static_cast<double>(t.g);
+                w.sum[k][2] += weight * static_cast<double>(t.b);
+                if (t.children() != 0) add_children(mesh, texel, k, weight, trees, w);
+            }
+        }
+    }
+
+    /// What a pixel shows in the mirror or glass of a primary texel.
+    static void add_children(const PatchMesh& mesh, std::uint32_t texel, std::size_t k, double weight,
+                             bool trees, Workplace& w) {
+        const std::array<float, 3> following = mesh.following(texel);
+        for (std::size_t c = 0; c < 3; ++c) w.sum[k][c] += weight * static_cast<double>(following[c]);
+        if (trees && mesh.drawn_children(texel) != 0) w.trees.add(k, weight);
     }
 
     [[nodiscard]] double share(const PatchView& v, std::size_t u, std::size_t k, const Workplace& w) const {
         const std::size_t o = 1 - u;
         if (w.seen[o].texel[k] == SeenTile::no_texel) return 1;
         const auto id = [&](std::size_t n) {
-            const SheetMesh& mesh = *field_.instants[v.uses[n].instant].primary->sheets;
-            return mesh.sheets[mesh.texels[w.seen[n].texel[k]].sheet()].key.id;
+            return field_.instants[v.uses[n].instant].primary->id_of(w.seen[n].texel[k]);
         };
         const float mine = w.seen[u].inverse_z[k], other = w.seen[o].inverse_z[k];
         if (id(u) == id(o) && std::abs(mine - other) <= same_depth * std::max(mine, other))

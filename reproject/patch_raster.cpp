@@ -207,21 +207,22 @@ void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& pla
     if (run) draw_rows(*run, out.inverse_z.data(), out.texel.data());
 }
 
-TilePart find_parents(const SheetMesh& mesh, const SeenTile& seen) {
+TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen) {
     PartOfPixels found;
     for (int y = 0; y < SeenTile::edge; ++y) {
         const std::uint32_t* texel = seen.texel.data() + static_cast<std::size_t>(y) * SeenTile::edge;
         for (int x = 0; x < SeenTile::edge; ++x) {
-            if (texel[x] != SeenTile::no_texel && mesh.texels[texel[x]].children() != 0) found.add(x, y);
+            if (texel[x] != SeenTile::no_texel && mesh.drawn_children(texel[x]) != 0) found.add(x, y);
         }
     }
     return found.part();
 }
 
-void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
+void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out) {
     PartOfPixels found;
+    wanted.blocks = {};
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
@@ -235,12 +236,13 @@ void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t boun
                 wanted.in[k] = WantedPixels::in_gap(around(k));
                 wanted.any_gaps = true;
             } else {
-                const Texel& t = in_mesh.texels[in.texel[k] & ~SeenTile::bent];
-                if ((t.children() & bounce) == 0) continue;
-                wanted.in[k] = in_mesh.sheets[t.sheet()].key.id;
+                const std::uint32_t texel = in.texel[k] & ~SeenTile::bent;
+                if ((in_mesh.drawn_children(texel) & bounce) == 0) continue;
+                wanted.in[k] = in_mesh.id_of(texel);
             }
             out.inverse_z[k] = SeenTile::nothing;
             found.add(x, y);
+            wanted.blocks.add(x, y);
         }
     }
     wanted.part = found.part();

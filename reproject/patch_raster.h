@@ -1,6 +1,7 @@
 // Patches drawn into a small square of the raster, one sample a pixel, nearest first.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -43,6 +44,31 @@ struct TilePart {
     [[nodiscard]] bool empty() const { return x_begin >= x_end || y_begin >= y_end; }
 };
 
+/// Which blocks of a tile's pixels have something.
+class PixelBlocks {
+  public:
+    void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
+    /// Whether any has of those that [x0, x1] x [y0, y1] meets, px from the tile's corner.
+    [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
+        constexpr auto end = static_cast<float>(SeenTile::edge);
+        if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;
+        const auto block = [](float at) {
+            return static_cast<unsigned>(std::clamp(at, 0.0F, end - 1)) / block_px;
+        };
+        // Bits [from, to] of eight.
+        const auto bits = [](unsigned from, unsigned to) { return (2U << to) - (1U << from); };
+        const std::uint64_t columns = bits(block(x0), block(x1)) * std::uint64_t{0x0101010101010101};
+        const unsigned top = block(y0), bottom = block(y1);
+        const std::uint64_t rows =
+            (~std::uint64_t{0} >> (across * (across - 1 - bottom))) >> (across * top) << (across * top);
+        return (blocks_ & columns & rows) != 0;
+    }
+
+  private:
+    static constexpr unsigned across = 8, block_px = SeenTile::edge / across;
+    std::uint64_t blocks_ = 0;
+};
+
 /// Draws a patch where it has been placed. Of surfaces at one pixel the nearest stays, of equals the first
 /// drawn. A patch that is turned over is not drawn: its other side was not recorded.
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
@@ -53,20 +79,22 @@ struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};       ///< the id it is seen in, where it is wanted
     TilePart part;  ///< that has all of them; empty: it is wanted nowhere
+    PixelBlocks blocks;
     /// Whether it is also wanted where what it would be seen in is missing; `in` there is in_gap of the id.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
 
-/// Where `in`, of `in_mesh`, has a child of the bounces `bounce` (child_bit), within a `part` that has all
-/// that it has of children: into `wanted`. `out` is cleared there; elsewhere in the part's rows what is
-/// nearer than everything keeps all from being drawn. `around`: where `in` itself is wanted and missing, the
-/// id of what it is wanted in, and so the child may be there as well; none: it is not.
-void find_wanted(const SheetMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
+/// Where `in`, of `in_mesh`, has a child of the bounces `bounce` (child_bit) that is to be drawn, within a
+/// `part` that has all that it has of children: into `wanted`. `out` is cleared there; elsewhere in the
+/// part's rows what is nearer than everything keeps all from being drawn. `around`: where `in` itself is
+/// wanted and missing, the id of what it is wanted in, and so the child may be there as well; none: it is
+/// not.
+void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// The part of a tile where what is seen has children.
-[[nodiscard]] TilePart find_parents(const SheetMesh& mesh, const SeenTile& seen);
+/// The part of a tile where what is seen has children that are to be drawn.
+[[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen);
 
 /// The same of what is seen in a mirror or glass, only where it is wanted, in the sheet's parent. Turned over
 /// or not; but not where it is torn apart, a pixel to more than `largest_torn_px`. In gaps only what is

@@ -14,14 +14,18 @@ struct PatchReach {
     float xx = 0, xy = 0, yx = 0, yy = 0;   ///< of the middle: W, 1/m
     float half_width = 0, half_height = 0;  ///< px
 
-    /// Whether no pixel of [x0, x1] x [y0, y1], raster px, can be in it. `lens_px`: the lens's point;
-    /// `shift`: by how much it moves everything, px.
-    [[nodiscard]] bool misses(float lens_x, float lens_y, float shift_x, float shift_y, float x0, float x1,
-                              float y0, float y1) const {
-        const float at_x = x + shift_x - (xx * lens_x + xy * lens_y),
-                    at_y = y + shift_y - (yx * lens_x + yy * lens_y);
-        return at_x + half_width < x0 || at_x - half_width > x1 || at_y + half_height < y0 ||
-               at_y - half_height > y1;
+    struct Bounds {
+        float x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< raster px
+        /// Whether no pixel of [left, right] x [top, bottom] can be in it.
+        [[nodiscard]] bool misses(float left, float right, float top, float bottom) const {
+            return x1 < left || x0 > right || y1 < top || y0 > bottom;
+        }
+    };
+    /// All of it lies within. `lens`: the lens's point; `shift`: by how much it moves everything, px.
+    [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
+        const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
+                    at_y = y + shift.y - (yx * lens.x + yy * lens.y);
+        return {at_x - half_width, at_x + half_width, at_y - half_height, at_y + half_height};
     }
 };
 

@@ -185,13 +185,24 @@ double PatchLens::least_blur_px(const Mat2& w) const {
     // The smaller singular value of I/s - W.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
-    const double sum = std::hypot(a + d, b - c), difference = std::hypot(a - d, b + c);
+    // Not std::hypot: nothing overflows here, and every cell is asked.
+    const double sum = std::sqrt((a + d) * (a + d) + (b - c) * (b - c)),
+                 difference = std::sqrt((a - d) * (a - d) + (b + c) * (b + c));
     return radius_px_m * std::abs(sum - difference) / 2;
 }
 
 PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens) {
     PatchMesh out;
     out.sheets = &sheets;
+    out.follows.reserve(sheets.sheets.size());
+    for (const Sheet& sheet : sheets.sheets) {
+        std::uint32_t follows = 0;
+        for (std::size_t bounce = 0; bounce < 2; ++bounce) {
+            const double strays_px = lens.radius_px_m * static_cast<double>(sheet.strays[bounce]);
+            if (strays_px <= lens.follow_px) follows |= 1U << bounce;
+        }
+        out.follows.push_back(static_cast<std::uint8_t>(follows));
+    }
     constexpr std::size_t per_task = 256;
     const std::size_t tasks = (sheets.sheets.size() + per_task - 1) / per_task;
     std::vector<PatchMesh> parts(tasks);

@@ -1,6 +1,7 @@
 // Sheets cut into patches whose depth is a plane, as nearly as a lens can tell: each moves by an affine map.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
@@ -17,6 +18,10 @@ struct PatchLens {
     double radius_px_m = 0;  ///< gain times the lens's radius: px by which 1/m out of focus moves its rim
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< px by which a W.bend of 1/m^2 misses at the rim
+    /// px at the rim by which what is seen in a mirror or in glass may part from it and yet be taken for its
+    /// own light; less than 0: none is.
+    double follow_px = default_follow_px;
+    static constexpr double default_follow_px = 0.25;
 
     /// Least half width of the blur of what has this W, px.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
@@ -49,7 +54,31 @@ struct PatchMesh {
     std::vector<Patch> patches;
     /// By patch, `sheets->values` each, around the patch's corner: 1/z', xx, xy, yx, yy.
     std::vector<CellPlane> planes;
+    /// By sheet: child_bit of the bounces whose light moves with the sheet, as nearly as a lens can tell.
+    std::vector<std::uint8_t> follows;
 
+    /// Of a texel of `sheets`: child_bit of the bounces that are to be drawn for themselves.
+    [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
+        const Texel& t = sheets->texels[texel];
+        const std::uint8_t children = t.children();
+        return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
+    }
+    /// The light that moves with a texel of `sheets`, beside its own.
+    [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
+        std::array<float, 3> rgb{};
+        const Texel& t = sheets->texels[texel];
+        if (t.children() == 0) return rgb;
+        const auto with = static_cast<std::uint32_t>(t.children() & follows[t.sheet()]);
+        for (std::size_t bounce = 0; bounce < 2; ++bounce) {
+            if ((with >> bounce & 1U) == 0) continue;
+            for (std::size_t c = 0; c < 3; ++c) rgb[c] += sheets->below[texel][bounce][c];
+        }
+        return rgb;
+    }
+    /// Of what has a texel of `sheets`.
+    [[nodiscard]] std::uint32_t id_of(std::uint32_t texel) const {
+        return sheets->sheets[sheets->texels[texel].sheet()].key.id;
+    }
     [[nodiscard]] const Sheet& sheet(const Patch& p) const { return sheets->sheets[p.sheet]; }
     /// Raster px of its corner.
     [[nodiscard]] glm::dvec2 corner(const Patch& p) const { return {sheet(p).x + p.x, sheet(p).y + p.y}; }

@@ -123,17 +123,46 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     }
 }
 
+/// W of a node: what is seen directly has its depth's.
+Mat2 w_of(const Record& r) {
+    return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
+}
+
+/// The greater singular value of a - b.
+float departure(const Mat2& a, const Mat2& b) {
+    const float xx = a.xx - b.xx, xy = a.xy - b.xy, yx = a.yx - b.yx, yy = a.yy - b.yy;
+    return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
+}
+
+/// Tells each node of a run what goes on from it: its parent, and that one's, and so on.
+void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
+                std::vector<TreeSurface>& nodes) {
+    for (std::uint32_t i = 0; i < parents.size(); ++i) {
+        const Record& r = first[i];
+        const bool bright = std::max({r.r, r.g, r.b}) > bright_above;
+        for (std::uint32_t at = i; parents[at] != at; at = parents[at]) {
+            const Record& above = first[parents[at]];
+            TreeSurface& node = nodes[parents[at]];
+            const auto bounce = static_cast<std::size_t>(first[at].path.kind()) - 1;
+            auto& below = node.below[bounce];
+            below = {below[0] + r.r, below[1] + r.g, below[2] + r.b};
+            const float stray = bright ? HUGE_VALF : departure(w_of(r), w_of(above));
+            node.strays[bounce] = std::max(node.strays[bounce], std::isnan(stray) ? HUGE_VALF : stray);
+        }
+    }
+}
+
 }  // namespace
 
-void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, SampleTrees& primary,
-                SampleTrees& deeper) {
+void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
+                SampleTrees& primary, SampleTrees& deeper) {
     for (SampleTrees* trees : {&primary, &deeper}) {
         trees->nodes.clear();
         trees->offsets.assign(1, 0);
         trees->any_below = false;
     }
     std::vector<std::uint32_t> parents;
-    std::vector<std::uint8_t> children;
+    std::vector<TreeSurface> nodes;
     const auto surface = [](const Record& r) {
         TreeSurface s;
         s.inverse_z = std::isinf(r.z) ? 0.0F : 1 / r.z;
@@ -153,21 +182,18 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
                 return;
             }
             find_parents(first, last, parents);
-            children.assign(parents.size(), 0);
+            nodes.clear();
+            for (const Record* r = first; r != last; ++r) nodes.push_back(surface(*r));
             for (std::uint32_t i = 0; i < parents.size(); ++i) {
-                if (parents[i] != i) children[parents[i]] |= child_bit(first[i].path.kind());
+                if (parents[i] != i) nodes[parents[i]].children |= child_bit(first[i].path.kind());
             }
+            find_below(first, parents, bright_above, nodes);
             for (std::uint32_t i = 0; i < parents.size(); ++i) {
                 const Record& r = first[i];
-                TreeSurface s = surface(r);
-                s.children = children[i];
+                TreeSurface& s = nodes[i];
+                SampleTrees& trees = r.path.bits() == 0 ? primary : deeper;
+                if (s.children != 0) trees.any_below = true;
                 if (r.path.bits() == 0) {
-                    for (const Record* d = first; d != last; ++d) {
-                        if (d->path.bits() == 0) continue;
-                        auto& below = s.below[static_cast<std::size_t>(d->path.bounce(0)) - 1];
-                        below = {below[0] + d->r, below[1] + d->g, below[2] + d->b};
-                    }
-                    primary.any_below = true;
                     primary.nodes.push_back(s);
                     continue;
                 }

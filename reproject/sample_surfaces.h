@@ -28,8 +28,11 @@ struct TreeSurface {
     std::uint8_t children = 0;    ///< child_bit of the bounces that have a node here
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
-    /// Of primary nodes: the colours of all nodes whose first bounce is the reflection, the transmission.
+    /// The colours of all nodes that go on from here by the reflection, by the transmission.
     std::array<std::array<float, 3>, 2> below{};
+    /// How far W of any of them departs from this node's, 1/m: the greatest that a lens direction of length 1
+    /// is moved by. Infinite where one is brighter than asked for.
+    std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
     return static_cast<std::uint8_t>(1U << (static_cast<std::uint32_t>(b) - 1));
@@ -62,8 +65,9 @@ struct SampleTrees {
 
 /// As find_surfaces, with every node by itself: primary nodes, hidden ones included, into `primary`, all
 /// others into `deeper`. Of a layer without a primary node, which is what a mirror or glass of layer 0 hides,
-/// the nodes whose parent is known.
-void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, SampleTrees& primary,
-                SampleTrees& deeper);
+/// the nodes whose parent is known. `bright_above`: light above this in any channel may not be taken for its
+/// mirror's own (TreeSurface::strays).
+void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
+                SampleTrees& primary, SampleTrees& deeper);
 
 }  // namespace postlens

@@ -174,6 +174,7 @@ void SheetBuilder::add_sheets(std::span<const Piece* const> pieces) {
                 d.planes.clear();
                 d.bends.clear();
                 d.depth = 0;
+                d.strays = {};
                 d.number = static_cast<std::uint32_t>(out_.sheets.size() + s);
             }
             add_cell(s, parts[s].pieces, cell);
@@ -197,6 +198,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
     const std::size_t first_light = out_.bright.size();
     std::uint8_t children = 0;
     std::array<std::array<float, 3>, 2> below{};
+    std::array<float, 2>& strays = drafts_[sheet].strays;
     Texel t;
     const float share = 1.0F / static_cast<float>(piece.corners);
     for (int k = 0; k < piece.corners; ++k) {
@@ -213,6 +215,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
             }
         }
         children |= s.children;
+        for (std::size_t n = 0; n < 2; ++n) strays[n] = std::max(strays[n], s.strays[n]);
         if (excess == std::array<float, 3>{}) continue;
         // The quarter of the square next to this corner.
         const bool whole = piece.corners == 4;
@@ -236,7 +239,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
     t.info = (drafts_[sheet].number << 2U) | children;
     out_.texels.push_back(t);
     note_bright(first_light, piece.size * piece.size);
-    if (children != 0 && key_.path.bits() == 0) {
+    if (children != 0) {
         out_.below.resize(out_.texels.size());
         out_.below.back() = below;
     } else if (!out_.below.empty()) {
@@ -395,6 +398,7 @@ void SheetBuilder::emit() {
         sheet.width = x1 - x0;
         sheet.height = y1 - y0;
         sheet.depth = d.depth;
+        sheet.strays = d.strays;
         const std::size_t first = out_.fine.size();
         sheet.first_cell = static_cast<std::uint32_t>(first);
         const std::size_t end = first + static_cast<std::size_t>(sheet.width * sheet.height);

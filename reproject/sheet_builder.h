@@ -69,6 +69,7 @@ class SheetBuilder {
         std::vector<CellPlane> planes;
         std::vector<float> bends;
         int depth = 0;
+        std::array<float, 2> strays{};
         std::uint32_t number = 0;
     };
 

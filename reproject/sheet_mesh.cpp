@@ -85,9 +85,9 @@ struct Strip {
     SampleTrees primary, deeper;
     SheetKeys primary_keys, deeper_keys;
 
-    void find(const RecordBand& band) {
+    void find(const RecordBand& band, float bright_above) {
         find_leaves(band, y, y_end, leaves);
-        find_trees(band, leaves.points, y, primary, deeper);
+        find_trees(band, leaves.points, y, bright_above, primary, deeper);
         find_sheet_keys(primary, primary_keys);
         find_sheet_keys(deeper, deeper_keys);
     }
@@ -161,7 +161,7 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
-            strip.find(band);
+            strip.find(band, rule.above);
             if (also.leaves) also.leaves(band, strip.y, strip.y_end, strip.leaves);
         });
         const std::size_t first_part = parts.size();

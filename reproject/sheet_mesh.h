@@ -51,6 +51,7 @@ struct Sheet {
     std::uint32_t first_cell = 0;                ///< row by row
     int depth = 0;                               ///< levels of its deepest quadtree
     float inverse_z_min = 0, inverse_z_max = 0;  ///< 1/m
+    std::array<float, 2> strays{};               ///< the greatest TreeSurface::strays of its texels
 };
 
 /// Light above a limit, taken from the sheets to be spread by its exact response.
@@ -85,7 +86,7 @@ struct SheetMesh {
     std::vector<float> bends;  ///< by cell, with W: the greatest Record::w_bend that it has
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
-    /// By texel where primary surfaces have mirrors or glass, else empty: TreeSurface's.
+    /// By texel where something is seen in mirrors or glass here, else empty: TreeSurface's.
     std::vector<std::array<std::array<float, 3>, 2>> below;
     /// All light above the limit, and the texels that have it, fine and coarse, unless it is taken.
     std::vector<Highlight> bright;

@@ -47,7 +47,7 @@ void TreeSums::begin(std::vector<NodePath> paths) {
     }
 }
 
-void TreeSums::begin_use(const SheetMesh& primary_mesh, const SheetMesh* deeper_mesh,
+void TreeSums::begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh,
                          const SeenTile& primary) {
     primary_mesh_ = &primary_mesh;
     deeper_mesh_ = deeper_mesh;
@@ -83,25 +83,25 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
 }
 
 std::uint32_t TreeSums::id_around(const Chain& chain, std::size_t k) const {
-    if (chains_[chain.parent].path == chain.path)
-        return primary_mesh_->sheets[primary_mesh_->texels[primary_->texel[k]].sheet()].key.id;
+    if (chains_[chain.parent].path == chain.path) return primary_mesh_->id_of(primary_->texel[k]);
     const Chain& parent = chains_[chain.parent];
     const std::uint32_t texel = parent.seen->texel[k];
     if (texel == SeenTile::no_texel) return id_around(parent, k);
-    return deeper_mesh_->sheets[deeper_mesh_->texels[texel & ~SeenTile::bent].sheet()].key.id;
+    return deeper_mesh_->id_of(texel & ~SeenTile::bent);
 }
 
 void TreeSums::add(std::size_t k, double weight) {
     const std::uint32_t in = primary_->texel[k];
-    if (in != SeenTile::no_texel) add(k, weight, first_, primary_mesh_->texels[in], in);
+    if (in == SeenTile::no_texel) return;
+    add(k, weight, first_, primary_mesh_->drawn_children(in), in);
 }
 
-void TreeSums::add(std::size_t k, double weight, const Children& chains, const Texel& in_texel,
+void TreeSums::add(std::size_t k, double weight, const Children& chains, std::uint8_t children,
                    std::uint32_t primary_texel) {
     for (std::size_t bounce = 0; bounce < chains.size(); ++bounce) {
         if (chains[bounce] == no_chain) continue;
         Chain& c = chains_[chains[bounce]];
-        if ((in_texel.children() & c.bounce) == 0) continue;
+        if ((children & c.bounce) == 0) continue;
         Sums& s = c.sums[k];
         s.wanted += weight;
         c.any_wanted = true;
@@ -111,7 +111,7 @@ void TreeSums::add(std::size_t k, double weight, const Children& chains, const T
         } else if (!c.part.empty() && add_beside(k, weight, c, primary_texel)) {
             s.beside += weight;
         } else if (c.path.depth() == 1) {
-            const auto& rgb = primary_mesh_->below[primary_texel][bounce];
+            const auto& rgb = primary_mesh_->sheets->below[primary_texel][bounce];
             c.brightest = std::max({c.brightest, rgb[0], rgb[1], rgb[2]});
             c.any_seen = true;
             for (std::size_t n = 0; n < 3; ++n) s.instead[n] += weight * static_cast<double>(rgb[n]);
@@ -121,16 +121,18 @@ void TreeSums::add(std::size_t k, double weight, const Children& chains, const T
 
 void TreeSums::add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                         std::uint32_t primary_texel) {
-    const Texel& t = deeper_mesh_->texels[texel & ~SeenTile::bent];
+    const std::uint32_t number = texel & ~SeenTile::bent;
+    const Texel& t = deeper_mesh_->sheets->texels[number];
+    std::array<float, 3> light = deeper_mesh_->following(number);
+    light = {t.r + light[0], t.g + light[1], t.b + light[2]};
     Sums& s = chain.sums[k];
     if ((texel & SeenTile::bent) != 0) s.bent += weight;
-    chain.brightest = std::max({chain.brightest, t.r, t.g, t.b});
+    chain.brightest = std::max({chain.brightest, light[0], light[1], light[2]});
     chain.any_seen = true;
     s.known += weight;
-    s.seen[0] += weight * static_cast<double>(t.r);
-    s.seen[1] += weight * static_cast<double>(t.g);
-    s.seen[2] += weight * static_cast<double>(t.b);
-    if (t.children() != 0) add(k, weight, chain.children, t, primary_texel);
+    for (std::size_t c = 0; c < 3; ++c) s.seen[c] += weight * static_cast<double>(light[c]);
+    const std::uint8_t children = deeper_mesh_->drawn_children(number);
+    if (children != 0) add(k, weight, chain.children, children, primary_texel);
 }
 
 bool TreeSums::add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel) {

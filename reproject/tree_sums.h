@@ -24,11 +24,11 @@ class TreeSums {
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
     /// Before what is seen in `primary`, which a use shows, is drawn. Both must stay while it is added.
-    void begin_use(const SheetMesh& primary_mesh, const SheetMesh* deeper_mesh, const SeenTile& primary);
+    void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
     /// Where a chain is drawn, once its parent is: made ready for the use, with where it is wanted in
     /// `wanted`. Null where no pixel wants it, and for a chain that `begin` was not told of.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
-    /// Takes in pixel k.
+    /// Takes in pixel k: what is drawn for itself there.
     void add(std::size_t k, double weight);
     /// Before the pixels are summed up, once all views are in.
     void end_views();
@@ -39,7 +39,7 @@ class TreeSums {
 
   private:
     struct Sums {
-        std::array<double, 3> seen{};     ///< colours times weights
+        std::array<double, 3> seen{};     ///< colours times weights, with what moves with it
         std::array<double, 3> instead{};  ///< what stands in for what was not seen
         double known = 0, wanted = 0;     ///< weights
         double beside = 0;                ///< of views that do not find it, but what goes on from it
@@ -61,7 +61,7 @@ class TreeSums {
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
-    void add(std::size_t k, double weight, const Children& chains, const Texel& in_texel,
+    void add(std::size_t k, double weight, const Children& chains, std::uint8_t children,
              std::uint32_t primary_texel);
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
@@ -74,7 +74,7 @@ class TreeSums {
     Children first_{no_chain, no_chain};  ///< chains of one bounce
     std::vector<Chain> chains_;           ///< by path, parents first
     std::vector<Chain> spare_;            ///< memory of earlier tiles
-    const SheetMesh *primary_mesh_ = nullptr, *deeper_mesh_ = nullptr;
+    const PatchMesh *primary_mesh_ = nullptr, *deeper_mesh_ = nullptr;
     const SeenTile* primary_ = nullptr;
     TilePart primary_part_;  ///< where something is seen in what it shows
 };

@@ -290,9 +290,7 @@ TEST(Patches, AViewMissesOnlyWhatDrawsNothing) {
             const TilePlace tile{5, 7, 12, 10, {0.1, 0.9}};
             for (const Patch& p : mesh.patches) {
                 const PatchReach reach = patch_reach(mesh, p, {6, 4}, glm::length(all));
-                if (!reach.misses(static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(all.x),
-                                  static_cast<float>(all.y), 5, 5 + 12, 7, 7 + 10))
-                    continue;
+                if (!reach.bounds(glm::vec2(q), glm::vec2(all)).misses(5, 5 + 12, 7, 7 + 10)) continue;
                 ++missed;
                 PatchPlace place;
                 ASSERT_TRUE(place_patch(mesh, p, {}, shift, place));
