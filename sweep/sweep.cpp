@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
+#include <future>
 #include <set>
 #include <xxhash.h>
 
@@ -153,14 +154,22 @@ class Sweep {
                 const auto earlier = keeping ? earlier_rows() : std::map<std::string, SweepRow>();
                 for (std::size_t i = 0; i < rows_.size(); ++i) {
                     throw_if_interrupted();
+                    if (rows_[i]) continue;
+                    if (!keeping) {
+                        MadePicture made = make(i);
+                        if (sheet) sheet->set(i, made.image);
+                        if (finish()) progress.advance();
+                        start_finishing(i, std::move(made));
+                        if (seconds_since(saved_) > 1) save();
+                        continue;
+                    }
                     Image image;
-                    if (rows_[i] || (keeping && !keep(i, earlier, sheet ? &image : nullptr))) continue;
-                    if (!keeping) image = make(i);
+                    if (!keep(i, earlier, sheet ? &image : nullptr)) continue;
                     if (sheet) sheet->set(i, image);
                     progress.advance();
-                    if (!keeping && seconds_since(saved_) > 1) save();
                 }
             }
+            if (finish()) progress.advance();
         } catch (...) {
             save_if_possible();
             throw;
@@ -259,11 +268,38 @@ class Sweep {
         return true;
     }
 
-    Image make(std::size_t i) {
+    MadePicture make(std::size_t i) {
         if (depths_.inverse_z.empty()) prepare();
         const auto start = Clock::now();
+        MadePicture made = maker_.make(grid_.pictures[i]);
+        warn_of_bend(made);
+        for (const FocusWarning& w : made.warnings) note(w);
+        made_s_ = seconds_since(start);
+        return made;
+    }
+
+    /// Writes a picture that `make` made last, and finds its figures, while the next one is made: a disk is
+    /// waited for.
+    void start_finishing(std::size_t i, MadePicture made) {
+        finishing_ = i;
+        finished_ = std::async(std::launch::async, [this, i, made = std::move(made), made_s = made_s_] {
+            const auto start = Clock::now();
+            SweepRow row = finished_row(i, made);
+            row.seconds = made_s + seconds_since(start);
+            return row;
+        });
+    }
+
+    /// Waits for what was started. False if nothing was.
+    bool finish() {
+        if (!finished_.valid()) return false;
+        rows_[finishing_] = finished_.get();
+        ++out_.made;
+        return true;
+    }
+
+    [[nodiscard]] SweepRow finished_row(std::size_t i, const MadePicture& made) const {
         const SweepSetting& s = grid_.pictures[i];
-        MadePicture made = maker_.make(s);
         const std::filesystem::path path = folder_ / names_[i];
         write_image(path, made.image);
         SweepRow row{.setting = s, .file = names_[i], .method = made.method};
@@ -282,12 +318,7 @@ class Sweep {
         if (pinhole_energy_ > 0) row.sharpness = gradient_energy(made.image) / pinhole_energy_;
         row.settings_key = key_of(s);
         row.picture_checksum = checksum_text(path);
-        warn_of_bend(made);
-        for (const FocusWarning& w : made.warnings) note(w);
-        row.seconds = seconds_since(start);
-        rows_[i] = std::move(row);
-        ++out_.made;
-        return std::move(made.image);
+        return row;
     }
 
     /// What all pictures are measured by.
@@ -349,6 +380,10 @@ class Sweep {
     /// While something else has gone wrong, of which the user is to hear.
     void save_if_possible() noexcept {
         try {
+            static_cast<void>(finish());
+        } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): it is not there, which is all
+        }
+        try {
             if (out_.made > 0) save();     // before, the earlier list is whole
         } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the first error is the one to tell
         }
@@ -369,6 +404,9 @@ class Sweep {
     std::map<double, std::optional<FocusWarning>> bends_;
     Clock::time_point saved_ = Clock::now();
     SweepResult out_;
+    double made_s_ = 0;  ///< what the last `make` took
+    std::size_t finishing_ = 0;
+    std::future<SweepRow> finished_;  ///< last, so that nothing it uses goes before it ends
 };
 
 }  // namespace
