@@ -15,9 +15,9 @@ constexpr float overlap = 0.02F;
 /// Less is seen from the edge and has no area.
 constexpr double smallest_area = 1e-6;
 
-/// Samples that are looked up together.
-constexpr int lanes = 16;
-static_assert(SeenTile::slack >= lanes);
+/// Samples that are looked up together: half as many where a patch is not wider.
+constexpr int most_lanes = 16, few_lanes = 8;
+static_assert(SeenTile::slack >= most_lanes);
 
 /// Samples (i, j) of a tile that a patch may cover, and what they read. Sample i of a row lies at
 /// `first(j) + i * by` in the patch's own coordinates: however a row is cut, it is rounded alike.
@@ -42,14 +42,14 @@ struct Run {
 
 /// Samples of a row: the cells that they read, where in those they lie, and their depths.
 struct Lanes {
-    alignas(64) std::array<std::int32_t, lanes> cell;
-    alignas(64) std::array<float, lanes> x, y, z;
+    alignas(64) std::array<std::int32_t, most_lanes> cell;
+    alignas(64) std::array<float, most_lanes> x, y, z;
 };
 
 /// 1 << n: shifts of lanes by different numbers are not in every instruction set.
-alignas(64) constexpr std::uint32_t bit[lanes] = {1,        1U << 1,  1U << 2,  1U << 3, 1U << 4,  1U << 5,
-                                                  1U << 6,  1U << 7,  1U << 8,  1U << 9, 1U << 10, 1U << 11,
-                                                  1U << 12, 1U << 13, 1U << 14, 1U << 15};
+alignas(64) constexpr std::uint32_t bit[most_lanes] = {
+    1,       1U << 1, 1U << 2,  1U << 3,  1U << 4,  1U << 5,  1U << 6,  1U << 7,
+    1U << 8, 1U << 9, 1U << 10, 1U << 11, 1U << 12, 1U << 13, 1U << 14, 1U << 15};
 
 // The following are parts of functions that are compiled for several instruction sets, and have to be inlined
 // for that.
@@ -57,6 +57,7 @@ alignas(64) constexpr std::uint32_t bit[lanes] = {1,        1U << 1,  1U << 2,  
 
 /// Samples [begin, begin + lanes) of a row that begins at `first`. Bits: those that lie in the patch and are
 /// nearer than what is there.
+template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
     const float x_end = run.width + overlap, y_end = run.height + overlap;
@@ -87,6 +88,7 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
 }
 
 /// Bits of the samples that are wanted in `id`.
+template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;
 #pragma GCC unroll 1
@@ -120,29 +122,49 @@ POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t
     }
 }
 
-#undef POSTLENS_PART
-
-POSTLENS_MULTIVERSION void draw_rows(const Run& run, float* z, std::uint32_t* texel) {
+template <int lanes>
+POSTLENS_PART void draw_run(const Run& run, float* z, std::uint32_t* texel) {
     Lanes lane;  // NOLINT(cppcoreguidelines-pro-type-member-init): find_samples fills it
     for (int j = run.j0; j <= run.j1; ++j) {
         const glm::vec2 first = run.first(j);
         for (int i = 0; i < run.count; i += lanes) {
             const std::size_t k = run.pixel(j) + static_cast<std::size_t>(i);
-            draw_samples(run, lane, find_samples(run, first, i, z + k, lane), z + k, texel + k);
+            draw_samples(run, lane, find_samples<lanes>(run, first, i, z + k, lane), z + k, texel + k);
         }
+    }
+}
+
+template <int lanes>
+POSTLENS_PART void draw_run_in(const Run& run, const std::uint32_t* in, std::uint32_t id, float* z,
+                               std::uint32_t* texel) {
+    Lanes lane;  // NOLINT(cppcoreguidelines-pro-type-member-init): find_samples fills it
+    for (int j = run.j0; j <= run.j1; ++j) {
+        const glm::vec2 first = run.first(j);
+        for (int i = 0; i < run.count; i += lanes) {
+            const std::size_t k = run.pixel(j) + static_cast<std::size_t>(i);
+            const std::uint32_t found =
+                find_samples<lanes>(run, first, i, z + k, lane) & wanted_in<lanes>(in + k, id);
+            draw_samples(run, lane, found, z + k, texel + k);
+        }
+    }
+}
+
+#undef POSTLENS_PART
+
+POSTLENS_MULTIVERSION void draw_rows(const Run& run, float* z, std::uint32_t* texel) {
+    if (run.count <= few_lanes) {
+        draw_run<few_lanes>(run, z, texel);
+    } else {
+        draw_run<most_lanes>(run, z, texel);
     }
 }
 
 POSTLENS_MULTIVERSION void draw_rows_in(const Run& run, const std::uint32_t* in, std::uint32_t id, float* z,
                                         std::uint32_t* texel) {
-    Lanes lane;  // NOLINT(cppcoreguidelines-pro-type-member-init): find_samples fills it
-    for (int j = run.j0; j <= run.j1; ++j) {
-        const glm::vec2 first = run.first(j);
-        for (int i = 0; i < run.count; i += lanes) {
-            const std::size_t k = run.pixel(j) + static_cast<std::size_t>(i);
-            const std::uint32_t found = find_samples(run, first, i, z + k, lane) & wanted_in(in + k, id);
-            draw_samples(run, lane, found, z + k, texel + k);
-        }
+    if (run.count <= few_lanes) {
+        draw_run_in<few_lanes>(run, in, id, z, texel);
+    } else {
+        draw_run_in<most_lanes>(run, in, id, z, texel);
     }
 }
 
