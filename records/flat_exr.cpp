@@ -76,18 +76,17 @@ Imf::Compression compression(ChunkCompression c) {
     return static_cast<Imf::Compression>(c);  // the numbers are those of the file
 }
 
-/// OpenEXR compresses by threads of its own, of which it has none unless told.
-void use_threads() {
+}  // namespace
+
+void use_exr_threads() {
     static std::once_flag once;
     std::call_once(once,
                    [] { Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency())); });
 }
 
-}  // namespace
-
 void write_flat_exr(const std::filesystem::path& path, const std::string& shown_name,
                     const FlatExr& picture) {
-    use_threads();
+    use_exr_threads();
     FileStream stream(path);
     try {
         Imf::Header header(box(picture.display), box(picture.data));

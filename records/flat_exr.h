@@ -26,6 +26,9 @@ struct FlatExr {
     std::vector<std::pair<std::string, std::string>> texts;  ///< attributes
 };
 
+/// The OpenEXR library packs and unpacks by threads of its own, of which it has none unless told.
+void use_exr_threads();
+
 /// Writes `path`, an existing file, from its beginning on. `shown_name` stands in messages. Throws
 /// Error(cannot_write), on a full disk too.
 void write_flat_exr(const std::filesystem::path& path, const std::string& shown_name, const FlatExr& picture);

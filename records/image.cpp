@@ -18,6 +18,7 @@
 #include "records/exr_attributes.h"
 #include "records/flat_exr.h"
 #include "records/picture_library.h"
+#include "records/plain_picture.h"
 #include "records/srgb.h"
 
 namespace postlens {
@@ -176,7 +177,8 @@ OpenedImage open_image(const fs::path& path) {
     }
     check_exr_headers(path);
     std::string problem;
-    OpenedImage out{picture_library().open(name, problem)};
+    OpenedImage out{open_plain_picture(path)};
+    if (!out.in) out.in = picture_library().open(name, problem);
     if (!out.in) fail(ExitCode::invalid_input, "{}: cannot read ({})", name, one_line(std::move(problem)));
     const PictureLayout& spec = out.in->layout();
     if (spec.deep)

@@ -22,8 +22,7 @@ const PictureLibrary& load() {
     const std::string path = module_path().string();
     const auto why_not = [&path] {
         const char* reason = ::dlerror();
-        fail(ExitCode::invalid_input,
-             "{}: cannot be loaded ({}); all pictures but OpenEXR and PNG files that are written need it",
+        fail(ExitCode::invalid_input, "{}: cannot be loaded ({}); what is neither OpenEXR nor PNG needs it",
              path, reason == nullptr ? "no reason given" : reason);
     };
     // Never closed: what it hands out lives as long as the process.

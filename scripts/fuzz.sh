@@ -52,6 +52,7 @@ trace bars hidden --compression none --for-f-number 1.4 --for-focus 5
 trace still_life zips
 cp tests/data/exr/*.exr tests/data/exr-damaged/* "$seeds/foreign_picture_fuzz"
 cp tests/data/exr/nan_inf.exr tests/data/exr-damaged/* "$seeds/render_state_fuzz"
+cp tests/data/exr/nan_inf.exr tests/data/exr-damaged/* samples/scenes/textures/*.png "$seeds/picture_fuzz"
 cp samples/scenes/*.toml samples/scenes/*/*.toml "$seeds/toml_scene_fuzz"
 cp samples/paths/*.toml "$seeds/paths_file_fuzz"
 cp tests/data/nff/*.nff "$seeds/nff_scene_fuzz"

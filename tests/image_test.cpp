@@ -1,5 +1,6 @@
 #include "records/image.h"
 
+#include <Imath/half.h>
 #include <OpenImageIO/imageio.h>
 #include <chrono>
 #include <cmath>
@@ -14,6 +15,10 @@
 #include <vector>
 
 #include "core/error.h"
+#include "records/crop.h"
+#include "records/picture_library.h"
+#include "records/plain_picture.h"
+#include "records/srgb.h"
 #include "tests/temporary_folder.h"
 
 namespace postlens {
@@ -192,6 +197,144 @@ TEST(Image, UnreadableFilesAreInvalidInput) {
         const auto [code, text] = error_of([&] { (void)read_image(folder.path() / name); });
         EXPECT_EQ(code, ExitCode::invalid_input) << name;
         EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+    }
+}
+
+/// A file of OpenImageIO's writing.
+void write_by_oiio(const fs::path& path, const OIIO::ImageSpec& spec, const void* values) {
+    const auto out = OIIO::ImageOutput::create(path.string());
+    ASSERT_TRUE(out);
+    ASSERT_TRUE(out->open(path.string(), spec)) << out->geterror();
+    ASSERT_TRUE(out->write_image(spec.format, values) && out->close());
+}
+
+/// What is read without OpenImageIO is what OpenImageIO reads: the header and every bit of the pixels.
+void expect_equal_readers(const fs::path& path) {
+    SCOPED_TRACE(path.filename().string());
+    const auto plain = open_plain_picture(path);
+    ASSERT_TRUE(plain);
+    std::string problem;
+    const auto other = picture_library().open(path.string(), problem);
+    ASSERT_TRUE(other) << problem;
+    const PictureLayout &a = plain->layout(), &b = other->layout();
+    EXPECT_EQ(a.width, b.width);
+    EXPECT_EQ(a.height, b.height);
+    EXPECT_EQ(a.depth, b.depth);
+    EXPECT_EQ(a.x, b.x);
+    EXPECT_EQ(a.y, b.y);
+    EXPECT_EQ(a.full_x, b.full_x);
+    EXPECT_EQ(a.full_y, b.full_y);
+    EXPECT_EQ(a.full_width, b.full_width);
+    EXPECT_EQ(a.full_height, b.full_height);
+    EXPECT_EQ(a.channels, b.channels);
+    EXPECT_EQ(a.format, b.format);
+    EXPECT_EQ(a.colour_space == "sRGB", !b.floating_point);
+    EXPECT_EQ(a.crop, b.crop);
+    EXPECT_EQ(a.deep, b.deep);
+    EXPECT_EQ(a.floating_point, b.floating_point);
+    const int channels = a.channels.size() >= 3 ? 3 : 1;
+    const std::size_t count = static_cast<std::size_t>(a.width) * static_cast<std::size_t>(a.height) *
+                              static_cast<std::size_t>(channels);
+    std::vector<float> of_plain(count), of_other(count);
+    EXPECT_EQ(plain->read(channels, of_plain.data()), "");
+    EXPECT_EQ(other->read(channels, of_other.data()), "");
+    EXPECT_EQ(of_plain, of_other);
+}
+
+TEST(PlainPicture, ReadsWhatOpenImageIoReads) {
+    const TemporaryFolder folder;
+    const fs::path at = folder.path();
+    Image every_byte(16, 16);
+    for (std::size_t i = 0; i < every_byte.rgb.size(); ++i)
+        every_byte.rgb[i] = linear_from_srgb(static_cast<float>(i % 256) / 255);
+    write_image(at / "own.png", every_byte);
+    write_image(at / "own.exr", ramp(37, 11));
+    write_image(at / "crop.exr", ramp(37, 11), Crop{5, 3, 20, 6});
+    std::vector<float> values(3 * 7 * 4);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i) * 0.37F - 3;
+    for (const char* compression : {"none", "zip", "piz", "dwaa"}) {
+        OIIO::ImageSpec spec(7, 3, 4, OIIO::TypeDesc::HALF);
+        spec["compression"] = compression;
+        std::vector<Imath::half> halves(values.begin(), values.end());
+        write_by_oiio(at / (std::string(compression) + ".exr"), spec, halves.data());
+    }
+    OIIO::ImageSpec shifted(7, 3, 3, OIIO::TypeDesc::FLOAT);
+    shifted.x = -2;
+    shifted.y = 9;
+    shifted.full_x = -5;
+    shifted.full_y = 1;
+    shifted.full_width = 20;
+    shifted.full_height = 30;
+    write_by_oiio(at / "window.exr", shifted, values.data());
+    OIIO::ImageSpec tiled(7, 3, 4, OIIO::TypeDesc::FLOAT);
+    tiled.tile_width = tiled.tile_height = 16;
+    {
+        const auto out = OIIO::ImageOutput::create((at / "tiled.exr").string());
+        ASSERT_TRUE(out && out->open((at / "tiled.exr").string(), tiled));
+        ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, values.data()) && out->close());
+    }
+    write_by_oiio(at / "grey.exr", OIIO::ImageSpec(7, 3, 1, OIIO::TypeDesc::FLOAT), values.data());
+    std::vector<std::uint8_t> bytes(3 * 7 * 3);
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(41 * i);
+    write_by_oiio(at / "grey.png", OIIO::ImageSpec(7, 3, 1, OIIO::TypeDesc::UINT8), bytes.data());
+    OIIO::ImageSpec described(7, 3, 3, OIIO::TypeDesc::UINT8);
+    described["ImageDescription"] = "seven by three";
+    described["XResolution"] = 72.0F;
+    described["YResolution"] = 72.0F;
+    write_by_oiio(at / "described.png", described, bytes.data());
+    for (const fs::directory_entry& entry : fs::directory_iterator(at)) {
+        expect_equal_readers(entry.path());
+    }
+    expect_equal_readers(fs::path(POSTLENS_SAMPLES) / "scenes/textures/label.png");
+}
+
+TEST(PlainPicture, LeavesTheRestToOpenImageIo) {
+    const TemporaryFolder folder;
+    const fs::path at = folder.path();
+    const std::vector<std::uint16_t> values(4 * 7 * 3, 30000);
+    write_by_oiio(at / "alpha.png", OIIO::ImageSpec(7, 3, 4, OIIO::TypeDesc::UINT8), values.data());
+    write_by_oiio(at / "deep_colour.png", OIIO::ImageSpec(7, 3, 3, OIIO::TypeDesc::UINT16), values.data());
+    OIIO::ImageSpec linear(7, 3, 3, OIIO::TypeDesc::UINT8);
+    linear["oiio:ColorSpace"] = "Linear";
+    linear["oiio:Gamma"] = 1.0F;
+    write_by_oiio(at / "linear.png", linear, values.data());
+    write_by_oiio(at / "picture.tif", OIIO::ImageSpec(7, 3, 3, OIIO::TypeDesc::UINT8), values.data());
+    OIIO::ImageSpec named(7, 3, 3, OIIO::TypeDesc::HALF);
+    named.channelnames = {"red", "green", "blue"};
+    write_by_oiio(at / "named.exr", named, values.data());
+    std::ofstream(at / "short.png") << "\x89PN";
+    std::ofstream(at / "cut.png") << "\x89PNG\r\n\x1A\n";
+    for (const fs::directory_entry& entry : fs::directory_iterator(at))
+        EXPECT_FALSE(open_plain_picture(entry.path())) << entry.path();
+}
+
+TEST(PlainPicture, ADamagedFileIsAnErrorOrAPictureButNothingElse) {
+    const TemporaryFolder folder;
+    const fs::path at = folder.path();
+    write_image(at / "a.png", ramp(19, 7));
+    write_image(at / "a.exr", ramp(19, 7));
+    for (const char* name : {"a.png", "a.exr"}) {
+        std::ifstream in(at / name, std::ios::binary);
+        const std::string whole((std::istreambuf_iterator<char>(in)), {});
+        ASSERT_GT(whole.size(), 100U);
+        const fs::path broken = at / (std::string("broken_") + name);
+        for (std::size_t size = 0; size < whole.size(); size += 1 + whole.size() / 97) {
+            std::ofstream(broken, std::ios::binary) << whole.substr(0, size);
+            const auto [code, text] = error_of([&] { (void)read_image(broken); });
+            // The last chunk of a PNG file says that it ends, and nothing else.
+            if (size + 12 < whole.size()) {
+                EXPECT_EQ(code, ExitCode::invalid_input) << name << " cut at " << size;
+            }
+            EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+        }
+        for (std::size_t k = 0; k < whole.size(); k += 1 + whole.size() / 197) {
+            std::string bytes = whole;
+            bytes[k] = static_cast<char>(bytes[k] ^ 0x55);
+            std::ofstream(broken, std::ios::binary) << bytes;
+            const auto [code, text] = error_of([&] { (void)read_image(broken); });
+            EXPECT_TRUE(code == ExitCode::ok || code == ExitCode::invalid_input) << name << " at " << k;
+            EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+        }
     }
 }
 

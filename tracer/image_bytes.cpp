@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "records/picture_library.h"
+#include "records/plain_picture.h"
 #include "records/srgb.h"
 
 namespace postlens {
@@ -40,7 +41,8 @@ RawImage decode_image(std::string_view bytes, const std::string& name) {
     const char* format = format_of(bytes);
     if (!format) fail(ExitCode::invalid_input, "{}: is no PNG, JPEG or OpenEXR picture", name);
     std::string problem;
-    const auto in = picture_library().open(bytes, format, problem);
+    auto in = open_plain_png(bytes);
+    if (!in) in = picture_library().open(bytes, format, problem);
     if (!in) fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(problem));
     const PictureLayout& layout = in->layout();
     const double pixels = static_cast<double>(layout.width) * layout.height;
