@@ -50,6 +50,7 @@ struct FieldFocus {
     Image image;
     std::vector<float> unknown;        ///< by pixel, the share of its light that no record shows
     std::vector<float> unknown_below;  ///< the same of what is seen in mirrors and through glass
+    std::vector<float> guessed_below;  ///< and of it, what no other view sees either
     /// By pixel, of highlights that are spread by themselves: the mean square of the light that single rays
     /// would meet, which is what makes rays noisy there. Empty where there are none.
     std::vector<float> light_square;

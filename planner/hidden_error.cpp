@@ -15,6 +15,9 @@ constexpr double seen_below = 0.5;
 constexpr double all_unknown = 0.999;
 /// Of two values, the square of their difference over the variance of as many of each.
 constexpr double two_levels = 4;
+/// The same of two that have nothing to do with each other, as what the pinhole saw in the place of what no
+/// view knows.
+constexpr double any_two = 2;
 
 float brightest(const float* rgb) {
     return std::max({rgb[0], rgb[1], rgb[2]});
@@ -29,7 +32,12 @@ HiddenError::HiddenError(const Image& image, const MisplacedLight& misplaced, do
       contrasts_(image),
       apart_px_(apart_px) {}
 
-double HiddenError::at(std::size_t k, double unknown, double unknown_below) {
+HiddenError::Shares HiddenError::shares(const FieldFocus& of, std::size_t k) {
+    return {static_cast<double>(of.unknown[k]), static_cast<double>(of.unknown_below[k]),
+            static_cast<double>(of.guessed_below[k])};
+}
+
+double HiddenError::at(std::size_t k, const Shares& shares) {
     // Who looks past what hides a surface and finds nothing known is given what hides it: the two differ as
     // much as what lies side by side there. In mirrors and glass it is given what the others see of the same,
     // a little farther on. What none knows is filled in from wherever something is known.
@@ -37,14 +45,15 @@ double HiddenError::at(std::size_t k, double unknown, double unknown_below) {
         const double px = share < all_unknown ? from_px : Contrasts::largest_px;
         return share > 0 ? filled_in_error(share, contrasts_.at(k, px)) : 0;
     };
-    double below = filled_in(unknown_below, apart_px_);
+    double below = filled_in(shares.unknown_below, apart_px_);
     if (!misplaced_.empty() && misplaced_[k] > 0) {
         const auto lost = static_cast<double>(srgb_from_linear(misplaced_[k])),
                    all = static_cast<double>(srgb_from_linear(brightest(image_.rgb.data() + 3 * k)));
         const double share = lost < all ? lost / all : 1;
         below += share * share * contrasts_.at(k, static_cast<double>(moved_px_[k] / misplaced_[k]));
     }
-    return std::max(two_levels * filled_in(unknown, 2 * apart_px_), seen_below * below);
+    const double guessed = any_two * filled_in(shares.guessed_below, 2 * apart_px_);
+    return std::max({two_levels * filled_in(shares.unknown, 2 * apart_px_), seen_below * below, guessed});
 }
 
 double apart_px(const SampleFileReader& file, const FocusGeometry& geometry, bool with_shutter) {

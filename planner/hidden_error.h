@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "focus/bend_warning.h"
+#include "focus/field_focus.h"
 #include "planner/local_contrast.h"
 #include "records/image.h"
 #include "records/sample_file.h"
@@ -16,9 +17,13 @@ class HiddenError {
   public:
     /// `apart_px`: how far views look past each other. Keeps a reference to `image`, scene-linear.
     HiddenError(const Image& image, const MisplacedLight& misplaced, double apart_px);
-    /// Of pixel k: the share of the lens that sees no surface that is known, and of whose light in mirrors
-    /// and glass so much is unknown. Not for several threads at once.
-    [[nodiscard]] double at(std::size_t k, double unknown, double unknown_below);
+    /// Of a pixel, as FieldFocus has them.
+    struct Shares {
+        double unknown = 0, unknown_below = 0, guessed_below = 0;
+    };
+    [[nodiscard]] static Shares shares(const FieldFocus& of, std::size_t k);
+    /// Of pixel k. Not for several threads at once.
+    [[nodiscard]] double at(std::size_t k, const Shares& shares);
 
   private:
     const Image& image_;

@@ -42,8 +42,7 @@ void leave_to_views(std::vector<std::uint32_t>& pixels, const FieldFocus& field,
     HiddenError hidden(field.image, misplaced, apart);
     std::erase_if(pixels, [&](std::uint32_t k) {
         return noise_of_rays(field.image, k, field.light_square[k], spp) >
-               hidden.at(k, static_cast<double>(field.unknown[k]),
-                         static_cast<double>(field.unknown_below[k]));
+               hidden.at(k, HiddenError::shares(field, k));
     });
 }
 

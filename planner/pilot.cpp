@@ -67,11 +67,10 @@ Pilot::Pilot(FocusFrame& frame, const HybridSettings& lens, int views, int first
             square += d * d / 6;
         }
         noise[k] = static_cast<float>(square);
-        const auto mean = [k](const std::vector<float>& u, const std::vector<float>& v) {
-            return (static_cast<double>(u[k]) + static_cast<double>(v[k])) / 2;
-        };
-        hidden[k] = static_cast<float>(hidden_error.at(k, mean(one.unknown, other.unknown),
-                                                       mean(one.unknown_below, other.unknown_below)));
+        const HiddenError::Shares u = HiddenError::shares(one, k), v = HiddenError::shares(other, k);
+        hidden[k] = static_cast<float>(
+            hidden_error.at(k, {(u.unknown + v.unknown) / 2, (u.unknown_below + v.unknown_below) / 2,
+                                (u.guessed_below + v.guessed_below) / 2}));
     }
     light_square = std::move(drawn[0].light_square);
     a = std::move(drawn[0].image);

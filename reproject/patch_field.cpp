@@ -354,7 +354,11 @@ class Field {
                     continue;
                 }
                 std::array<double, 3> sum{w.sum[k][0], w.sum[k][1], w.sum[k][2]};
-                if (trees_) out.unknown_below[p] = static_cast<float>(w.trees.sum_up(k, known, sum) / total);
+                if (trees_) {
+                    const TreeSums::Unknown below = w.trees.sum_up(k, known, sum);
+                    out.unknown_below[p] = static_cast<float>(below.all / total);
+                    out.guessed_below[p] = static_cast<float>(below.guessed / total);
+                }
                 float* rgb = out.image.pixel(x0 + x, y0 + y);
                 for (std::size_t c = 0; c < 3; ++c) {
                     rgb[c] = static_cast<float>(sum[c] / known);
@@ -379,6 +383,7 @@ class Field {
 PatchPicture::PatchPicture(int width, int height) : image(width, height) {
     unknown.assign(image.rgb.size() / 3, 1);
     unknown_below.assign(unknown.size(), 0);
+    guessed_below.assign(unknown.size(), 0);
 }
 
 void patch_field(const PatchField& field, std::span<PatchPicture> out) {

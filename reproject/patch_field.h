@@ -97,6 +97,8 @@ struct PatchPicture {
     /// Share of the views' weight in which something is seen in a mirror or glass that was not recorded; of
     /// what is dimmer than the pixel wherever it is seen within the tile so much less (TreeSums).
     std::vector<float> unknown_below;
+    /// That of it for which too few views see the same to stand in: what the pinhole saw there does.
+    std::vector<float> guessed_below;
     /// The squares that `Lights` tell; empty without.
     std::vector<float> light_square;
 };

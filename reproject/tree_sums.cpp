@@ -165,7 +165,7 @@ void TreeSums::end_views() {
     }
 }
 
-double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum) {
+TreeSums::Unknown TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum) {
     for (std::size_t i = 0; i < chains_.size(); ++i) {
         const Chain& c = chains_[i];
         Sums& s = chains_[i].sums[k];
@@ -185,15 +185,17 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         for (std::size_t n = 0; n < 3; ++n) sum[n] += scale * s.seen[n] + (1 - by_mean) * s.instead[n];
     }
     const double light = std::max({sum[0], sum[1], sum[2]}) / weight;
-    double unknown = 0;
+    Unknown unknown;
     for (std::size_t i = 0; i < chains_.size(); ++i) {
         const Chain& c = chains_[i];
         const Sums& s = c.sums[k];
         const auto brightest = static_cast<double>(c.brightest);
         const bool misses_parent = c.parent != i && chains_[c.parent].sums[k].beside > 0;
         const double missing = s.wanted - s.known - s.beside + (misses_parent ? s.bent : 0);
-        if (missing > 0 && brightest > 0)
-            unknown = std::max(unknown, missing * (brightest < light ? brightest / light : 1));
+        if (missing <= 0 || brightest <= 0) continue;
+        const double counts = missing * (brightest < light ? brightest / light : 1);
+        unknown.all = std::max(unknown.all, counts);
+        if (s.known + s.beside < enough_known * s.wanted) unknown.guessed = std::max(unknown.guessed, counts);
     }
     return unknown;
 }

@@ -32,10 +32,14 @@ class TreeSums {
     void add(std::size_t k, double weight);
     /// Before the pixels are summed up, once all views are in.
     void end_views();
-    /// Adds what all views have seen to a pixel's sum, of colours times weights, `weight` together. Returns
-    /// the weight of what was not recorded, as far as it may matter: what is dim in the whole tile is counted
-    /// as so much less than the pixel. Where views miss what goes on, what bent patches show is as unknown.
-    double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
+    /// The weight of what was not recorded, as far as it may matter: what is dim in the whole tile is counted
+    /// as so much less than the pixel. `guessed`: of views where hardly any other sees the same.
+    struct Unknown {
+        double all = 0, guessed = 0;
+    };
+    /// Adds what all views have seen to a pixel's sum, of colours times weights, `weight` together. Where
+    /// views miss what goes on, what bent patches show is as unknown.
+    Unknown sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {

@@ -220,6 +220,27 @@ TEST(PredictError, RefusesWhatItCannotTell) {
     EXPECT_NO_THROW(check_predictable(h, with(FocusMethod::scatter)));
 }
 
+// A mirror close by, out of focus: beyond its outline the lens sees in it what no ray of the pinhole met, and
+// all views alike are given what the pinhole saw next to it.
+TEST(PredictError, OfAMirrorsRimIsWhatNobodySawInIt) {
+    SceneBuilder b;
+    b.add(board(-4, 4, -4, 4, 4), glowing({0.4, 0.4, 0.4}));
+    b.add(board(-0.12, 0.12, -0.09, 0.09, 0.7), mirror());
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> colour(0.1, 0.9);
+    constexpr double patch_m = 0.2;
+    for (double y = -2; y < 2; y += patch_m) {
+        for (double x = -2; x < 2; x += patch_m)
+            b.add(board(x, x + patch_m, y, y + patch_m, -2),
+                  glowing({colour(random), colour(random), colour(random)}));
+    }
+    const TracedFrame frame(b.scene, traced(true));
+    FocusSettings f = with(FocusMethod::lightfield, 256);
+    f.focus_distance_m = 4;
+    const Image image = focus_picture(frame.file(), f).image;
+    expect_near(expected_db(frame.file(), f, image), is_db(image, rays(b.scene, f)), "rim");
+}
+
 // A ramp of encoded values: what is d px away differs by its slope times d.
 TEST(HiddenError, GoesWithHowFarAwayIsWhatStandsForIt) {
     Image ramp(128, 64);
