@@ -129,6 +129,7 @@ struct FieldFocuser::Prepared {
     PatchLens lens;
     HighlightRule rule;
     std::vector<double> instants_s;
+    double strip_records = 0;                 ///< of a strip, at most
     std::optional<FieldSurfaces> all;         ///< none: they are read strip by strip
     std::unique_ptr<FieldHighlights> of_all;  ///< none: of each strip
 };
@@ -153,12 +154,17 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
             return !p.motions->moves(id) && takes(w, id, area_px2);
         };
     }
-    std::uint64_t records = 0;
+    double records = 0;
     for (std::size_t i = 0; i < instants; ++i) {
         p.instants_s.push_back(file.instant_s(i));
         for (const ScanlineFacts& facts : file.scanlines(i)) records += facts.records;
     }
-    if (!frame.many() && records * surface_bytes_of_record > settings_.surface_bytes) {
+    const auto most_bytes = static_cast<double>(settings_.surface_bytes);
+    double bytes_of_record = 0;
+    if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
+        bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
+    if (records * bytes_of_record > most_bytes) {
+        p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
             frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
                 tell(settings_.also, *rows.band, rows.y_begin, rows.y_end);
@@ -253,7 +259,7 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
             draw_part(*p.all, *p.of_all, crop);
             return;
         }
-        for (const auto& [first, last] : strips->strips(window, settings_.surface_bytes / 4)) {
+        for (const auto& [first, last] : strips->strips(window, p.strip_records)) {
             const int top = std::max(crop.y, first - window.y_begin),
                       end = std::min(crop.y + crop.height, last - window.y_begin);
             if (top >= end) continue;

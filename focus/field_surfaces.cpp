@@ -1,8 +1,10 @@
 #include "focus/field_surfaces.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <iterator>
+#include <span>
 
 #include "core/memory.h"
 #include "reproject/sheet_subset.h"
@@ -28,6 +30,10 @@ std::size_t bytes_of(const SheetMesh& m) {
            bytes_of(m.bright) + bytes_of(m.bright_texels);
 }
 
+std::size_t bytes_of(const PatchMesh& m) {
+    return bytes_of(m.patches) + bytes_of(m.planes) + bytes_of(m.follows);
+}
+
 /// The sheets of which `wanted` says so by how far each reaches.
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
@@ -38,6 +44,33 @@ SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wa
 }
 
 }  // namespace
+
+double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
+                               const HighlightRule& rule) {
+    constexpr int edge = SheetMesh::square_px, most_probes = 6;
+    const std::span<const ScanlineFacts> rows = file.scanlines(0);
+    const int strips = (static_cast<int>(rows.size()) - 1 + edge - 1) / edge,
+              probes = std::min(most_probes, strips);
+    std::vector<std::uint8_t> probed(static_cast<std::size_t>(strips), 0);
+    double records = 1;
+    for (int i = 0; i < probes; ++i) {
+        const int strip = (2 * i + 1) * strips / (2 * probes);
+        probed[static_cast<std::size_t>(strip)] = 1;
+        for (int y = strip * edge; y < std::min((strip + 1) * edge, static_cast<int>(rows.size())); ++y)
+            records += rows[static_cast<std::size_t>(y)].records;
+    }
+    std::atomic<std::size_t> bytes{0};
+    SheetChoice choice;
+    choice.rows = [&](int y) { return probed[static_cast<std::size_t>((y - file.y_begin()) / edge)] != 0; };
+    choice.squares = [&](TreeSheets& some, int, std::size_t) {
+        for (const SheetMesh* mesh : {&some.primary, &some.deeper})
+            bytes += bytes_of(*mesh) + bytes_of(cut_patches(*mesh, lens));
+        some = {};
+        some.deeper.values = 5;
+    };
+    static_cast<void>(tree_sheets(file, 0, rule, {}, choice));
+    return static_cast<double>(bytes) / records;
+}
 
 void FieldSurfaces::add(std::shared_ptr<const TreeSheets> some, const PatchLens& lens) {
     sheets.push_back(std::move(some));
@@ -59,7 +92,7 @@ FieldStrips::FieldStrips(const SampleFileReader& file, std::size_t instants, con
         i.rows.resize(static_cast<std::size_t>((file.y_end() - file.y_begin() + edge - 1) / edge));
 }
 
-std::vector<std::pair<int, int>> FieldStrips::strips(const RasterWindow& window, std::uint64_t bytes) const {
+std::vector<std::pair<int, int>> FieldStrips::strips(const RasterWindow& window, double most_records) const {
     constexpr int tile = SeenTile::edge;
     const auto records = [&](int y_begin, int y_end) {
         std::uint64_t out = 0;
@@ -75,7 +108,7 @@ std::vector<std::pair<int, int>> FieldStrips::strips(const RasterWindow& window,
         std::uint64_t held = records(y, y + tile);
         for (end = y + tile; end < window.y_end; end += tile) {
             held += records(end, end + tile);
-            if (held * surface_bytes_of_record > bytes) break;
+            if (static_cast<double>(held) > most_records) break;
         }
         end = std::min(end, window.y_end);
         out.emplace_back(y, end);

@@ -32,8 +32,13 @@ struct FieldSurfaces {
 
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
-/// About what the surfaces of an instant take, patches and all, and what is needed to make them.
-inline constexpr std::uint64_t surface_bytes_of_record = 160;
+/// About what the surfaces of a file take for each record, patches and all: of a few rows of squares, evenly
+/// spread over the first instant, which are made for it. 25 where there are no mirrors, 140 of many small
+/// ones.
+[[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
+                                             const HighlightRule& rule);
+/// No file is expected to take more.
+inline constexpr double most_surface_bytes_of_record = 400;
 
 /// Reads the surfaces strip by strip of the picture: of each strip those that reach it in any view. From the
 /// first reading it is known how far the surfaces of each row reach; the few that reach far are kept, so that
@@ -50,10 +55,9 @@ class FieldStrips {
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
     /// Visits the surfaces of a whole instant, some at a time, in any order; from one thread at a time.
     void visit(std::size_t instant, const SurfacesVisit& visit);
-    /// Strips of the window's rows, of whole tiles, whose records take about `bytes` or less, or a row of
-    /// tiles.
+    /// Strips of the window's rows, of whole tiles, that have as many records or less, or a row of tiles.
     [[nodiscard]] std::vector<std::pair<int, int>> strips(const RasterWindow& window,
-                                                          std::uint64_t bytes) const;
+                                                          double most_records) const;
 
   private:
     /// Rows [first, last) of the raster that something reaches; as made, none.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "core/memory.h"
 #include "core/threads.h"
@@ -44,8 +45,9 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
             std::transform(from.begin(), from.end(),
                            to.begin() + static_cast<std::ptrdiff_t>(before[t].*first * per_entry),
                            [&](const auto& entry) { return changed(entry, before[t]); });
-            from = {};
+            from = std::remove_reference_t<decltype(from)>();  // `{}` would keep its memory
         });
+        give_back_memory();
     };
     const auto moved_node = [](std::uint32_t node, const Before& b) {
         return relocated(node, static_cast<std::uint32_t>(b.nodes), static_cast<std::uint32_t>(b.texels));
@@ -193,6 +195,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);
         });
     }
+    band = RecordBand();
+    strips = std::vector<Strip>();
     TreeSheets out;
     out.deeper.values = 5;
     join(

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "focus/field_focus.h"
+#include "focus/field_surfaces.h"
 #include "focus/focus.h"
 #include "motionblur/motion_blur.h"
 #include "planner/auto_picture.h"
@@ -165,11 +166,34 @@ TEST_F(CropTest, LightFieldInStripsHasTheBitsOfTheWhole) {
         EXPECT_TRUE(strips.image.rgb == whole.image.rgb);
         EXPECT_TRUE(strips.unknown == whole.unknown);
         EXPECT_TRUE(strips.unknown_below == whole.unknown_below);
+        EXPECT_TRUE(strips.guessed_below == whole.guessed_below);
         EXPECT_TRUE(strips.left_out == whole.left_out);
         EXPECT_EQ(std::find(whole.left_out.begin(), whole.left_out.end(), 1) != whole.left_out.end(),
                   leave_out);
         s.crop = far_corner;
         expect_same(field_focus(frame, s).image, whole.image, far_corner);
+    }
+}
+
+TEST_F(CropTest, AFewRowsOfSquaresTellWhatAllSurfacesTake) {
+    for (const char* scene : {"still_life.toml", "bars.toml"}) {
+        traced(scene, {.overscan_px = 8});
+        const TreeSheets all = tree_sheets(*file_, 0, {});
+        const PatchLens lens{50, 0.3};
+        const auto bytes = [](const auto&... lists) {
+            return static_cast<double>(((lists.size() * sizeof(lists[0])) + ...));
+        };
+        double is = 0;
+        for (const SheetMesh* m : {&all.primary, &all.deeper}) {
+            const PatchMesh p = cut_patches(*m, lens);
+            is += bytes(m->sheets, m->fine, m->coarse, m->planes, m->bends, m->nodes, m->texels, m->below,
+                        m->bright, m->bright_texels, p.patches, p.planes, p.follows);
+        }
+        const double told =
+            surface_bytes_of_record(*file_, lens, {}) * static_cast<double>(file_->record_count());
+        // Six of the eighteen rows of squares.
+        EXPECT_NEAR(told / is, 1, 0.35) << scene;
+        EXPECT_LT(told / static_cast<double>(file_->record_count()), most_surface_bytes_of_record);
     }
 }
 
