@@ -165,6 +165,24 @@ TEST(RealRays, APlateShiftsARay) {
     EXPECT_NEAR(ray.origin.y, 7 * std::tan(inside), 1e-14);
 }
 
+TEST(RealRays, ASurfaceIsMetFromAfar) {
+    // A ray along the axis at half the radius of a glass ball 10 000 km behind the lens's front: 0.5 is the
+    // sine of its angle with the normal, and it turns towards the axis by what Snell's law says.
+    const double radius = 0.02, n = 1.5;
+    Prescription lens;
+    lens.surfaces.resize(2);
+    lens.surfaces[0].thickness_mm = 1e10;
+    lens.surfaces[1].curvature_per_mm = 1 / radius;
+    lens.surfaces[1].glass = Glass::constant(n);
+    const LensStack stack(lens, d_line_nm, HUGE_VAL);
+    LensRay ray{{0, 0.5 * radius, 0}, {0, 0, 1}};
+    ASSERT_TRUE(stack.forward(ray).passes());
+    EXPECT_NEAR(ray.direction.y, -std::sin(std::asin(0.5) - std::asin(0.5 / n)), 1e-15);
+    EXPECT_NEAR(glm::length(ray.direction), 1, 1e-15);
+    LensRay beside{{0, 1.01 * radius, 0}, {0, 0, 1}};
+    EXPECT_EQ(stack.forward(beside).fate, RayFate::misses);
+}
+
 TEST(RealRays, AConicWithoutSphericalAberration) {
     // A glass rod's end shaped as the ellipsoid k = -1/n^2 brings parallel light to one point, n R / (n - 1)
     // behind its vertex: here seen through a plane that the converging rays would meet far ahead of the

@@ -9,7 +9,7 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-// A line may begin anywhere: from far away its squares would cost digits. The surfaces that follow are near.
+// A line may begin anywhere: from far away its squares would cost digits.
 void begin_at(double z, LensRay& ray) {
     if (ray.direction.z != 0) ray.origin += (z - ray.origin.z) / ray.direction.z * ray.direction;
 }
@@ -48,6 +48,10 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame
+    // From afar the squares below would cost the digits of the point met. The surfaces of real lenses are
+    // near.
+    constexpr double far_in_radii = 100;
+    if (e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii) p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
     // c (x^2 + y^2 + q z^2) - 2 z = 0 along p + t d, the root that goes to 0 with c. [welford1986, 4.3]
     const double a = e.c * (1 + e.k * d.z * d.z);
