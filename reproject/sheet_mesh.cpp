@@ -22,6 +22,10 @@ struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
+/// So much freed in one go is given back, or what is freed and what comes in its place are held at once. The
+/// system takes as long to fetch as little back as all else that is done here.
+constexpr std::size_t much_bytes = std::size_t{48} << 20;
+
 /// Appends, list by list, what tasks have made, whose numbers count from 0; frees it meanwhile. `made(t)` is
 /// the mesh of task t.
 template <typename Made>
@@ -47,7 +51,7 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
                            [&](const auto& entry) { return changed(entry, before[t]); });
             from = std::remove_reference_t<decltype(from)>();  // `{}` would keep its memory
         });
-        give_back_memory();
+        if (to.size() * sizeof(to[0]) > much_bytes) give_back_memory();
     };
     const auto moved_node = [](std::uint32_t node, const Before& b) {
         return relocated(node, static_cast<std::uint32_t>(b.nodes), static_cast<std::uint32_t>(b.texels));
