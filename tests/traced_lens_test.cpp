@@ -183,6 +183,22 @@ TEST(RealRays, ASurfaceIsMetFromAfar) {
     EXPECT_EQ(stack.forward(beside).fate, RayFate::misses);
 }
 
+TEST(RealRays, ASurfaceSmallerThanRounding) {
+    // A radius of 1e-20 mm, 2.313 mm behind the first surface: less than what is lost of the way there where
+    // the direction's length is 1 but for rounding.
+    Prescription lens;
+    lens.surfaces.resize(2);
+    lens.surfaces[0].thickness_mm = 2.313;
+    lens.surfaces[1].curvature_per_mm = -1.44e20;
+    lens.surfaces[1].glass = Glass::constant(1.57);
+    const LensStack stack(lens, d_line_nm, HUGE_VAL);
+    for (int i = -20; i <= 20; ++i) {
+        LensRay ray{{0, 0, 0}, {0, 0, 1 + i * 2.22e-16}};
+        ASSERT_TRUE(stack.forward(ray).passes());
+        EXPECT_NEAR(ray.direction.z, 1, 1e-14) << i;
+    }
+}
+
 TEST(RealRays, AConicWithoutSphericalAberration) {
     // A glass rod's end shaped as the ellipsoid k = -1/n^2 brings parallel light to one point, n R / (n - 1)
     // behind its vertex: here seen through a plane that the converging rays would meet far ahead of the

@@ -49,9 +49,10 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame
     // From afar the squares below would cost the digits of the point met. The surfaces of real lenses are
-    // near.
+    // near. Twice, as what the first rounds may be many radii of a tiny one.
     constexpr double far_in_radii = 100;
-    if (e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii) p -= glm::dot(p, d) * d;
+    for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
+        p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
     // c (x^2 + y^2 + q z^2) - 2 z = 0 along p + t d, the root that goes to 0 with c. [welford1986, 4.3]
     const double a = e.c * (1 + e.k * d.z * d.z);
