@@ -34,7 +34,7 @@ chart() {
     local name=$1 scene=$2
     shift 2
     echo "== $name"
-    "$postlens" chart "samples/scenes/$scene" -o "$out/$name" "$@" --quiet >"$out/$name.md"
+    "$postlens" chart "$scene" -o "$out/$name" "$@" --quiet >"$out/$name.md"
     for kind in speed_accuracy cost; do
         cp "$out/$name/$kind.svg" "docs/images/chart_${name}_$kind.svg"
         cp "$out/$name/$kind.png" "docs/images/chart_${name}_$kind.png"
@@ -44,13 +44,16 @@ chart() {
 
 if $charts; then
     # Cheap shading: everything shines by itself, so that rays cost next to nothing.
-    chart cheap bars.toml --size 960x540 --f-number 1.4 --focus 5 --reference-spp 1024 --rays 1,4,16,64,256,1024 \
+    chart cheap samples/scenes/bars.toml --size 960x540 --f-number 1.4 --focus 5 --reference-spp 1024 --rays 1,4,16,64,256,1024 \
         --views 16,64,256 --depths 32 --rounds 2 --once-above 5
     # Costly shading: shadows of three lights, a mirror ball, a glass ball, a polished table.
-    chart costly still_life.toml --size 384x216 --f-number 1.4 --focus 1.2 --reference-spp 1024 --rays 1,4,16,64,256,1024 \
+    chart costly samples/scenes/still_life.toml --size 384x216 --f-number 1.4 --focus 1.2 --reference-spp 1024 --rays 1,4,16,64,256,1024 \
         --views 16,32,64,256 --depths 32 --rounds 2 --once-above 5
+    # Costly shading, but rays that need few samples: polished spheres, mostly sharp.
+    chart balls tests/data/nff/balls_s2.nff --size 960x540 --focal-length 100 --f-number 1.4 --focus 2.2 --reference-spp 512 \
+        --rays 1,4,16,64,256 --views 16,64,256 --depths 32 --rounds 2 --once-above 5
     # Lens and motion together.
-    chart both motion.toml --size 384x216 --f-number 1.4 --focus 4 --shutter 0:1 --reference-spp 2048 \
+    chart both samples/scenes/motion.toml --size 384x216 --f-number 1.4 --focus 4 --shutter 0:1 --reference-spp 2048 \
         --rays 1,4,16,64,256,1024 --views 16,64,256 --depths 32 --rounds 2 --once-above 5
 fi
 if $atlas; then
