@@ -87,10 +87,42 @@ TEST(MinMaxPyramid, FindsWhatLookingAtEveryValueFinds) {
             const double greatest = pyramid.greatest(cone.at, cone.radius, cone.top);
             ASSERT_GE(greatest, within) << n;
             ASSERT_LE(greatest, nearly) << n;
+            ASSERT_GE(pyramid.at_most(cone.at, cone.radius, cone.top), greatest) << n;
         }
     }
     EXPECT_GT(yes, 300);
     EXPECT_LT(yes, 1700);
+}
+
+// Whatever was found last, also in another raster, and by the coarser search.
+TEST(MinMaxPyramid, HintsChangeNoAnswer) {
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> share(0, 1);
+    MinMaxPyramid::Hint hint;
+    int used = 0;
+    for (const auto& [width, height] : {std::pair{64, 64}, {1, 9}, {40, 33}, {100, 5}}) {
+        const Raster r = raster_of(random, width, height);
+        const MinMaxPyramid pyramid(r.x_begin, r.y_begin, width, height, r.values);
+        MinMaxPyramid::Cone cone;
+        for (int n = 0; n < 2000; ++n) {
+            // Most like the last one, as those of samples side by side are.
+            if (n % 10 == 0) {
+                cone.at = {r.x_begin + (1.4 * share(random) - 0.2) * width,
+                           r.y_begin + (1.4 * share(random) - 0.2) * height};
+                cone.radius = std::pow(10.0, 2 * share(random) - 0.5);
+                cone.top = 4 * share(random) - 1;
+                cone.least = 0.3 * share(random);
+                cone.slope = 0.1 * share(random);
+            }
+            cone.at += glm::dvec2(share(random) - 0.5, share(random) - 0.5);
+            const MinMaxPyramid::Hint before = hint;
+            const bool coarse = share(random) < 0.5;
+            const bool got = coarse ? pyramid.maybe_any_in(cone, hint) : pyramid.any_in(cone, hint);
+            ASSERT_EQ(got, coarse ? pyramid.maybe_any_in(cone) : pyramid.any_in(cone)) << n;
+            used += got && before.level == hint.level && before.x == hint.x && before.y == hint.y ? 1 : 0;
+        }
+    }
+    EXPECT_GT(used, 500);
 }
 
 TEST(MinMaxPyramid, NothingIsInARasterOfHoles) {
@@ -98,6 +130,7 @@ TEST(MinMaxPyramid, NothingIsInARasterOfHoles) {
     EXPECT_FALSE(pyramid.any_in({{4, 4}, 100, 1e9, 0, 0}));
     EXPECT_FALSE(pyramid.maybe_any_in({{4, 4}, 100, 1e9, 0, 0}));
     EXPECT_EQ(pyramid.greatest({4, 4}, 100, -3), -3);
+    EXPECT_EQ(pyramid.at_most({4, 4}, 100, -3), -3);
     EXPECT_EQ(pyramid.least(), std::numeric_limits<double>::infinity());
     EXPECT_FALSE(pyramid.any_in({{4, 4}, std::numeric_limits<double>::quiet_NaN(), 1e9, 0, 0}));
 }

@@ -1,6 +1,9 @@
 #include "tracer/lens_reach.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <functional>
 #include <limits>
 
 #include "core/threads.h"
@@ -10,6 +13,12 @@ namespace postlens {
 namespace {
 
 constexpr int tile = 16;
+
+/// Where the last search of this thread among what may be this raster ended: samples come sorted by place.
+MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid) {
+    thread_local std::array<MinMaxPyramid::Hint, 64> hints;
+    return hints[std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) % hints.size()];
+}
 
 WhittedSettings settings_for(int max_depth) {
     return {
@@ -104,13 +113,15 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
     if (covers.farthest - std::max(behind, seen.least()) < least) return false;  // most often
     const auto edge_for = [&](double nearest) {
         const double radius = k * (nearest - behind) + margin_px;
-        return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k});
+        return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
     // A line of sight leaves from under the covers where they end, and is above them all by then. Where that
     // happens behind something nearer still, it goes on under that, and what is seen beyond tells of the
-    // edge.
+    // edge. Most often there is none, as far as anything around could make one look.
+    const double radius = k * (covers.nearest - behind) + margin_px;
+    if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;
-    const double nearer = seen.greatest(covers.at, k * (covers.nearest - behind) + margin_px, covers.nearest);
+    const double nearer = seen.greatest(covers.at, radius, covers.nearest);
     return nearer > covers.nearest && edge_for(nearer);
 }
 

@@ -10,6 +10,14 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
+/// From (x, y) to the nearest whole coordinate of a square.
+double distance2_of(double x, double y, int square_x, int square_y, double size) {
+    const double left = square_x * size, top = square_y * size;
+    const double dx = std::max(std::max(left - x, x - (left + size - 1)), 0.0),
+                 dy = std::max(std::max(top - y, y - (top + size - 1)), 0.0);
+    return dx * dx + dy * dy;
+}
+
 }  // namespace
 
 MinMaxPyramid::MinMaxPyramid(int x_begin, int y_begin, int width, int height,
@@ -50,7 +58,24 @@ int MinMaxPyramid::coarse_level(double radius) const {
     return level;
 }
 
-// Depth first, within `radius` of `at`. `visit(range, level, distance2)` says what to do with a square, and
+int MinMaxPyramid::level_of_width(double px) const {
+    const int highest = static_cast<int>(levels_.size()) - 1;
+    int level = 0;
+    while (level < highest && (1 << level) < px) ++level;
+    return level;
+}
+
+MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, double radius, int level) const {
+    const Level& of = levels_[static_cast<std::size_t>(level)];
+    const double x = at.x - x_begin_, y = at.y - y_begin_, size = 1 << level;
+    const auto square_of = [size](double place, int squares) {
+        return static_cast<int>(std::clamp(std::floor(place / size), 0.0, squares - 1.0));
+    };
+    return {square_of(x - radius, of.width), square_of(x + radius, of.width),
+            square_of(y - radius, of.height), square_of(y + radius, of.height)};
+}
+
+// Depth first, within `radius` of `at`. `visit(range, square, distance2)` says what to do with a square, and
 // is asked about single values as well; `distance2()` is the squared distance of `at` from the nearest of its
 // whole coordinates. Of brothers, that with the greatest `promise(range)` comes first; where `keeps(promise)`
 // no longer holds when its turn comes, a square is passed over.
@@ -70,20 +95,15 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
     // False where the search is over.
     const auto meet = [&](int at_level, int x_first, int x_last, int y_first, int y_last) {
         const Level& level = levels_[static_cast<std::size_t>(at_level)];
-        const int size = 1 << at_level;
+        const auto size = static_cast<double>(1 << at_level);
         const std::size_t begin = count;
         for (int sy = y_first; sy <= y_last; ++sy) {
             for (int sx = x_first; sx <= x_last; ++sx) {
                 const Range& range =
                     level.ranges[static_cast<std::size_t>(sy) * static_cast<std::size_t>(level.width) +
                                  static_cast<std::size_t>(sx)];
-                const auto distance2 = [&] {
-                    const double left = sx * size, top = sy * size;
-                    const double dx = std::max(std::max(left - x, x - (left + size - 1)), 0.0),
-                                 dy = std::max(std::max(top - y, y - (top + size - 1)), 0.0);
-                    return dx * dx + dy * dy;
-                };
-                const Next next = visit(range, at_level, distance2);
+                const auto distance2 = [&] { return distance2_of(x, y, sx, sy, size); };
+                const Next next = visit(range, Hint{at_level, sx, sy}, distance2);
                 if (next == Next::end) return false;
                 if (next == Next::into && at_level > 0) open[count++] = {at_level, sx, sy, promise(range)};
             }
@@ -94,15 +114,9 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
     };
     // From the squares as wide as the circle, of which it meets two by two at most: most circles are small,
     // and most of the way down from the top would be to find out where they are.
-    const int highest = static_cast<int>(levels_.size()) - 1;
-    int top = 0;
-    while (top < highest && (1 << top) < 2 * radius + 1) ++top;
-    const Level& first = levels_[static_cast<std::size_t>(top)];
-    const auto square_of = [&](double place, int squares) {
-        return static_cast<int>(std::clamp(std::floor(place / (1 << top)), 0.0, squares - 1.0));
-    };
-    bool going = meet(top, square_of(x - radius, first.width), square_of(x + radius, first.width),
-                      square_of(y - radius, first.height), square_of(y + radius, first.height));
+    const int top = level_of_width(2 * radius + 1);
+    const Squares around = squares_around(at, radius, top);
+    bool going = meet(top, around.x_first, around.x_last, around.y_first, around.y_last);
     while (going && count > 0) {
         const Square s = open[--count];
         if (!keeps(s.promise)) continue;
@@ -112,29 +126,54 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
     }
 }
 
-bool MinMaxPyramid::any_in(const Cone& cone, int level) const {
+bool MinMaxPyramid::any_in(const Cone& cone, int level, Hint& hint) const {
     const double radius2 = cone.radius * cone.radius, slope2 = cone.slope * cone.slope;
+    const auto has = [&](const Range& range, const auto& distance2) {
+        const double under = cone.top - static_cast<double>(range.low);
+        if (!(under >= cone.least)) return false;
+        const double d2 = distance2();
+        return d2 <= radius2 && under * under >= slope2 * d2;
+    };
+    if (hint.level <= level) {
+        const Level& of = levels_[static_cast<std::size_t>(hint.level)];
+        if (hint.x < of.width && hint.y < of.height &&
+            has(of.ranges[static_cast<std::size_t>(hint.y) * static_cast<std::size_t>(of.width) +
+                          static_cast<std::size_t>(hint.x)],
+                [&] {
+                    return distance2_of(cone.at.x - x_begin_, cone.at.y - y_begin_, hint.x, hint.y,
+                                        1 << hint.level);
+                }))
+            return true;
+    }
     bool found = false;
     descend(
         cone.at, cone.radius,
-        [&](const Range& range, int at_level, const auto& distance2) {
-            const double under = cone.top - static_cast<double>(range.low);
-            if (!(under >= cone.least)) return Next::past;
-            const double d2 = distance2();
-            if (d2 > radius2 || under * under < slope2 * d2) return Next::past;
-            found = at_level <= level;
+        [&](const Range& range, const Hint& square, const auto& distance2) {
+            if (!has(range, distance2)) return Next::past;
+            found = square.level <= level;
+            if (found) hint = square;
             return found ? Next::end : Next::into;
         },
         [](const Range& range) { return -range.low; }, [](float) { return true; });
     return found;
 }
 
+bool MinMaxPyramid::any_in(const Cone& cone, Hint& hint) const {
+    return any_in(cone, 0, hint);
+}
+
 bool MinMaxPyramid::any_in(const Cone& cone) const {
-    return any_in(cone, 0);
+    Hint none;
+    return any_in(cone, none);
+}
+
+bool MinMaxPyramid::maybe_any_in(const Cone& cone, Hint& hint) const {
+    return any_in(cone, coarse_level(cone.radius), hint);
 }
 
 bool MinMaxPyramid::maybe_any_in(const Cone& cone) const {
-    return any_in(cone, coarse_level(cone.radius));
+    Hint none;
+    return maybe_any_in(cone, none);
 }
 
 double MinMaxPyramid::greatest(const glm::dvec2& at, double radius, double floor) const {
@@ -142,15 +181,32 @@ double MinMaxPyramid::greatest(const glm::dvec2& at, double radius, double floor
     double best = floor;
     descend(
         at, radius,
-        [&](const Range& range, int at_level, const auto& distance2) {
+        [&](const Range& range, const Hint& square, const auto& distance2) {
             const auto high = static_cast<double>(range.high);
             if (!(high > best) || distance2() > radius * radius) return Next::past;
-            if (at_level <= level) best = high;
-            return at_level > level ? Next::into : Next::past;
+            if (square.level <= level) best = high;
+            return square.level > level ? Next::into : Next::past;
         },
         [](const Range& range) { return range.high; },
         [&](float high) { return static_cast<double>(high) > best; });
     return best;
+}
+
+double MinMaxPyramid::at_most(const glm::dvec2& at, double radius, double floor) const {
+    if (!(radius >= 0)) return floor;  // not a number
+    const int number = level_of_width(radius);
+    const Level& level = levels_[static_cast<std::size_t>(number)];
+    const Squares around = squares_around(at, radius, number);
+    double most = floor;
+    for (int y = around.y_first; y <= around.y_last; ++y) {
+        for (int x = around.x_first; x <= around.x_last; ++x) {
+            const Range& range =
+                level.ranges[static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) +
+                             static_cast<std::size_t>(x)];
+            most = std::max(most, static_cast<double>(range.high));
+        }
+    }
+    return most;
 }
 
 }  // namespace postlens
