@@ -1,10 +1,12 @@
 // W.bend, how far W errs: against exact rays from the lens, in closed form where mirrors are flat, and what
 // `focus` says of it.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "focus/bend_warning.h"
 #include "tests/scene_builder.h"
 #include "tests/temporary_folder.h"
+#include "tracer/bend_around.h"
 #include "tracer/corner_sampler.h"
 #include "tracer/trace.h"
 #include "tracer/whitted.h"
@@ -189,6 +192,103 @@ TEST(Bend, SameBitsForAnyNumberOfThreads) {
         EXPECT_EQ(got, first) << threads;
     }
     EXPECT_TRUE(std::any_of(first.begin(), first.end(), [](const Record& r) { return r.w_bend > 0; }));
+}
+
+Record behind(const std::string& path, std::uint32_t id, float bend, std::uint32_t layer = 0) {
+    Record r;
+    for (const char c : path)
+        r.path = r.path.child(c == 'R' ? NodePath::Bounce::reflected : NodePath::Bounce::transmitted);
+    r.id = id;
+    r.layer = layer;
+    r.w_bend = bend;
+    return r;
+}
+
+TEST(BendAround, IsTheGreatestOfTheSameChainWhereThatIsLittle) {
+    const std::vector<Record> a{behind("", 1, 0), behind("T", 1, 9), behind("TT", 5, 0.5F)},
+        b{behind("", 1, 0), behind("T", 1, 9), behind("TT", 5, 0.75F)},
+        shows_other{behind("", 1, 0), behind("T", 1, 9), behind("TT", 6, 0.875F)},
+        seen_in_other{behind("", 2, 0), behind("T", 1, 9), behind("TT", 5, 0.5F)}, nothing{behind("", 3, 0)};
+    const NodePath path = a[2].path;
+    const std::array<std::uint32_t, 2> in{1, 1};
+    const float little = 1;
+    EXPECT_EQ(bend_around({a, b, b, a}, {path, 5, false, in}, little), 0.75F);
+    EXPECT_EQ(bend_around({a, b, shows_other, a}, {path, 5, false, in}, little), 0.875F);
+    EXPECT_FALSE(bend_around({a, b, a, a}, {path, 6, false, in}, little)) << "shows another";
+    EXPECT_FALSE(bend_around({a, b, seen_in_other, a}, {path, 5, false, in}, little));
+    EXPECT_FALSE(bend_around({a, b, a, a}, {path, 5, true, in}, little)) << "hidden";
+    EXPECT_FALSE(bend_around({a, b, a, nothing}, {path, 5, false, in}, little));
+    EXPECT_FALSE(bend_around({a, b, a, {}}, {path, 5, false, in}, little));
+    EXPECT_FALSE(bend_around({a, b, shows_other, a}, {path, 5, false, in}, 0.8F));
+}
+
+TEST(BendAround, IsAlsoToldWhereAllAroundHaveAboutTheSame) {
+    const auto sample = [](float bend) {
+        return std::vector<Record>{behind("", 1, 0), behind("T", 2, bend)};
+    };
+    const std::vector<Record> a = sample(10), b = sample(19), c = sample(21), none = {behind("", 4, 0)};
+    const std::vector<Record> infinite = sample(std::numeric_limits<float>::infinity());
+    const ChainNode node{a[1].path, 2, false, std::span(&a[0].id, 1)};
+    EXPECT_EQ(bend_around({a, b, a, a}, node, 1), 19);
+    EXPECT_FALSE(bend_around({a, b, c, a}, node, 1)) << "more than twice as much";
+    EXPECT_FALSE(bend_around({a, b, a, none}, node, 1)) << "the chain ends there";
+    EXPECT_FALSE(bend_around({none, a, a, a}, node, 1));
+    EXPECT_FALSE(bend_around({a, infinite, a, a}, node, 1));
+    EXPECT_EQ(bend_around({infinite, infinite, infinite, infinite}, node, 1), infinite[1].w_bend);
+}
+
+// A hidden node may stand in a layer that has all before it, or in one that begins behind a bounce.
+TEST(BendAround, FindsWhatAHiddenNodeIsSeenIn) {
+    const std::vector<Record> whole{behind("", 7, 0), behind("", 1, 0, 1), behind("R", 2, 0.5F, 1)},
+        part{behind("", 1, 0), behind("R", 3, 0), behind("R", 2, 0.25F, 1)};
+    const std::array<std::uint32_t, 1> in{1};
+    const ChainNode node{whole[2].path, 2, true, in};
+    EXPECT_EQ(bend_around({whole, part, part, whole}, node, 1), 0.5F);
+    EXPECT_EQ(bend_around({part, part, part, part}, node, 1), 0.25F);
+}
+
+// What the subdivision takes over from corners against measuring it: nothing that W is wrong for goes
+// unnoticed.
+TEST(Bend, OfSubdividedPixelsIsAsIfMeasured) {
+    SceneBuilder b = ball_mirror();
+    b.add(Sphere{{0.5, 0.1, -1.3}, 0.2}, glass(1.5, 0.9));
+    constexpr double radius_m = 0.03;
+    const RayScene rays(b.scene, 0);
+    const CameraModel camera(b.scene.cameras[0], 0);
+    const WhittedTracer tracer(rays, camera, {.bend_radius_m = radius_m});
+    std::vector<Record> records;
+    const RayCounts spent =
+        sample_corners(tracer, {0, 64, 0, 48}, {.levels = 3}, [&](const RecordBand& band) {
+            records.insert(records.end(), band.records.begin(), band.records.end());
+        });
+    std::vector<dvec2> places;
+    for (const Record& r : records) {
+        if (r.path.bits() == 0) places.emplace_back(r.x, r.y);
+    }
+    TracedSamples measured;
+    RayCounts counts;
+    tracer.trace(places, measured, counts);
+    EXPECT_LT(5 * spent.lens, 4 * counts.lens) << "nothing is gained";
+    ASSERT_EQ(measured.records.size(), records.size());
+    const auto px = [&](const Record& r) {
+        return static_cast<double>(r.w_bend) * radius_m * radius_m / tangent_per_px;
+    };
+    int wrong = 0, missed = 0, false_alarms = 0, nodes = 0;
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        ASSERT_EQ(records[i].path, measured.records[i].path);
+        nodes += records[i].path.depth() > 0 ? 1 : 0;
+        const double told = px(records[i]), is = px(measured.records[i]);
+        // Over half a pixel something is done about it. On the balls, 20 px wide here, it changes by a half
+        // from pixel to pixel.
+        wrong += is > 0.5 ? 1 : 0;
+        missed += is > 0.5 && told < 0.25 ? 1 : 0;
+        false_alarms += told > 0.5 && is < 0.25 ? 1 : 0;
+    }
+    EXPECT_GT(nodes, 2000);
+    EXPECT_GT(wrong, nodes / 100);
+    // The glass ball's image in the mirror, two pixels wide: no corner tells what is between.
+    EXPECT_LE(missed, wrong / 30);
+    EXPECT_EQ(false_alarms, 0);
 }
 
 TEST(BendWarning, SaysWhichShareWIsWrongFor) {

@@ -78,9 +78,10 @@ class BandSampler {
 
     // Traces `batches` batches and appends their samples in order. `fill(i, keys)` names the points of batch
     // i, of which there are `sizes[i]`; `traced(index, sample)` is told each. Both are called from any
-    // thread.
+    // thread, and so is `around(key)`: samples traced before that lie near.
     template <typename Fill, typename Traced>
-    void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced) {
+    void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
+               const std::function<SamplesAround(Key)>& around = {}) {
         const std::size_t first_chunk = used_chunks_, batches = sizes.size();
         used_chunks_ += batches;
         if (chunks_.size() < used_chunks_) chunks_.resize(used_chunks_);
@@ -100,7 +101,9 @@ class BandSampler {
             positions.clear();
             for (const Key k : keys) positions.push_back(position(k));
             TracedSamples& chunk = chunks_[first_chunk + i];
-            tracer_.trace(positions, chunk, spent[i]);
+            const auto near = [&](std::size_t at) { return around(keys[at]); };
+            tracer_.trace(positions, chunk, spent[i],
+                          around ? std::function<SamplesAround(std::size_t)>(near) : nullptr);
             for (std::uint32_t k = 0; k < sizes[i]; ++k) {
                 Sample& s = samples_[first_sample[i] + k];
                 s = summary(keys[k], chunk, static_cast<std::uint32_t>(first_chunk + i), k);
@@ -280,7 +283,7 @@ class BandSampler {
         if (settings_.levels == 0) return;
         std::vector<Cell> cells = split_pixels(y_begin, y_end);
         while (!cells.empty()) {
-            trace_missing(cells);
+            trace_missing(cells, y_begin, y_end);
             std::vector<Cell> next;
             for (const Cell& c : cells) split(c, next);
             cells.swap(next);
@@ -306,7 +309,7 @@ class BandSampler {
     }
 
     // The centre and the middles of the sides of every cell, unless a neighbour asked for them before.
-    void trace_missing(const std::vector<Cell>& cells) {
+    void trace_missing(const std::vector<Cell>& cells, int y_begin, int y_end) {
         std::vector<Key> wanted;
         wanted.reserve(cells.size() * 5);
         for (const Cell& c : cells) {
@@ -327,8 +330,24 @@ class BandSampler {
             keys.assign(first, first + sizes[i]);
         };
         auto i = static_cast<std::uint32_t>(samples_.size());
-        trace(sizes, fill, [](std::uint32_t, const Sample&) {});
+        trace(
+            sizes, fill, [](std::uint32_t, const Sample&) {},
+            [&](Key k) { return corners_around(k, y_begin, y_end); });
         for (; i < samples_.size(); ++i) found_.emplace(key(samples_[i].x, samples_[i].y), i);
+    }
+
+    // Of a pixel that has the point inside or on its edge.
+    [[nodiscard]] SamplesAround corners_around(Key k, int y_begin, int y_end) const {
+        const int column = std::min(static_cast<int>(to_pixels(static_cast<std::uint32_t>(k))), columns_ - 2),
+                  row = std::min(
+                      static_cast<int>(to_pixels(static_cast<std::uint32_t>(k >> 32) - grid_y(y_begin))),
+                      y_end - y_begin - 1);
+        SamplesAround out;
+        for (int i = 0; i < 4; ++i) {
+            const Sample& s = samples_[corner(column + i % 2, row + i / 2)];
+            out[static_cast<std::size_t>(i)] = {chunks_[s.chunk].records.data() + s.first, s.count};
+        }
+        return out;
     }
 
     void split(const Cell& c, std::vector<Cell>& next) const {

@@ -146,6 +146,7 @@ struct WhittedTracer::Impl {
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
+    void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
 };
 
 void WhittedTracer::Impl::start(Workspace& w) const {
@@ -479,6 +480,24 @@ void WhittedTracer::Impl::trace_bends(Workspace& w, RayCounts& counts) const {
     for (std::size_t i = 0; i < w.bent.size(); ++i) w.nodes[w.bent[i].node].record.w_bend = w.bends[i];
 }
 
+// Leaves in w.bent what must be measured.
+void WhittedTracer::Impl::take_bends_around(Workspace& w,
+                                            const std::function<SamplesAround(std::size_t)>& around) const {
+    const auto most = static_cast<float>(little_bend_px * camera.tangent_per_px /
+                                         (settings.bend_radius_m * settings.bend_radius_m));
+    std::erase_if(w.bent, [&](const BentNode& n) {
+        Node& node = w.nodes[n.node];
+        std::array<std::uint32_t, NodePath::max_bounces> ids{};
+        const auto bounces = static_cast<std::size_t>(n.path.depth());
+        for (std::size_t i = 0; i < bounces; ++i) ids[i] = rays.scene().objects[n.bounces.object[i]].id;
+        const std::optional<float> bend =
+            bend_around(around(node.sample),
+                        {n.path, node.record.id, n.hidden_bounce >= 0, std::span(ids).first(bounces)}, most);
+        if (bend) node.record.w_bend = *bend;
+        return bend.has_value();
+    });
+}
+
 WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
                              const WhittedSettings& settings, const HiddenLayers& hidden)
     : impl_(std::make_unique<Impl>(scene, camera, settings, hidden)) {
@@ -502,8 +521,8 @@ bool WhittedTracer::measures_bends() const {
     return impl_->measures_bends();
 }
 
-void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& out,
-                          RayCounts& counts) const {
+void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
+                          const std::function<SamplesAround(std::size_t)>& around) const {
     thread_local Workspace w;
     w.shadows.resize(impl_->lights.size());
     w.shadow_rays.resize(impl_->lights.size());
@@ -512,6 +531,7 @@ void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& 
     counts.eye += w.positions.size();
     while (w.rays.count > 0) impl_->generation(w, counts);
     if (!w.eye_hits.empty()) impl_->trace_hidden(w, counts);
+    if (around && !w.bent.empty()) impl_->take_bends_around(w, around);
     if (!w.bent.empty()) impl_->trace_bends(w, counts);
     collect(w, out);
 }

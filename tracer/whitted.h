@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "records/record.h"
+#include "tracer/bend_around.h"
 #include "tracer/camera_model.h"
 #include "tracer/hidden_surfaces.h"
 #include "tracer/ray_scene.h"
@@ -59,8 +61,13 @@ class WhittedTracer {
     WhittedTracer& operator=(WhittedTracer&&) = delete;
 
     /// Traces point samples at raster positions, px; groups of 16 that lie close together go fastest.
-    /// Thread-safe.
-    void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
+    /// Thread-safe. `around(i)`, if given: samples that lie within a pixel of positions[i] and were traced
+    /// before. W.bend of a node that is no more than `little_bend_px` in those of them that see the same
+    /// chain is the greatest of theirs, and not measured.
+    void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
+               const std::function<SamplesAround(std::size_t)>& around = {}) const;
+    /// At the rim of the lens of which W.bend is measured.
+    static constexpr double little_bend_px = 0.125;
 
     /// True where some material reflects or transmits, so that nodes deeper than primary can exist.
     [[nodiscard]] bool has_deeper_nodes() const;

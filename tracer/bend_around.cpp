@@ -1,0 +1,68 @@
+#include "tracer/bend_around.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace postlens {
+namespace {
+
+/// Of the node that `layer` has at `path`, or else the first layer: a layer that begins behind a bounce has
+/// no nodes of its own before that. Null: neither has.
+const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
+    const Record* visible = nullptr;
+    for (const Record& r : records) {
+        if (r.path != path) continue;
+        if (r.layer == layer) return &r;
+        if (r.layer == 0) visible = &r;
+    }
+    return visible;
+}
+
+bool seen_in_the_same(std::span<const Record> records, const Record& r, const ChainNode& node) {
+    NodePath path = r.path;
+    for (std::size_t bounce = node.ids.size(); bounce-- > 0;) {
+        path = path.parent();
+        const Record* in = find_node(records, r.layer, path);
+        if (in == nullptr || in->id != node.ids[bounce]) return false;
+    }
+    return true;
+}
+
+/// What one sample has that is seen by the same path in the same objects.
+struct Seen {
+    float greatest = 0;  ///< W.bend
+    bool any = false;
+    bool same = false;  ///< the same object at the end
+};
+
+Seen seen_by(std::span<const Record> records, const ChainNode& node) {
+    Seen out;
+    for (const Record& r : records) {
+        if (r.path != node.path || (r.layer != 0) != node.hidden || !seen_in_the_same(records, r, node))
+            continue;
+        out.any = true;
+        out.same = out.same || r.id == node.id;
+        out.greatest = std::max(out.greatest, r.w_bend);
+    }
+    return out;
+}
+
+}  // namespace
+
+std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node, float little) {
+    constexpr float smooth = 2;
+    float greatest = 0, least = std::numeric_limits<float>::infinity();
+    bool one_same = false, all_same = true;
+    for (const std::span<const Record> records : around) {
+        const Seen seen = seen_by(records, node);
+        if (!seen.any) return std::nullopt;
+        one_same = one_same || seen.same;
+        all_same = all_same && seen.same;
+        greatest = std::max(greatest, seen.greatest);
+        least = std::min(least, seen.greatest);
+        if (!(greatest <= little) && !(all_same && greatest <= smooth * least)) return std::nullopt;
+    }
+    return one_same ? std::optional(greatest) : std::nullopt;
+}
+
+}  // namespace postlens
