@@ -140,8 +140,8 @@ class BandSampler {
     void start_band(int y_begin, int y_end, bool first) {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns_), 0);
-        found_.clear();
-        for (std::uint32_t i = 0; i < samples_.size(); ++i) place(i, y_begin);  // carried over
+        carried_over_.clear();
+        for (std::uint32_t i = 0; i < samples_.size(); ++i) place(i, y_begin);
 
         struct Tile {
             int x, y, x_end, y_end;
@@ -174,14 +174,14 @@ class BandSampler {
         });
     }
 
-    // Makes a sample findable: corners by row and column, others by key.
+    // Makes a sample of the band above findable: corners by row and column, others by key.
     void place(std::uint32_t i, int y_begin) {
         const Sample& s = samples_[i];
         if (s.x % unit_ == 0 && s.y % unit_ == 0) {
             const std::size_t row = to_pixels(s.y - grid_y(y_begin));
             corners_[row * static_cast<std::size_t>(columns_) + to_pixels(s.x)] = i;
         } else {
-            found_.emplace(key(s.x, s.y), i);
+            carried_over_.emplace(key(s.x, s.y), i);
         }
     }
 
@@ -279,20 +279,24 @@ class BandSampler {
         return at < s.count ? chunks_[s.chunk].records[s.first + at].path.bits() : none;
     }
 
+    using CellRows = std::vector<std::vector<Cell>>;  // by row of pixels
+
     void refine(int y_begin, int y_end) {
         if (settings_.levels == 0) return;
-        std::vector<Cell> cells = split_pixels(y_begin, y_end);
-        while (!cells.empty()) {
+        CellRows cells = split_pixels(y_begin, y_end), next(cells.size());
+        while (std::any_of(cells.begin(), cells.end(), [](const auto& row) { return !row.empty(); })) {
             trace_missing(cells, y_begin, y_end);
-            std::vector<Cell> next;
-            for (const Cell& c : cells) split(c, next);
+            parallel_for(cells.size(), [&](std::size_t row) {
+                next[row].clear();
+                for (const Cell& c : cells[row]) split(c, row, next[row]);
+            });
             cells.swap(next);
         }
     }
 
-    [[nodiscard]] std::vector<Cell> split_pixels(int y_begin, int y_end) const {
-        std::vector<std::vector<Cell>> by_row(static_cast<std::size_t>(y_end - y_begin));
-        parallel_for(by_row.size(), [&](std::size_t r) {
+    [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) const {
+        CellRows cells(static_cast<std::size_t>(y_end - y_begin));
+        parallel_for(cells.size(), [&](std::size_t r) {
             const int row = static_cast<int>(r);
             for (int x = 0; x + 1 < columns_; ++x) {
                 const Cell c{
@@ -300,40 +304,64 @@ class BandSampler {
                     grid_y(y_begin + row),
                     unit_,
                     {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
-                if (splits(c)) by_row[r].push_back(c);
+                if (splits(c)) cells[r].push_back(c);
             }
         });
-        std::vector<Cell> cells;
-        for (const auto& row : by_row) cells.insert(cells.end(), row.begin(), row.end());
         return cells;
     }
 
-    // The centre and the middles of the sides of every cell, unless a neighbour asked for them before.
-    void trace_missing(const std::vector<Cell>& cells, int y_begin, int y_end) {
-        std::vector<Key> wanted;
-        wanted.reserve(cells.size() * 5);
-        for (const Cell& c : cells) {
-            const std::uint32_t h = c.size / 2;
-            for (const auto& [dx, dy] : {std::pair{h, 0U}, {0U, h}, {h, h}, {c.size, h}, {h, c.size}}) {
-                const Key k = key(c.x + dx, c.y + dy);
-                if (!found_.contains(k)) wanted.push_back(k);
+    // The centre and the middles of the sides of every cell, unless a neighbour asked for them before: that
+    // one is as large and asks now, or lies in the band above.
+    void trace_missing(const CellRows& cells, int y_begin, int y_end) {
+        // By row of pixels, those on its upper edge included; the last row has the band's lower edge.
+        std::vector<std::vector<Key>> inside(cells.size() + 1), below(cells.size() + 1);
+        parallel_for(cells.size(), [&](std::size_t row) {
+            const std::uint32_t end = grid_y(y_begin + static_cast<int>(row) + 1);
+            for (const Cell& c : cells[row]) {
+                const std::uint32_t h = c.size / 2;
+                for (const auto& [dx, dy] : {std::pair{h, 0U}, {0U, h}, {h, h}, {c.size, h}, {h, c.size}}) {
+                    const Key k = key(c.x + dx, c.y + dy);
+                    if (row == 0 && carried_over_.contains(k)) continue;
+                    (c.y + dy < end ? inside[row] : below[row + 1]).push_back(k);
+                }
             }
+        });
+        parallel_for(inside.size(), [&](std::size_t row) {
+            std::vector<Key>& keys = inside[row];
+            keys.insert(keys.end(), below[row].begin(), below[row].end());
+            std::sort(keys.begin(), keys.end());
+            keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+        });
+        wanted_.clear();
+        wanted_rows_.assign(1, 0);
+        for (const std::vector<Key>& keys : inside) {
+            wanted_.insert(wanted_.end(), keys.begin(), keys.end());
+            wanted_rows_.push_back(wanted_.size());
         }
-        std::sort(wanted.begin(), wanted.end());
-        wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
         std::vector<std::uint32_t> sizes;
-        for (std::size_t i = 0; i < wanted.size(); i += batch_size) {
-            sizes.push_back(static_cast<std::uint32_t>(std::min(batch_size, wanted.size() - i)));
+        for (std::size_t i = 0; i < wanted_.size(); i += batch_size) {
+            sizes.push_back(static_cast<std::uint32_t>(std::min(batch_size, wanted_.size() - i)));
         }
         const auto fill = [&](std::size_t i, std::vector<Key>& keys) {
-            const auto first = wanted.begin() + static_cast<std::ptrdiff_t>(i * batch_size);
+            const auto first = wanted_.begin() + static_cast<std::ptrdiff_t>(i * batch_size);
             keys.assign(first, first + sizes[i]);
         };
-        auto i = static_cast<std::uint32_t>(samples_.size());
+        first_wanted_ = static_cast<std::uint32_t>(samples_.size());
         trace(
             sizes, fill, [](std::uint32_t, const Sample&) {},
             [&](Key k) { return corners_around(k, y_begin, y_end); });
-        for (; i < samples_.size(); ++i) found_.emplace(key(samples_[i].x, samples_[i].y), i);
+    }
+
+    // The sample at a point that a cell of this row of pixels asked for.
+    [[nodiscard]] std::uint32_t sample_at(Key k, std::size_t row) const {
+        for (const std::size_t r : {row, row + 1}) {
+            const auto first = wanted_.begin() + static_cast<std::ptrdiff_t>(wanted_rows_[r]),
+                       last = wanted_.begin() + static_cast<std::ptrdiff_t>(wanted_rows_[r + 1]);
+            const auto found = std::lower_bound(first, last, k);
+            if (found != last && *found == k)
+                return first_wanted_ + static_cast<std::uint32_t>(found - wanted_.begin());
+        }
+        return carried_over_.at(k);
     }
 
     // Of a pixel that has the point inside or on its edge.
@@ -350,11 +378,11 @@ class BandSampler {
         return out;
     }
 
-    void split(const Cell& c, std::vector<Cell>& next) const {
+    void split(const Cell& c, std::size_t row, std::vector<Cell>& next) const {
         const std::uint32_t h = c.size / 2;
         if (h == 1) return;  // the quarters are leaves, whatever they hold
         const auto at = [&](std::uint32_t dx, std::uint32_t dy) {
-            return found_.at(key(c.x + dx, c.y + dy));
+            return sample_at(key(c.x + dx, c.y + dy), row);
         };
         const std::uint32_t top = at(h, 0), left = at(0, h), centre = at(h, h), right = at(c.size, h),
                             bottom = at(h, c.size);
@@ -460,7 +488,11 @@ class BandSampler {
     TracedSamples carried_;
     std::vector<Sample> samples_;
     std::vector<std::uint32_t> corners_;
-    std::unordered_map<Key, std::uint32_t> found_;
+    std::unordered_map<Key, std::uint32_t> carried_over_;  ///< from the band above: but for corners
+    // What was traced last for cells: sorted, by row of pixels, and the first one's sample.
+    std::vector<Key> wanted_;
+    std::vector<std::size_t> wanted_rows_;
+    std::uint32_t first_wanted_ = 0;
     std::vector<std::uint32_t> first_, order_, next_;  // of emit, kept for their memory
 };
 
