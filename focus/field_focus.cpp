@@ -40,6 +40,12 @@ double reversed(std::uint32_t i) {
 /// From one set of views to the next, in time: far from the multiples of small fractions.
 constexpr double set_shift = 0.38196601125010515;
 
+/// Of the light, what has come in before a view's instant.
+double light_before(const FieldViews& views, std::size_t view) {
+    const double u = std::min(1.0, reversed(static_cast<std::uint32_t>(view)) + 0.5 / views.count);
+    return views.set > 0 ? std::fmod(u + views.set * set_shift, 1.0) : u;
+}
+
 /// Which ids move alike, and how.
 class Motions {
   public:
@@ -128,6 +134,10 @@ struct FieldFocuser::Prepared {
     bool moves = false;
     PatchLens lens;
     HighlightRule rule;
+    std::optional<HighlightMotion> highlight_motion;
+    [[nodiscard]] const HighlightMotion* moving() const {
+        return highlight_motion ? &*highlight_motion : nullptr;
+    }
     std::vector<double> instants_s;
     double strip_records = 0;                 ///< of a strip, at most
     std::optional<FieldSurfaces> all;         ///< none: they are read strip by strip
@@ -148,10 +158,19 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // What moves through the frame blurs its highlights itself.
+    // What moves in mirrors, and what is large, blurs its highlights itself.
     if (p.rule.takes && p.moves) {
-        p.rule.takes = [takes = p.rule.takes, &p](const Mat2& w, std::uint32_t id, float area_px2) {
-            return !p.motions->moves(id) && takes(w, id, area_px2);
+        p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
+                                   [this](std::uint32_t id, double u) {
+                                       return settings_.shutter->motion->map(
+                                           id, prepared_->instants_s.front(), instant_s(u));
+                                   },
+                                   p.lens);
+        p.rule.takes = [takes = p.rule.takes, &p](const Mat2& w, const SheetKey& key, float area_px2) {
+            if (key.path.bits() == 0 && p.motions->moves(key.id))
+                return p.highlight_motion->takes(key.id, area_px2);
+            return !p.motions->moves(key.path.bits() == 0 ? key.id : key.parent_id) &&
+                   takes(w, key, area_px2);
         };
     }
     double records = 0;
@@ -175,7 +194,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.all.emplace();
     for (std::size_t i = 0; i < instants; ++i)
         p.all->add(frame.sheets(i, p.rule, i == 0 ? settings_.also : RecordsRead{}), p.lens);
-    p.of_all = std::make_unique<FieldHighlights>(*p.all->sheets[0], settings_.aperture, g, settings_.window);
+    p.of_all = std::make_unique<FieldHighlights>(*p.all->sheets[0], settings_.aperture, g, settings_.window,
+                                                 p.moving());
 }
 
 /// Of surfaces and views that are to come.
@@ -190,6 +210,11 @@ PatchField FieldFocuser::outline() const {
     return field;
 }
 
+double FieldFocuser::instant_s(double u) const {
+    const FieldShutter& s = *settings_.shutter;
+    return s.open_s + s.curve.time(u) * (s.close_s - s.open_s);
+}
+
 std::vector<PatchView> FieldFocuser::views_at(const FieldViews& views,
                                               std::span<const LensViewPoint> points) const {
     const Prepared& p = *prepared_;
@@ -201,10 +226,7 @@ std::vector<PatchView> FieldFocuser::views_at(const FieldViews& views,
         v.passes = passing(settings_, points[i]);
         v.uses = {{0, 1, {}}};
         if (settings_.shutter && (p.moves || p.instants_s.size() > 1)) {
-            const FieldShutter& s = *settings_.shutter;
-            double u = std::min(1.0, reversed(static_cast<std::uint32_t>(i)) + 0.5 / views.count);
-            if (views.set > 0) u = std::fmod(u + views.set * set_shift, 1.0);
-            v.uses = uses_at(p.instants_s, s.open_s + s.curve.time(u) * (s.close_s - s.open_s), *p.motions);
+            v.uses = uses_at(p.instants_s, instant_s(light_before(views, i)), *p.motions);
             if (!p.moves) {
                 for (auto& use : v.uses) use.motions.clear();
             }
@@ -235,8 +257,14 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     if (!p.all) {
         // What is read for a strip may have lights.
         field.lens_reach_px = lens_box_px;
-        strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px);
+        strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }
+    const auto instants_of = [&](const FieldViews& set) {
+        std::vector<double> out;
+        for (int i = 0; p.moves && i < set.count; ++i)
+            out.push_back(light_before(set, static_cast<std::size_t>(i)));
+        return out;
+    };
     const std::optional<OneSurface> simple = one_surface(sets, strips ? &*strips : nullptr);
     std::vector<PatchPicture> seen(pictures, PatchPicture(window.width(), window.height()));
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
@@ -245,7 +273,8 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
         field.lens_reach_px = highlights.any() ? lens_box_px : glm::dvec2(0);
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {
-            if (highlights.any()) lights.push_back(highlights.over(points[i], sets[i].set));
+            if (highlights.any())
+                lights.push_back(highlights.over(points[i], sets[i].set, instants_of(sets[i])));
             field.sets[i].lights = highlights.any() ? lights.back().get() : nullptr;
             field.sets[i].wanted = [&, i](int x, int y, int width, int height) {
                 return part.meets(x, y, width, height) && !(simple && simple->all(x, y, width, height)) &&
@@ -264,7 +293,7 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
                       end = std::min(crop.y + crop.height, last - window.y_begin);
             if (top >= end) continue;
             const FieldSurfaces surfaces = strips->read(first, last);
-            const FieldHighlights highlights(*surfaces.sheets[0], settings_.aperture, g, window);
+            const FieldHighlights highlights(*surfaces.sheets[0], settings_.aperture, g, window, p.moving());
             draw_part(surfaces, highlights, {crop.x, top, crop.width, end - top});
         }
     };

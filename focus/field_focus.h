@@ -96,6 +96,8 @@ class FieldFocuser {
   private:
     struct Prepared;
     [[nodiscard]] PatchField outline() const;
+    /// By which the share u of the shutter's light has come in.
+    [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(const FieldViews& views,
                                                   std::span<const LensViewPoint> points) const;
     /// Where a set says that one surface is to be left out, of what the strips have or of all.

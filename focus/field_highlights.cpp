@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "core/threads.h"
 #include "focus/depth_levels.h"
@@ -50,9 +52,13 @@ double light_of(const std::array<float, 3>& rgb) {
 /// A set of views, and which of them lie nearest to each point of the lens.
 class FieldHighlights::OverViews final : public Lights {
   public:
-    OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set)
+    OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
+              const std::vector<double>& instants)
         : of_(of), view_count_(views.size()), set_(set) {
-        lay_nearest(views);
+        nearest_ = nearest_of(views, table_edge, [](std::size_t) { return 0.0; });
+        const bool any_moves =
+            std::any_of(of.sources_.begin(), of.sources_.end(), [](const Source& s) { return s.u >= 0; });
+        if (any_moves && instants.size() == views.size()) lay_timed(views, instants);
     }
 
     [[nodiscard]] bool reach(int x, int y, int width, int height) const override {
@@ -61,7 +67,18 @@ class FieldHighlights::OverViews final : public Lights {
     void add(const TileViews& views, std::vector<double>& light) const override;
 
   private:
-    void lay_nearest(const std::vector<LensViewPoint>& views);
+    static constexpr int nearest = 3;  ///< views that are asked
+    using Nearest = std::vector<std::array<std::uint32_t, nearest>>;
+    /// By cell of a table over the lens, `edge` cells across. `away2(view)`: squared, what else it is away
+    /// by.
+    template <typename Away>
+    [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
+                                            const Away& away2);
+    void lay_timed(const std::vector<LensViewPoint>& views, const std::vector<double>& instants);
+    [[nodiscard]] static std::size_t cell_of(const glm::dvec2& q, int edge);
+    [[nodiscard]] static std::size_t span_of(double u) {
+        return static_cast<std::size_t>(std::clamp(u * spans, 0.0, spans - 1.0));
+    }
     /// Those that reach the tile.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
@@ -76,17 +93,24 @@ class FieldHighlights::OverViews final : public Lights {
         return of_.sees(s, views.texel[k], views.inverse_z[k]);
     }
 
-    static constexpr int table_edge = 64;       ///< cells across the lens
-    static constexpr int nearest = 3;           ///< views that are asked
-    static constexpr double table_reach = 1.1;  ///< lens radii
+    static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
+    static constexpr double table_reach = 1.1;              ///< lens radii
+    /// Of the time that the shutter is open, each with views of its own; all of it is as far as the lens is
+    /// wide.
+    static constexpr int spans = 16;
+    static constexpr double lens_radii_of_open = 2;
+    static constexpr std::size_t least_of_span = 8;  ///< views that are asked where no point of the lens is
     const FieldHighlights& of_;
     std::size_t view_count_;
     int set_;
-    std::vector<std::array<std::uint32_t, nearest>> nearest_;
+    Nearest nearest_;
+    std::vector<Nearest> timed_;                      ///< by span; empty: nothing moves
+    std::vector<std::vector<std::uint32_t>> all_of_;  ///< by span: its views
 };
 
-std::unique_ptr<Lights> FieldHighlights::over(const std::vector<LensViewPoint>& views, int set) const {
-    return std::make_unique<OverViews>(*this, views, set);
+std::unique_ptr<Lights> FieldHighlights::over(const std::vector<LensViewPoint>& views, int set,
+                                              const std::vector<double>& instants) const {
+    return std::make_unique<OverViews>(*this, views, set, instants);
 }
 
 HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry) {
@@ -94,14 +118,15 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
     rule.above = brightest;
     if (aperture.varies_over_field() || aperture.spherical_per_m() != 0) return rule;
     const PatchLens lens = patch_lens(geometry);
-    rule.takes = [lens](const Mat2& w, std::uint32_t /*id*/, float area_px2) {
+    rule.takes = [lens](const Mat2& w, const SheetKey& /*key*/, float area_px2) {
         return area_px2 < small_px2 || lens.least_blur_px(w) >= spread_from_px;
     };
     return rule;
 }
 
 FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& aperture,
-                                 const FocusGeometry& geometry, const RasterWindow& window)
+                                 const FocusGeometry& geometry, const RasterWindow& window,
+                                 const HighlightMotion* motion)
     : sheets_(sheets), geometry_(geometry), window_(window), round_(aperture.is_round()) {
     if (sheets.primary.highlights.empty() && sheets.deeper.highlights.empty()) return;
     model_ = aperture_model(aperture, geometry, std::hypot(window.width(), window.height()) / 2.0);
@@ -133,7 +158,15 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
             sum.area += h.area;
             weight += energy;
         }
-        for (const auto& [key, light] : merged) add_source(light.first, *mesh, cache);
+        for (const auto& [key, light] : merged) {
+            if (motion == nullptr) {
+                add_source({light.first, -1, 1}, *mesh, cache);
+                continue;
+            }
+            for (const HighlightMotion::Moment& m :
+                 motion->moments(light.first, mesh->sheets[light.first.sheet].key))
+                add_source(m, *mesh, cache);
+        }
     }
     kernels_->build();
     group_sources();
@@ -148,8 +181,11 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     }
 }
 
-void FieldHighlights::add_source(const Highlight& h, const SheetMesh& mesh, KernelNumberCache& cache) {
+void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMesh& mesh,
+                                 KernelNumberCache& cache) {
+    const Highlight& h = m.light;
     Source s;
+    s.u = m.u;
     const double scale = geometry_.gain_px * geometry_.aperture_radius_m;
     const glm::dmat2 map = scale * glm::dmat2(geometry_.inverse_focus_per_m - static_cast<double>(h.w.xx),
                                               -static_cast<double>(h.w.yx), -static_cast<double>(h.w.xy),
@@ -167,9 +203,9 @@ void FieldHighlights::add_source(const Highlight& h, const SheetMesh& mesh, Kern
     key.phase_x = phase(s.at.x - whole.x);
     key.phase_y = phase(s.at.y - whole.y);
     s.kernel = cache.number_of(key);
-    s.rgb = h.rgb;
+    for (std::size_t c = 0; c < 3; ++c) s.rgb[c] = static_cast<float>(m.share) * h.rgb[c];
     const double most = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}));
-    if (h.area > 0) s.square = most * most / static_cast<double>(h.area);
+    if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
     // A pixel that is as large as the response gets light from all of the lens.
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < spread_from_px;
@@ -178,29 +214,50 @@ void FieldHighlights::add_source(const Highlight& h, const SheetMesh& mesh, Kern
     sources_.push_back(s);
 }
 
-void FieldHighlights::OverViews::lay_nearest(const std::vector<LensViewPoint>& views) {
-    nearest_.resize(static_cast<std::size_t>(table_edge) * table_edge);
-    parallel_for(table_edge, [&](std::size_t row) {
-        for (std::size_t x = 0; x < table_edge; ++x) {
-            const auto of_cell = [](std::size_t i) {
-                return (2 * (static_cast<double>(i) + 0.5) / table_edge - 1) * table_reach;
+template <typename Away>
+FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
+    const std::vector<LensViewPoint>& views, int edge, const Away& away2) {
+    Nearest out(static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge));
+    parallel_for(static_cast<std::size_t>(edge), [&](std::size_t row) {
+        for (std::size_t x = 0; x < static_cast<std::size_t>(edge); ++x) {
+            const auto of_cell = [edge](std::size_t i) {
+                return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
             };
             const glm::dvec2 q(of_cell(x), of_cell(row));
             std::array<std::pair<double, std::uint32_t>, nearest> best;
             best.fill({HUGE_VAL, 0});
             for (std::uint32_t v = 0; v < views.size(); ++v) {
                 const glm::dvec2 d = views[v].lens - q;
-                std::pair<double, std::uint32_t> candidate{glm::dot(d, d), v};
+                std::pair<double, std::uint32_t> candidate{glm::dot(d, d) + away2(v), v};
                 if (!(candidate < best.back())) continue;
                 for (auto& b : best) {
                     if (candidate < b) std::swap(candidate, b);
                 }
             }
-            auto& to = nearest_[row * table_edge + x];
+            auto& to = out[row * static_cast<std::size_t>(edge) + x];
             for (std::size_t i = 0; i < nearest; ++i)
                 to[i] = std::isinf(best[i].first) ? best[0].second : best[i].second;
         }
     });
+    return out;
+}
+
+void FieldHighlights::OverViews::lay_timed(const std::vector<LensViewPoint>& views,
+                                           const std::vector<double>& instants) {
+    for (int span = 0; span < spans; ++span) {
+        const double middle = (span + 0.5) / spans;
+        const auto away2 = [&](std::size_t v) {
+            const double away = lens_radii_of_open * (instants[v] - middle);
+            return away * away;
+        };
+        timed_.push_back(nearest_of(views, timed_edge, away2));
+        std::vector<std::uint32_t> order(views.size());
+        std::iota(order.begin(), order.end(), 0U);
+        std::stable_sort(order.begin(), order.end(),
+                         [&](std::uint32_t a, std::uint32_t b) { return away2(a) < away2(b); });
+        order.resize(std::min(order.size(), std::max(least_of_span, order.size() / spans)));
+        all_of_.push_back(std::move(order));
+    }
 }
 
 bool FieldHighlights::reach(int x, int y, int width, int height) const {
@@ -407,6 +464,11 @@ void FieldHighlights::OverViews::add(const Source& s, const Part* part, const Ti
                 share *=
                     static_cast<double>(part->share[static_cast<std::size_t>(y - part->y0) * SeenTile::edge +
                                                     static_cast<std::size_t>(x - part->x0)]);
+            } else if (s.by_all && s.u >= 0 && !timed_.empty()) {
+                const std::vector<std::uint32_t>& asked = all_of_[span_of(s.u)];
+                int seen = 0;
+                for (const std::uint32_t v : asked) seen += sees(s, views, v, pixel) ? 1 : 0;
+                share *= static_cast<double>(seen) / static_cast<double>(asked.size());
             } else if (s.by_all) {
                 int seen = 0;
                 for (std::size_t v = 0; v < view_count_; ++v) seen += sees(s, views, v, pixel) ? 1 : 0;
@@ -421,15 +483,20 @@ void FieldHighlights::OverViews::add(const Source& s, const Part* part, const Ti
     }
 }
 
+std::size_t FieldHighlights::OverViews::cell_of(const glm::dvec2& q, int edge) {
+    const auto cell = [edge](double v) {
+        return static_cast<std::size_t>(std::clamp((v / table_reach + 1) / 2 * edge, 0.0, edge - 1.0));
+    };
+    return cell(q.y) * static_cast<std::size_t>(edge) + cell(q.x);
+}
+
 double FieldHighlights::OverViews::seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                               const glm::dvec2& at) const {
     const glm::dvec2 q = s.lens_from_px * (at - s.at);
-    const auto cell = [](double v) {
-        return static_cast<std::size_t>(
-            std::clamp((v / table_reach + 1) / 2 * table_edge, 0.0, table_edge - 1.0));
-    };
+    const bool timed = s.u >= 0 && !timed_.empty();
     int seen = 0;
-    for (const std::uint32_t v : nearest_[cell(q.y) * table_edge + cell(q.x)])
+    for (const std::uint32_t v :
+         timed ? timed_[span_of(s.u)][cell_of(q, timed_edge)] : nearest_[cell_of(q, table_edge)])
         seen += sees(s, views, v, pixel) ? 1 : 0;
     return static_cast<double>(seen) / nearest;
 }

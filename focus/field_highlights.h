@@ -7,6 +7,7 @@
 
 #include "focus/kernel.h"
 #include "focus/lens_views.h"
+#include "focus/moving_highlights.h"
 #include "focus/response_model.h"
 #include "focus/splat_tables.h"
 #include "lens/aperture.h"
@@ -21,17 +22,19 @@ namespace postlens {
 /// The light that the rule has taken from the sheets. At a pixel the response's value comes through one point
 /// of the lens. Whether that point sees the light: of what is seen directly, exactly, by drawing what stands
 /// before it as the light sees the lens; of what mirrors and glass show, and of lights beyond the brightest
-/// of a tile, by the views nearest to the point.
+/// of a tile, by the views nearest to the point; of what moves, nearest to it and to the instant.
 class FieldHighlights {
   public:
-    /// Keeps references to `sheets`. `window`: the picture's pixels.
+    /// Keeps references to `sheets`. `window`: the picture's pixels. `motion`: null: nothing moves.
     FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
-                    const RasterWindow& window);
+                    const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
     /// What is added to these views. `set`: of the views; what is drawn is sampled elsewhere for each, as
-    /// they are. Keeps a reference to this.
-    [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set) const;
+    /// they are. `instants`: of the views, as shares of the light that has come in by then; may be empty
+    /// where nothing moves. Keeps a reference to this.
+    [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
+                                               const std::vector<double>& instants = {}) const;
 
   private:
     class OverViews;
@@ -44,6 +47,7 @@ class FieldHighlights {
         glm::dmat2 lens_from_px{1};
         float inverse_z = 0;
         bool by_all = false;  ///< all views are asked, not those near one point of the lens
+        double u = -1;        ///< of the light, what has come in by then: HighlightMotion; -1: always there
         SheetKey key;
         std::uint32_t sheet = 0;
         std::uint32_t group = 0;  ///< neighbours that one drawing serves
@@ -63,7 +67,7 @@ class FieldHighlights {
         int samples = 0;
     };
     void group_sources();
-    void add_source(const Highlight& h, const SheetMesh& mesh, KernelNumberCache& cache);
+    void add_source(const HighlightMotion::Moment& m, const SheetMesh& mesh, KernelNumberCache& cache);
     /// Of a part of a tile, the share of each pixel that gets the light.
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< picture px

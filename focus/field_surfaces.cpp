@@ -85,8 +85,15 @@ void FieldSurfaces::show(PatchField& field) const {
 }
 
 FieldStrips::FieldStrips(const SampleFileReader& file, std::size_t instants, const PatchLens& lens,
-                         const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px)
-    : file_(file), lens_(lens), rule_(rule), sweep_(views), lens_box_px_(lens_box_px), instants_(instants) {
+                         const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px,
+                         const HighlightMotion* motion)
+    : file_(file),
+      lens_(lens),
+      rule_(rule),
+      motion_(motion),
+      sweep_(views),
+      lens_box_px_(lens_box_px),
+      instants_(instants) {
     constexpr int edge = SheetMesh::square_px;
     for (Instant& i : instants_)
         i.rows.resize(static_cast<std::size_t>((file.y_end() - file.y_begin() + edge - 1) / edge));
@@ -123,13 +130,19 @@ std::vector<FieldStrips::Reach> FieldStrips::reach_of(const PatchMesh& mesh, std
         // As patch_field has it: a pixel more on either side.
         out[patch.sheet].include(std::floor(r.y_min - 1), std::floor(r.y_max + 1) + 1);
     }
-    for (const Highlight& light : mesh.sheets->bright) {
+    const auto include = [&](const Highlight& light) {
         const auto w = [](float v) { return static_cast<double>(v); };
         const double reach =
             kernel_margin_px +
             kernel_grows * (std::abs(w(light.w.yx)) * lens_box_px_.x +
                             std::abs(lens_.inverse_focus_per_m - w(light.w.yy)) * lens_box_px_.y);
         out[light.sheet].include(std::floor(w(light.y) - reach), std::ceil(w(light.y) + reach));
+    };
+    for (const Highlight& light : mesh.sheets->bright) {
+        include(light);
+        if (motion_ == nullptr) continue;
+        for (const HighlightMotion::Moment& m : motion_->moments(light, mesh.sheets->sheets[light.sheet].key))
+            include(m.light);
     }
     return out;
 }

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "focus/moving_highlights.h"
 #include "focus/node_response.h"
 #include "records/sample_file.h"
 #include "reproject/patch_field.h"
@@ -48,8 +49,10 @@ class FieldStrips {
     /// Keeps references to all. `views`: a field without instants; what lenses as far as its lens_reach_px
     /// see is kept as well. `lens_box_px`: half the width and height of the lens, as LensShift::lens_px, for
     /// what highlights reach.
+    /// `motion`: of highlights; null: none moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, const PatchLens& lens,
-                const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px);
+                const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px,
+                const HighlightMotion* motion);
 
     /// Those of raster rows [y_begin, y_end).
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
@@ -92,6 +95,7 @@ class FieldStrips {
     const SampleFileReader& file_;
     PatchLens lens_;
     const HighlightRule& rule_;
+    const HighlightMotion* motion_;
     PatchSweep sweep_;
     glm::dvec2 lens_box_px_;
     std::vector<Instant> instants_;

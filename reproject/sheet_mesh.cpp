@@ -220,8 +220,7 @@ void take_highlights(TreeSheets& sheets, const HighlightRule& rule) {
         for (std::size_t i = 0; rule.takes && i < taken.size(); ++i) {
             const Highlight& light = mesh->bright[i];
             const SheetKey& key = mesh->sheets[light.sheet].key;
-            if (!rule.takes(light.w, key.path.bits() == 0 ? key.id : key.parent_id, area_px2[light.sheet]))
-                continue;
+            if (!rule.takes(light.w, key, area_px2[light.sheet])) continue;
             taken[i] = 1;
             mesh->highlights.push_back(light);
         }

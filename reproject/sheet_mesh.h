@@ -105,9 +105,8 @@ struct TreeSheets {
 /// What of a colour is a highlight: all above `above` in any channel, of what `takes` says.
 struct HighlightRule {
     float above = 1;
-    /// None: nothing is. `id`: of a primary node its own, else of what it is seen in. `area_px2`: of all
-    /// light above the limit in the same sheet.
-    std::function<bool(const Mat2& w, std::uint32_t id, float area_px2)> takes;
+    /// None: nothing is. `key`: of the sheet that it is in. `area_px2`: of all light above the limit there.
+    std::function<bool(const Mat2& w, const SheetKey& key, float area_px2)> takes;
 };
 
 /// Which of an instant's sheets are wanted. Those that are have the same bits as among all, but other
