@@ -103,6 +103,14 @@ void write_flat_exr(const std::filesystem::path& path, const std::string& shown_
             header.channels().insert(c.name, Imf::Channel(pixel_type(c.type)));
             // Only read through.
             char* first = const_cast<char*>(static_cast<const char*>(c.first));
+            if (c.one_row) {
+                const std::size_t bytes = c.type == ExrChannel::Type::half ? 2 : 4;
+                buffer.insert(c.name, Imf::Slice(pixel_type(c.type),
+                                                 first - static_cast<std::ptrdiff_t>(picture.data.x_min) *
+                                                             static_cast<std::ptrdiff_t>(bytes),
+                                                 bytes, 0));
+                continue;
+            }
             buffer.insert(c.name, Imf::Slice(pixel_type(c.type), first - shift, picture.pixel_bytes,
                                              picture.row_bytes));
         }

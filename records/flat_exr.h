@@ -18,6 +18,7 @@ struct FlatExr {
         std::string name;
         ExrChannel::Type type = ExrChannel::Type::float32;
         const void* first = nullptr;
+        bool one_row = false;  ///< every row is the one at `first`, whose values lie side by side
     };
     Window display, data;
     std::vector<Channel> channels;

@@ -42,16 +42,19 @@ double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeomet
 }
 
 double gradient_energy(const Image& image) {
-    const auto at = [&image](int x, std::size_t y) {
-        return std::clamp(luminance_of(image.pixel(x, static_cast<int>(y))), 0.0, 1.0);
-    };
+    const auto width = static_cast<std::size_t>(image.width);
+    std::vector<double> luminance(width * static_cast<std::size_t>(image.height));
+    parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t y) {
+        const float* rgb = image.rgb.data() + 3 * y * width;
+        for (std::size_t x = 0; x < width; ++x)
+            luminance[y * width + x] = std::clamp(luminance_of(rgb + 3 * x), 0.0, 1.0);
+    });
     return sum_of_rows(image.height, [&](std::size_t y) {
-        const bool below = static_cast<int>(y) + 1 < image.height;
+        const double* here = luminance.data() + y * width;
+        const double* below = static_cast<int>(y) + 1 < image.height ? here + width : here;
         double sum = 0;
-        for (int x = 0; x < image.width; ++x) {
-            const double here = at(x, y);
-            const double right = x + 1 < image.width ? at(x + 1, y) - here : 0,
-                         down = below ? at(x, y + 1) - here : 0;
+        for (std::size_t x = 0; x < width; ++x) {
+            const double right = x + 1 < width ? here[x + 1] - here[x] : 0, down = below[x] - here[x];
             sum += right * right + down * down;
         }
         return sum;
