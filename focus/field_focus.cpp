@@ -166,11 +166,11 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
                                            id, prepared_->instants_s.front(), instant_s(u));
                                    },
                                    p.lens);
-        p.rule.takes = [takes = p.rule.takes, &p](const Mat2& w, const SheetKey& key, float area_px2) {
-            if (key.path.bits() == 0 && p.motions->moves(key.id))
-                return p.highlight_motion->takes(key.id, area_px2);
+        p.rule.takes = [takes = p.rule.takes, &p](const Highlight& light, const SheetKey& key,
+                                                  float area_px2) {
+            if (p.highlight_motion->moves(key)) return HighlightMotion::takes(light, area_px2);
             return !p.motions->moves(key.path.bits() == 0 ? key.id : key.parent_id) &&
-                   takes(w, key, area_px2);
+                   takes(light, key, area_px2);
         };
     }
     double records = 0;

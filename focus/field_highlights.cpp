@@ -22,6 +22,12 @@ constexpr double spread_from_px = 2;
 constexpr float small_px2 = 4;
 /// px, the squares whose lights are one, of what is blurred by spread_from_px or more; and of what is not.
 constexpr float merged_px = 0.5F, merged_sharp_px = 0.125F;
+/// Lights that move are at many places each, all of which make a streak: the more of them, the fewer lights.
+/// Up to so many moments 1/8, 1/4 of a pixel.
+constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
+/// Sources of all that moves, if that leaves least_moments of each.
+constexpr std::size_t most_moving = std::size_t{1} << 21U;
+constexpr int least_moments = 8;
 /// Radiance above which light is a highlight.
 constexpr float brightest = 1;
 constexpr int band_px = SeenTile::edge;  // tiles of views, to find what reaches one
@@ -118,8 +124,8 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
     rule.above = brightest;
     if (aperture.varies_over_field() || aperture.spherical_per_m() != 0) return rule;
     const PatchLens lens = patch_lens(geometry);
-    rule.takes = [lens](const Mat2& w, const SheetKey& /*key*/, float area_px2) {
-        return area_px2 < small_px2 || lens.least_blur_px(w) >= spread_from_px;
+    rule.takes = [lens](const Highlight& light, const SheetKey& /*key*/, float area_px2) {
+        return area_px2 < small_px2 || lens.least_blur_px(light.w) >= spread_from_px;
     };
     return rule;
 }
@@ -136,10 +142,19 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
         // Lights of one sheet that lie close together are one.
         const PatchLens lens = patch_lens(geometry);
+        std::map<std::uint32_t, int> moments;  // by sheet that moves
         std::map<std::tuple<std::uint32_t, int, int>, std::pair<Highlight, double>> merged;
         for (const Highlight& h : mesh->highlights) {
             const double energy = light_of(h.rgb);
-            const float side = lens.least_blur_px(h.w) >= spread_from_px ? merged_px : merged_sharp_px;
+            float side = lens.least_blur_px(h.w) >= spread_from_px ? merged_px : merged_sharp_px;
+            const SheetKey& key = mesh->sheets[h.sheet].key;
+            if (motion != nullptr && motion->moves(key)) {
+                const auto [known, is_first] = moments.try_emplace(h.sheet, 0);
+                if (is_first) known->second = motion->moments_wanted(h, key);
+                side = known->second <= moments_of_eighths    ? merged_px / 4
+                       : known->second <= moments_of_quarters ? merged_px / 2
+                                                              : merged_px;
+            }
             const auto [found, is_new] = merged.try_emplace(
                 {h.sheet, static_cast<int>(std::floor(h.x / side)), static_cast<int>(std::floor(h.y / side))},
                 h, energy);
@@ -158,13 +173,18 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
             sum.area += h.area;
             weight += energy;
         }
-        for (const auto& [key, light] : merged) {
-            if (motion == nullptr) {
+        std::size_t moving = 0;
+        for (const auto& [place, light] : merged) moving += moments.contains(light.first.sheet) ? 1 : 0;
+        int most = HighlightMotion::most_moments;
+        while (most > least_moments && static_cast<std::size_t>(most) * moving > most_moving) most /= 2;
+        for (const auto& [place, light] : merged) {
+            const auto found = moments.find(light.first.sheet);
+            if (found == moments.end()) {
                 add_source({light.first, -1, 1}, *mesh, cache);
                 continue;
             }
-            for (const HighlightMotion::Moment& m :
-                 motion->moments(light.first, mesh->sheets[light.first.sheet].key))
+            for (const HighlightMotion::Moment& m : motion->moments(
+                     light.first, mesh->sheets[light.first.sheet].key, std::min(most, found->second)))
                 add_source(m, *mesh, cache);
         }
     }

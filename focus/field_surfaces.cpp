@@ -138,10 +138,13 @@ std::vector<FieldStrips::Reach> FieldStrips::reach_of(const PatchMesh& mesh, std
                             std::abs(lens_.inverse_focus_per_m - w(light.w.yy)) * lens_box_px_.y);
         out[light.sheet].include(std::floor(w(light.y) - reach), std::ceil(w(light.y) + reach));
     };
+    const std::vector<float> area_px2 = bright_areas(*mesh.sheets);
     for (const Highlight& light : mesh.sheets->bright) {
         include(light);
-        if (motion_ == nullptr) continue;
-        for (const HighlightMotion::Moment& m : motion_->moments(light, mesh.sheets->sheets[light.sheet].key))
+        const SheetKey& key = mesh.sheets->sheets[light.sheet].key;
+        if (motion_ == nullptr || !motion_->moves(key) || !rule_.takes(light, key, area_px2[light.sheet]))
+            continue;
+        for (const HighlightMotion::Moment& m : motion_->moments(light, key, HighlightMotion::most_moments))
             include(m.light);
     }
     return out;

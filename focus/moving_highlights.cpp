@@ -13,20 +13,40 @@ namespace {
 constexpr int looks = 64;
 /// From one moment to the next: px, or of the blur's half width.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
+/// px, of a place and of a blur's half width: farther away nothing of it arrives.
+constexpr double farthest_px = 1e5;
 
 }  // namespace
 
 HighlightMotion::HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, const PatchLens& lens)
     : moves_(std::move(moves)), map_(std::move(map)), lens_(lens) {}
 
-bool HighlightMotion::at(const Highlight& light, std::uint32_t id, double u, Highlight& out) const {
-    const RasterMap map = map_(id, u);
+bool HighlightMotion::takes(const Highlight& light, float area_px2) {
+    return area_px2 < largest_px2 &&
+           std::max({light.rgb[0], light.rgb[1], light.rgb[2]}) >= least_radiance * light.area;
+}
+
+std::shared_ptr<const HighlightMotion::Maps> HighlightMotion::maps(std::uint32_t id, int count) const {
+    const std::scoped_lock lock(mutex_);
+    std::shared_ptr<const Maps>& known = known_[{id, count}];
+    if (!known) {
+        Maps made;
+        for (int i = 0; i < count; ++i) made.push_back(map_(id, (i + 0.5) / count));
+        known = std::make_shared<const Maps>(std::move(made));
+    }
+    return known;
+}
+
+bool HighlightMotion::moved(const Highlight& light, const RasterMap& map, Highlight& out) const {
     const RasterPoint from{static_cast<double>(light.x), static_cast<double>(light.y),
                            static_cast<double>(light.inverse_z)};
     // A pixel to either side: what has come nearer is larger.
     const std::optional<RasterPoint> to = map(from), right = map({from.x + 1, from.y, from.inverse_z}),
                                      below = map({from.x, from.y + 1, from.inverse_z});
     if (!to || !right || !below) return false;
+    if (!(std::abs(to->x) < farthest_px && std::abs(to->y) < farthest_px &&
+          lens_.radius_px_m * std::abs(to->inverse_z - lens_.inverse_focus_per_m) < farthest_px))
+        return false;
     const double larger =
         std::abs((right->x - to->x) * (below->y - to->y) - (right->y - to->y) * (below->x - to->x));
     out = light;
@@ -39,15 +59,15 @@ bool HighlightMotion::at(const Highlight& light, std::uint32_t id, double u, Hig
     return true;
 }
 
-std::vector<HighlightMotion::Moment> HighlightMotion::moments(const Highlight& light,
-                                                              const SheetKey& key) const {
-    if (key.path.bits() != 0 || !moves_(key.id)) return {{light, -1, 1}};
-    double fastest_px = 0;  // to the next look
+int HighlightMotion::moments_wanted(const Highlight& light, const SheetKey& key) const {
+    if (!moves(key)) return 1;
+    double fastest_px = 0;  // from one look to the next
     double blur_px = HUGE_VAL;
     std::optional<Highlight> last;
-    for (int i = 0; i <= looks; ++i) {
+    const std::shared_ptr<const Maps> ways = maps(key.id, looks);
+    for (const RasterMap& map : *ways) {
         Highlight here;
-        if (!at(light, key.id, static_cast<double>(i) / looks, here)) {
+        if (!moved(light, map, here)) {
             last.reset();
             continue;
         }
@@ -62,12 +82,19 @@ std::vector<HighlightMotion::Moment> HighlightMotion::moments(const Highlight& l
         last = here;
     }
     const double step = std::max(step_px, step_of_blur * (std::isfinite(blur_px) ? blur_px : 0));
-    const int count =
-        static_cast<int>(std::clamp(std::ceil(looks * fastest_px / step), 1.0, double{most_moments}));
+    int count = 1;
+    while (count < most_moments && count * step < looks * fastest_px) count *= 2;
+    return count;
+}
+
+std::vector<HighlightMotion::Moment> HighlightMotion::moments(const Highlight& light, const SheetKey& key,
+                                                              int count) const {
+    if (!moves(key)) return {{light, -1, 1}};
     std::vector<Moment> out;
+    const std::shared_ptr<const Maps> ways = maps(key.id, count);
     for (int i = 0; i < count; ++i) {
         Moment m{light, (i + 0.5) / count, 1.0 / count};
-        if (at(light, key.id, m.u, m.light)) out.push_back(m);
+        if (moved(light, (*ways)[static_cast<std::size_t>(i)], m.light)) out.push_back(m);
     }
     return out;
 }

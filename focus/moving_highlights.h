@@ -3,6 +3,10 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 #include "reproject/patches.h"
@@ -13,36 +17,46 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// px^2, of a moving light: views show larger ones as a streak themselves.
+    /// px^2, of all such light of a sheet: views show more as a streak themselves.
     static constexpr float largest_px2 = 64;
+    /// Radiance above the limit: of less no view shows a dot that matters.
+    static constexpr float least_radiance = 3;
 
     /// From the recorded instant to the one until which the share `u` (0 to 1) of the light has come in.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
     /// `lens`: what the responses are of.
     HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, const PatchLens& lens);
 
-    /// Whether a light that is seen directly, in what has this id, is one to be spread along its way.
-    [[nodiscard]] bool takes(std::uint32_t id, float area_px2) const {
-        return area_px2 < largest_px2 && moves_(id);
-    }
+    /// Whether what is in such a sheet is seen directly and moves.
+    [[nodiscard]] bool moves(const SheetKey& key) const { return key.path.bits() == 0 && moves_(key.id); }
+    /// Whether a light that moves is one to be spread along its way.
+    [[nodiscard]] static bool takes(const Highlight& light, float area_px2);
     /// Where it is at one instant, with its share of the light.
     struct Moment {
         Highlight light;
         double u = 0;
         double share = 1;  ///< of all instants
     };
-    /// At even shares of the light, from one to the next by no more than half a pixel or a quarter of the
-    /// blur, of its place and of its rim; at most `most_moments`. What lies behind the camera is left out.
-    /// One with u = -1 where it does not move.
-    [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key) const;
-    static constexpr int most_moments = 2048;
+    /// How many instants make a streak of a light, a power of two: from one to the next by no more than half
+    /// a pixel or a quarter of the blur, of its place and of its rim, if that takes no more than
+    /// `most_moments`; 1 where it does not move.
+    [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
+    static constexpr int most_moments = 256;
+    /// So many, at even shares of the light. What lies behind the camera, or so far from any picture that
+    /// nothing of it arrives, is left out. One with u = -1 where it does not move.
+    [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count) const;
 
   private:
-    [[nodiscard]] bool at(const Highlight& light, std::uint32_t id, double u, Highlight& out) const;
+    using Maps = std::vector<RasterMap>;
+    /// To the middles of `count` even shares. Thread-safe.
+    [[nodiscard]] std::shared_ptr<const Maps> maps(std::uint32_t id, int count) const;
+    [[nodiscard]] bool moved(const Highlight& light, const RasterMap& map, Highlight& out) const;
 
     std::function<bool(std::uint32_t id)> moves_;
     Map map_;
     PatchLens lens_;
+    mutable std::mutex mutex_;
+    mutable std::map<std::pair<std::uint32_t, int>, std::shared_ptr<const Maps>> known_;
 };
 
 }  // namespace postlens

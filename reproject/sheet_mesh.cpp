@@ -211,16 +211,21 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
     return out;
 }
 
+std::vector<float> bright_areas(const SheetMesh& mesh) {
+    std::vector<float> area_px2(mesh.sheets.size(), 0.0F);
+    for (const Highlight& light : mesh.bright) area_px2[light.sheet] += light.area;
+    return area_px2;
+}
+
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule) {
     for (SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
         std::vector<std::uint8_t> taken(mesh->bright.size(), 0);
         mesh->highlights.clear();
-        std::vector<float> area_px2(mesh->sheets.size(), 0.0F);
-        for (const Highlight& light : mesh->bright) area_px2[light.sheet] += light.area;
+        const std::vector<float> area_px2 = bright_areas(*mesh);
         for (std::size_t i = 0; rule.takes && i < taken.size(); ++i) {
             const Highlight& light = mesh->bright[i];
             const SheetKey& key = mesh->sheets[light.sheet].key;
-            if (!rule.takes(light.w, key, area_px2[light.sheet])) continue;
+            if (!rule.takes(light, key, area_px2[light.sheet])) continue;
             taken[i] = 1;
             mesh->highlights.push_back(light);
         }

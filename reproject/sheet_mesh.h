@@ -106,8 +106,10 @@ struct TreeSheets {
 struct HighlightRule {
     float above = 1;
     /// None: nothing is. `key`: of the sheet that it is in. `area_px2`: of all light above the limit there.
-    std::function<bool(const Mat2& w, const SheetKey& key, float area_px2)> takes;
+    std::function<bool(const Highlight& light, const SheetKey& key, float area_px2)> takes;
 };
+/// By sheet, px^2: of all light above the limit.
+[[nodiscard]] std::vector<float> bright_areas(const SheetMesh& mesh);
 
 /// Which of an instant's sheets are wanted. Those that are have the same bits as among all, but other
 /// numbers.

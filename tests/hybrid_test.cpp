@@ -269,9 +269,9 @@ TEST(Shoot, AMovingLampIsAStreakForAnyNumberOfViews) {
                     many = hybrid_picture(shot.frame.file(), shot.settings(focus_m, 512)).focus.image;
         EXPECT_NEAR(sum(few) / sum(truth), 1, 0.01) << focus_m;
         EXPECT_NEAR(sum(many) / sum(truth), 1, 0.01) << focus_m;
-        // 44.3 and 46.5 dB measured; 46.5 and 50.5 dB.
-        EXPECT_GT(psnr(few, truth), 43.5) << focus_m;
-        EXPECT_GT(psnr(many, truth), 45.5) << focus_m;
+        // 43.9 and 45.4 dB measured; 46.5 and 50.5 dB.
+        EXPECT_GT(psnr(few, truth), 43.3) << focus_m;
+        EXPECT_GT(psnr(many, truth), 44.8) << focus_m;
     }
 }
 
@@ -286,6 +286,19 @@ TEST(Shoot, AMovingLampPassesBehindABar) {
     const Image truth = rays(b.scene, s, 16384), got = hybrid_picture(shot.frame.file(), s).focus.image;
     EXPECT_NEAR(sum(got) / sum(truth), 1, 0.02);
     EXPECT_GT(psnr(got, truth), 42);  // 42.9 measured
+}
+
+// Through the lens's own place, and out of the picture on the way: finite, and no more light than rays see.
+TEST(Shoot, AMovingLampMayPassTheCamera) {
+    SceneBuilder b = moving_lamp();
+    b.scene.objects[1].keys = from_to({0.41, 0.2, 5});
+    TraceSettings trace = traced(true);
+    trace.for_shutter = TimeSpan{0, 1};
+    const Shot shot(b, trace);
+    const HybridSettings s = shot.settings(2, 64);
+    const Image got = hybrid_picture(shot.frame.file(), s).focus.image, truth = rays(b.scene, s, 4096);
+    for (const float v : got.rgb) ASSERT_TRUE(v >= 0 && std::isfinite(v));
+    EXPECT_NEAR(sum(got) / sum(truth), 1, 0.05);
 }
 
 TEST(HighlightMotion, MomentsShareTheLightAlongTheWay) {
@@ -303,8 +316,10 @@ TEST(HighlightMotion, MomentsShareTheLightAlongTheWay) {
     light.area = 0.5F;
     light.inverse_z = 0.5F;  // in focus
     light.w = Mat2::isotropic(0.5F);
-    const std::vector<HighlightMotion::Moment> got = motion.moments(light, {NodePath(), 0, 7});
-    ASSERT_EQ(got.size(), 24);  // half a pixel each
+    const SheetKey mine{NodePath(), 0, 7};
+    EXPECT_EQ(motion.moments_wanted(light, mine), 32);  // half a pixel each would be 24
+    const std::vector<HighlightMotion::Moment> got = motion.moments(light, mine, 32);
+    ASSERT_EQ(got.size(), 32);
     double share = 0, x = 0;
     for (const HighlightMotion::Moment& m : got) {
         share += m.share;
@@ -319,14 +334,16 @@ TEST(HighlightMotion, MomentsShareTheLightAlongTheWay) {
     // Others, and what mirrors show, stay where they are.
     for (const SheetKey& key :
          {SheetKey{NodePath(), 0, 8}, SheetKey{NodePath().child(NodePath::Bounce::reflected), 7, 7}}) {
-        const auto still = motion.moments(light, key);
+        EXPECT_EQ(motion.moments_wanted(light, key), 1);
+        const auto still = motion.moments(light, key, 32);
         ASSERT_EQ(still.size(), 1);
         EXPECT_EQ(still[0].u, -1);
         EXPECT_EQ(still[0].light.x, 20);
     }
-    EXPECT_TRUE(motion.takes(7, 1));
-    EXPECT_FALSE(motion.takes(7, HighlightMotion::largest_px2));
-    EXPECT_FALSE(motion.takes(8, 1));
+    EXPECT_TRUE(HighlightMotion::takes(light, 1));  // 6 on the mean
+    EXPECT_FALSE(HighlightMotion::takes(light, HighlightMotion::largest_px2));
+    light.area = 2;
+    EXPECT_FALSE(HighlightMotion::takes(light, 2));
 }
 
 // Twice as near is twice as large, four times the light, and another blur.
@@ -345,8 +362,10 @@ TEST(HighlightMotion, WhatComesNearerGrowsAndWhatPassesTheCameraIsGone) {
     light.area = 1;
     light.inverse_z = 0.5F;
     light.w = Mat2::isotropic(0.5F);
-    const auto got = motion.moments(light, {NodePath(), 0, 1});
-    ASSERT_GT(got.size(), 100);
+    EXPECT_EQ(motion.moments_wanted(light, {NodePath(), 0, 1}), HighlightMotion::most_moments);
+    const auto got = motion.moments(light, {NodePath(), 0, 1}, 1 << 16);
+    ASSERT_GT(got.size(), 60000);
+    EXPECT_LT(got.size(), 1U << 16U) << "the last are too near";
     for (const HighlightMotion::Moment& m : got) {
         const double depth_m = 2 - 2 * m.u, larger = 2 / depth_m;
         EXPECT_NEAR(static_cast<double>(m.light.x), 4 * larger, 1e-3 * larger);
