@@ -183,8 +183,10 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
                 add_source({light.first, -1, 1}, *mesh, cache);
                 continue;
             }
-            for (const HighlightMotion::Moment& m : motion->moments(
-                     light.first, mesh->sheets[light.first.sheet].key, std::min(most, found->second)))
+            const SheetKey& key = mesh->sheets[light.first.sheet].key;
+            const int count = std::min(most, found->second);
+            for (const HighlightMotion::Moment& m :
+                 motion->moments(light.first, key, count, count < found->second))
                 add_source(m, *mesh, cache);
         }
     }

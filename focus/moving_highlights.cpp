@@ -13,6 +13,10 @@ namespace {
 constexpr int looks = 64;
 /// From one moment to the next: px, or of the blur's half width.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
+/// Parts of a share of the light, and how they go from place to place: per px, so that neighbours a quarter
+/// or half a pixel apart have others.
+constexpr int turns = 16;
+constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
 /// px, of a place and of a blur's half width: farther away nothing of it arrives.
 constexpr double farthest_px = 1e5;
 
@@ -88,13 +92,20 @@ int HighlightMotion::moments_wanted(const Highlight& light, const SheetKey& key)
 }
 
 std::vector<HighlightMotion::Moment> HighlightMotion::moments(const Highlight& light, const SheetKey& key,
-                                                              int count) const {
+                                                              int count, bool turned) const {
     if (!moves(key)) return {{light, -1, 1}};
     std::vector<Moment> out;
-    const std::shared_ptr<const Maps> ways = maps(key.id, count);
+    const int parts = turned ? turns : 1;
+    int part = 0;
+    if (turned) {
+        const double place = turn_x * static_cast<double>(light.x) + turn_y * static_cast<double>(light.y);
+        part = std::min(static_cast<int>((place - std::floor(place)) * parts), parts - 1);
+    }
+    const std::shared_ptr<const Maps> ways = maps(key.id, parts * count);
     for (int i = 0; i < count; ++i) {
-        Moment m{light, (i + 0.5) / count, 1.0 / count};
-        if (moved(light, (*ways)[static_cast<std::size_t>(i)], m.light)) out.push_back(m);
+        const int at = i * parts + part;
+        Moment m{light, (at + 0.5) / (parts * count), 1.0 / count};
+        if (moved(light, (*ways)[static_cast<std::size_t>(at)], m.light)) out.push_back(m);
     }
     return out;
 }

@@ -43,8 +43,11 @@ class HighlightMotion {
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
     /// So many, at even shares of the light. What lies behind the camera, or so far from any picture that
-    /// nothing of it arrives, is left out. One with u = -1 where it does not move.
-    [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count) const;
+    /// nothing of it arrives, is left out. One with u = -1 where it does not move. `turned`: not in the
+    /// middles of the shares but anywhere in them, elsewhere for lights at other places: of several that lie
+    /// close together a streak is made even though there are fewer than wanted.
+    [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
+                                              bool turned = false) const;
 
   private:
     using Maps = std::vector<RasterMap>;

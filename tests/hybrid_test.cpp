@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <set>
 
 #include "core/error.h"
 #include "core/threads.h"
@@ -331,6 +332,17 @@ TEST(HighlightMotion, MomentsShareTheLightAlongTheWay) {
     }
     EXPECT_NEAR(share, 1, 1e-12);
     EXPECT_NEAR(x, 26, 1e-5);
+    // Fewer than wanted: neighbours fill each other's gaps.
+    std::set<double> places;
+    for (int i = 0; i < 16; ++i) {
+        light.y = 10 + 0.25F * static_cast<float>(i);
+        const auto few = motion.moments(light, mine, 4, true);
+        ASSERT_EQ(few.size(), 4);
+        for (const HighlightMotion::Moment& m : few) places.insert(m.u);
+        EXPECT_NEAR(few[3].u - few[0].u, 0.75, 1e-12);
+    }
+    EXPECT_GT(places.size(), 4U * 8);
+    light.y = 10;
     // Others, and what mirrors show, stay where they are.
     for (const SheetKey& key :
          {SheetKey{NodePath(), 0, 8}, SheetKey{NodePath().child(NodePath::Bounce::reflected), 7, 7}}) {
