@@ -61,7 +61,9 @@ class FieldHighlights::OverViews final : public Lights {
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
               const std::vector<double>& instants)
         : of_(of), view_count_(views.size()), set_(set) {
-        nearest_ = nearest_of(views, table_edge, [](std::size_t) { return 0.0; });
+        always_ = {table_edge, nearest_of(views, table_edge, [](std::size_t) { return 0.0; }),
+                   std::vector<std::uint32_t>(views.size())};
+        std::iota(always_.all.begin(), always_.all.end(), 0U);
         const bool any_moves =
             std::any_of(of.sources_.begin(), of.sources_.end(), [](const Source& s) { return s.u >= 0; });
         if (any_moves && instants.size() == views.size()) lay_timed(views, instants);
@@ -73,8 +75,14 @@ class FieldHighlights::OverViews final : public Lights {
     void add(const TileViews& views, std::vector<double>& light) const override;
 
   private:
-    static constexpr int nearest = 3;  ///< views that are asked
-    using Nearest = std::vector<std::array<std::uint32_t, nearest>>;
+    using Nearest = std::vector<std::array<std::uint32_t, 3>>;
+    /// Views that are asked whether they see a light: of a table over the lens, `edge` cells across, those
+    /// nearest to the cell; or, of what is hardly blurred, all of them.
+    struct Asked {
+        int edge = 0;
+        Nearest nearest;
+        std::vector<std::uint32_t> all;
+    };
     /// By cell of a table over the lens, `edge` cells across. `away2(view)`: squared, what else it is away
     /// by.
     template <typename Away>
@@ -82,14 +90,16 @@ class FieldHighlights::OverViews final : public Lights {
                                             const Away& away2);
     void lay_timed(const std::vector<LensViewPoint>& views, const std::vector<double>& instants);
     [[nodiscard]] static std::size_t cell_of(const glm::dvec2& q, int edge);
-    [[nodiscard]] static std::size_t span_of(double u) {
-        return static_cast<std::size_t>(std::clamp(u * spans, 0.0, spans - 1.0));
+    [[nodiscard]] const Asked& asked(const Source& s) const {
+        if (s.u < 0 || timed_.empty()) return always_;
+        return timed_[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
     }
     /// Those that reach the tile.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
-    /// Of the views nearest to the point of the lens that `at`, picture px, gets its light through.
+    /// Of the views that are asked; of those nearest to the point of the lens that `at`, picture px, gets its
+    /// light through.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
     /// In a view, at a pixel of its tile.
@@ -109,9 +119,8 @@ class FieldHighlights::OverViews final : public Lights {
     const FieldHighlights& of_;
     std::size_t view_count_;
     int set_;
-    Nearest nearest_;
-    std::vector<Nearest> timed_;                      ///< by span; empty: nothing moves
-    std::vector<std::vector<std::uint32_t>> all_of_;  ///< by span: its views
+    Asked always_;
+    std::vector<Asked> timed_;  ///< by span; empty: nothing moves
 };
 
 std::unique_ptr<Lights> FieldHighlights::over(const std::vector<LensViewPoint>& views, int set,
@@ -246,7 +255,8 @@ FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
                 return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
             };
             const glm::dvec2 q(of_cell(x), of_cell(row));
-            std::array<std::pair<double, std::uint32_t>, nearest> best;
+            auto& to = out[row * static_cast<std::size_t>(edge) + x];
+            std::array<std::pair<double, std::uint32_t>, std::tuple_size_v<Nearest::value_type>> best;
             best.fill({HUGE_VAL, 0});
             for (std::uint32_t v = 0; v < views.size(); ++v) {
                 const glm::dvec2 d = views[v].lens - q;
@@ -256,8 +266,7 @@ FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
                     if (candidate < b) std::swap(candidate, b);
                 }
             }
-            auto& to = out[row * static_cast<std::size_t>(edge) + x];
-            for (std::size_t i = 0; i < nearest; ++i)
+            for (std::size_t i = 0; i < to.size(); ++i)
                 to[i] = std::isinf(best[i].first) ? best[0].second : best[i].second;
         }
     });
@@ -272,13 +281,12 @@ void FieldHighlights::OverViews::lay_timed(const std::vector<LensViewPoint>& vie
             const double away = lens_radii_of_open * (instants[v] - middle);
             return away * away;
         };
-        timed_.push_back(nearest_of(views, timed_edge, away2));
         std::vector<std::uint32_t> order(views.size());
         std::iota(order.begin(), order.end(), 0U);
         std::stable_sort(order.begin(), order.end(),
                          [&](std::uint32_t a, std::uint32_t b) { return away2(a) < away2(b); });
         order.resize(std::min(order.size(), std::max(least_of_span, order.size() / spans)));
-        all_of_.push_back(std::move(order));
+        timed_.push_back({timed_edge, nearest_of(views, timed_edge, away2), std::move(order)});
     }
 }
 
@@ -486,15 +494,6 @@ void FieldHighlights::OverViews::add(const Source& s, const Part* part, const Ti
                 share *=
                     static_cast<double>(part->share[static_cast<std::size_t>(y - part->y0) * SeenTile::edge +
                                                     static_cast<std::size_t>(x - part->x0)]);
-            } else if (s.by_all && s.u >= 0 && !timed_.empty()) {
-                const std::vector<std::uint32_t>& asked = all_of_[span_of(s.u)];
-                int seen = 0;
-                for (const std::uint32_t v : asked) seen += sees(s, views, v, pixel) ? 1 : 0;
-                share *= static_cast<double>(seen) / static_cast<double>(asked.size());
-            } else if (s.by_all) {
-                int seen = 0;
-                for (std::size_t v = 0; v < view_count_; ++v) seen += sees(s, views, v, pixel) ? 1 : 0;
-                share *= static_cast<double>(seen) / static_cast<double>(view_count_);
             } else {
                 share *= seen_share(s, views, pixel, {x + 0.5, y + 0.5});
             }
@@ -515,12 +514,13 @@ std::size_t FieldHighlights::OverViews::cell_of(const glm::dvec2& q, int edge) {
 double FieldHighlights::OverViews::seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                               const glm::dvec2& at) const {
     const glm::dvec2 q = s.lens_from_px * (at - s.at);
-    const bool timed = s.u >= 0 && !timed_.empty();
-    int seen = 0;
-    for (const std::uint32_t v :
-         timed ? timed_[span_of(s.u)][cell_of(q, timed_edge)] : nearest_[cell_of(q, table_edge)])
-        seen += sees(s, views, v, pixel) ? 1 : 0;
-    return static_cast<double>(seen) / nearest;
+    const auto share = [&](const auto& of) {
+        int seen = 0;
+        for (const std::uint32_t v : of) seen += sees(s, views, v, pixel) ? 1 : 0;
+        return static_cast<double>(seen) / static_cast<double>(of.size());
+    };
+    const Asked& from = asked(s);
+    return s.by_all ? share(from.all) : share(from.nearest[cell_of(q, from.edge)]);
 }
 
 }  // namespace postlens

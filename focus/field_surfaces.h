@@ -48,8 +48,7 @@ class FieldStrips {
   public:
     /// Keeps references to all. `views`: a field without instants; what lenses as far as its lens_reach_px
     /// see is kept as well. `lens_box_px`: half the width and height of the lens, as LensShift::lens_px, for
-    /// what highlights reach.
-    /// `motion`: of highlights; null: none moves.
+    /// what highlights reach. `motion`: of highlights; null: none moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, const PatchLens& lens,
                 const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px,
                 const HighlightMotion* motion);

@@ -134,7 +134,7 @@ bool MinMaxPyramid::any_in(const Cone& cone, int level, Hint& hint) const {
         const double d2 = distance2();
         return d2 <= radius2 && under * under >= slope2 * d2;
     };
-    if (hint.level <= level) {
+    if (hint.level <= level && cone.radius >= 0) {
         const Level& of = levels_[static_cast<std::size_t>(hint.level)];
         if (hint.x < of.width && hint.y < of.height &&
             has(of.ranges[static_cast<std::size_t>(hint.y) * static_cast<std::size_t>(of.width) +

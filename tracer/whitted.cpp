@@ -483,16 +483,16 @@ void WhittedTracer::Impl::trace_bends(Workspace& w, RayCounts& counts) const {
 // Leaves in w.bent what must be measured.
 void WhittedTracer::Impl::take_bends_around(Workspace& w,
                                             const std::function<SamplesAround(std::size_t)>& around) const {
-    const auto most = static_cast<float>(little_bend_px * camera.tangent_per_px /
-                                         (settings.bend_radius_m * settings.bend_radius_m));
+    const auto little = static_cast<float>(little_bend_px * camera.tangent_per_px /
+                                           (settings.bend_radius_m * settings.bend_radius_m));
     std::erase_if(w.bent, [&](const BentNode& n) {
         Node& node = w.nodes[n.node];
         std::array<std::uint32_t, NodePath::max_bounces> ids{};
         const auto bounces = static_cast<std::size_t>(n.path.depth());
         for (std::size_t i = 0; i < bounces; ++i) ids[i] = rays.scene().objects[n.bounces.object[i]].id;
-        const std::optional<float> bend =
-            bend_around(around(node.sample),
-                        {n.path, node.record.id, n.hidden_bounce >= 0, std::span(ids).first(bounces)}, most);
+        const std::optional<float> bend = bend_around(
+            around(node.sample),
+            {n.path, node.record.id, n.hidden_bounce >= 0, std::span(ids).first(bounces)}, little);
         if (bend) node.record.w_bend = *bend;
         return bend.has_value();
     });

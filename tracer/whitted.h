@@ -62,8 +62,8 @@ class WhittedTracer {
 
     /// Traces point samples at raster positions, px; groups of 16 that lie close together go fastest.
     /// Thread-safe. `around(i)`, if given: samples that lie within a pixel of positions[i] and were traced
-    /// before. W.bend of a node that is no more than `little_bend_px` in those of them that see the same
-    /// chain is the greatest of theirs, and not measured.
+    /// before. W.bend of a node is as `bend_around` tells from them, little_bend_px being little; what that
+    /// does not tell is measured.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
     /// At the rim of the lens of which W.bend is measured.
