@@ -44,6 +44,11 @@ void Canvas::picture(int x, int y, const Image& encoded) {
     }
 }
 
+void Canvas::picture(int x, int y, const EncodedPicture& picture) {
+    for (int py = 0; py < picture.height; ++py)
+        std::copy_n(picture.row(py), 3 * picture.width, pixels_.ptr<std::uint8_t>(y + py) + 3 * x);
+}
+
 void Canvas::text(int x, int y, double scale, const std::string& words) {
     cv::putText(pixels_, words, {x, y}, font, font_scale * scale, {235, 235, 235}, stroke_px(scale),
                 cv::LINE_AA);
@@ -63,6 +68,13 @@ Image Canvas::image() const {
         std::transform(row, row + 3 * static_cast<std::ptrdiff_t>(pixels_.cols), out.pixel(0, y),
                        [&linear](std::uint8_t v) { return linear[v]; });
     }
+    return out;
+}
+
+EncodedPicture Canvas::encoded() const {
+    EncodedPicture out(pixels_.cols, pixels_.rows);
+    for (int y = 0; y < pixels_.rows; ++y)
+        std::copy_n(pixels_.ptr<std::uint8_t>(y), 3 * pixels_.cols, out.row(y));
     return out;
 }
 

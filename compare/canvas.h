@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "records/encoded_picture.h"
 #include "records/image.h"
 
 namespace postlens {
@@ -21,11 +22,13 @@ class Canvas {
     void dot(int x, int y, Rgb8 colour);
     /// An `encoded_srgb` picture, rounded.
     void picture(int x, int y, const Image& encoded);
+    void picture(int x, int y, const EncodedPicture& picture);
     /// ASCII in white, (x, y) the left end of its base line; `scale` 1 has capitals of 9 px.
     void text(int x, int y, double scale, const std::string& words);
     [[nodiscard]] static int text_width(double scale, const std::string& words);
     /// Scene-linear, for `write_image`, which gives back these very bytes.
     [[nodiscard]] Image image() const;
+    [[nodiscard]] EncodedPicture encoded() const;
 
   private:
     cv::Mat pixels_;  // CV_8UC3 in the order red, green, blue

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t buffer_bytes = 1U << 18U;
 constexpr std::uint32_t exr_magic = 20000630;
-/// Version 2, with the flags for deep data (0x800) and for several parts (0x1000).
-constexpr std::uint32_t exr_version = 2U | 0x800U | 0x1000U;
+/// Version 2; with several parts the flags for these (0x1000) and for deep data (0x800).
+constexpr std::uint32_t one_part_version = 2U, parts_version = 2U | 0x800U | 0x1000U;
 
 template <typename... T>
 auto little_endian(T... values) {
@@ -59,9 +59,9 @@ ExrOutput::ExrOutput(const std::filesystem::path& path, std::string shown_name,
     fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (fd_ < 0) fail_with_errno();
     try {
-        append(little_endian(exr_magic, exr_version));
+        append(little_endian(exr_magic, is_one_part() ? one_part_version : parts_version));
         append(stream.bytes);
-        append(little_endian(std::uint8_t{0}));  // an empty header ends the list
+        if (!is_one_part()) append(little_endian(std::uint8_t{0}));  // an empty header ends the list
         table_position_ = position_;
         const std::size_t entries = std::accumulate(chunks_.begin(), chunks_.end(), std::size_t{0});
         append(Bytes(entries * 8));
@@ -112,7 +112,8 @@ void ExrOutput::begin_chunk(int part) {
 
 void ExrOutput::write_flat_chunk(int part, int y, ByteView data) {
     begin_chunk(part);
-    append(little_endian(part, y, static_cast<std::int32_t>(data.size())));
+    if (!is_one_part()) append(little_endian(part));
+    append(little_endian(y, static_cast<std::int32_t>(data.size())));
     append(data);
 }
 

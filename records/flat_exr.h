@@ -1,4 +1,4 @@
-// Flat OpenEXR files, one part of scanlines, written by the OpenEXR library.
+// Flat OpenEXR files, one part of scanlines.
 #pragma once
 
 #include <cstddef>
@@ -26,9 +26,6 @@ struct FlatExr {
     ChunkCompression compression = ChunkCompression::rle;
     std::vector<std::pair<std::string, std::string>> texts;  ///< attributes
 };
-
-/// The OpenEXR library packs and unpacks by threads of its own, of which it has none unless told.
-void use_exr_threads();
 
 /// Writes `path`, an existing file, from its beginning on. `shown_name` stands in messages. Throws
 /// Error(cannot_write), on a full disk too.

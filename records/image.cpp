@@ -8,7 +8,6 @@
 #include <cstring>
 #include <limits>
 #include <memory>
-#include <png.h>
 #include <string>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include "core/output_file.h"
 #include "core/threads.h"
 #include "records/crop.h"
+#include "records/encoded_picture.h"
 #include "records/exr_attributes.h"
 #include "records/flat_exr.h"
 #include "records/picture_library.h"
@@ -58,16 +58,14 @@ std::vector<float> with_alpha(const Image& image) {
     return rgba;
 }
 
-/// Values of `Integer`, its greatest standing for 1.
-template <typename Integer>
-std::vector<Integer> encoded(const Image& image) {
-    constexpr float greatest = std::numeric_limits<Integer>::max();
-    std::vector<Integer> values(image.rgb.size());
+std::vector<std::uint16_t> encoded_16bit(const Image& image) {
+    constexpr float greatest = std::numeric_limits<std::uint16_t>::max();
+    std::vector<std::uint16_t> values(image.rgb.size());
     const std::size_t row_values = static_cast<std::size_t>(image.width) * 3;
     parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t y) {
         const float* from = image.rgb.data() + y * row_values;
         std::transform(from, from + row_values, values.data() + y * row_values, [](float v) {
-            return static_cast<Integer>(std::lround(srgb_from_linear(v) * greatest));
+            return static_cast<std::uint16_t>(std::lround(srgb_from_linear(v) * greatest));
         });
     });
     return values;
@@ -106,29 +104,13 @@ void write_exr(const OutputFile& file, const Image& image, const Place& place) {
     write_flat_exr(file.temporary_path(), file.target().string(), exr);
 }
 
-std::vector<unsigned char> png_file(const Image& image, std::string& problem) {
-    const std::vector<std::uint8_t> values = encoded<std::uint8_t>(image);
-    png_image png{};
-    png.version = PNG_IMAGE_VERSION;
-    png.width = static_cast<png_uint_32>(image.width);
-    png.height = static_cast<png_uint_32>(image.height);
-    png.format = PNG_FORMAT_RGB;
-    std::vector<unsigned char> bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
-    png_alloc_size_t size = bytes.size();
-    const bool ok = png_image_write_to_memory(&png, bytes.data(), &size, 0, values.data(), 0, nullptr) != 0;
-    if (!ok) problem = png.message;
-    png_image_free(&png);
-    bytes.resize(ok ? size : 0);
-    return bytes;
-}
-
 void write_other(OutputFile& file, Format format, const Image& image) {
     std::string problem;
     const std::vector<unsigned char> bytes =
-        format == Format::png ? png_file(image, problem)
+        format == Format::png ? png_file(encoded_8bit(image), problem)
         : format == Format::tiff
-            ? picture_library().tiff(image.width, image.height, encoded<std::uint16_t>(image), problem)
-            : picture_library().jpeg(image.width, image.height, encoded<std::uint8_t>(image), problem);
+            ? picture_library().tiff(image.width, image.height, encoded_16bit(image), problem)
+            : picture_library().jpeg(image.width, image.height, encoded_8bit(image).rgb, problem);
     if (bytes.empty()) {
         fail(ExitCode::cannot_write, "{}: cannot write ({})", file.target().string(),
              one_line(std::move(problem)));

@@ -7,16 +7,18 @@
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfThreading.h>
 #include <array>
 #include <cstdint>
 #include <exception>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "records/exr_input.h"
-#include "records/flat_exr.h"
 
 namespace postlens {
 namespace {
@@ -111,6 +113,13 @@ std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     if (const auto* crop = header.findTypedAttribute<Imf::StringAttribute>(crop_attribute))
         out.crop = crop->value();
     return out;
+}
+
+/// The OpenEXR library unpacks by threads of its own, of which it has none unless told.
+void use_exr_threads() {
+    static std::once_flag once;
+    std::call_once(once,
+                   [] { Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency())); });
 }
 
 std::unique_ptr<PictureReader> open_plain_exr(const std::filesystem::path& path) {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "compare/canvas.h"
-#include "compare/pixel_mask.h"
+#include "core/multiversion.h"
 #include "core/threads.h"
 
 namespace postlens {
@@ -41,26 +41,35 @@ Span span_of(int i, int to, int from) {
     return out;
 }
 
+POSTLENS_MULTIVERSION
+void add_weighted(const float* __restrict from, double weight, std::size_t count, double* __restrict to) {
+    for (std::size_t i = 0; i < count; ++i) to[i] += weight * static_cast<double>(from[i]);
+}
+
 }  // namespace
 
 Image made_smaller(const Image& image, int width, int height) {
     if (width == image.width && height == image.height) return image;
     Image out(width, height);
+    const auto values = static_cast<std::size_t>(image.width) * 3;
     parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
         const Span rows = span_of(static_cast<int>(row), height, image.height);
+        std::vector<double> means(values);
+        double high = 0;
+        for (int v = rows.begin; v < rows.end; ++v) high += rows.weight(v);
+        for (int v = rows.begin; v < rows.end; ++v)
+            add_weighted(image.pixel(0, v), rows.weight(v) / high, values, means.data());
         for (int x = 0; x < width; ++x) {
             const Span columns = span_of(x, width, image.width);
-            double sum[3] = {0, 0, 0}, weight = 0;
-            for (int v = rows.begin; v < rows.end; ++v) {
-                for (int u = columns.begin; u < columns.end; ++u) {
-                    const double w = rows.weight(v) * columns.weight(u);
-                    const float* p = image.pixel(u, v);
-                    for (std::size_t c = 0; c < 3; ++c) sum[c] += w * static_cast<double>(p[c]);
-                    weight += w;
-                }
+            double sum[3] = {0, 0, 0}, wide = 0;
+            for (int u = columns.begin; u < columns.end; ++u) {
+                const double w = columns.weight(u);
+                const double* mean = means.data() + 3 * static_cast<std::size_t>(u);
+                for (std::size_t c = 0; c < 3; ++c) sum[c] += w * mean[c];
+                wide += w;
             }
             float* to = out.pixel(x, static_cast<int>(row));
-            for (std::size_t c = 0; c < 3; ++c) to[c] = static_cast<float>(sum[c] / weight);
+            for (std::size_t c = 0; c < 3; ++c) to[c] = static_cast<float>(sum[c] / wide);
         }
     });
     return out;
@@ -78,11 +87,11 @@ ContactSheet::ContactSheet(ImageSize picture, std::vector<std::string> captions,
 }
 
 void ContactSheet::set(std::size_t i, const Image& picture) {
-    small_[i] = encoded_srgb(
+    small_[i] = encoded_8bit(
         made_smaller(picture, std::min(width_, picture.width), std::min(height_, picture.height)));
 }
 
-Image ContactSheet::image() const {
+EncodedPicture ContactSheet::picture() const {
     // One size of letters for all, so small that the longest caption has room.
     int widest = 1;
     for (const std::string& c : captions_) widest = std::max(widest, Canvas::text_width(1, c));
@@ -101,7 +110,7 @@ Image ContactSheet::image() const {
         }
         canvas.text(x, y + height_ + line - line / 3, scale, captions_[i]);
     }
-    return canvas.image();
+    return canvas.encoded();
 }
 
 }  // namespace postlens

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "records/encoded_picture.h"
 #include "records/image.h"
 
 namespace postlens {
@@ -19,8 +20,7 @@ class ContactSheet {
     ContactSheet(ImageSize picture, std::vector<std::string> captions, std::size_t columns);
 
     void set(std::size_t i, const Image& picture);
-    /// Scene-linear, for `write_image`.
-    [[nodiscard]] Image image() const;
+    [[nodiscard]] EncodedPicture picture() const;
 
     [[nodiscard]] std::size_t columns() const { return columns_; }
     /// Of each picture on it, px: no larger than the picture itself.
@@ -30,7 +30,7 @@ class ContactSheet {
     std::vector<std::string> captions_;
     std::size_t columns_;
     int width_ = 0, height_ = 0;
-    std::vector<Image> small_;  ///< encoded; empty: missing
+    std::vector<EncodedPicture> small_;  ///< empty: missing
 };
 
 /// The mean of what each pixel of the smaller picture covers, in scene-linear light; sizes 1 to the

@@ -5,10 +5,54 @@
 
 #include "compare/picture_tone.h"
 #include "compare/pixel_mask.h"
-#include "core/threads.h"
+#include "core/multiversion.h"
 #include "focus/node_response.h"
 
 namespace postlens {
+namespace {
+
+POSTLENS_MULTIVERSION
+std::size_t sharper_than(const FocusGeometry& geometry, double limit_px, const float* inverse_z,
+                         std::size_t count) {
+    const FocusGeometry g = geometry;
+    std::size_t out = 0;
+    for (std::size_t i = 0; i < count; ++i)
+        out += std::abs(g.coc_diameter_px(static_cast<double>(inverse_z[i]))) < limit_px ? 1 : 0;
+    return out;
+}
+
+/// Of a row, clamped to 0..1.
+POSTLENS_MULTIVERSION
+void luminances(const float* __restrict rgb, std::size_t width, double* __restrict luminance) {
+    for (std::size_t x = 0; x < width; ++x) {
+        const double y = luminance_of(rgb + 3 * x);
+        luminance[x] = y > 0 ? (y < 1 ? y : 1) : 0;
+    }
+}
+
+/// Of a row's steps to the right and down to the row below.
+POSTLENS_MULTIVERSION
+double squared_steps(const double* here, const double* below, std::size_t width) {
+    // Sums side by side, in an order that no instruction set changes.
+    constexpr std::size_t lanes = 8;
+    double sums[lanes] = {};
+    const auto step = [&](std::size_t x) {
+        const double right = here[x + 1] - here[x], down = below[x] - here[x];
+        return right * right + down * down;
+    };
+    std::size_t x = 0;
+    for (; x + lanes < width; x += lanes) {
+        for (std::size_t i = 0; i < lanes; ++i) sums[i] += step(x + i);
+    }
+    double sum = 0;
+    for (; x + 1 < width; ++x) sum += step(x);
+    const double down = below[x] - here[x];
+    sum += down * down;
+    for (const double s : sums) sum += s;
+    return sum;
+}
+
+}  // namespace
 
 FrameDepths frame_depths(FocusFrame& frame) {
     const SampleHeader& h = frame.file().header();
@@ -35,29 +79,22 @@ FrameDepths frame_depths(FocusFrame& frame) {
 double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeometry>& geometry,
                       double limit_px) {
     if (!geometry) return 1;
-    const auto sharp = std::count_if(depths.inverse_z.begin(), depths.inverse_z.end(), [&](float inverse_z) {
-        return std::abs(geometry->coc_diameter_px(static_cast<double>(inverse_z))) < limit_px;
-    });
+    const std::size_t sharp =
+        sharper_than(*geometry, limit_px, depths.inverse_z.data(), depths.inverse_z.size());
     return static_cast<double>(sharp) / static_cast<double>(depths.inverse_z.size());
 }
 
 double gradient_energy(const Image& image) {
     const auto width = static_cast<std::size_t>(image.width);
-    std::vector<double> luminance(width * static_cast<std::size_t>(image.height));
-    parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t y) {
-        const float* rgb = image.rgb.data() + 3 * y * width;
-        for (std::size_t x = 0; x < width; ++x)
-            luminance[y * width + x] = std::clamp(luminance_of(rgb + 3 * x), 0.0, 1.0);
-    });
     return sum_of_rows(image.height, [&](std::size_t y) {
-        const double* here = luminance.data() + y * width;
-        const double* below = static_cast<int>(y) + 1 < image.height ? here + width : here;
-        double sum = 0;
-        for (std::size_t x = 0; x < width; ++x) {
-            const double right = x + 1 < width ? here[x + 1] - here[x] : 0, down = below[x] - here[x];
-            sum += right * right + down * down;
-        }
-        return sum;
+        thread_local std::vector<double> here, below;
+        here.resize(width);
+        below.resize(width);
+        const float* rgb = image.rgb.data() + 3 * y * width;
+        luminances(rgb, width, here.data());
+        if (static_cast<int>(y) + 1 == image.height) return squared_steps(here.data(), here.data(), width);
+        luminances(rgb + 3 * width, width, below.data());
+        return squared_steps(here.data(), below.data(), width);
     });
 }
 

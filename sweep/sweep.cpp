@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <fmt/format.h>
 #include <fstream>
 #include <future>
@@ -158,7 +159,7 @@ class Sweep {
                     if (!keeping) {
                         MadePicture made = make(i);
                         if (sheet) sheet->set(i, made.image);
-                        if (finish()) progress.advance();
+                        while (finishing_.size() >= most_finishing(made.image)) finish(progress);
                         start_finishing(i, std::move(made));
                         if (seconds_since(saved_) > 1) save();
                         continue;
@@ -169,7 +170,7 @@ class Sweep {
                     progress.advance();
                 }
             }
-            if (finish()) progress.advance();
+            while (!finishing_.empty()) finish(progress);
         } catch (...) {
             save_if_possible();
             throw;
@@ -178,7 +179,7 @@ class Sweep {
         write_text(out_.csv, csv_text(out_.table));
         if (sheet) {
             out_.contact_sheet = folder_ / "contact.png";
-            write_image(*out_.contact_sheet, sheet->image());
+            write_png(*out_.contact_sheet, sheet->picture());
         }
         return std::move(out_);
     }
@@ -278,24 +279,33 @@ class Sweep {
         return made;
     }
 
-    /// Writes a picture that `make` made last, and finds its figures, while the next one is made: a disk is
-    /// waited for.
-    void start_finishing(std::size_t i, MadePicture made) {
-        finishing_ = i;
-        finished_ = std::async(std::launch::async, [this, i, made = std::move(made), made_s = made_s_] {
-            const auto start = Clock::now();
-            SweepRow row = finished_row(i, made);
-            row.seconds = made_s + seconds_since(start);
-            return row;
-        });
+    /// How many pictures may be on their way to the disk: it is waited for longest where they are small.
+    [[nodiscard]] static std::size_t most_finishing(const Image& image) {
+        constexpr std::size_t most = 4, bytes_together = std::size_t{64} << 20;
+        return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
     }
 
-    /// Waits for what was started. False if nothing was.
-    bool finish() {
-        if (!finished_.valid()) return false;
-        rows_[finishing_] = finished_.get();
+    /// Writes a picture that `make` made last, and finds its figures, while the next ones are made.
+    void start_finishing(std::size_t i, MadePicture made) {
+        finishing_.push_back(
+            {i, std::async(std::launch::async, [this, i, made = std::move(made), made_s = made_s_] {
+                 const auto start = Clock::now();
+                 SweepRow row = finished_row(i, made);
+                 row.seconds = made_s + seconds_since(start);
+                 return row;
+             })});
+    }
+
+    /// Waits for what was started first.
+    void finish() {
+        Finishing first = std::move(finishing_.front());
+        finishing_.pop_front();
+        rows_[first.picture] = first.row.get();
         ++out_.made;
-        return true;
+    }
+    void finish(Progress& progress) {
+        finish();
+        progress.advance();
     }
 
     [[nodiscard]] SweepRow finished_row(std::size_t i, const MadePicture& made) const {
@@ -379,9 +389,11 @@ class Sweep {
 
     /// While something else has gone wrong, of which the user is to hear.
     void save_if_possible() noexcept {
-        try {
-            static_cast<void>(finish());
-        } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): it is not there, which is all
+        while (!finishing_.empty()) {
+            try {
+                finish();
+            } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): it is not there, which is all
+            }
         }
         try {
             if (out_.made > 0) save();     // before, the earlier list is whole
@@ -405,8 +417,11 @@ class Sweep {
     Clock::time_point saved_ = Clock::now();
     SweepResult out_;
     double made_s_ = 0;  ///< what the last `make` took
-    std::size_t finishing_ = 0;
-    std::future<SweepRow> finished_;  ///< last, so that nothing it uses goes before it ends
+    struct Finishing {
+        std::size_t picture;
+        std::future<SweepRow> row;
+    };
+    std::deque<Finishing> finishing_;  ///< last, so that nothing it uses goes before it ends
 };
 
 }  // namespace

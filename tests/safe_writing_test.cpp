@@ -219,9 +219,16 @@ class Killed : public SafeWriting {
 
     /// `is_new`: whether the target is the new file, whole.
     void at_any_instant(const Words& words, const std::string& target, const std::function<bool()>& is_new) {
-        const auto start = Clock::now();
-        ASSERT_EQ(run(words).exit_code, 0);
-        const auto whole_run = Clock::now() - start;
+        // As they are begun below, with everything read before: the first one takes longest.
+        Clock::duration whole_run = Clock::duration::max();
+        for (int i = 0; i < 3; ++i) {
+            const auto start = Clock::now();
+            int status = 0;
+            const pid_t child = begin(words);
+            ASSERT_EQ(::waitpid(child, &status, 0), child);
+            ASSERT_EQ(status, 0);
+            whole_run = std::min(whole_run, Clock::now() - start);
+        }
         ASSERT_TRUE(is_new());
         const std::string old_bytes = "what stood there before";
         std::mt19937 random(20);

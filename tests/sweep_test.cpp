@@ -378,7 +378,7 @@ TEST(ContactSheet, RowsOfAGridStayRows) {
     EXPECT_EQ(ContactSheet({960, 540}, std::vector<std::string>(64, "f/1.4"), 8).columns(), 8U);
     EXPECT_EQ(ContactSheet({960, 540}, std::vector<std::string>(48, "f/1.4"), 48).columns(), 7U);
     EXPECT_EQ(ContactSheet({960, 540}, {"f/1.4"}, 1).columns(), 1U);
-    EXPECT_LE(ContactSheet({960, 540}, std::vector<std::string>(1024, "f/1.4"), 512).image().width, 2500);
+    EXPECT_LE(ContactSheet({960, 540}, std::vector<std::string>(1024, "f/1.4"), 512).picture().width, 2500);
     EXPECT_LE(ContactSheet({5, 300}, {"f/1.4"}, 1).thumbnail().width, 5);
 }
 

@@ -1,0 +1,74 @@
+#include "records/encoded_picture.h"
+
+#include <bit>
+#include <cmath>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "records/srgb.h"
+#include "tests/temporary_folder.h"
+
+namespace postlens::test {
+namespace {
+
+int by_power(float v) {
+    return static_cast<int>(std::lround(srgb_from_linear(v) * 255.0F));
+}
+
+TEST(EncodedPicture, BytesAreThoseOfTheCurve) {
+    for (const float v :
+         {0.0F, -0.0F, -1.0F, 1.0F, 2.0F, 1e30F, 1e-30F, std::numeric_limits<float>::infinity(),
+          -std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()})
+        EXPECT_EQ(srgb_byte(v), by_power(v)) << v;
+    // Every 97th float from 2^-14 to 1, and the two on either side of where each byte begins.
+    const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
+    for (std::uint32_t b = bits(0x1p-14F); b < bits(1.0F); b += 97) {
+        const auto v = std::bit_cast<float>(b);
+        ASSERT_EQ(srgb_byte(v), by_power(v)) << v;
+    }
+    for (int byte = 1; byte < 256; ++byte) {
+        std::uint32_t below = bits(0x1p-14F), from = bits(1.0F);
+        while (from - below > 1) {
+            const std::uint32_t middle = below + (from - below) / 2;
+            (by_power(std::bit_cast<float>(middle)) < byte ? below : from) = middle;
+        }
+        EXPECT_EQ(srgb_byte(std::bit_cast<float>(below)), byte - 1);
+        EXPECT_EQ(srgb_byte(std::bit_cast<float>(from)), byte);
+    }
+}
+
+std::string bytes_of(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(EncodedPicture, IsWrittenAsThePictureItWasMadeOf) {
+    const TemporaryFolder folder;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> value(-0.1F, 1.2F);
+    // Noise, which deflate makes larger, in sizes that fill no block.
+    for (const auto& [width, height] : {std::pair{1, 1}, {1, 513}, {513, 1}, {301, 203}}) {
+        Image image(width, height);
+        for (float& v : image.rgb) v = value(random);
+        write_image(folder.path() / "a.png", image);
+        write_png(folder.path() / "b.png", encoded_8bit(image));
+        EXPECT_EQ(bytes_of(folder.path() / "a.png"), bytes_of(folder.path() / "b.png"));
+        const Image back = read_image(folder.path() / "b.png");
+        ASSERT_EQ(back.rgb.size(), image.rgb.size());
+        for (std::size_t i = 0; i < image.rgb.size(); ++i)
+            ASSERT_EQ(by_power(back.rgb[i]), by_power(image.rgb[i])) << i;
+    }
+}
+
+TEST(EncodedPicture, SaysWhatIsWrongWithItsSize) {
+    std::string problem;
+    EXPECT_TRUE(png_file(EncodedPicture(0, 4), problem).empty());
+    EXPECT_NE(problem.find("IHDR"), std::string::npos) << problem;
+}
+
+}  // namespace
+}  // namespace postlens::test
