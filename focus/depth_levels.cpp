@@ -8,41 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Just under half a pixel of diameter between levels, so that no CoC is off by a quarter of one.
-constexpr double step_diameter_px = 0.49;
-/// Where the steps are of z', of which there are fewer, twice as much.
+/// Of levels in equal steps of z', of which there are fewer: twice the step of those around the focus.
 constexpr double linear_step_px = 0.99;
-/// That would make a small disc, and what it shows of a highlight, a fifth brighter or darker: a fiftieth of
-/// the diameter between its levels, and no less than an eighth of a pixel.
-constexpr double small_step_px = 0.125, small_step_share = 0.02;
-constexpr double smallest_px = small_step_px / small_step_share,
-                 small_px = step_diameter_px / small_step_share;
-/// Less is no blur: the picture of records is softer by as much where cells of different sizes meet, and came
-/// out worse with both (47.0 to 45.3 dB at f/64, where circles are up to 0.3 px wide).
-constexpr double sharp_below_px = 0.4;
-/// Levels per factor e of the CoC beyond even_diameter_px.
-constexpr double levels_per_e = 500;
-const double smallest_levels = smallest_px / small_step_px,
-             small_levels = smallest_levels + std::log(small_px / smallest_px) / small_step_share,
-             even_levels = small_levels + (DepthLevels::even_diameter_px - small_px) / step_diameter_px;
-
-/// Steps from a diameter of 0 on.
-double steps_to(double diameter_px) {
-    if (diameter_px < sharp_below_px) return 0;
-    if (diameter_px <= smallest_px) return diameter_px / small_step_px;
-    if (diameter_px <= small_px)
-        return smallest_levels + std::log(diameter_px / smallest_px) / small_step_share;
-    if (diameter_px <= DepthLevels::even_diameter_px)
-        return small_levels + (diameter_px - small_px) / step_diameter_px;
-    return even_levels + levels_per_e * std::log(diameter_px / DepthLevels::even_diameter_px);
-}
-
-double diameter_after(double steps) {
-    if (steps <= smallest_levels) return steps * small_step_px;
-    if (steps <= small_levels) return smallest_px * std::exp((steps - smallest_levels) * small_step_share);
-    if (steps <= even_levels) return small_px + (steps - small_levels) * step_diameter_px;
-    return DepthLevels::even_diameter_px * std::exp((steps - even_levels) / levels_per_e);
-}
 
 double clamped_radius_px(double diameter_px) {
     return std::clamp(std::abs(diameter_px) / 2, DepthLevels::smallest_radius_px,
@@ -95,15 +62,10 @@ DepthLevels::DepthLevels(const FocusGeometry& geometry, const DepthRange& range,
     }
 }
 
-std::uint32_t DepthLevels::level_of_diameter(double diameter_px) const {
-    return static_cast<std::uint32_t>(
-        std::lround(steps_to(std::min(std::abs(diameter_px), 2 * largest_radius_px))));
-}
-
 void DepthLevels::lay_around_focus() {
-    const std::uint32_t last = level_of_diameter(2 * largest_radius_px);
+    const std::uint32_t last = LevelTable::nearest_level(2 * largest_radius_px);
     for (std::uint32_t i = 0; i <= last; ++i) {
-        radius_px_.push_back(clamped_radius_px(diameter_after(i)));
+        radius_px_.push_back(clamped_radius_px(LevelTable::diameter_px(i)));
     }
 }
 
@@ -127,8 +89,7 @@ void DepthLevels::lay_from_nearest(const DepthRange& range, std::optional<int> d
     radius_px_.push_back(clamped_radius_px(geometry_.coc_diameter_px(0)));
 }
 
-std::optional<std::uint32_t> DepthLevels::level_of(double inverse_depth_per_m) const {
-    if (around_focus_) return level_of_diameter(geometry_.coc_diameter_px(inverse_depth_per_m));
+std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_depth_per_m) const {
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;

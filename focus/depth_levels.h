@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "focus/level_table.h"
 #include "lens/focus_geometry.h"
 #include "records/sample_file.h"
 
@@ -34,19 +36,17 @@ struct DepthRange {
 ///
 /// With K given: K equal steps from the nearest to the farthest finite z' and one level more for infinity
 /// [potmesil1981]. Without: inverse spacing puts levels around the focus, so that what is in focus is
-/// exactly sharp and equal CoCs before and behind it share a level: from a diameter of 0.4 px on an eighth
-/// of a pixel apart, then a fiftieth of the diameter, then half a pixel; from `even_diameter_px` on the steps
-/// grow with the CoC, to a 500th of it. Linear spacing takes as many levels as keep the CoC within half a
-/// pixel, but no more than `most_linear_levels`.
+/// exactly sharp and equal CoCs before and behind it share a level: those of LevelTable. Linear spacing takes
+/// as many levels as keep the CoC within half a pixel, but no more than `most_linear_levels`.
 class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
     static constexpr int most_linear_levels = 256;
-    static constexpr double even_diameter_px = 2048;
+    static constexpr double even_diameter_px = LevelTable::even_diameter_px;
     /// Radius at the depth in focus: not zero, so that it has an area, yet inside any pixel's quarter.
     static constexpr double smallest_radius_px = 1e-4;
     /// Beyond, a sample's share in any pixel is below 1e-10 and its distribution over the picture even.
-    static constexpr double largest_radius_px = 1e5;
+    static constexpr double largest_radius_px = LevelTable::largest_diameter_px / 2;
 
     /// Throws Error(wrong_arguments) for `depths` outside 2..most_depths.
     DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
@@ -54,7 +54,16 @@ class DepthLevels {
 
     /// The level for an inverse depth, 1/m: 0 is infinity; negative ones (images behind the lens) and others
     /// outside the range may have none where K was given or the spacing is linear.
-    [[nodiscard]] std::optional<std::uint32_t> level_of(double inverse_depth_per_m) const;
+    [[nodiscard]] std::optional<std::uint32_t> level_of(double inverse_depth_per_m) const {
+        if (around_focus_) return table_->level_of(geometry_.coc_diameter_px(inverse_depth_per_m));
+        return level_from_nearest(inverse_depth_per_m);
+    }
+    /// True where every inverse depth has a level, that of levels_of.
+    [[nodiscard]] bool around_focus() const { return around_focus_; }
+    /// level_of for many, where they are around the focus; `level` has as many places.
+    void levels_of(std::span<const double> inverse_depth_per_m, std::uint32_t* level) const {
+        table_->levels_of(geometry_, inverse_depth_per_m.data(), inverse_depth_per_m.size(), level);
+    }
     /// Radii by level.
     [[nodiscard]] const std::vector<double>& radius_px() const { return radius_px_; }
     /// K, without the level for infinity; absent where the levels are those around the focus, of which a file
@@ -64,8 +73,9 @@ class DepthLevels {
   private:
     void lay_around_focus();
     void lay_from_nearest(const DepthRange& range, std::optional<int> depths);
-    [[nodiscard]] std::uint32_t level_of_diameter(double diameter_px) const;
+    [[nodiscard]] std::optional<std::uint32_t> level_from_nearest(double inverse_depth_per_m) const;
 
+    const LevelTable* table_ = &LevelTable::the();
     FocusGeometry geometry_;
     DepthSpacing spacing_;
     bool around_focus_;

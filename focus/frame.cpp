@@ -12,6 +12,8 @@ namespace {
 /// Rows read at a time, and at least where so many hold more than enough records, of 60 bytes about.
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
+/// Rows kept together: whoever goes through them all waits for all his threads after so many.
+constexpr int kept_together = 256;
 
 int band_end(const SampleFileReader& file, int y_begin, int y_end) {
     const auto facts = file.scanlines();
@@ -36,20 +38,24 @@ FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), m
 void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
-    // A record is at most one point sample; vectors that grow have up to as much again in reserve.
-    require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample)), "the records of the frame");
+    // A record is at most one point sample; vectors that grow have up to as much again in reserve. Depth and
+    // colour of plain corners come to it.
+    require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
+                   "the records of the frame");
     std::vector<Kept> all;
-    for (int begin = file_.y_begin(); begin < file_.y_end(); begin += rows_per_band) {
+    for (int begin = file_.y_begin(); begin < file_.y_end(); begin += kept_together) {
         Kept& kept = all.emplace_back();
         kept.y_begin = begin;
-        kept.y_end = std::min(begin + rows_per_band, file_.y_end());
+        kept.y_end = std::min(begin + kept_together, file_.y_end());
         read_rows(file_, kept.y_begin, kept.y_end, kept.band);
         constexpr int step = FrameRows::rows_per_task;
         kept.samples.resize(static_cast<std::size_t>((kept.y_end - begin + step - 1) / step));
+        kept.plain.resize(kept.samples.size());
         parallel_for(kept.samples.size(), [&](std::size_t task) {
             const int first = begin + static_cast<int>(task) * step;
             find_point_samples(kept.band, first, std::min(first + step, kept.y_end), file_.y_begin(),
                                file_.y_end() - 1, kept.samples[task]);
+            find_plain_corners(kept.band, kept.samples[task], kept.plain[task]);
         });
     }
     rows_ = std::move(all);
@@ -59,8 +65,16 @@ void FocusFrame::visit_rows(int y_begin, int y_end, const std::function<void(con
     if (many_) {
         if (rows_.empty()) keep_all();
         for (const Kept& kept : rows_) {
-            if (kept.y_end > y_begin && kept.y_begin < y_end)
-                visit({&kept.band, kept.y_begin, kept.y_end, kept.samples});
+            if (kept.y_end <= y_begin || kept.y_begin >= y_end) continue;
+            constexpr int step = FrameRows::rows_per_task;
+            const int above = std::max(0, y_begin - kept.y_begin) / step,
+                      tasks = (std::min(y_end, kept.y_end) - kept.y_begin + step - 1) / step - above;
+            visit({&kept.band, kept.y_begin + above * step,
+                   std::min(kept.y_begin + (above + tasks) * step, kept.y_end),
+                   std::span(kept.samples)
+                       .subspan(static_cast<std::size_t>(above), static_cast<std::size_t>(tasks)),
+                   std::span(kept.plain)
+                       .subspan(static_cast<std::size_t>(above), static_cast<std::size_t>(tasks))});
         }
         return;
     }
@@ -68,7 +82,7 @@ void FocusFrame::visit_rows(int y_begin, int y_end, const std::function<void(con
     for (int begin = y_begin, end = begin; begin < y_end; begin = end) {
         end = band_end(file_, begin, y_end);
         read_rows(file_, begin, end, band);
-        visit({&band, begin, end, {}});
+        visit({&band, begin, end, {}, {}});
     }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "focus/largest_bends.h"
+#include "focus/plain_corners.h"
 #include "records/quadtree.h"
 #include "records/records_read.h"
 #include "records/sample_file.h"
@@ -18,13 +19,15 @@ struct HighlightRule;
 struct TreeSheets;
 
 /// Corner rows [y_begin, y_end) of the frame's own instant. `band` has one row more above and below, where
-/// the file has one. `samples`: their point samples, `rows_per_task` rows together; empty: not looked for.
+/// the file has one. `samples`: their point samples, `rows_per_task` rows together, and `plain`: which of
+/// these are plain corners; empty: not looked for.
 struct FrameRows {
     /// find_point_samples looks at one row more on either side of what it is asked for.
     static constexpr int rows_per_task = 8;
     const RecordBand* band = nullptr;
     int y_begin = 0, y_end = 0;
     std::span<const PointSamples> samples;
+    std::span<const PlainCorners> plain;
 };
 
 /// What pictures of any lens have in common: the records, their point samples, the sheets of the light field.
@@ -57,6 +60,7 @@ class FocusFrame {
         RecordBand band;
         int y_begin = 0, y_end = 0;
         std::vector<PointSamples> samples;
+        std::vector<PlainCorners> plain;
     };
     void keep_all();
 

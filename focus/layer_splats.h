@@ -88,7 +88,9 @@ class LayerSplats {
 
     /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
     /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
-    void add_rows(const RecordBand& band, int y_begin, int y_end) { add_rows({&band, y_begin, y_end, {}}); }
+    void add_rows(const RecordBand& band, int y_begin, int y_end) {
+        add_rows({&band, y_begin, y_end, {}, {}});
+    }
     /// The same for rows whose point samples may be known.
     void add_rows(const FrameRows& rows);
     /// From now on rows of pixels are taken in instead.

@@ -13,10 +13,6 @@ constexpr double round_within_px = 0.05;
 
 }  // namespace
 
-double inverse_depth_per_m(const Record& node) {
-    return 1 / std::max(static_cast<double>(node.z), 1e-37);
-}
-
 NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const {
     NodeResponse out;
     const bool round = response_->is_round();

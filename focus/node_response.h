@@ -87,6 +87,8 @@ class NodeResponses {
 
 /// 1/z' of a record: infinity has the inverse depth 0; a depth that is smaller than a float's least normal
 /// number is none.
-[[nodiscard]] double inverse_depth_per_m(const Record& node);
+[[nodiscard]] inline double inverse_depth_per_m(const Record& node) {
+    return 1 / std::max(static_cast<double>(node.z), 1e-37);
+}
 
 }  // namespace postlens

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tbb/enumerable_thread_specific.h>
 
 #include "core/threads.h"
 
@@ -25,13 +26,15 @@ class SplatTables::RowBuilder {
     explicit RowBuilder(SplatTables& tables)
         : t_(tables), round_(tables.responses_.model().is_round()), cache_(tables.kernels_) {}
 
-    void build(const RecordBand& band, const PointSamples& samples, std::uint32_t begin, std::uint32_t end,
-               int y);
+    /// Row `row` of the samples, which is y of the raster.
+    void build(const RecordBand& band, const PointSamples& samples, const PlainCorners& plain,
+               std::size_t row, int y);
     void build(std::span<const PixelLight> lights, int y);
 
   private:
     void begin_row(int y);
     void store_row();
+    void add_plain(const PlainCorners& plain, std::size_t row);
     void add_sample(const PointSample& s, std::span<const Record> nodes);
     void add_light(const PixelLight& light);
     /// `weight`: of the point sample, 0 for what the normalisation does not count.
@@ -104,6 +107,25 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     // What the lens holds back is missing from the light, not from what it is divided by.
     add_splats(s, primary, rgb, 0);
     add_splats(s, NodeResponses::whole(primary), {0, 0, 0}, 1);
+}
+
+// Does for each what add_sample does; a test compares them.
+void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
+    const std::size_t width = level_.size(), at = row * width;
+    const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);
+    t_.responses_.levels().levels_of(inverse, level_.data());
+    for (std::size_t i = 0; i < width; ++i) level_[i] = inverse[i] < 0 ? no_level : level_[i];
+    std::copy_n(plain.r.data() + at, width, raster_[0]);
+    std::copy_n(plain.g.data() + at, width, raster_[1]);
+    std::copy_n(plain.b.data() + at, width, raster_[2]);
+    const PlainCorners::Row& facts = plain.rows[row];
+    negative_ |= facts.negative;
+    if (facts.least_inverse > facts.greatest_inverse) return;
+    // A circle is linear in 1/z': the largest is that of the nearest or the farthest.
+    for (const double end : {facts.least_inverse, facts.greatest_inverse}) {
+        const double radius_px = std::abs(t_.responses_.geometry().coc_diameter_px(end) / 2);
+        largest_radius_px_ = std::max(largest_radius_px_, radius_px);
+    }
 }
 
 void SplatTables::RowBuilder::add_light(const PixelLight& light) {
@@ -179,12 +201,21 @@ void SplatTables::RowBuilder::store_row() {
     t_.row_negative_[row] = negative_ ? 1 : 0;
 }
 
-void SplatTables::RowBuilder::build(const RecordBand& band, const PointSamples& samples, std::uint32_t begin,
-                                    std::uint32_t end, int y) {
+void SplatTables::RowBuilder::build(const RecordBand& band, const PointSamples& samples,
+                                    const PlainCorners& plain, std::size_t row, int y) {
     begin_row(y);
-    for (std::uint32_t i = begin; i < end; ++i) {
+    const auto add = [&](std::uint32_t i) {
         const PointSample& s = samples.samples[i];
         add_sample(s, std::span(band.records).subspan(s.first_record, s.record_count));
+    };
+    if (round_ && t_.responses_.levels().around_focus()) {
+        add_plain(plain, row);
+        for (std::uint32_t k = plain.other_begin[row]; k < plain.other_begin[row + 1]; ++k)
+            add(plain.others[k]);
+    } else {
+        const std::size_t width = level_.size();
+        for (std::uint32_t i = samples.offsets[row * width]; i < samples.offsets[(row + 1) * width]; ++i)
+            add(i);
     }
     split_runs();
     store_row();
@@ -226,20 +257,21 @@ void SplatTables::add_rows(const FrameRows& rows) {
     constexpr int step = FrameRows::rows_per_task;
     const RecordBand& band = *rows.band;
     const auto tasks = static_cast<std::size_t>((rows.y_end - rows.y_begin + step - 1) / step);
+    tbb::enumerable_thread_specific<RowBuilder> builders([this] { return RowBuilder(*this); });
     parallel_for(tasks, [&](std::size_t task) {
         const int first = rows.y_begin + static_cast<int>(task) * step;
         const int last = std::min(first + step, rows.y_end);
         PointSamples found;
-        if (rows.samples.empty())
+        PlainCorners found_plain;
+        if (rows.samples.empty()) {
             find_point_samples(band, first, last, source_.y_begin, source_.y_end - 1, found);
-        const PointSamples& samples = rows.samples.empty() ? found : rows.samples[task];
-        RowBuilder builder(*this);
-        for (int y = first; y < last; ++y) {
-            const std::size_t k =
-                static_cast<std::size_t>(y - first) * static_cast<std::size_t>(band.width());
-            builder.build(band, samples, samples.offsets[k],
-                          samples.offsets[k + static_cast<std::size_t>(band.width())], y);
+            find_plain_corners(band, found, found_plain);
         }
+        const PointSamples& samples = rows.samples.empty() ? found : rows.samples[task];
+        const PlainCorners& plain = rows.samples.empty() ? found_plain : rows.plain[task];
+        RowBuilder& builder = builders.local();
+        for (int y = first; y < last; ++y)
+            builder.build(band, samples, plain, static_cast<std::size_t>(y - first), y);
     });
     if (keep_ == Keep::strip) strip_rows_.settle();
 }

@@ -14,6 +14,7 @@
 #include "focus/kernel.h"
 #include "focus/node_response.h"
 #include "focus/pixel_light.h"
+#include "focus/plain_corners.h"
 #include "focus/response_model.h"
 #include "focus/strip_rows.h"
 #include "records/quadtree.h"
@@ -76,7 +77,9 @@ class SplatTables {
 
     /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
     /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
-    void add_rows(const RecordBand& band, int y_begin, int y_end) { add_rows({&band, y_begin, y_end, {}}); }
+    void add_rows(const RecordBand& band, int y_begin, int y_end) {
+        add_rows({&band, y_begin, y_end, {}, {}});
+    }
     /// The same for rows whose point samples may be known.
     void add_rows(const FrameRows& rows);
     /// Takes in row y of pixels instead, by growing column; safe for several rows at once. What is hidden is
