@@ -272,8 +272,8 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
 
 std::uint32_t KernelNumberCache::number_of(const KernelKey& key) {
     const KernelKey::Packed packed = key.packed();
-    // Fibonacci hashing; the top 12 bits choose the entry.
-    Entry& entry = entries_[KernelKey::PackedHash()(packed) >> 52];
+    // Fibonacci hashing; the top bits choose the entry.
+    Entry& entry = entries_[KernelKey::PackedHash()(packed) >> (64 - entry_bits)];
     if (entry.key != packed) entry = {packed, table_->number_of(key)};
     return entry.number;
 }

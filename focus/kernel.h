@@ -136,6 +136,8 @@ class KernelTable {
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
+    /// How many numbers there are; after build, which makes those of discs that nobody uses another kernel's.
+    [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// How many levels have a kernel, of any phase; after build.
     [[nodiscard]] int discs_used() const { return discs_used_; }
     /// The outline that a key of a round aperture stands for.
@@ -169,7 +171,7 @@ class KernelTable {
 /// A direct-mapped memory of recent keys, so that a thread seldom asks the shared table.
 class KernelNumberCache {
   public:
-    explicit KernelNumberCache(KernelTable& table) : table_(&table), entries_(4096) {}
+    explicit KernelNumberCache(KernelTable& table) : table_(&table), entries_(std::size_t{1} << entry_bits) {}
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
 
   private:
@@ -177,6 +179,7 @@ class KernelNumberCache {
         KernelKey::Packed key{~std::uint64_t{0}, 0};
         std::uint32_t number = 0;
     };
+    static constexpr int entry_bits = 12;
     KernelTable* table_;
     std::vector<Entry> entries_;
 };

@@ -42,30 +42,24 @@ double diameter_after(double steps) {
     return even_px * std::exp((steps - even_levels) / levels_per_e);
 }
 
-/// What levels_of looks up.
 struct Cells {
-    const double* begin_px;
-    const std::int32_t *before, *step;
-    int per_px;
-    double end_px;
+    int per_px, end_px;
 };
 
-/// True where circles beyond the cells are among them, whose levels are still to be found.
+/// So many at a time: first their cells, which is arithmetic that vectors do, then the levels.
+constexpr std::size_t together = 128;
+
+/// Diameters and their cells; of what is beyond these, the first one.
 POSTLENS_MULTIVERSION
-bool look_up(const Cells& cells, const FocusGeometry& geometry, const double* __restrict inverse_depth_per_m,
-             std::size_t count, std::uint32_t* __restrict level) {
+void find_cells(const Cells& cells, const FocusGeometry& geometry,
+                const double* __restrict inverse_depth_per_m, std::size_t count, double* __restrict wide_px,
+                std::int32_t* __restrict cell) {
     const Cells c = cells;
     const FocusGeometry g = geometry;
-    std::uint32_t beyond = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        const double wide_px = std::abs(g.coc_diameter_px(inverse_depth_per_m[i]));
-        const bool inside = wide_px < c.end_px;
-        const auto cell = static_cast<std::int32_t>((inside ? wide_px : 0.0) * c.per_px);
-        const std::int32_t begun = wide_px < c.begin_px[cell] ? 0 : -1;
-        level[i] = static_cast<std::uint32_t>(c.before[cell] + (c.step[cell] & begun));
-        beyond |= inside ? 0U : 1U;
+        wide_px[i] = std::abs(g.coc_diameter_px(inverse_depth_per_m[i]));
+        cell[i] = static_cast<std::int32_t>((wide_px[i] < c.end_px ? wide_px[i] : 0.0) * c.per_px);
     }
-    return beyond != 0;
 }
 
 }  // namespace
@@ -100,10 +94,17 @@ const LevelTable& LevelTable::the() {
 
 void LevelTable::levels_of(const FocusGeometry& geometry, const double* inverse_depth_per_m,
                            std::size_t count, std::uint32_t* level) const {
-    const Cells found{begin_px_.data(), before_.data(), step_.data(), cells_per_px, end_px};
-    if (!look_up(found, geometry, inverse_depth_per_m, count, level)) return;
-    for (std::size_t i = 0; i < count; ++i)
-        level[i] = level_of(geometry.coc_diameter_px(inverse_depth_per_m[i]));
+    const Cells all{cells_per_px, end_px};
+    std::array<double, together> wide_px;     // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
+    std::array<std::int32_t, together> cell;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
+    for (std::size_t begin = 0; begin < count; begin += together) {
+        const std::size_t part = std::min(together, count - begin);
+        find_cells(all, geometry, inverse_depth_per_m + begin, part, wide_px.data(), cell.data());
+        for (std::size_t i = 0; i < part; ++i) {
+            level[begin + i] = wide_px[i] < end_px ? level_in(static_cast<std::size_t>(cell[i]), wide_px[i])
+                                                   : nearest_level(wide_px[i]);
+        }
+    }
 }
 
 }  // namespace postlens

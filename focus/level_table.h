@@ -28,8 +28,7 @@ class LevelTable {
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);
-        const auto cell = static_cast<std::size_t>(static_cast<int>(wide_px * cells_per_px));
-        return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
+        return level_in(static_cast<std::size_t>(static_cast<int>(wide_px * cells_per_px)), wide_px);
     }
     /// level_of the CoC of each inverse depth, 1/m.
     void levels_of(const FocusGeometry& geometry, const double* inverse_depth_per_m, std::size_t count,
@@ -37,6 +36,9 @@ class LevelTable {
 
   private:
     LevelTable();
+    [[nodiscard]] std::uint32_t level_in(std::size_t cell, double wide_px) const {
+        return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
+    }
 
     /// So narrow that no more than one level begins in a cell.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;

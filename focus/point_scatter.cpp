@@ -1,6 +1,7 @@
 #include "focus/point_scatter.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "core/multiversion.h"
 
@@ -66,9 +67,7 @@ void add_points(const PointPass& pass) {
 
 }  // namespace
 
-// Adds the splats of one reach class; `begun`: the sums have been set up. True where any splat may reach the
-// rows.
-bool PointScatter::add_class(std::size_t reach_class, bool begun) {
+void PointScatter::find_passes(std::size_t reach_class) {
     const RasterWindow& source = tables_.source();
     const Reach& farthest = tables_.class_reach(reach_class);
     const int last_row = std::min(source.y_end, rows_.y_end - farthest.dy_begin);
@@ -83,14 +82,33 @@ bool PointScatter::add_class(std::size_t reach_class, bool begun) {
         const auto last = std::lower_bound(first, splats.end(), rows_.x_end - reach.dx_begin,
                                            [](const Splat& s, int x) { return s.x < x; });
         if (first == last) continue;
-        if (!begun) {
-            begun = true;
-            sum_.assign(4 * stride_ * static_cast<std::size_t>(rows_.height()), 0.0);
-            change_.assign(sum_.size(), 0.0);
-        }
-        add_points({.splats = &*first,
-                    .count = static_cast<std::size_t>(last - first),
-                    .y = y,
+        passes_.push_back({{first, last}, y});
+        const RasterWindow theirs{first->x + reach.dx_begin, std::prev(last)->x + reach.dx_end,
+                                  y + reach.dy_begin, y + reach.dy_end};
+        reached_ = passes_.size() == 1 ? theirs : around(reached_, theirs);
+    }
+}
+
+void PointScatter::run(const RasterWindow& rows) {
+    rows_ = rows;
+    reached_ = {};
+    passes_.clear();
+    for (std::size_t c = 0; c < reach_classes; ++c) find_passes(c);
+    if (passes_.empty()) return;
+    reached_ = common(reached_, rows_);
+    stride_ = static_cast<std::size_t>(rows.width()) + 1;
+    sum_.resize(std::max(sum_.size(), 4 * stride_ * static_cast<std::size_t>(rows.height())));
+    change_.resize(sum_.size());
+    // And one pixel more, where what ends with the last one ends.
+    const std::size_t values = 4 * (static_cast<std::size_t>(reached_.width()) + 1);
+    for (int y = reached_.y_begin; y < reached_.y_end; ++y) {
+        for (auto* buffer : {&sum_, &change_})
+            std::fill_n(buffer->data() + index(reached_.x_begin, y), values, 0.0);
+    }
+    for (const Pass& pass : passes_) {
+        add_points({.splats = pass.splats.data(),
+                    .count = pass.splats.size(),
+                    .y = pass.y,
                     .kernels = &tables_.kernels(),
                     .channel = channel_,
                     .rows = rows_,
@@ -98,27 +116,17 @@ bool PointScatter::add_class(std::size_t reach_class, bool begun) {
                     .sum = sum_.data(),
                     .change = change_.data()});
     }
-    return begun;
-}
-
-bool PointScatter::run(const RasterWindow& rows) {
-    rows_ = rows;
-    stride_ = static_cast<std::size_t>(rows.width()) + 1;
-    bool any = false;
-    for (std::size_t c = 0; c < reach_classes; ++c) any = add_class(c, any) || any;
-    if (!any) return false;
-    for (int y = 0; y < rows_.height(); ++y) {
-        double* sum = sum_.data() + static_cast<std::size_t>(y) * stride_ * 4;
-        const double* change = change_.data() + static_cast<std::size_t>(y) * stride_ * 4;
+    for (int y = reached_.y_begin; y < reached_.y_end; ++y) {
+        double* sum = sum_.data() + index(reached_.x_begin, y);
+        const double* change = change_.data() + index(reached_.x_begin, y);
         double inside[4] = {};
-        for (std::size_t x = 0; x < static_cast<std::size_t>(rows_.width()); ++x) {
+        for (std::size_t x = 0; x < static_cast<std::size_t>(reached_.width()); ++x) {
             for (std::size_t c = 0; c < 4; ++c) {
                 inside[c] += change[4 * x + c];
                 sum[4 * x + c] += inside[c];
             }
         }
     }
-    return true;
 }
 
 }  // namespace postlens

@@ -1,7 +1,8 @@
 // Scattering splats one by one: each costs as much as its outline in the rows concerned.
 #pragma once
 
-#include <array>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "focus/splat_tables.h"
@@ -21,22 +22,34 @@ class PointScatter {
         : tables_(tables), channel_(channel) {}
 
     /// Adds all splats that reach the rows, which lie in tables.picture(), to sums that start from zero.
-    /// False where none does: then there are no sums. Buffers are kept from call to call.
-    bool run(const RasterWindow& rows);
+    /// Buffers are kept from call to call.
+    void run(const RasterWindow& rows);
 
-    /// The sums of row y, pixel by pixel, four channels each.
-    [[nodiscard]] const double* sums(int y) const {
-        return sum_.data() + 4 * static_cast<std::size_t>(y - rows_.y_begin) * stride_;
-    }
+    /// The part of the rows that splats may reach; empty where none does. Beyond it sums are zero, and not
+    /// there.
+    [[nodiscard]] const RasterWindow& reached() const { return reached_; }
+    [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
+    /// The four channels' sums at a pixel of what is reached; those of its row follow.
+    [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:
-    bool add_class(std::size_t reach_class, bool begun);
+    /// Splats of a row, of one reach class, that may reach the rows.
+    struct Pass {
+        std::span<const Splat> splats;
+        int y;
+    };
+    void find_passes(std::size_t reach_class);
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return 4 * (static_cast<std::size_t>(y - rows_.y_begin) * stride_ +
+                    static_cast<std::size_t>(x - rows_.x_begin));
+    }
 
     const SplatTables& tables_;
     std::size_t channel_;
-    RasterWindow rows_;
-    std::size_t stride_ = 0;  ///< pixels from row to row: one more than there are, for what ends there
-    std::vector<double> sum_;
+    RasterWindow rows_, reached_;
+    std::vector<Pass> passes_;
+    std::size_t stride_ = 0;      ///< pixels from row to row: one more than there are, for what ends there
+    std::vector<double> sum_;     ///< of rows_; what is not reached holds what was there before
     std::vector<double> change_;  ///< from the pixel to the left
 };
 

@@ -50,14 +50,15 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
 }
 
 /// Responses with channels: each of the three has made its own sums of all, of which it keeps its colour.
-/// `points` is absent where nothing arrives.
-void store_channel(const SplatTables& tables, const PointScatter* points, std::size_t channel,
+void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();
     for (int y = rows.y_begin; y < rows.y_end; ++y) {
         const float* nothing = tables.nothing_row(y);
         for (int x = rows.x_begin; x < rows.x_end; ++x) {
-            const double* sums = points != nullptr ? points->sums(y) + 4 * (x - rows.x_begin) : nullptr;
+            const bool reached =
+                points.reaches(y) && x >= points.reached().x_begin && x < points.reached().x_end;
+            const double* sums = reached ? points.sums(x, y) : nullptr;
             const float most = nothing != nullptr ? nothing[x - picture.x_begin] : 0;
             const double value =
                 sums != nullptr && sums[3] > smallest_weight ? sums[channel] / filled(sums[3], most) : 0;
@@ -67,9 +68,9 @@ void store_channel(const SplatTables& tables, const PointScatter* points, std::s
     }
 }
 
-/// Brings together what runs and single splats have left in a few rows of a block. `runs` and `points` are
+/// Brings together what runs and single splats have left in a few rows of a block. `runs` is
 /// absent where nothing of theirs arrives.
-void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter* points,
+void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter& points,
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};
     const RasterWindow& picture = tables.picture();
@@ -84,12 +85,15 @@ void store_rows(const SplatTables& tables, const RunScatter* runs, const PointSc
             }
             // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled where it is used
             std::array<std::array<double, strip_width>, 4> both;
-            if (points != nullptr) {
-                const double* from = points->sums(y) + 4 * (x - rows.x_begin);
+            const int first = std::max(x, points.reached().x_begin),
+                      last = std::min(x + width, points.reached().x_end);
+            if (points.reaches(y) && first < last) {
+                const double* from = points.sums(first, y);
+                const auto begin = static_cast<std::size_t>(first - x),
+                           count = static_cast<std::size_t>(last - first);
                 for (std::size_t c = 0; c < 4; ++c) {
-                    both[c].fill(0);
-                    for (std::size_t i = 0; i < static_cast<std::size_t>(width); ++i)
-                        both[c][i] = sums[c][i] + from[4 * i + c];
+                    std::copy_n(sums[c], strip_width, both[c].data());
+                    for (std::size_t i = 0; i < count; ++i) both[c][begin + i] += from[4 * i + c];
                     sums[c] = both[c].data();
                 }
             }
@@ -137,14 +141,14 @@ void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>&
             PointScatters& by_channel = point_scatters.local();
             if (tables.kernels().channels() == 3) {
                 for (std::size_t c = 0; c < 3; ++c) {
-                    const bool any = by_channel[c].run(part);
-                    store_channel(tables, any ? &by_channel[c] : nullptr, c, part, image);
+                    by_channel[c].run(part);
+                    store_channel(tables, by_channel[c], c, part, image);
                 }
                 continue;
             }
             PointScatter& points = by_channel[0];
-            const bool any_points = points.run(part);
-            store_rows(tables, any_runs ? &runs : nullptr, any_points ? &points : nullptr, part, image);
+            points.run(part);
+            store_rows(tables, any_runs ? &runs : nullptr, points, part, image);
         }
     });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <tbb/enumerable_thread_specific.h>
 
 #include "core/threads.h"
@@ -180,7 +181,7 @@ void SplatTables::RowBuilder::begin_row(int y) {
     level_.assign(width, no_level);
     splats_.clear();
     runs_.clear();
-    for (std::size_t c = 0; c < 3; ++c) raster_[c] = t_.raster_[c].data() + row * width;
+    for (std::size_t c = 0; c < 3; ++c) raster_[c] = t_.raster_[c].get() + row * width;
 }
 
 void SplatTables::RowBuilder::store_row() {
@@ -227,8 +228,15 @@ void SplatTables::RowBuilder::build(std::span<const PixelLight> lights, int y) {
     store_row();
 }
 
+struct SplatTables::Builders {
+    explicit Builders(SplatTables& tables) : of_thread([&tables] { return RowBuilder(tables); }) {}
+    tbb::enumerable_thread_specific<RowBuilder> of_thread;
+};
+
+SplatTables::~SplatTables() = default;
+
 void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
-    RowBuilder(*this).build(lights, y);
+    builders_->of_thread.local().build(lights, y);
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
@@ -244,10 +252,11 @@ SplatTables::SplatTables(const RasterWindow& source, const RasterWindow& picture
       picture_(picture),
       responses_(geometry, levels, model, response ? std::move(response) : std::make_shared<ResponseModel>()),
       kernels_(levels.radius_px(), kernel_reach(source, picture), responses_.model()),
+      builders_(std::make_unique<Builders>(*this)),
       border_(source) {
     const auto width = static_cast<std::size_t>(source.width());
     const auto height = static_cast<std::size_t>(source.height());
-    for (auto& plane : raster_) plane.resize(width * height);
+    for (auto& plane : raster_) plane = std::make_unique_for_overwrite<float[]>(width * height);
     rows_.resize(height);
     row_largest_radius_px_.resize(height);
     row_negative_.resize(height);
@@ -257,7 +266,6 @@ void SplatTables::add_rows(const FrameRows& rows) {
     constexpr int step = FrameRows::rows_per_task;
     const RecordBand& band = *rows.band;
     const auto tasks = static_cast<std::size_t>((rows.y_end - rows.y_begin + step - 1) / step);
-    tbb::enumerable_thread_specific<RowBuilder> builders([this] { return RowBuilder(*this); });
     parallel_for(tasks, [&](std::size_t task) {
         const int first = rows.y_begin + static_cast<int>(task) * step;
         const int last = std::min(first + step, rows.y_end);
@@ -269,7 +277,7 @@ void SplatTables::add_rows(const FrameRows& rows) {
         }
         const PointSamples& samples = rows.samples.empty() ? found : rows.samples[task];
         const PlainCorners& plain = rows.samples.empty() ? found_plain : rows.plain[task];
-        RowBuilder& builder = builders.local();
+        RowBuilder& builder = builders_->of_thread.local();
         for (int y = first; y < last; ++y)
             builder.build(band, samples, plain, static_cast<std::size_t>(y - first), y);
     });
@@ -290,30 +298,32 @@ std::size_t reach_class(const Reach& reach) {
                                     limits_px.begin());
 }
 
-Reach SplatTables::reach_of(const Splat& splat) const {
-    Reach reach;
-    for (std::size_t channel = 0; channel < kernels_.channels(); ++channel) {
-        const Kernel& k = kernels_.kernel(splat.kernel, channel);
-        reach.include({k.y_begin, k.y_end(), k.x_begin, k.x_end});
+void SplatTables::find_reaches() {
+    reach_.assign(kernels_.numbers(), {});
+    for (std::uint32_t number = 0; number < reach_.size(); ++number) {
+        for (std::size_t channel = 0; channel < kernels_.channels(); ++channel) {
+            const Kernel& k = kernels_.kernel(number, channel);
+            reach_[number].include({k.y_begin, k.y_end(), k.x_begin, k.x_end});
+        }
     }
-    return reach;
 }
 
 // Splats by reach class, their order by column kept within each.
 void SplatTables::sort_by_reach(SplatRow& row) const {
-    std::array<std::vector<Splat>, reach_classes> classes;
+    const std::vector<Splat> unsorted = row.splats;
+    std::vector<std::uint8_t> classes;
+    classes.reserve(unsorted.size());
     row.class_reach = {};
-    for (const Splat& s : row.splats) {
-        const Reach reach = reach_of(s);
-        const std::size_t c = reach_class(reach);
-        classes[c].push_back(s);
-        row.class_reach[c].include(reach);
+    row.class_begin = {};
+    for (const Splat& s : unsorted) {
+        const Reach& reach = reach_of(s);
+        classes.push_back(static_cast<std::uint8_t>(reach_class(reach)));
+        row.class_reach[classes.back()].include(reach);
+        ++row.class_begin[classes.back() + 1U];
     }
-    auto to = row.splats.begin();
-    for (std::size_t c = 0; c < reach_classes; ++c) {
-        to = std::copy(classes[c].begin(), classes[c].end(), to);
-        row.class_begin[c + 1] = static_cast<std::uint32_t>(to - row.splats.begin());
-    }
+    std::partial_sum(row.class_begin.begin(), row.class_begin.end(), row.class_begin.begin());
+    std::array<std::uint32_t, reach_classes + 1> to = row.class_begin;
+    for (std::size_t i = 0; i < unsorted.size(); ++i) row.splats[to[classes[i]]++] = unsorted[i];
 }
 
 void SplatTables::sort_rows() {
@@ -326,7 +336,9 @@ void SplatTables::sort_rows() {
 }
 
 void SplatTables::finish() {
+    builders_->of_thread.clear();
     kernels_.build();
+    find_reaches();
     if (keep_ == Keep::all) kernels_.forget_keys();
     for (SplatRow& row : rows_) {
         for (const SplatRun& run : row.runs) {
@@ -361,6 +373,7 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
 }
 
 void SplatTables::finish_strip() {
+    builders_->of_thread.clear();
     sort_rows();
 }
 

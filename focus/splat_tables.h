@@ -74,6 +74,11 @@ class SplatTables {
     SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
+    ~SplatTables();
+    SplatTables(const SplatTables&) = delete;
+    SplatTables& operator=(const SplatTables&) = delete;
+    SplatTables(SplatTables&&) = delete;
+    SplatTables& operator=(SplatTables&&) = delete;
 
     /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
     /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
@@ -111,7 +116,7 @@ class SplatTables {
     }
     /// Colour `channel` (0..2) of the corners of row y, first at x_begin; meaningful inside the row's runs.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
-        return raster_[channel].data() +
+        return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
     /// Rows that runs, and the splats of a class, may reach from their own, over all rows.
@@ -137,8 +142,10 @@ class SplatTables {
 
   private:
     class RowBuilder;
+    struct Builders;
     enum class Keep : std::uint8_t { all, none, strip };
-    [[nodiscard]] Reach reach_of(const Splat& splat) const;
+    [[nodiscard]] const Reach& reach_of(const Splat& splat) const { return reach_[splat.kernel]; }
+    void find_reaches();
     [[nodiscard]] bool reaches_strip(const Splat& splat, const Reach& reach, int y) const;
     void sort_by_reach(SplatRow& row) const;
     void sort_rows();
@@ -149,7 +156,11 @@ class SplatTables {
     RasterWindow source_, picture_;
     NodeResponses responses_;
     KernelTable kernels_;
-    std::vector<float> raster_[3];
+    std::unique_ptr<Builders>
+        builders_;              ///< by thread, while rows are added: what one knows serves its next rows
+    std::vector<Reach> reach_;  ///< by number of kernel
+    /// Planes of the source; what belongs to no run was never written.
+    std::array<std::unique_ptr<float[]>, 3> raster_;
     std::vector<SplatRow> rows_;
     std::vector<float> nothing_;  ///< by pixel of the picture; empty: none
     BorderRadii border_;

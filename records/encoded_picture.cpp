@@ -9,7 +9,6 @@
 #include <png.h>
 
 #include "core/error.h"
-#include "core/output_file.h"
 #include "core/threads.h"
 #include "records/srgb.h"
 
@@ -61,8 +60,7 @@ std::uint8_t byte_of(const ByteTable& table, float v) {
 }
 
 struct PngOutput {
-    std::vector<unsigned char> bytes;  ///< never grows beyond what is reserved
-    std::string* problem = nullptr;
+    std::string bytes, problem;  ///< never grow beyond what is reserved
 };
 
 /// What deflate makes of noise is little more than the noise.
@@ -75,11 +73,11 @@ void append(png_structp png, png_bytep data, std::size_t size) {
     auto& out = *static_cast<PngOutput*>(png_get_io_ptr(png));
     // An exception must not pass through the library.
     if (out.bytes.capacity() - out.bytes.size() < size) png_error(png, "larger than its pixels");
-    out.bytes.insert(out.bytes.end(), data, data + size);
+    out.bytes.append(reinterpret_cast<const char*>(data), size);
 }
 
 [[noreturn]] void note_problem(png_structp png, png_const_charp text) {
-    std::string& problem = *static_cast<PngOutput*>(png_get_error_ptr(png))->problem;
+    std::string& problem = static_cast<PngOutput*>(png_get_error_ptr(png))->problem;
     problem.assign(text, std::min(std::strlen(text), problem.capacity()));
     png_longjmp(png, 1);
 }
@@ -123,10 +121,10 @@ EncodedPicture encoded_8bit(const Image& image) {
     return out;
 }
 
-std::vector<unsigned char> png_file(const EncodedPicture& picture, std::string& problem) {
+std::string png_file(const EncodedPicture& picture, const std::string& shown_name) {
     constexpr std::size_t longest_problem = 200;
-    problem.reserve(longest_problem);
-    PngOutput out{{}, &problem};
+    PngOutput out;
+    out.problem.reserve(longest_problem);
     out.bytes.reserve(most_bytes(picture));
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &out, note_problem, keep_quiet);
     png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
@@ -135,20 +133,11 @@ std::vector<unsigned char> png_file(const EncodedPicture& picture, std::string& 
         png_set_write_fn(png, &out, append, nullptr);
         ok = write_rows(png, info, picture);
     } else {
-        problem = "out of memory";
+        out.problem = "out of memory";
     }
     png_destroy_write_struct(&png, &info);
-    if (!ok) out.bytes.clear();
+    if (!ok) fail(ExitCode::cannot_write, "{}: cannot write ({})", shown_name, out.problem);
     return std::move(out.bytes);
-}
-
-void write_png(const std::filesystem::path& path, const EncodedPicture& picture) {
-    OutputFile file(path);
-    std::string problem;
-    const std::vector<unsigned char> bytes = png_file(picture, problem);
-    if (bytes.empty()) fail(ExitCode::cannot_write, "{}: cannot write ({})", path.string(), problem);
-    file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    file.commit();
 }
 
 }  // namespace postlens

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -30,10 +29,8 @@ struct EncodedPicture {
 /// Of scene-linear values, clamped to 0..1.
 [[nodiscard]] EncodedPicture encoded_8bit(const Image& image);
 
-/// The bytes of a PNG file. None, and what the library says, where it fails.
-[[nodiscard]] std::vector<unsigned char> png_file(const EncodedPicture& picture, std::string& problem);
-
-/// As `write_image` writes a picture of the same bytes.
-void write_png(const std::filesystem::path& path, const EncodedPicture& picture);
+/// The bytes of a PNG file, as `write_image` writes one of the same picture. Throws Error(cannot_write), in
+/// which `shown_name` stands for the file, where the library refuses.
+[[nodiscard]] std::string png_file(const EncodedPicture& picture, const std::string& shown_name);
 
 }  // namespace postlens

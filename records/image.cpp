@@ -105,10 +105,13 @@ void write_exr(const OutputFile& file, const Image& image, const Place& place) {
 }
 
 void write_other(OutputFile& file, Format format, const Image& image) {
+    if (format == Format::png) {
+        file.write(png_file(encoded_8bit(image), file.target().string()));
+        return;
+    }
     std::string problem;
     const std::vector<unsigned char> bytes =
-        format == Format::png ? png_file(encoded_8bit(image), problem)
-        : format == Format::tiff
+        format == Format::tiff
             ? picture_library().tiff(image.width, image.height, encoded_16bit(image), problem)
             : picture_library().jpeg(image.width, image.height, encoded_8bit(image).rgb, problem);
     if (bytes.empty()) {

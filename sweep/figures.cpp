@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "compare/picture_tone.h"
-#include "compare/pixel_mask.h"
 #include "core/multiversion.h"
+#include "core/threads.h"
 #include "focus/node_response.h"
 
 namespace postlens {
@@ -85,17 +86,24 @@ double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeomet
 }
 
 double gradient_energy(const Image& image) {
-    const auto width = static_cast<std::size_t>(image.width);
-    return sum_of_rows(image.height, [&](std::size_t y) {
-        thread_local std::vector<double> here, below;
-        here.resize(width);
-        below.resize(width);
-        const float* rgb = image.rgb.data() + 3 * y * width;
+    const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
+    // So many rows together that a row's luminances are seldom found twice.
+    constexpr std::size_t together = 16;
+    std::vector<double> sums(height);
+    parallel_for((height + together - 1) / together, [&](std::size_t block) {
+        std::vector<double> here(width), below(width);
+        const std::size_t first = block * together, last = std::min(first + together, height);
+        const float* rgb = image.rgb.data() + 3 * first * width;
         luminances(rgb, width, here.data());
-        if (static_cast<int>(y) + 1 == image.height) return squared_steps(here.data(), here.data(), width);
-        luminances(rgb + 3 * width, width, below.data());
-        return squared_steps(here.data(), below.data(), width);
+        for (std::size_t y = first; y < last; ++y) {
+            rgb += 3 * width;
+            const bool any_below = y + 1 < height;
+            if (any_below) luminances(rgb, width, below.data());
+            sums[y] = squared_steps(here.data(), any_below ? below.data() : here.data(), width);
+            here.swap(below);
+        }
     });
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 }  // namespace postlens

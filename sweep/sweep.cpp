@@ -36,7 +36,7 @@ std::uint64_t file_checksum(const std::filesystem::path& path) {
     if (!in) return 0;
     XXH3_state_t state;
     XXH3_64bits_reset(&state);
-    std::vector<char> buffer(1U << 20U);
+    std::vector<char> buffer(1U << 16U);
     while (in) {
         in.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
         XXH3_64bits_update(&state, buffer.data(), static_cast<std::size_t>(in.gcount()));
@@ -148,6 +148,7 @@ class Sweep {
             for (const SweepSetting& s : grid_.pictures) captions.push_back(s.caption);
             sheet.emplace(ImageSize{h.width, h.height}, std::move(captions), grid_.row);
         }
+        std::future<std::string> drawn;  // after the sheet, of which it is made
         Progress progress("sweep", grid_.pictures.size(), settings_.quiet);
         try {
             // First what is there: an interruption must not lose it.
@@ -170,6 +171,11 @@ class Sweep {
                     progress.advance();
                 }
             }
+            // While the last ones are written.
+            if (sheet) {
+                drawn = std::async(std::launch::async,
+                                   [&sheet] { return png_file(sheet->picture(), "contact.png"); });
+            }
             while (!finishing_.empty()) finish(progress);
         } catch (...) {
             save_if_possible();
@@ -179,7 +185,7 @@ class Sweep {
         write_text(out_.csv, csv_text(out_.table));
         if (sheet) {
             out_.contact_sheet = folder_ / "contact.png";
-            write_png(*out_.contact_sheet, sheet->picture());
+            write_file(*out_.contact_sheet, drawn.get());
         }
         return std::move(out_);
     }

@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 
+#include "core/error.h"
 #include "records/srgb.h"
 #include "tests/temporary_folder.h"
 
@@ -55,9 +56,8 @@ TEST(EncodedPicture, IsWrittenAsThePictureItWasMadeOf) {
         Image image(width, height);
         for (float& v : image.rgb) v = value(random);
         write_image(folder.path() / "a.png", image);
-        write_png(folder.path() / "b.png", encoded_8bit(image));
-        EXPECT_EQ(bytes_of(folder.path() / "a.png"), bytes_of(folder.path() / "b.png"));
-        const Image back = read_image(folder.path() / "b.png");
+        EXPECT_EQ(bytes_of(folder.path() / "a.png"), png_file(encoded_8bit(image), "b.png"));
+        const Image back = read_image(folder.path() / "a.png");
         ASSERT_EQ(back.rgb.size(), image.rgb.size());
         for (std::size_t i = 0; i < image.rgb.size(); ++i)
             ASSERT_EQ(by_power(back.rgb[i]), by_power(image.rgb[i])) << i;
@@ -65,9 +65,15 @@ TEST(EncodedPicture, IsWrittenAsThePictureItWasMadeOf) {
 }
 
 TEST(EncodedPicture, SaysWhatIsWrongWithItsSize) {
-    std::string problem;
-    EXPECT_TRUE(png_file(EncodedPicture(0, 4), problem).empty());
-    EXPECT_NE(problem.find("IHDR"), std::string::npos) << problem;
+    try {
+        (void)png_file(EncodedPicture(0, 4), "a.png");
+        FAIL() << "a picture of no pixels";
+    } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ExitCode::cannot_write);
+        const std::string said = e.what();
+        EXPECT_EQ(said.find("a.png: cannot write ("), 0U) << said;
+        EXPECT_NE(said.find("IHDR"), std::string::npos) << said;
+    }
 }
 
 }  // namespace
