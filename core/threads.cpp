@@ -8,6 +8,7 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 #include <thread>
 #include <vector>
 
@@ -86,7 +87,29 @@ void parallel_chunks(std::size_t count, std::size_t grain,
     if (error) std::rethrow_exception(error);
 }
 
+void run_in_order(std::size_t count, std::size_t /*at_a_time*/, const std::function<void(std::size_t)>& make,
+                  const std::function<void(std::size_t)>& end) {
+    for (std::size_t i = 0; i < count; ++i) {
+        throw_if_interrupted();
+        make(i);
+        end(i);
+    }
+}
+
 #else
+
+namespace {
+
+template <typename Work>
+void in_current_arena(const Work& work) {
+    if (tbb::task_arena* arena = current_arena()) {
+        arena->execute(work);
+    } else {
+        work();
+    }
+}
+
+}  // namespace
 
 void parallel_chunks(std::size_t count, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& chunk) {
@@ -102,11 +125,31 @@ void parallel_chunks(std::size_t count, std::size_t grain,
                               }
                           });
     };
-    if (tbb::task_arena* arena = current_arena()) {
-        arena->execute(loop);
-    } else {
-        loop();
-    }
+    in_current_arena(loop);
+}
+
+void run_in_order(std::size_t count, std::size_t at_a_time, const std::function<void(std::size_t)>& make,
+                  const std::function<void(std::size_t)>& end) {
+    std::size_t next = 0;
+    const auto begin_one = [&](tbb::flow_control& control) {
+        if (next == count) {
+            control.stop();
+            return count;
+        }
+        throw_if_interrupted();
+        return next++;
+    };
+    const auto make_one = [&](std::size_t i) {
+        make(i);
+        return i;
+    };
+    using tbb::filter_mode;
+    in_current_arena([&] {
+        tbb::parallel_pipeline(
+            at_a_time, tbb::make_filter<void, std::size_t>(filter_mode::serial_in_order, begin_one) &
+                           tbb::make_filter<std::size_t, std::size_t>(filter_mode::parallel, make_one) &
+                           tbb::make_filter<std::size_t, void>(filter_mode::serial_in_order, end));
+    });
 }
 
 #endif

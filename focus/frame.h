@@ -31,7 +31,8 @@ struct FrameRows {
 };
 
 /// What pictures of any lens have in common: the records, their point samples, the sheets of the light field.
-/// To be used by one thread at a time; every picture has the same bits whether anything is kept or not.
+/// To be used by one thread at a time, but for what keeps its rows and has visited one: these may be visited
+/// by any number. Every picture has the same bits whether anything is kept or not.
 class FocusFrame {
   public:
     /// `many`: what is read is kept for the pictures to come, the records of the frame's own instant for

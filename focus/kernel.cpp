@@ -21,8 +21,10 @@ constexpr int shortest_inner_px = 6;
 /// What stands for an ellipse without extent; small enough for the limit of a vanishing CoC.
 constexpr double smallest_ellipse_px = 1e-4;
 
+/// To the nearest.
 std::int32_t steps(double px, double step_px) {
-    return static_cast<std::int32_t>(std::lround(px / step_px));
+    const double exact = px / step_px;
+    return static_cast<std::int32_t>(exact + std::copysign(0.5, exact));
 }
 
 /// Of EllipseRows or OutlineRows.

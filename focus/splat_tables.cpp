@@ -41,6 +41,9 @@ class SplatTables::RowBuilder {
     /// `weight`: of the point sample, 0 for what the normalisation does not count.
     void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                     float weight);
+    void add_splat(std::int32_t column, const KernelKey& key, const std::array<float, 3>& rgb, float weight) {
+        splats_.push_back({column, cache_.number_of(key), rgb[0], rgb[1], rgb[2], weight});
+    }
     void split_runs();
 
     SplatTables& t_;
@@ -64,13 +67,14 @@ void SplatTables::RowBuilder::add_splats(const PointSample& s, const NodeRespons
         KernelKey key = response.key;
         key.phase_x = p.x;
         key.phase_y = p.y;
-        splats_.push_back({static_cast<std::int32_t>(std::floor(s.x)), cache_.number_of(key),
-                           rgb[0] * p.weight, rgb[1] * p.weight, rgb[2] * p.weight, weight * p.weight});
+        add_splat(static_cast<std::int32_t>(std::floor(s.x)), key,
+                  {rgb[0] * p.weight, rgb[1] * p.weight, rgb[2] * p.weight}, weight * p.weight);
     }
 }
 
 void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const Record> nodes) {
     place_px_ = from_middle_px(t_.picture_, s.x, s.y);
+    const bool whole_corner = s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
@@ -88,12 +92,16 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
             continue;
         }
         const float share = responses.passing(response, place_px_);
-        add_splats(s, response, {share * node.r, share * node.g, share * node.b}, 0);
+        const std::array<float, 3> shared{share * node.r, share * node.g, share * node.b};
+        if (whole_corner) {
+            add_splat(static_cast<std::int32_t>(s.x), response.key, shared, 0);
+        } else {
+            add_splats(s, response, shared, 0);
+        }
     }
     for (float& channel : rgb) channel *= responses.passing(primary, place_px_);
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
 
-    const bool whole_corner = s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
     if (whole_corner && primary.key.is_disc && round_) {
         const auto column = static_cast<std::size_t>(static_cast<int>(s.x) - t_.source_.x_begin);
         level_[column] = primary.key.level;

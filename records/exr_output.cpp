@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <unistd.h>
 #include <utility>
+#include <xxhash.h>
 
 #include "core/error.h"
 
@@ -51,24 +52,43 @@ class MemoryStream : public Imf::OStream {
 
 }  // namespace
 
+struct ExrOutput::Hash {
+    XXH3_state_t state;
+    Hash() { XXH3_64bits_reset(&state); }  // NOLINT(cppcoreguidelines-pro-type-member-init): it sets all
+};
+
 ExrOutput::ExrOutput(const std::filesystem::path& path, std::string shown_name,
-                     const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks)
+                     const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks,
+                     std::optional<std::size_t> chunk_bytes)
     : name_(std::move(shown_name)), offsets_(headers.size()), chunks_(std::move(chunks)) {
     MemoryStream stream;
     for (const Imf::Header& header : headers) header.writeTo(stream);
     fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (fd_ < 0) fail_with_errno();
     try {
+        if (chunk_bytes && is_one_part()) hash_ = std::make_unique<Hash>();
         append(little_endian(exr_magic, is_one_part() ? one_part_version : parts_version));
         append(stream.bytes);
         if (!is_one_part()) append(little_endian(std::uint8_t{0}));  // an empty header ends the list
         table_position_ = position_;
         const std::size_t entries = std::accumulate(chunks_.begin(), chunks_.end(), std::size_t{0});
-        append(Bytes(entries * 8));
+        if (hash_) {
+            constexpr std::size_t before_data = 8;  // the row and the size
+            const std::uint64_t first = position_ + entries * 8;
+            for (std::size_t i = 0; i < entries; ++i)
+                append(little_endian(std::uint64_t{first + i * (before_data + *chunk_bytes)}));
+        } else {
+            append(Bytes(entries * 8));
+        }
     } catch (...) {  // no destructor runs for what is not constructed
         ::close(fd_);
         throw;
     }
+}
+
+std::optional<std::uint64_t> ExrOutput::checksum() const {
+    if (!hash_) return std::nullopt;
+    return XXH3_64bits_digest(&hash_->state);
 }
 
 ExrOutput::~ExrOutput() {
@@ -96,6 +116,7 @@ void ExrOutput::flush() {
 }
 
 void ExrOutput::put(ByteView bytes) {
+    if (hash_) XXH3_64bits_update(&hash_->state, bytes.data(), bytes.size());
     while (!bytes.empty()) {
         const ssize_t written = ::write(fd_, bytes.data(), bytes.size());
         if (written < 0 && errno == EINTR) continue;
@@ -128,9 +149,16 @@ void ExrOutput::write_deep_chunk(int part, int y, ByteView counts, ByteView data
 
 std::uint64_t ExrOutput::finish() {
     flush();
+    for (std::size_t part = 0; part < chunks_.size(); ++part) assert(offsets_[part].size() == chunks_[part]);
+    if (!hash_) write_table();
+    // Some file systems report a full disk only here.
+    if (::close(std::exchange(fd_, -1)) != 0) fail_with_errno();
+    return position_;
+}
+
+void ExrOutput::write_table() {
     Bytes table;
     for (std::size_t part = 0; part < chunks_.size(); ++part) {
-        assert(offsets_[part].size() == chunks_[part]);
         for (const std::uint64_t offset : offsets_[part]) {
             const auto bytes = little_endian(offset);
             table.insert(table.end(), bytes.begin(), bytes.end());
@@ -138,9 +166,6 @@ std::uint64_t ExrOutput::finish() {
     }
     if (::lseek(fd_, static_cast<off_t>(table_position_), SEEK_SET) < 0) fail_with_errno();
     put(table);
-    // Some file systems report a full disk only here.
-    if (::close(std::exchange(fd_, -1)) != 0) fail_with_errno();
-    return position_;
 }
 
 }  // namespace postlens

@@ -10,6 +10,8 @@
 #include <OpenEXR/ImfForward.h>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,9 +23,11 @@ class ExrOutput {
   public:
     /// Opens `path` (an existing file, cut to nothing) and writes the headers; `chunks[i]` is the number of
     /// chunks of part i; where there is but one, it is of flat scanlines. `shown_name` stands in messages.
-    /// Every function throws Error(cannot_write).
+    /// `chunk_bytes`: what every chunk holds, where that is known: then the table of chunks is right from the
+    /// beginning, and the file written in the order of its bytes. Every function throws Error(cannot_write).
     ExrOutput(const std::filesystem::path& path, std::string shown_name,
-              const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks);
+              const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks,
+              std::optional<std::size_t> chunk_bytes = std::nullopt);
     ~ExrOutput();
     ExrOutput(const ExrOutput&) = delete;
     ExrOutput& operator=(const ExrOutput&) = delete;
@@ -36,6 +40,8 @@ class ExrOutput {
     void write_deep_chunk(int part, int y, ByteView counts, ByteView data, std::uint64_t unpacked_data_bytes);
     /// Fills in the table of chunks and closes the file. Returns its size in bytes.
     std::uint64_t finish();
+    /// After finish, XXH3 of the file, where it was written in the order of its bytes.
+    [[nodiscard]] std::optional<std::uint64_t> checksum() const;
 
   private:
     [[nodiscard]] bool is_one_part() const { return offsets_.size() == 1; }
@@ -43,6 +49,7 @@ class ExrOutput {
     void flush();
     void put(ByteView bytes);
     void begin_chunk(int part);
+    void write_table();
     [[noreturn]] void fail_with_errno() const;
 
     std::string name_;
@@ -52,6 +59,8 @@ class ExrOutput {
     std::uint64_t table_position_ = 0;
     std::vector<std::vector<std::uint64_t>> offsets_;  ///< per part, of the chunks written so far
     std::vector<std::size_t> chunks_;
+    struct Hash;
+    std::unique_ptr<Hash> hash_;  ///< of what was put; none: not in order
 };
 
 }  // namespace postlens

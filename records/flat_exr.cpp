@@ -38,8 +38,8 @@ void gather(const std::uint8_t* from, std::size_t step, std::size_t count, std::
 
 }  // namespace
 
-void write_flat_exr(const std::filesystem::path& path, const std::string& shown_name,
-                    const FlatExr& picture) {
+std::optional<std::uint64_t> write_flat_exr(const std::filesystem::path& path, const std::string& shown_name,
+                                            const FlatExr& picture) {
     std::vector<FlatExr::Channel> channels = picture.channels;
     std::sort(channels.begin(), channels.end(),
               [](const auto& a, const auto& b) { return a.name < b.name; });  // as chunks have them
@@ -50,7 +50,9 @@ void write_flat_exr(const std::filesystem::path& path, const std::string& shown_
               step = rows_per_chunk(picture.compression);
     const auto width = static_cast<std::size_t>(columns);
     const int chunks = (height + step - 1) / step;
-    ExrOutput file(path, shown_name, {header_of(picture)}, {static_cast<std::size_t>(chunks)});
+    std::optional<std::size_t> chunk_bytes;
+    if (picture.compression == ChunkCompression::none) chunk_bytes = width * bytes_per_pixel;
+    ExrOutput file(path, shown_name, {header_of(picture)}, {static_cast<std::size_t>(chunks)}, chunk_bytes);
     ChunkCodec codec;
     Bytes raw, packed;
     for (int first = 0; first < height; first += step) {
@@ -71,6 +73,7 @@ void write_flat_exr(const std::filesystem::path& path, const std::string& shown_
                               codec.compress(picture.compression, raw, packed));
     }
     file.finish();
+    return file.checksum();
 }
 
 }  // namespace postlens

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,8 +29,9 @@ struct FlatExr {
     std::vector<std::pair<std::string, std::string>> texts;  ///< attributes
 };
 
-/// Writes `path`, an existing file, from its beginning on. `shown_name` stands in messages. Throws
-/// Error(cannot_write), on a full disk too.
-void write_flat_exr(const std::filesystem::path& path, const std::string& shown_name, const FlatExr& picture);
+/// Writes `path`, an existing file, from its beginning on. `shown_name` stands in messages. Returns XXH3 of
+/// the file where that is not compressed. Throws Error(cannot_write), on a full disk too.
+std::optional<std::uint64_t> write_flat_exr(const std::filesystem::path& path, const std::string& shown_name,
+                                            const FlatExr& picture);
 
 }  // namespace postlens

@@ -9,7 +9,9 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <xxhash.h>
 
 #include "core/error.h"
 #include "core/output_file.h"
@@ -77,7 +79,7 @@ struct Place {
     int whole_width = 0, whole_height = 0;
 };
 
-void write_exr(const OutputFile& file, const Image& image, const Place& place) {
+std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place& place) {
     // OpenEXR pictures are expected to have alpha; where there is none it is 1, which a half holds.
     const std::vector<float> rgba = image.alpha.empty() ? std::vector<float>() : with_alpha(image);
     const std::vector<Imath::half> ones(rgba.empty() ? static_cast<std::size_t>(image.width) : 0,
@@ -101,14 +103,17 @@ void write_exr(const OutputFile& file, const Image& image, const Place& place) {
     if (place.crop) {
         exr.texts.emplace_back(crop_attribute, fmt::format("{},{},{},{}", x, y, image.width, image.height));
     }
-    write_flat_exr(file.temporary_path(), file.target().string(), exr);
+    return write_flat_exr(file.temporary_path(), file.target().string(), exr).value();
 }
 
-void write_other(OutputFile& file, Format format, const Image& image) {
-    if (format == Format::png) {
-        file.write(png_file(encoded_8bit(image), file.target().string()));
-        return;
-    }
+std::uint64_t write_bytes(OutputFile& file, std::string_view bytes) {
+    file.write(bytes);
+    return XXH3_64bits(bytes.data(), bytes.size());
+}
+
+std::uint64_t write_other(OutputFile& file, Format format, const Image& image) {
+    if (format == Format::png)
+        return write_bytes(file, png_file(encoded_8bit(image), file.target().string()));
     std::string problem;
     const std::vector<unsigned char> bytes =
         format == Format::tiff
@@ -118,7 +123,7 @@ void write_other(OutputFile& file, Format format, const Image& image) {
         fail(ExitCode::cannot_write, "{}: cannot write ({})", file.target().string(),
              one_line(std::move(problem)));
     }
-    file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    return write_bytes(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace
@@ -140,19 +145,18 @@ void check_exr_path(const fs::path& path, const char* what) {
          path.string(), what, path.extension().string());
 }
 
-void write_image(const fs::path& path, const Image& image, const std::optional<Crop>& crop) {
+std::uint64_t write_image(const fs::path& path, const Image& image, const std::optional<Crop>& crop) {
     check_image_path(path);
     if (crop) check_crop(crop, image.width, image.height);
     OutputFile file(path);  // refuses what cannot be written before the work is done
     const Format format = format_of(path);
     const Image part = crop ? cut(image, crop) : Image();
     const Image& written = crop ? part : image;
-    if (format == Format::exr) {
-        write_exr(file, written, {crop, image.width, image.height});
-    } else {
-        write_other(file, format, written);
-    }
+    const std::uint64_t checksum = format == Format::exr
+                                       ? write_exr(file, written, {crop, image.width, image.height})
+                                       : write_other(file, format, written);
     file.commit();
+    return checksum;
 }
 
 namespace {

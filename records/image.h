@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -44,10 +45,11 @@ struct Crop {
 /// sRGB transfer curve, clamped to 0..1, without alpha (premultiplied colours are those over black). The file
 /// appears whole or not at all. With a `crop` only that part of the picture is written; an .exr says where in
 /// the whole it lies: its data window is the crop, its display window the whole picture, and `postlens.crop`
-/// tells `read_image` that there is no more to it. Throws Error(cannot_write) on any failure and
-/// Error(wrong_arguments) for an ending that no writer knows and a crop that is not within the picture.
-void write_image(const std::filesystem::path& path, const Image& image,
-                 const std::optional<Crop>& crop = std::nullopt);
+/// tells `read_image` that there is no more to it. Returns XXH3 (64 bits) of the file's bytes. Throws
+/// Error(cannot_write) on any failure and Error(wrong_arguments) for an ending that no writer knows and a
+/// crop that is not within the picture.
+std::uint64_t write_image(const std::filesystem::path& path, const Image& image,
+                          const std::optional<Crop>& crop = std::nullopt);
 
 /// Throws Error(wrong_arguments) where `write_image` would refuse the path, before any work is done; and
 /// Error(invalid_input) where what writes it cannot be loaded (picture_library.h).

@@ -15,6 +15,7 @@
 #include "core/output_file.h"
 #include "core/progress.h"
 #include "core/text_file.h"
+#include "core/threads.h"
 #include "focus/bend_warning.h"
 #include "planner/predicted_error.h"
 #include "records/pixel_samples.h"
@@ -44,8 +45,11 @@ std::uint64_t file_checksum(const std::filesystem::path& path) {
     return in.bad() ? 0 : XXH3_64bits_digest(&state);
 }
 
+std::string checksum_text(std::uint64_t checksum) {
+    return fmt::format("{:016x}", checksum);
+}
 std::string checksum_text(const std::filesystem::path& path) {
-    return fmt::format("{:016x}", file_checksum(path));
+    return checksum_text(file_checksum(path));
 }
 
 void make_folder(const std::filesystem::path& folder) {
@@ -152,25 +156,8 @@ class Sweep {
         Progress progress("sweep", grid_.pictures.size(), settings_.quiet);
         try {
             // First what is there: an interruption must not lose it.
-            for (const auto keeping : {true, false}) {
-                const auto earlier = keeping ? earlier_rows() : std::map<std::string, SweepRow>();
-                for (std::size_t i = 0; i < rows_.size(); ++i) {
-                    throw_if_interrupted();
-                    if (rows_[i]) continue;
-                    if (!keeping) {
-                        MadePicture made = make(i);
-                        if (sheet) sheet->set(i, made.image);
-                        while (finishing_.size() >= most_finishing(made.image)) finish(progress);
-                        start_finishing(i, std::move(made));
-                        if (seconds_since(saved_) > 1) save();
-                        continue;
-                    }
-                    Image image;
-                    if (!keep(i, earlier, sheet ? &image : nullptr)) continue;
-                    if (sheet) sheet->set(i, image);
-                    progress.advance();
-                }
-            }
+            keep_what_is_there(sheet ? &*sheet : nullptr, progress);
+            make_the_others(sheet ? &*sheet : nullptr, progress);
             // While the last ones are written.
             if (sheet) {
                 drawn = std::async(std::launch::async,
@@ -275,14 +262,56 @@ class Sweep {
         return true;
     }
 
-    MadePicture make(std::size_t i) {
-        if (depths_.inverse_z.empty()) prepare();
-        const auto start = Clock::now();
-        MadePicture made = maker_.make(grid_.pictures[i]);
-        warn_of_bend(made);
-        for (const FocusWarning& w : made.warnings) note(w);
-        made_s_ = seconds_since(start);
-        return made;
+    void keep_what_is_there(ContactSheet* sheet, Progress& progress) {
+        const std::map<std::string, SweepRow> earlier = earlier_rows();
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            throw_if_interrupted();
+            Image image;
+            if (!keep(i, earlier, sheet != nullptr ? &image : nullptr)) continue;
+            if (sheet != nullptr) sheet->set(i, image);
+            progress.advance();
+        }
+    }
+
+    struct Making {
+        MadePicture picture;
+        double seconds = 0;
+    };
+
+    void make_the_others(ContactSheet* sheet, Progress& progress) {
+        std::vector<std::size_t> wanted;
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            if (!rows_[i]) wanted.push_back(i);
+        }
+        if (wanted.empty()) return;
+        prepare();
+        const auto make = [&](std::size_t k) {
+            const auto start = Clock::now();
+            Making out{maker_.make(grid_.pictures[wanted[k]]), 0};
+            out.seconds = seconds_since(start);
+            return out;
+        };
+        make_in_order(wanted.size(), at_a_time(), make, [&](std::size_t k, Making&& m) {
+            warn_of_bend(m.picture);
+            for (const FocusWarning& w : m.picture.warnings) note(w);
+            if (sheet != nullptr) sheet->set(wanted[k], m.picture.image);
+            while (finishing_.size() >= most_finishing(m.picture.image)) finish(progress);
+            start_finishing(wanted[k], std::move(m));
+            if (seconds_since(saved_) > 1) save();
+        });
+    }
+
+    /// One picture is seldom work for all threads to its very end, but where it is large, and then takes much
+    /// memory.
+    [[nodiscard]] std::size_t at_a_time() const {
+        constexpr std::uint64_t most_records = 2'000'000;
+        return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
+    }
+
+    /// Whether pictures are made of the records that the frame keeps, which many may read at a time.
+    [[nodiscard]] bool by_records() const {
+        return maker_.method() == FocusMethod::scatter || maker_.method() == FocusMethod::layers ||
+               maker_.method() == FocusMethod::pinhole;
     }
 
     /// How many pictures may be on their way to the disk: it is waited for longest where they are small.
@@ -291,15 +320,14 @@ class Sweep {
         return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
     }
 
-    /// Writes a picture that `make` made last, and finds its figures, while the next ones are made.
-    void start_finishing(std::size_t i, MadePicture made) {
-        finishing_.push_back(
-            {i, std::async(std::launch::async, [this, i, made = std::move(made), made_s = made_s_] {
-                 const auto start = Clock::now();
-                 SweepRow row = finished_row(i, made);
-                 row.seconds = made_s + seconds_since(start);
-                 return row;
-             })});
+    /// Writes a picture, and finds its figures, while the next ones are made.
+    void start_finishing(std::size_t i, Making made) {
+        finishing_.push_back({i, std::async(std::launch::async, [this, i, made = std::move(made)] {
+                                  const auto start = Clock::now();
+                                  SweepRow row = finished_row(i, made.picture);
+                                  row.seconds = made.seconds + seconds_since(start);
+                                  return row;
+                              })});
     }
 
     /// Waits for what was started first.
@@ -317,7 +345,7 @@ class Sweep {
     [[nodiscard]] SweepRow finished_row(std::size_t i, const MadePicture& made) const {
         const SweepSetting& s = grid_.pictures[i];
         const std::filesystem::path path = folder_ / names_[i];
-        write_image(path, made.image);
+        const std::uint64_t checksum = write_image(path, made.image);
         SweepRow row{.setting = s, .file = names_[i], .method = made.method};
         row.depths = made.depths;
         row.views = made.views;
@@ -333,7 +361,7 @@ class Sweep {
         row.in_focus_share = in_focus_share(depths_, made.geometry, settings_.coc_limit_px);
         if (pinhole_energy_ > 0) row.sharpness = gradient_energy(made.image) / pinhole_energy_;
         row.settings_key = key_of(s);
-        row.picture_checksum = checksum_text(path);
+        row.picture_checksum = checksum_text(checksum);
         return row;
     }
 
@@ -341,10 +369,7 @@ class Sweep {
     void prepare() {
         // What the light field keeps is sheets, not records.
         FocusFrame once(file_);
-        const bool by_records = maker_.method() == FocusMethod::scatter ||
-                                maker_.method() == FocusMethod::layers ||
-                                maker_.method() == FocusMethod::pinhole;
-        FocusFrame& frame = by_records ? maker_.frame() : once;
+        FocusFrame& frame = by_records() ? maker_.frame() : once;
         depths_ = frame_depths(frame);
         const auto [low, high] = std::minmax_element(depths_.inverse_z.begin(), depths_.inverse_z.end());
         farthest_ = *low;
@@ -422,7 +447,6 @@ class Sweep {
     std::map<double, std::optional<FocusWarning>> bends_;
     Clock::time_point saved_ = Clock::now();
     SweepResult out_;
-    double made_s_ = 0;  ///< what the last `make` took
     struct Finishing {
         std::size_t picture;
         std::future<SweepRow> row;

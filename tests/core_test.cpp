@@ -575,5 +575,57 @@ TEST(Multiversion, RoundsAsTheBaseInstructionSetDoes) {
     EXPECT_EQ(sum, expected);
 }
 
+TEST(MakeInOrder, EndsInOrderAndHasNoMoreThanItMayAtOnce) {
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        for (const std::size_t at_a_time : {std::size_t{0}, std::size_t{1}, std::size_t{2}, std::size_t{3}}) {
+            std::atomic<int> begun{0}, ended{0}, most{0}, ending{0};
+            std::vector<std::size_t> order;
+            make_in_order(
+                40, at_a_time,
+                [&](std::size_t i) {
+                    int now = ++begun - ended;
+                    for (int known = most; known < now && !most.compare_exchange_weak(known, now);) {
+                    }
+                    // Loops within, whose waits are where another one is taken up.
+                    std::atomic<std::size_t> sum{0};
+                    parallel_for(50, [&](std::size_t k) { sum += k * i; });
+                    return std::make_unique<std::size_t>(sum.load());
+                },
+                [&](std::size_t i, std::unique_ptr<std::size_t> made) {
+                    EXPECT_EQ(++ending, 1);
+                    EXPECT_EQ(*made, 1225 * i);
+                    order.push_back(i);
+                    ++ended;
+                    --ending;
+                });
+            ASSERT_EQ(order.size(), 40U);
+            EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+            EXPECT_LE(most, static_cast<int>(std::max<std::size_t>(at_a_time, 1)));
+        }
+    }
+    make_in_order(
+        0, 2, [](std::size_t i) { return i; }, [](std::size_t, std::size_t) { FAIL(); });
+}
+
+TEST(MakeInOrder, PassesOnWhatIsThrownAndEndsNothingAfterIt) {
+    for (const bool while_making : {true, false}) {
+        std::vector<std::size_t> ended;
+        EXPECT_THROW(make_in_order(
+                         30, 2,
+                         [&](std::size_t i) {
+                             if (while_making && i == 7) throw std::runtime_error("seven");
+                             return i;
+                         },
+                         [&](std::size_t i, std::size_t) {
+                             if (!while_making && i == 7) throw std::runtime_error("seven");
+                             ended.push_back(i);
+                         }),
+                     std::runtime_error);
+        EXPECT_LE(ended.size(), 7U);
+        EXPECT_TRUE(std::is_sorted(ended.begin(), ended.end()));
+    }
+}
+
 }  // namespace
 }  // namespace postlens

@@ -8,8 +8,10 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <xxhash.h>
 
 #include "core/error.h"
+#include "records/flat_exr.h"
 #include "records/srgb.h"
 #include "tests/temporary_folder.h"
 
@@ -61,6 +63,50 @@ TEST(EncodedPicture, IsWrittenAsThePictureItWasMadeOf) {
         ASSERT_EQ(back.rgb.size(), image.rgb.size());
         for (std::size_t i = 0; i < image.rgb.size(); ++i)
             ASSERT_EQ(by_power(back.rgb[i]), by_power(image.rgb[i])) << i;
+    }
+}
+
+std::uint64_t checksum_of(const std::filesystem::path& path) {
+    const std::string bytes = bytes_of(path);
+    return XXH3_64bits(bytes.data(), bytes.size());
+}
+
+TEST(WriteImage, ReturnsTheChecksumOfTheFile) {
+    const TemporaryFolder folder;
+    Image image(317, 113);
+    for (std::size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = static_cast<float>(i % 97) / 96;
+    for (const char* name : {"a.exr", "a.png", "a.tif", "a.jpg"}) {
+        const std::uint64_t whole = write_image(folder.path() / name, image);
+        EXPECT_EQ(whole, checksum_of(folder.path() / name)) << name;
+        const std::uint64_t part = write_image(folder.path() / name, image, Crop{7, 9, 100, 50});
+        EXPECT_EQ(part, checksum_of(folder.path() / name)) << name;
+    }
+    image.alpha.assign(image.rgb.size() / 3, 0.5F);
+    const std::uint64_t with_alpha = write_image(folder.path() / "a.exr", image);
+    EXPECT_EQ(with_alpha, checksum_of(folder.path() / "a.exr"));
+}
+
+TEST(WriteFlatExr, KnowsItsChecksumWhereItIsWrittenInOrder) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    std::ofstream(path) << "";
+    const std::vector<float> values(40 * 33, 0.25F);
+    FlatExr exr;
+    exr.display = exr.data = {0, 0, 39, 32};
+    exr.channels = {{"Y", ExrChannel::Type::float32, values.data()}};
+    exr.pixel_bytes = sizeof(float);
+    exr.row_bytes = 40 * sizeof(float);
+    // More than is written at once, before the first row.
+    exr.texts = {{"long", std::string(400'000, 'x')}};
+    exr.compression = ChunkCompression::none;
+    const std::optional<std::uint64_t> checksum = write_flat_exr(path, "a.exr", exr);
+    EXPECT_EQ(checksum, checksum_of(path));
+    EXPECT_EQ(read_image(path).rgb[300], 0.25F);
+    for (const ChunkCompression packed :
+         {ChunkCompression::zips, ChunkCompression::zip, ChunkCompression::rle}) {
+        exr.compression = packed;
+        EXPECT_FALSE(write_flat_exr(path, "a.exr", exr).has_value());
+        EXPECT_EQ(read_image(path).rgb[3 * (40 * 33 - 1)], 0.25F);
     }
 }
 
