@@ -34,16 +34,6 @@ void Canvas::dot(int x, int y, Rgb8 colour) {
     pixels_.at<cv::Vec3b>(y, x) = cv::Vec3b(colour[0], colour[1], colour[2]);
 }
 
-void Canvas::picture(int x, int y, const Image& encoded) {
-    const auto byte = [](float v) { return static_cast<std::uint8_t>(std::lround(v * 255)); };
-    for (int py = 0; py < encoded.height; ++py) {
-        for (int px = 0; px < encoded.width; ++px) {
-            const float* p = encoded.pixel(px, py);
-            dot(x + px, y + py, {byte(p[0]), byte(p[1]), byte(p[2])});
-        }
-    }
-}
-
 void Canvas::picture(int x, int y, const EncodedPicture& picture) {
     for (int py = 0; py < picture.height; ++py)
         std::copy_n(picture.row(py), 3 * picture.width, pixels_.ptr<std::uint8_t>(y + py) + 3 * x);

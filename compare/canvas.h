@@ -20,8 +20,7 @@ class Canvas {
     /// Parts beyond the border are cut off.
     void fill(int x, int y, int width, int height, Rgb8 colour);
     void dot(int x, int y, Rgb8 colour);
-    /// An `encoded_srgb` picture, rounded.
-    void picture(int x, int y, const Image& encoded);
+    /// One that lies within.
     void picture(int x, int y, const EncodedPicture& picture);
     /// ASCII in white, (x, y) the left end of its base line; `scale` 1 has capitals of 9 px.
     void text(int x, int y, double scale, const std::string& words);

@@ -6,7 +6,6 @@
 
 #include "compare/canvas.h"
 #include "compare/error_map.h"
-#include "compare/pixel_mask.h"
 
 namespace postlens {
 namespace {
@@ -45,7 +44,7 @@ Image side_by_side(const Image& image, const Image& reference, const TextTable& 
         canvas.text(x, at.line, at.scale, names[static_cast<std::size_t>(i)]);
         // The map is made of bytes, which encoding gives back.
         canvas.picture(x, top,
-                       encoded_srgb(i == 0   ? image
+                       encoded_8bit(i == 0   ? image
                                     : i == 1 ? reference
                                              : error_map(image, reference)));
     }

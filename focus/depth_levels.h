@@ -42,7 +42,6 @@ class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
     static constexpr int most_linear_levels = 256;
-    static constexpr double even_diameter_px = LevelTable::even_diameter_px;
     /// Radius at the depth in focus: not zero, so that it has an area, yet inside any pixel's quarter.
     static constexpr double smallest_radius_px = 1e-4;
     /// Beyond, a sample's share in any pixel is below 1e-10 and its distribution over the picture even.

@@ -42,23 +42,18 @@ double diameter_after(double steps) {
     return even_px * std::exp((steps - even_levels) / levels_per_e);
 }
 
-struct Cells {
-    int per_px, end_px;
-};
-
 /// So many at a time: first their cells, which is arithmetic that vectors do, then the levels.
 constexpr std::size_t together = 128;
 
-/// Diameters and their cells; of what is beyond these, the first one.
+/// Diameters and their cells; what is beyond them has the first one.
 POSTLENS_MULTIVERSION
-void find_cells(const Cells& cells, const FocusGeometry& geometry,
+void find_cells(int cells_per_px, int end_px, const FocusGeometry& geometry,
                 const double* __restrict inverse_depth_per_m, std::size_t count, double* __restrict wide_px,
                 std::int32_t* __restrict cell) {
-    const Cells c = cells;
     const FocusGeometry g = geometry;
     for (std::size_t i = 0; i < count; ++i) {
         wide_px[i] = std::abs(g.coc_diameter_px(inverse_depth_per_m[i]));
-        cell[i] = static_cast<std::int32_t>((wide_px[i] < c.end_px ? wide_px[i] : 0.0) * c.per_px);
+        cell[i] = static_cast<std::int32_t>((wide_px[i] < end_px ? wide_px[i] : 0.0) * cells_per_px);
     }
 }
 
@@ -94,12 +89,12 @@ const LevelTable& LevelTable::the() {
 
 void LevelTable::levels_of(const FocusGeometry& geometry, const double* inverse_depth_per_m,
                            std::size_t count, std::uint32_t* level) const {
-    const Cells all{cells_per_px, end_px};
     std::array<double, together> wide_px;     // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
     std::array<std::int32_t, together> cell;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
     for (std::size_t begin = 0; begin < count; begin += together) {
         const std::size_t part = std::min(together, count - begin);
-        find_cells(all, geometry, inverse_depth_per_m + begin, part, wide_px.data(), cell.data());
+        find_cells(cells_per_px, end_px, geometry, inverse_depth_per_m + begin, part, wide_px.data(),
+                   cell.data());
         for (std::size_t i = 0; i < part; ++i) {
             level[begin + i] = wide_px[i] < end_px ? level_in(static_cast<std::size_t>(cell[i]), wide_px[i])
                                                    : nearest_level(wide_px[i]);

@@ -5,16 +5,8 @@
 #include "focus/node_response.h"
 
 namespace postlens {
-namespace {
-
-bool is_dark(const Record& node) {
-    return node.r == 0 && node.g == 0 && node.b == 0;
-}
-
-}  // namespace
 
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out) {
-    constexpr std::array<float, 4> whole{0.25F, 0.25F, 0.25F, 0.25F};
     const auto width = static_cast<std::size_t>(band.width());
     const std::size_t pixels = samples.offsets.size() - 1;
     out.inverse_depth.assign(pixels, PlainCorners::not_plain);
@@ -27,7 +19,7 @@ void find_plain_corners(const RecordBand& band, const PointSamples& samples, Pla
         for (std::uint32_t i = samples.offsets[row * width]; i < samples.offsets[(row + 1) * width]; ++i) {
             const PointSample& s = samples.samples[i];
             const auto nodes = std::span(band.records).subspan(s.first_record, s.record_count);
-            if (s.weight != whole || !std::all_of(nodes.begin() + 1, nodes.end(), is_dark)) {
+            if (!is_whole_corner(s) || !std::all_of(nodes.begin() + 1, nodes.end(), is_dark)) {
                 out.others.push_back(i);
                 continue;
             }

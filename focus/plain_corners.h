@@ -1,6 +1,7 @@
 // The corner samples that ask nothing but their own depth of a lens, plane by plane: most of a frame.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -10,6 +11,14 @@
 #include "records/record.h"
 
 namespace postlens {
+
+/// A corner whose four pixels are not divided.
+[[nodiscard]] inline bool is_whole_corner(const PointSample& s) {
+    return s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
+}
+[[nodiscard]] inline bool is_dark(const Record& node) {
+    return node.r == 0 && node.g == 0 && node.b == 0;
+}
 
 /// Of some rows of pixels, row by row of the band's width: the corners of weight one whose primary node alone
 /// shines. None lies on the border of the raster, where a corner has not the weight of four pixels.

@@ -74,7 +74,7 @@ void SplatTables::RowBuilder::add_splats(const PointSample& s, const NodeRespons
 
 void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const Record> nodes) {
     place_px_ = from_middle_px(t_.picture_, s.x, s.y);
-    const bool whole_corner = s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
+    const bool whole_corner = is_whole_corner(s);
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
@@ -84,7 +84,7 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
     for (const Record& node : nodes.subspan(1)) {
-        if (node.r == 0 && node.g == 0 && node.b == 0) continue;
+        if (is_dark(node)) continue;
         negative_ |= node.r < 0 || node.g < 0 || node.b < 0;
         const NodeResponse response = responses.of(node, primary, place_px_);
         if (response.key == primary.key) {
