@@ -52,6 +52,7 @@ View framed(const SampleFileReader& file, const FocusSettings& settings, const F
 
 Image traced_picture(FocusFrame& frame, const RasterWindow& window, const std::optional<Crop>& crop) {
     Image image(window.width(), window.height());
+    image.exposure_stops = frame.file().exposure_stops();
     const Crop part = crop.value_or(Crop{0, 0, window.width(), window.height()});
     const int first = window.y_begin + part.y, last = first + part.height, left = window.x_begin + part.x;
     frame.visit_rows(first, last, [&](const FrameRows& rows) {
@@ -270,6 +271,7 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
     }
     if (shown.zoom != 1) out.image = reframe(out.image, shown.window, h.width, h.height, shown.zoom);
     out.geometry = geometry;
+    out.image.exposure_stops = file.exposure_stops();
     return out;
 }
 

@@ -340,7 +340,9 @@ void check_exposure(const Exposure& e) {
 MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings) {
     check(settings);
     check_crop(settings.crop, file.header().width, file.header().height);
-    return MotionBlur(file, settings).run();
+    MotionBlurResult out = MotionBlur(file, settings).run();
+    out.image.exposure_stops = file.exposure_stops();
+    return out;
 }
 
 }  // namespace postlens

@@ -302,7 +302,10 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         fail(ExitCode::wrong_arguments, "--framing: auto keeps the framing of the trace (expected keep)");
     }
     check_has_points(settings.hybrid.focus.impulse);
-    return Planner(frame, settings).run();
+    if (settings.hybrid.scene != nullptr) check_exposed_alike(*settings.hybrid.scene, frame.file());
+    AutoResult out = Planner(frame, settings).run();
+    out.hybrid.focus.image.exposure_stops = frame.file().exposure_stops();
+    return out;
 }
 
 }  // namespace postlens

@@ -66,6 +66,7 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
              "--framing: hybrid and shoot keep the framing of the trace (expected keep)");
     }
     check_has_points(focus.impulse);
+    if (settings.scene != nullptr) check_exposed_alike(*settings.scene, file);
     check_crop(focus.crop, h.width, h.height);
     // Which pixels are traced again, and with which others, is decided over the whole picture.
     if (settings.scene != nullptr) focus.crop.reset();
@@ -111,6 +112,7 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
         out.focus.image = field.image;
         out.focus.largest_coc_px = largest_coc_px(depth_range(file), geometry);
     }
+    out.focus.image.exposure_stops = file.exposure_stops();
     out.focus.views = focus.views;
     out.focus.geometry = geometry;
     std::vector<std::uint32_t> pixels =

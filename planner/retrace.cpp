@@ -49,6 +49,13 @@ std::string checked_camera(const SampleHeader& h, const Scene& scene) {
     return camera_of(h, scene);
 }
 
+void check_exposed_alike(const Scene& scene, const SampleFileReader& file) {
+    if (scene.exposure_stops == file.exposure_stops()) return;
+    fail(ExitCode::wrong_arguments,
+         "{}: exposed otherwise than the sample file (got {} stops; expected {} stops)", scene.name,
+         scene.exposure_stops, file.exposure_stops());
+}
+
 RenderSettings retrace_settings(const SampleHeader& h, const HybridSettings& s, const std::string& camera,
                                 const Aperture& aperture) {
     RenderSettings r;

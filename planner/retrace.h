@@ -7,7 +7,7 @@
 
 #include "lens/aperture.h"
 #include "planner/hybrid.h"
-#include "records/sample_header.h"
+#include "records/sample_file.h"
 #include "tracer/render.h"
 #include "tracer/scene.h"
 
@@ -16,6 +16,9 @@ namespace postlens {
 /// The name of the camera that the file was traced through, in its own scene. Throws Error(invalid_input)
 /// for another scene, and for one without such a camera.
 [[nodiscard]] std::string checked_camera(const SampleHeader& header, const Scene& scene);
+
+/// Throws Error(wrong_arguments) where the scene's exposure is not that by which the file is read.
+void check_exposed_alike(const Scene& scene, const SampleFileReader& file);
 
 /// What `render` would be asked for to make the same picture.
 [[nodiscard]] RenderSettings retrace_settings(const SampleHeader& header, const HybridSettings& settings,

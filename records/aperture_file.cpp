@@ -11,7 +11,7 @@ namespace {
 constexpr int most_cells = 512;
 
 AperturePicture read_picture(const std::filesystem::path& path) {
-    const Image image = read_image(path);
+    const Image image = read_image(path, PictureValues::stored);
     const int step = (std::max(image.width, image.height) + most_cells - 1) / most_cells;
     AperturePicture out{(image.width + step - 1) / step, (image.height + step - 1) / step, {}};
     out.light.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);

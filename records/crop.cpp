@@ -29,6 +29,7 @@ Image cut(const Image& picture, const std::optional<Crop>& crop) {
     Image out(crop->width, crop->height);
     for (int y = 0; y < crop->height; ++y)
         std::copy_n(picture.pixel(crop->x, crop->y + y), 3 * crop->width, out.pixel(0, y));
+    out.exposure_stops = picture.exposure_stops;
     out.alpha = cut(picture.alpha, picture.width, crop);
     return out;
 }

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/threads.h"
+#include "records/picture_library.h"
 #include "records/srgb.h"
 
 namespace postlens {
@@ -85,7 +86,8 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 void keep_quiet(png_structp /*png*/, png_const_charp /*warning*/) {}
 
 /// The library reports by a jump, over which nothing here may need to be destroyed.
-bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture) {
+/// `stops`: null: not known.
+bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture, png_textp stops) {
     // NOLINTNEXTLINE(cert-err52-cpp): the library's own way
     if (setjmp(png_jmpbuf(png)) != 0) return false;
     png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.height),
@@ -97,6 +99,7 @@ bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture) 
     constexpr int quick = 3;
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(png, quick);
+    if (stops != nullptr) png_set_text(png, info, stops, 1);
     png_write_info(png, info);
     for (int y = 0; y < picture.height; ++y) png_write_row(png, picture.row(y));
     png_write_end(png, info);
@@ -111,6 +114,7 @@ std::uint8_t srgb_byte(float v) {
 
 EncodedPicture encoded_8bit(const Image& image) {
     EncodedPicture out(image.width, image.height);
+    out.exposure_stops = image.exposure_stops;
     const ByteTable& table = byte_table();
     const std::size_t row_values = static_cast<std::size_t>(image.width) * 3;
     parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t y) {
@@ -131,7 +135,14 @@ std::string png_file(const EncodedPicture& picture, const std::string& shown_nam
     bool ok = false;
     if (info != nullptr) {
         png_set_write_fn(png, &out, append, nullptr);
-        ok = write_rows(png, info, picture);
+        std::string key = exposure_attribute, value;
+        if (picture.exposure_stops) value = fmt::format("{}", *picture.exposure_stops);
+        png_text text{};
+        text.compression = PNG_TEXT_COMPRESSION_NONE;
+        text.key = key.data();
+        text.text = value.data();
+        text.text_length = value.size();
+        ok = write_rows(png, info, picture, picture.exposure_stops ? &text : nullptr);
     } else {
         out.problem = "out of memory";
     }

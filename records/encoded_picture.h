@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ namespace postlens {
 struct EncodedPicture {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgb;
+    std::optional<double> exposure_stops{};  ///< as of Image; kept in the file where it is known
 
     EncodedPicture() = default;
     EncodedPicture(int w, int h)

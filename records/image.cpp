@@ -18,6 +18,7 @@
 #include "core/threads.h"
 #include "records/crop.h"
 #include "records/encoded_picture.h"
+#include "records/exposure.h"
 #include "records/exr_attributes.h"
 #include "records/flat_exr.h"
 #include "records/picture_library.h"
@@ -100,6 +101,8 @@ std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place&
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(image.width);
     // RLE finds nothing in the bytes of floats but an alpha that is 1 everywhere.
     exr.compression = ChunkCompression::none;
+    if (const double stops = image.exposure_stops.value_or(0); stops != 0)
+        exr.texts.emplace_back(exposure_attribute, fmt::format("{}", stops));
     if (place.crop) {
         exr.texts.emplace_back(crop_attribute, fmt::format("{},{},{},{}", x, y, image.width, image.height));
     }
@@ -115,10 +118,13 @@ std::uint64_t write_other(OutputFile& file, Format format, const Image& image) {
     if (format == Format::png)
         return write_bytes(file, png_file(encoded_8bit(image), file.target().string()));
     std::string problem;
+    const std::string description =
+        image.exposure_stops ? fmt::format("{}={}", exposure_attribute, *image.exposure_stops) : "";
     const std::vector<unsigned char> bytes =
         format == Format::tiff
-            ? picture_library().tiff(image.width, image.height, encoded_16bit(image), problem)
-            : picture_library().jpeg(image.width, image.height, encoded_8bit(image).rgb, problem);
+            ? picture_library().tiff(image.width, image.height, encoded_16bit(image), description, problem)
+            : picture_library().jpeg(image.width, image.height, encoded_8bit(image).rgb, description,
+                                     problem);
     if (bytes.empty()) {
         fail(ExitCode::cannot_write, "{}: cannot write ({})", file.target().string(),
              one_line(std::move(problem)));
@@ -150,8 +156,14 @@ std::uint64_t write_image(const fs::path& path, const Image& image, const std::o
     if (crop) check_crop(crop, image.width, image.height);
     OutputFile file(path);  // refuses what cannot be written before the work is done
     const Format format = format_of(path);
-    const Image part = crop ? cut(image, crop) : Image();
-    const Image& written = crop ? part : image;
+    // An .exr holds radiance.
+    const bool divided = format == Format::exr && image.exposure_stops.value_or(0) != 0;
+    Image part = crop || divided ? cut(image, crop) : Image();
+    if (divided) {
+        set_exposure(part, 0);
+        part.exposure_stops = image.exposure_stops;
+    }
+    const Image& written = crop || divided ? part : image;
     const std::uint64_t checksum = format == Format::exr
                                        ? write_exr(file, written, {crop, image.width, image.height})
                                        : write_other(file, format, written);
@@ -220,6 +232,7 @@ Image in_display_window(const OpenedImage& file, const Image& stored, const std:
              "{}: no pixels to see (the data window lies outside the display window)", name);
     }
     Image shown(file.width, file.height);
+    shown.exposure_stops = stored.exposure_stops;
     for (std::int64_t y = y_begin; y < y_end; ++y) {
         std::copy_n(stored.pixel(static_cast<int>(x_begin - shift_x), static_cast<int>(y - shift_y)),
                     3 * (x_end - x_begin), shown.pixel(static_cast<int>(x_begin), static_cast<int>(y)));
@@ -234,7 +247,7 @@ ImageSize read_image_size(const fs::path& path) {
     return {file.width, file.height};
 }
 
-Image read_image(const fs::path& path) {
+Image read_image(const fs::path& path, PictureValues values) {
     const OpenedImage file = open_image(path);
     const PictureLayout& spec = file.in->layout();
     const int channels = spec.channels.size() >= 3 ? 3 : 1;
@@ -250,6 +263,17 @@ Image read_image(const fs::path& path) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
+    // Numbers that were made for a screen are relative to white; without the attribute nobody knows which.
+    if (!spec.exposure.empty()) {
+        const double stops = stops_of_text(spec.exposure, path.string());
+        if (srgb || !spec.floating_point) {
+            image.exposure_stops = stops;
+        } else if (values == PictureValues::exposed) {
+            set_exposure(image, stops);
+        }
+    } else if (srgb) {
+        image.exposure_stops.reset();
+    }
     const bool whole =
         spec.x == file.x && spec.y == file.y && spec.width == file.width && spec.height == file.height;
     return whole ? image : in_display_window(file, image, path.string());

@@ -22,6 +22,14 @@ auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
     }
 }
 
+/// The number as text; of a sample file it is a double, of TIFF and JPEG a description.
+std::string exposure_of(const OIIO::ImageSpec& s) {
+    if (const OIIO::ParamValue* found = s.find_attribute(exposure_attribute)) return found->get_string();
+    const std::string begin = std::string(exposure_attribute) + "=";
+    const std::string text(s.get_string_attribute("ImageDescription"));
+    return text.compare(0, begin.size(), begin) == 0 ? text.substr(begin.size()) : "";
+}
+
 class OiioReader : public PictureReader {
   public:
     /// `memory`: what `in` reads from; null: a file.
@@ -42,6 +50,7 @@ class OiioReader : public PictureReader {
                    .format = in_->format_name(),
                    .colour_space = s.get_string_attribute("oiio:ColorSpace"),
                    .crop = s.get_string_attribute(crop_attribute),
+                   .exposure = exposure_of(s),
                    .deep = s.deep,
                    .floating_point = s.format == OIIO::TypeDesc::FLOAT || s.format == OIIO::TypeDesc::HALF ||
                                      s.format == OIIO::TypeDesc::DOUBLE};
@@ -102,20 +111,22 @@ class OiioLibrary : public PictureLibrary {
     }
 
     [[nodiscard]] std::vector<unsigned char> tiff(int width, int height, std::span<const std::uint16_t> rgb,
-                                                  std::string& problem) const override {
+                                                  const std::string& description, std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT16);
         // No colour space: it would ask for an EXIF directory, which OpenImageIO 2.4 cannot write to memory.
         // Integer pixels are taken as sRGB without it.
         // No time of writing, which it would add: equal pictures would be unequal files.
         spec["DateTime"] = "";
+        if (!description.empty()) spec["ImageDescription"] = description;
         return encode("picture.tif", spec, rgb.data(), problem);
     }
 
     [[nodiscard]] std::vector<unsigned char> jpeg(int width, int height, std::span<const std::uint8_t> rgb,
-                                                  std::string& problem) const override {
+                                                  const std::string& description, std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
         spec["oiio:ColorSpace"] = "sRGB";
         spec["compression"] = "jpeg:95";
+        if (!description.empty()) spec["ImageDescription"] = description;
         return encode("picture.jpg", spec, rgb.data(), problem);
     }
 };

@@ -23,6 +23,7 @@ struct PictureLayout {
     std::string format;        ///< by the library's name for it, such as "png"
     std::string colour_space;  ///< "sRGB", "Linear", or another's; empty: not known
     std::string crop;          ///< see records/image.h; empty: none
+    std::string exposure;      ///< postlens.exposure_stops as text; empty: none
     bool deep = false;
     bool floating_point = false;  ///< its numbers are of a floating-point type
 };
@@ -62,12 +63,14 @@ class PictureLibrary {
                                                               const std::string& format,
                                                               std::string& problem) const = 0;
     /// A TIFF file of width * height * 3 numbers, which are sRGB with 65535 for 1; likewise a JPEG file with
-    /// 255 for 1. Empty, and what went wrong, where that cannot be done.
+    /// 255 for 1. `description`: a text beside it, if not empty. Empty, and what went wrong, where that cannot be done.
     [[nodiscard]] virtual std::vector<unsigned char> tiff(int width, int height,
                                                           std::span<const std::uint16_t> rgb,
+                                                          const std::string& description,
                                                           std::string& problem) const = 0;
     [[nodiscard]] virtual std::vector<unsigned char> jpeg(int width, int height,
                                                           std::span<const std::uint8_t> rgb,
+                                                          const std::string& description,
                                                           std::string& problem) const = 0;
 };
 
@@ -77,5 +80,8 @@ class PictureLibrary {
 
 /// In the header of a crop: where it lies in the whole picture, x, y, width and height.
 inline constexpr const char* crop_attribute = "postlens.crop";
+/// In the header of any picture: its exposure (records/image.h). TIFF and JPEG have it in their description, as
+/// "postlens.exposure_stops=STOPS".
+inline constexpr const char* exposure_attribute = "postlens.exposure_stops";
 
 }  // namespace postlens

@@ -1,6 +1,7 @@
 #include "records/plain_picture.h"
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputPart.h>
@@ -11,6 +12,7 @@
 #include <array>
 #include <cstdint>
 #include <exception>
+#include <fmt/format.h>
 #include <mutex>
 #include <new>
 #include <optional>
@@ -112,6 +114,10 @@ std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     out.floating_point = true;
     if (const auto* crop = header.findTypedAttribute<Imf::StringAttribute>(crop_attribute))
         out.crop = crop->value();
+    if (const auto* stops = header.findTypedAttribute<Imf::StringAttribute>(exposure_attribute))
+        out.exposure = stops->value();
+    if (const auto* stops = header.findTypedAttribute<Imf::DoubleAttribute>(exposure_attribute))
+        out.exposure = fmt::format("{}", stops->value());
     return out;
 }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <optional>
 #include <png.h>
+#include <string>
 #include <utility>
 
 #include "records/plain_picture.h"
@@ -22,6 +23,7 @@ std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
 struct PlainPng {
     std::uint32_t width = 0, height = 0;
     bool grey = false;
+    std::string exposure;  ///< postlens.exposure_stops; empty: none
 };
 
 /// From the chunks before the pixels, which no library is needed to name. Nothing where one of them would
@@ -58,6 +60,8 @@ std::optional<PlainPng> plain_png(std::string_view bytes) {
         } else if (std::find(silent.begin(), silent.end(), type) == silent.end()) {
             return std::nullopt;
         }
+        const std::string key = exposure_attribute + std::string(1, '\0');
+        if (type == "tEXt"sv && data.starts_with(key)) out.exposure = data.substr(key.size());
         at += 12 + static_cast<std::size_t>(size);
     }
     constexpr std::uint32_t most = 1000000;  // libpng's own limit
@@ -72,6 +76,7 @@ class PngReader : public PictureReader {
         layout_.height = layout_.full_height = static_cast<int>(png.height);
         layout_.depth = 1;
         layout_.channels = png.grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+        layout_.exposure = png.exposure;
         layout_.format = "png";
         layout_.colour_space = "sRGB";
     }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,7 +26,7 @@ struct ScanlineFacts {
     std::uint64_t checksum = 0;
 };
 
-/// Writes bands in order, top to bottom, first those of the frame's own instant, then those of each key, in
+/// Writes records whose colours are radiance, whatever the header's exposure. Bands come in order, top to bottom, first those of the frame's own instant, then those of each key, in
 /// bounded memory. Nothing appears at `path` before `finish()`.
 class SampleFileWriter {
   public:
@@ -77,7 +78,9 @@ class SampleFileReader {
     /// So that a small file cannot ask for a large picture.
     static constexpr std::size_t least_whole_share = 64;
 
-    explicit SampleFileReader(const std::filesystem::path& path, Damage damage = Damage::refuse);
+    /// Colours are read as radiance times 2^exposure_stops; absent: the header's own, so that 1 is white.
+    explicit SampleFileReader(const std::filesystem::path& path, Damage damage = Damage::refuse,
+                              std::optional<double> exposure_stops = std::nullopt);
     ~SampleFileReader();
     SampleFileReader(const SampleFileReader&) = delete;
     SampleFileReader& operator=(const SampleFileReader&) = delete;
@@ -85,6 +88,8 @@ class SampleFileReader {
     SampleFileReader& operator=(SampleFileReader&&) = delete;
 
     [[nodiscard]] const SampleHeader& header() const;
+    /// By which colours are read.
+    [[nodiscard]] double exposure_stops() const;
     /// How many instants there are records of: the frame's own, which is number 0, and the keys.
     [[nodiscard]] std::size_t instants() const;
     [[nodiscard]] double instant_s(std::size_t instant) const;

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "core/threads.h"
+#include "records/exposure.h"
 #include "records/sample_file_header.h"
 #include "records/sample_file_reader_impl.h"
 #include "records/sample_header_names.h"
@@ -37,10 +38,13 @@ T load(const std::uint8_t* from) {
 
 }  // namespace
 
-SampleFileReader::Impl::Impl(const std::filesystem::path& path, Damage on_damage)
+SampleFileReader::Impl::Impl(const std::filesystem::path& path, Damage on_damage,
+                             std::optional<double> asked_stops)
     : file(path), damage(on_damage) {
     const ExrHeaders headers = read_exr_headers(file, parts_of(SampleHeader::most_keys) + 1);
     header = sample_header_of(headers, file.name());
+    exposure_stops = asked_stops.value_or(header.exposure_stops);
+    gain = exposure_gain(exposure_stops);
     channels = {header.has_w, header.has_layers, header.has_bend};
     window = data_window(records_part, header);
     workplaces.emplace(columns_of(window), channels);
@@ -237,12 +241,16 @@ void SampleFileReader::Impl::check_row(int y, const ScanlineFacts& expected, Rec
     }
 }
 
-SampleFileReader::SampleFileReader(const std::filesystem::path& path, Damage damage)
-    : impl_(std::make_unique<Impl>(path, damage)) {}
+SampleFileReader::SampleFileReader(const std::filesystem::path& path, Damage damage,
+                                   std::optional<double> exposure_stops)
+    : impl_(std::make_unique<Impl>(path, damage, exposure_stops)) {}
 SampleFileReader::~SampleFileReader() = default;
 
 const SampleHeader& SampleFileReader::header() const {
     return impl_->header;
+}
+double SampleFileReader::exposure_stops() const {
+    return impl_->exposure_stops;
 }
 std::size_t SampleFileReader::instants() const {
     return impl_->instants.size();
@@ -317,6 +325,12 @@ void SampleFileReader::read(int y_begin, int y_end, RecordBand& band, std::size_
             } else {
                 impl.read_row(y, of.facts[impl.row_index(y)], chunks[i], bases[i], work, band);
             }
+            if (impl.gain == 1) return;
+            const std::uint32_t end = i + 1 < rows ? bases[i + 1] : static_cast<std::uint32_t>(total);
+            for (std::uint32_t k = bases[i]; k < end; ++k) {
+                for (float* v : {&band.records[k].r, &band.records[k].g, &band.records[k].b})
+                    *v = static_cast<float>(static_cast<double>(*v) * impl.gain);
+            }
         });
     } catch (const std::bad_alloc&) {
         fail(ExitCode::out_of_memory, "{}: not enough memory for rows {} to {} (needs {} MB)",
@@ -331,6 +345,7 @@ Image SampleFileReader::picture() const {
     const int step = rows_per_chunk(impl.picture_codec);
     const std::size_t row_bytes = static_cast<std::size_t>(width) * 12;
     Image image(width, height);
+    image.exposure_stops = impl.exposure_stops;
     struct Work {
         Bytes packed, planes;
         ChunkCodec codec;
@@ -361,6 +376,7 @@ Image SampleFileReader::picture() const {
                     *to = load<float>(from);
                     if (!std::isfinite(*to))
                         impl.fail_damaged(y, "its picture has a value that is not finite");
+                    if (impl.gain != 1) *to = static_cast<float>(static_cast<double>(*to) * impl.gain);
                 }
             }
         }

@@ -49,11 +49,13 @@ struct SampleFileReader::Impl {
     using Instant = layout::Instant;
     using Workplace = layout::Workplace;
 
-    Impl(const std::filesystem::path& path, Damage on_damage);
+    Impl(const std::filesystem::path& path, Damage on_damage, std::optional<double> asked_stops);
 
     InputFile file;
     Damage damage;
     SampleHeader header;
+    double exposure_stops = 0;
+    double gain = 1;  ///< of the colours of records and of the picture
     RecordChannels channels;
     Window window;
     ChunkCompression codec = ChunkCompression::none, picture_codec = ChunkCompression::none;

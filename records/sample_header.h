@@ -46,7 +46,11 @@ struct SampleHeader {
     int subdivide_levels = 0;  ///< greatest depth of the recursive 2x2 subdivision of a pixel
     double subdivide_threshold = 0;
     int max_depth = 0;  ///< nodes along a path, the primary node counts 1
-    double min_contribution = 0;
+    double min_contribution = 0;  ///< of white
+
+    double exposure_stops = 0;  ///< radiance times 2^this is relative to white; the file holds radiance
+    std::optional<double> auto_exposure_stops;  ///< what `--exposure auto` is for this scene and camera
+    std::optional<double> lumens_per_watt;      ///< by which the scene's photometric lights were divided
 
     std::string scene_name;
     std::string scene_sha256;

@@ -3,6 +3,7 @@
 #include <xxhash.h>
 
 #include "core/error.h"
+#include "records/exposure.h"
 #include "records/sample_file_header.h"
 
 namespace postlens {
@@ -68,6 +69,14 @@ std::string header_checksum(const SampleHeader& h) {
     bytes.optional(h.sufficient.shutter_close_s);
     // Later than the rest: files without it keep the checksum that they were written with.
     if (h.has_bend) bytes.number<std::uint8_t>(1);
+    const auto later = [&bytes](std::uint8_t tag, const std::optional<double>& value) {
+        if (!value) return;
+        bytes.number(tag);
+        bytes.number(*value);
+    };
+    later(2, h.exposure_stops != 0 ? std::optional(h.exposure_stops) : std::nullopt);
+    later(3, h.auto_exposure_stops);
+    later(4, h.lumens_per_watt);
     return bytes.checksum();
 }
 
@@ -147,6 +156,15 @@ void check_sample_header(const SampleHeader& h, const std::string& file) {
            h.max_depth, "0 to 17");
     demand(std::isfinite(h.min_contribution) && h.min_contribution >= 0, "smallest contribution",
            h.min_contribution, "0 or more");
+    const auto demand_stops = [&](double stops, const char* what) {
+        demand(std::abs(stops) <= most_exposure_stops, what, stops, "-100 to 100");
+    };
+    demand_stops(h.exposure_stops, "exposure in stops");
+    if (h.auto_exposure_stops) demand_stops(*h.auto_exposure_stops, "exposure by auto in stops");
+    if (h.lumens_per_watt) {
+        demand(std::isfinite(*h.lumens_per_watt) && *h.lumens_per_watt > 0, "lumens per watt",
+               *h.lumens_per_watt, "greater than 0");
+    }
     demand(!h.has_bend || h.has_w, "W.bend", "it alone", "the channels of W as well");
     demand(!h.object_names.contains(0), "object name", "one for id 0", "none, as 0 is nothing");
 }

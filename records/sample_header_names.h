@@ -29,6 +29,9 @@ inline constexpr const char* sufficient_near_name = "postlens.sufficient.near_m"
 inline constexpr const char* sufficient_far_name = "postlens.sufficient.far_m";
 inline constexpr const char* sufficient_open_name = "postlens.sufficient.shutterOpen_s";
 inline constexpr const char* sufficient_close_name = "postlens.sufficient.shutterClose_s";
+inline constexpr const char* exposure_stops_name = "postlens.exposure_stops";
+inline constexpr const char* auto_exposure_stops_name = "postlens.auto_exposure_stops";
+inline constexpr const char* lumens_per_watt_name = "postlens.lumensPerWatt";
 inline constexpr const char* key_time_name = "postlens.time_s";
 inline constexpr const char* checksum_name = "postlens.headerChecksum";
 

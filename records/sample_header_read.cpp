@@ -150,6 +150,9 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
     h.subdivide_threshold = need_double(subdivide_threshold_name);
     h.max_depth = need_int(max_depth_name);
     h.min_contribution = need_double(min_contribution_name);
+    h.exposure_stops = part.get_double(exposure_stops_name).value_or(0);
+    h.auto_exposure_stops = part.get_double(auto_exposure_stops_name);
+    h.lumens_per_watt = part.get_double(lumens_per_watt_name);
     h.scene_name = need_text(scene_name_name);
     h.scene_sha256 = need_text(scene_sha256_name);
     h.moving_ids = ids_of_text(need_text(moving_ids_name), file);

@@ -89,6 +89,9 @@ void add_own_attributes(Imf::Header& out, const SampleHeader& h) {
     add_double(subdivide_threshold_name, h.subdivide_threshold);
     add_int(max_depth_name, h.max_depth);
     add_double(min_contribution_name, h.min_contribution);
+    if (h.exposure_stops != 0) add_double(exposure_stops_name, h.exposure_stops);
+    add_optional(auto_exposure_stops_name, h.auto_exposure_stops);
+    add_optional(lumens_per_watt_name, h.lumens_per_watt);
     add_text(scene_name_name, h.scene_name);
     add_text(scene_sha256_name, h.scene_sha256);
     add_text(moving_ids_name, nlohmann::json(h.moving_ids).dump());

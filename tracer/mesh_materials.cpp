@@ -108,7 +108,7 @@ std::shared_ptr<const Texture> MeshMaterials::picture(const aiMaterial& from, ai
     }
     try {
         check_regular_file(*path);
-        Image image = read_image(*path);
+        Image image = read_image(*path, PictureValues::stored);
         if (std::any_of(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v); })) {
             fail(ExitCode::invalid_input, "it has pixels that are not finite");
         }

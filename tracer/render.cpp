@@ -210,7 +210,7 @@ RenderResult render_picture(const Scene& scene, const RenderSettings& settings) 
     check_crop(settings.crop, setup.width(), setup.height());
     const int halves = settings.halves ? 2 : 1;
     require_memory(RenderState::bytes(setup.width(), setup.height(), halves), "the picture");
-    RenderState state(setup.width(), setup.height(), halves);
+    RenderState state(setup.width(), setup.height(), halves, scene.exposure_stops);
     Renderer renderer(setup, settings, state);
     const auto start = Clock::now();
     trace_all(renderer, settings, [] {});
@@ -229,7 +229,7 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
     const int halves = settings.halves ? 2 : 1;
     require_memory(RenderState::bytes(setup.width(), setup.height(), halves),
                    path.string() + ": the picture");
-    RenderState state(setup.width(), setup.height(), halves);
+    RenderState state(setup.width(), setup.height(), halves, scene.exposure_stops);
     const std::string fingerprint = setup.fingerprint(settings);
     const bool resumes = settings.resume && fs::exists(partial);
     if (resumes) read_state(partial, fingerprint, state);

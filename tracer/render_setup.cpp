@@ -137,6 +137,8 @@ std::string RenderSetup::fingerprint(const RenderSettings& s) const {
     const nlohmann::ordered_json json = {
         {"scene", scene_.sha256},
         {"metres_per_unit", exact(s.metres_per_unit)},
+        {"lumens_per_watt", exact(scene_.lumens_per_watt.value_or(0))},
+        {"exposure_stops", exact(scene_.exposure_stops)},
         {"camera", s.camera_name},
         {"size", {width(), height()}},
         {"film_width_mm", s.camera.film_width_mm ? exact(*s.camera.film_width_mm) : ""},

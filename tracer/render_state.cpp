@@ -15,6 +15,7 @@
 
 #include "core/error.h"
 #include "core/output_file.h"
+#include "records/exposure.h"
 #include "records/exr_attributes.h"
 #include "records/flat_exr.h"
 
@@ -53,7 +54,8 @@ std::string text_of(const Imf::Header& header, const char* name) {
 }
 
 std::vector<std::uint32_t> pack(const RenderState& s) {
-    const Image picture = s.picture();
+    Image picture = s.picture();
+    set_exposure(picture, 0);
     const std::size_t pixels = static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height);
     std::vector<std::uint32_t> out;
     out.reserve(pixels * words_per_pixel(s.halves));
@@ -93,7 +95,8 @@ std::string checksum(const std::vector<std::uint32_t>& words) {
 
 }  // namespace
 
-RenderState::RenderState(int w, int h, int count) : width(w), height(h), halves(count) {
+RenderState::RenderState(int w, int h, int count, double stops)
+    : width(w), height(h), halves(count), exposure_stops(stops) {
     const std::size_t pixels = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
         sums[i].assign(3 * pixels, 0);
@@ -109,6 +112,7 @@ std::uint64_t RenderState::bytes(int width, int height, int halves) {
 
 Image RenderState::picture() const {
     Image out(width, height);
+    out.exposure_stops = exposure_stops;
     for (std::size_t i = 0; i < samples[0].size(); ++i) {
         double count = samples[0][i];
         if (halves == 2) count += samples[1][i];
@@ -124,6 +128,7 @@ Image RenderState::picture() const {
 
 Image RenderState::half(int which) const {
     Image out(width, height);
+    out.exposure_stops = exposure_stops;
     const auto h = static_cast<std::size_t>(which);
     for (std::size_t i = 0; i < samples[h].size(); ++i) {
         if (samples[h][i] == 0) continue;

@@ -132,6 +132,8 @@ struct Camera {
     std::vector<TransformKey> keys;  ///< rigid motion; empty: still
 };
 
+/// In memory 1 is white: colours of light (intensities, emission, background, ambient_light) are the file's
+/// times 2^exposure_stops (tracer/exposure.h).
 struct Scene {
     std::string name;
     std::string sha256;                           ///< of the file and of everything it refers to
@@ -142,12 +144,16 @@ struct Scene {
     std::vector<Camera> cameras;  ///< the first is the default
     glm::dvec3 background{0};
     glm::dvec3 ambient_light{1};     ///< Ia
+    double exposure_stops = 0;       ///< as `expose` has set it
+    /// By which photometric lights were divided; absent: the file has no such lights.
+    std::optional<double> lumens_per_watt;
     double time_s = 0;               ///< default instant
     std::vector<std::string> notes;  ///< what the reader made up or skipped; shown to the user as warnings
 };
 
 struct SceneReadOptions {
-    double metres_per_unit = 1;  ///< > 0 finite; lengths in the file are multiplied by it
+    double metres_per_unit = 1;    ///< > 0 finite; lengths in the file are multiplied by it
+    double lumens_per_watt = 683;  ///< > 0 finite; glTF's lux and candelas are divided by it
 };
 
 /// Whether `read_scene` knows the file's ending.

@@ -34,6 +34,11 @@ Scene read_scene(const std::filesystem::path& path, const SceneReadOptions& opti
         fail(ExitCode::wrong_arguments, "--metres-per-unit: out of range (got {}; expected {} to {})",
              options.metres_per_unit, least, most);
     }
+    constexpr double least_lumens = 1e-6, most_lumens = 1e6;
+    if (!(options.lumens_per_watt >= least_lumens && options.lumens_per_watt <= most_lumens)) {
+        fail(ExitCode::wrong_arguments, "--lumens-per-watt: out of range (got {}; expected {} to {})",
+             options.lumens_per_watt, least_lumens, most_lumens);
+    }
     const std::string ending = ending_of(path);
     if (ending == ".toml") return read_toml_scene(path, options);
     if (ending == ".nff") return read_nff_scene(path, options);

@@ -68,7 +68,7 @@ Texture read_image_texture(const TomlTable& t, const std::filesystem::path& scen
     }
     try {
         check_regular_file(*path);
-        Image image = read_image(*path);
+        Image image = read_image(*path, PictureValues::stored);
         texture.width = image.width;
         texture.height = image.height;
         texture.rgb = std::move(image.rgb);

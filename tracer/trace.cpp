@@ -8,6 +8,7 @@
 #include "core/memory.h"
 #include "core/progress.h"
 #include "lens/focus_geometry.h"
+#include "records/exposure.h"
 #include "tracer/expected_size.h"
 #include "tracer/film_motion.h"
 #include "tracer/key_instants.h"
@@ -126,6 +127,24 @@ class Instant {
     bool hidden_ = false;
 };
 
+// Records of an exposed scene as the file has them.
+class Radiance {
+  public:
+    explicit Radiance(double exposure_stops) : gain_(exposure_gain(-exposure_stops)) {}
+    const RecordBand& of(const RecordBand& band) {
+        if (gain_ == 1) return band;
+        band_ = band;
+        for (Record& r : band_.records) {
+            for (float* v : {&r.r, &r.g, &r.b}) *v = static_cast<float>(static_cast<double>(*v) * gain_);
+        }
+        return band_;
+    }
+
+  private:
+    double gain_;
+    RecordBand band_;
+};
+
 // Of the lens that the file is for.
 double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     const CameraModel camera(find_camera(scene, settings.camera_name), scene.time_s, settings.camera);
@@ -230,6 +249,9 @@ SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, co
     h.subdivide_threshold = settings.subdivision.threshold;
     h.max_depth = settings.whitted.max_depth;
     h.min_contribution = settings.whitted.min_contribution;
+    h.exposure_stops = scene.exposure_stops;
+    h.auto_exposure_stops = settings.auto_exposure_stops;
+    h.lumens_per_watt = scene.lumens_per_watt;
     h.scene_name = scene.name;
     h.scene_sha256 = scene.sha256;
     for (const Object& o : scene.objects) h.object_names.emplace(o.id, o.name);
@@ -308,6 +330,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
 
     Progress progress("trace", static_cast<std::uint64_t>(height + 2 * o) * result.instants_s.size(),
                       settings.quiet);
+    Radiance radiance(scene.exposure_stops);
     for (std::size_t i = 0; i < result.instants_s.size(); ++i) {
         if (i > 0) {
             instant.reset();  // its memory before the next one's
@@ -319,7 +342,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
             instant->tracer(), window, settings.subdivision,
             [&](const RecordBand& band) {
                 throw_if_interrupted();
-                writer.write(band);
+                writer.write(radiance.of(band));
                 result.records += band.records.size();
                 progress.advance(static_cast<std::uint64_t>(band.height()));
             },

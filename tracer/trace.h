@@ -38,6 +38,8 @@ struct TraceSettings {
     /// How many instants of `for_shutter`, 1 to 64, evenly spread; the frame's own comes in addition where it
     /// is none of them, and alone for 1. Absent: as many as the motion asks for, which needs `for_shutter`.
     std::optional<int> keys = 1;
+    /// Kept in the file (tracer/exposure.h); absent: the file does not say.
+    std::optional<double> auto_exposure_stops;
     RecordCompression compression = RecordCompression::zips;
     /// Told, before the records are traced, how many bytes the file will take about (expected_size.h); what
     /// it throws ends the trace. Absent: nobody asks, and no ray is spent on it.
@@ -63,7 +65,7 @@ struct TraceResult {
 void require_trace_memory(const Scene& scene, const TraceSettings& settings,
                           const std::filesystem::path& path);
 
-/// Traces `scene` into a sample file at `path`; nothing appears there before all is done. Throws Error.
+/// Traces `scene` into a sample file at `path`, which holds radiance and the scene's exposure; nothing appears there before all is done. Throws Error.
 TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const std::filesystem::path& path);
 
 /// The header that a trace with these settings writes, without keys; shared with tests and benchmarks.
