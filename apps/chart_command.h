@@ -9,6 +9,7 @@
 namespace postlens {
 
 struct ChartOptions {
+    ExposureOption exposure;
     ChartRequest request;
     std::string output;  ///< a folder
     bool restart = false;

@@ -18,6 +18,8 @@
 namespace postlens {
 namespace {
 
+constexpr const char* exposure_of_file = "the sample file's; 0 of another program's picture";
+
 // Everything the parser fills in; it lives as long as the parsed command.
 struct State {
     ParsedCommand common;
@@ -81,8 +83,9 @@ void add_trace(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("trace", "Trace a scene through a pinhole into a sample file");
     TraceOptions& o = s.trace;
     TraceSettings& t = o.settings;
-    scene_options(app, o.scene, o.metres_per_unit, t.camera, t.camera_name);
+    scene_options(app, o.scene, o.units, t.camera, t.camera_name);
     output_option(app, o.output, "Sample file (OpenEXR)");
+    exposure_option(app, o.exposure, "0");
     frame_options(app, s.frames, true);
     number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S",
            any_value);
@@ -143,9 +146,10 @@ void add_render(CLI::App& root, State& s) {
         *root.add_subcommand("render", "The picture by distributed rays over lens and time: the reference");
     RenderOptions& o = s.render;
     RenderSettings& r = o.settings;
-    scene_options(app, o.scene, o.metres_per_unit, r.camera, r.camera_name);
+    scene_options(app, o.scene, o.units, r.camera, r.camera_name);
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     crop_option(app, r.crop);
+    exposure_option(app, o.exposure, "0");
     frame_options(app, s.frames, true);
     whole(app, "--spp", r.spp, "Samples per pixel", "N", {.low = 1, .high = 1 << 20})->required();
     lens_options(app, o.lens, "the camera's");
@@ -185,6 +189,7 @@ void add_image(CLI::App& root, State& s) {
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     crop_option(app, o.crop);
+    exposure_option(app, o.exposure, exposure_of_file);
     frame_options(app, s.frames, false);
     foreign_channel_options(app, o.foreign.choice);
     salvage_option(app, o.salvage);
@@ -217,6 +222,7 @@ void retrace_options(CLI::App& app, RetraceOptions& o) {
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.metres_per_unit,
            "Size of the unit of the scene, or of another program's depths, m [default: 1]", "X", units_m);
+    lumens_option(app, o.lumens_per_watt, "With --scene: ");
     whole(app, "--retrace-spp", o.spp, "Rays for each such pixel", "N", {.low = 1});
     writes(app.add_option(
                "--explain", o.explain,
@@ -240,6 +246,7 @@ void add_focus(CLI::App& root, State& s) {
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     crop_option(app, o.crop);
+    exposure_option(app, o.exposure, exposure_of_file);
     frame_options(app, s.frames, false);
     lens_options(app, o.lens);
     impulse_options(app, o.impulse);
@@ -286,6 +293,7 @@ void add_motionblur(CLI::App& root, State& s) {
         ->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     crop_option(app, o.settings.crop);
+    exposure_option(app, o.exposure, exposure_of_file);
     frame_options(app, s.frames, false);
     shutter_options(app, o.shutter, o.curve, "the file's exposure, from the frame's instant on");
     reads(app.add_option("--paths", o.paths,
@@ -343,6 +351,7 @@ void add_shoot(CLI::App& root, State& s) {
     reads(app.add_option("frame", o.input, "Sample file"))->required()->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     crop_option(app, o.crop);
+    exposure_option(app, o.exposure, "the sample file's");
     frame_options(app, s.frames, false);
     lens_options(app, o.lens);
     impulse_options(app, o.impulse);
@@ -401,6 +410,8 @@ void add_compare(CLI::App& root, State& s) {
               "a time where the frame alone leaves causes open [default: nothing is]"))
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.metres_per_unit, "With --scene: size of its unit", "X", units_m);
+    lumens_option(app, o.lumens_per_watt, "With --scene: ");
+    exposure_option(app, o.exposure, "the reference's");
     reads(
         app.add_option("--frame", o.frame, "With --map-causes: the sample file that the image was made from"))
         ->type_name("FRAME");

@@ -21,7 +21,7 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
     const auto o = std::make_shared<ChartOptions>();
     ChartRequest& r = o->request;
     auto scene = std::make_shared<std::string>();
-    scene_options(app, *scene, r.metres_per_unit, r.camera, r.camera_name);
+    scene_options(app, *scene, r.units, r.camera, r.camera_name);
     CLI::Option* scene_option = app.get_option("scene")->required(false);
     auto atlas = std::make_shared<AtlasOptions>();
     CLI::Option* atlas_option =
@@ -39,6 +39,7 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
                           "--atlas index.html, failures.md and pictures"))
         ->required()
         ->type_name("DIR");
+    exposure_option(app, o->exposure, "0");
     number(app, "--focal-length", r.focal_length_mm, "F [default: the camera's film distance]", "MM",
            above_0);
     number(app, "--f-number", r.f_number,
@@ -68,6 +69,10 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
         const bool of_atlas = atlas_option->count() > 0;  // the options are gone when the command runs
         common.run = [=, &common] {
             if (of_atlas) {
+                if (o->exposure.stops || o->exposure.automatic) {
+                    fail(ExitCode::wrong_arguments,
+                         "--exposure: not with --atlas, whose scenes are lit for 0 stops (expected nothing)");
+                }
                 atlas->output = o->output;
                 atlas->restart = o->restart;
                 atlas->quiet = common.quiet;
@@ -76,6 +81,8 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
             if (scene->empty())
                 fail(ExitCode::wrong_arguments, "SCENE: missing (got nothing; expected a scene or --atlas)");
             o->request.scene = *scene;
+            o->request.exposure_stops = o->exposure.stops.value_or(0);
+            o->request.exposure_auto = o->exposure.automatic;
             if (*reference) o->request.reference = **reference;
             if (*noise) o->request.second_reference = **noise;
             o->request.quiet = common.quiet;

@@ -222,14 +222,41 @@ void impulse_options(CLI::App& app, Impulse& to, bool real_lenses) {
            {.low = -10, .high = 10});
 }
 
-void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
+void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent) {
+    app.add_option_function<std::string>(
+           "--exposure",
+           [&to](const std::string& text) {
+               to = {};
+               to.automatic = text == "auto";
+               if (to.automatic) return;
+               to.stops = parse_number("--exposure", text);
+               check_bounds("--exposure", *to.stops, text, exposure_bounds);
+           },
+           fmt::format("How bright PNG, TIFF and JPEG are: radiance times 2^STOPS, 1 being white, -100 to 100; "
+                       "auto: 95 % of the lit pixels of a small preview are below white (docs/exposure.md). "
+                       ".exr stays scene-linear [default: {}]",
+                       absent))
+        ->type_name("STOPS|auto");
+}
+
+void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when) {
+    number(app, "--lumens-per-watt", to,
+           fmt::format("{}by which the lights of glTF are divided [default: as the sample file was traced]",
+                       when),
+           "X", lumens_bounds);
+}
+
+void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name) {
     reads(app.add_option(
               "scene", scene,
               "Scene: .toml (docs/scene_format.md), .nff, .gltf, .glb, .obj or .ply (docs/mesh_scenes.md)"))
         ->required()
         ->type_name("SCENE");
-    number(app, "--metres-per-unit", metres_per_unit, "Length of the scene's unit, m", "X", units_m);
+    number(app, "--metres-per-unit", units.metres_per_unit, "Length of the scene's unit, m", "X", units_m);
+    number(app, "--lumens-per-watt", units.lumens_per_watt,
+           "By which the lights of glTF, in lux and candela, are divided; 1 takes their numbers as they are", "X",
+           lumens_bounds);
     app.add_option_function<std::string>(
            "--size",
            [&camera](const std::string& text) {
@@ -282,7 +309,7 @@ void tree_options(CLI::App& app, int& max_depth, double& min_contribution) {
     whole(app, "--max-depth", max_depth, "Nodes along a path; the eye ray's is the first", "N",
           {.low = 1, .high = NodePath::max_bounces + 1});
     number(app, "--min-contribution", min_contribution,
-           "Subtrees that cannot add this much radiance are not traced; 0 traces all", "C", from_0);
+           "Subtrees that cannot add this share of white are not traced; 0 traces all", "C", from_0);
 }
 
 void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve,

@@ -14,6 +14,7 @@
 #include "apps/numbers.h"
 #include "focus/depth_levels.h"
 #include "focus/lens_views.h"
+#include "records/exposure.h"
 
 namespace postlens {
 
@@ -44,6 +45,13 @@ CLI::Option* writes(CLI::Option* option);
 /// What the marked options of the subcommand that was parsed name.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
 
+inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
+    lumens_bounds{.low = 1e-6, .high = 1e6};
+/// `absent`: what the default is.
+void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
+/// Of commands that read the scene of a sample file; `when` begins the help.
+void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
+
 void common_options(CLI::App& app, ParsedCommand& to);
 /// --salvage, of everything that reads a sample file.
 void salvage_option(CLI::App& app, bool& to);
@@ -54,7 +62,7 @@ void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
 /// The impulse response, for focus and render alike.
 void impulse_options(CLI::App& app, Impulse& to, bool real_lenses = true);
-void scene_options(CLI::App& app, std::string& scene, double& metres_per_unit, CameraOverrides& camera,
+void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);
 /// Of pictures of other programs.
 void foreign_channel_options(CLI::App& app, ForeignChoice& to);

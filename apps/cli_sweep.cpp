@@ -88,6 +88,7 @@ void method_options(CLI::App& app, SweepOptions& o) {
                          "[default: nothing is]"))
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.retrace.metres_per_unit, "Size of the scene's unit", "X", units_m);
+    lumens_option(app, o.retrace.lumens_per_watt, "With --scene: ");
     whole(app, "--retrace-spp", o.retrace.spp, "Rays for each such pixel", "N", {.low = 1});
 }
 
@@ -135,6 +136,7 @@ void add_sweep(CLI::App& root, ParsedCommand& common) {
     axis_options(app, *o);
     method_options(app, *o);
     folder_options(app, *o);
+    exposure_option(app, o->exposure, "the sample file's");
     common_options(app, common);
     app.callback([o, &common] {
         common.run = [o, &common] {

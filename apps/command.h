@@ -36,9 +36,16 @@ struct CommandResult {
 /// Says in the result, where there is a crop, what part of the picture was written.
 void report_crop(const std::optional<Crop>& crop, CommandResult& out);
 
+/// `--exposure`: stops, `auto`, or absent: the file's own, of a scene 0.
+struct ExposureOption {
+    std::optional<double> stops;
+    bool automatic = false;
+};
+
 struct TraceOptions {
     std::string scene, output;
-    double metres_per_unit = 1;
+    SceneReadOptions units;
+    ExposureOption exposure;
     TraceSettings settings;
     bool plan = false;  ///< levels, hidden layers, overscan and keys for `target_db`
     double target_db = default_target_db;
@@ -56,6 +63,7 @@ struct LensOptions {
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
     std::optional<double> metres_per_unit;  ///< absent: 1
+    std::optional<double> lumens_per_watt;  ///< absent: as the sample file says
     int spp = 128;
 };
 
@@ -82,6 +90,7 @@ struct FocusOptions {
     RetraceOptions retrace;
     ForeignOptions foreign;
     std::optional<Crop> crop;
+    ExposureOption exposure;
     bool predict = false;  ///< how far it is expected to be from the truth
     bool strict = false;
     bool salvage = false;  ///< read what is whole of a damaged sample file
@@ -89,6 +98,7 @@ struct FocusOptions {
 
 struct ImageOptions {
     std::string input, output;
+    ExposureOption exposure;
     ForeignOptions foreign;
     std::optional<Crop> crop;
     bool salvage = false;
@@ -104,7 +114,8 @@ struct ShootOptions {
 
 struct RenderOptions {
     std::string scene, output;
-    double metres_per_unit = 1;
+    SceneReadOptions units;
+    ExposureOption exposure;
     LensOptions lens;
     Impulse impulse;
     std::string curve = "box";  ///< box, triangle or a file
@@ -119,6 +130,7 @@ struct MotionBlurOptions {
     VectorChoice vectors;  ///< of pictures of other programs
     std::string layer;     ///< likewise
     MotionBlurSettings settings;
+    ExposureOption exposure;
     bool shutter_from_frame = false;  ///< of sample files: as in ShootOptions
     bool predict = false;             ///< as in FocusOptions
     bool strict = false;
@@ -147,6 +159,8 @@ struct CompareCommandOptions {
     std::optional<std::string> map_causes, frame;  ///< a picture to write; the records that it takes
     std::optional<std::string> scene;  ///< that the records are of, to try what tracing it again shows
     double metres_per_unit = 1;
+    std::optional<double> lumens_per_watt;  ///< absent: as the sample file says
+    ExposureOption exposure;                ///< absent: the reference's
     LensOptions lens;  ///< of the image, for the causes
     std::optional<TimeSpan> shutter;
     std::optional<FocusMethod> method;

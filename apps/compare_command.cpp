@@ -11,6 +11,7 @@
 #include "compare/error_map.h"
 #include "motionblur/paths_file.h"
 #include "planner/error_causes.h"
+#include "records/exposure.h"
 
 namespace postlens {
 namespace {
@@ -193,9 +194,29 @@ std::string text_of(const Comparison& c, const CompareCommandOptions& o,
     return text;
 }
 
+// The exposure that all pictures are compared at: asked for, the reference's, else the image's.
+class Exposer {
+  public:
+    Exposer(const ExposureOption& asked, const Image& reference, const Image& image)
+        : stops_(asked.automatic ? auto_exposure_of(reference)
+                                 : asked.stops.value_or(reference.exposure_stops.value_or(
+                                       image.exposure_stops.value_or(0)))) {}
+    [[nodiscard]] double stops() const { return stops_; }
+    // What does not say its exposure is taken as it is.
+    void bring(Image& image) const { set_exposure(image, stops_); }
+    [[nodiscard]] Image read(const std::string& path) const {
+        Image image = read_image(path);
+        bring(image);
+        return image;
+    }
+
+  private:
+    double stops_;
+};
+
 // Writes the map, and says what share of the error each cause has.
-void map_causes(const CompareCommandOptions& o, CommandResult& out) {
-    const SampleFileReader file(*o.frame);
+void map_causes(const CompareCommandOptions& o, const Exposer& exposer, CommandResult& out) {
+    const SampleFileReader file(*o.frame, Damage::refuse, exposer.stops());
     LensOptions lens = o.lens;
     const SampleHeader& h = file.header();
     if (o.shutter && !lens.f_number) lens.f_number = std::numeric_limits<double>::infinity();
@@ -210,10 +231,10 @@ void map_causes(const CompareCommandOptions& o, CommandResult& out) {
     request.depths = o.depths;
     std::optional<Scene> scene;
     if (o.scene) {
-        scene = read_scene_of_command(*o.scene, o.metres_per_unit, {*o.map_causes}, out);
+        scene = read_scene_of_file(*o.scene, o.metres_per_unit, o.lumens_per_watt, file, {*o.map_causes}, out);
         request.view.scene = &*scene;
     }
-    const Image image = read_image(o.image), reference = read_image(o.reference);
+    const Image image = exposer.read(o.image), reference = exposer.read(o.reference);
     FocusFrame frame(file);
     const CauseMap map = find_error_causes(frame, image, reference, request);
     write_image(*o.map_causes, cause_picture(map, reference));
@@ -230,10 +251,13 @@ void map_causes(const CompareCommandOptions& o, CommandResult& out) {
 CommandResult compare_files(const CompareCommandOptions& o) {
     check_files(o);
     CompareInput input;
-    input.image = read_image(o.image);
     input.reference = read_image(o.reference);
-    if (o.pinhole) input.pinhole = read_image(*o.pinhole);
-    if (o.noise) input.second_reference = read_image(*o.noise);
+    input.image = read_image(o.image);
+    const Exposer exposer(o.exposure, input.reference, input.image);
+    exposer.bring(input.image);
+    exposer.bring(input.reference);
+    if (o.pinhole) input.pinhole = exposer.read(*o.pinhole);
+    if (o.noise) input.second_reference = exposer.read(*o.noise);
     input.flip_white_luminance = o.flip_white;
     const Comparison c = compare_pictures(std::move(input));
 
@@ -241,6 +265,7 @@ CommandResult compare_files(const CompareCommandOptions& o) {
     CommandResult out;
     out.json = json_of(c, o.pinhole.has_value());
     out.json["failed"] = failures;
+    out.json["exposure_stops"] = exposer.stops();
     out.text = text_of(c, o, failures);
     if (!failures.empty()) out.exit_code = ExitCode::comparison_failed;
     warn_of_nonfinite(c, o, out);
@@ -248,7 +273,7 @@ CommandResult compare_files(const CompareCommandOptions& o) {
     warn_of_range(c, out);
     if (o.map || o.side_by_side) {
         // Read again: comparing needs most memory without them.
-        const Image image = read_image(o.image), reference = read_image(o.reference);
+        const Image image = exposer.read(o.image), reference = exposer.read(o.reference);
         if (o.map) write_image(*o.map, error_map(image, reference));
         if (o.side_by_side) {
             std::vector<std::string> lines = comparison_notes(c);
@@ -256,7 +281,7 @@ CommandResult compare_files(const CompareCommandOptions& o) {
             write_image(*o.side_by_side, side_by_side(image, reference, figures_table(c), lines));
         }
     }
-    if (o.map_causes) map_causes(o, out);
+    if (o.map_causes) map_causes(o, exposer, out);
     return out;
 }
 

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "apps/exposure.h"
 #include "apps/numbers.h"
 #include "apps/plan_command.h"
 #include "focus/bend_warning.h"
@@ -78,7 +79,9 @@ CommandResult run_focus(const FocusOptions& options) {
     // What is to be salvaged is a sample file, even where its header no longer says so.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign);
-    const SampleFileReader file(options.input, damage_rule(options.salvage));
+    const Damage damage = damage_rule(options.salvage);
+    const SampleFileReader file(options.input, damage,
+                                exposure_of_samples(options.exposure, options.input, damage));
     check_crop(options.crop, file.header().width, file.header().height);
     LensOptions lens_options = options.lens;
     if (options.method == FocusMethod::pinhole) {
@@ -160,6 +163,7 @@ CommandResult run_focus(const FocusOptions& options) {
                           out);
     }
     report_crop(options.crop, out);
+    report_exposure(options.output, result.image, options.crop, out);
     return out;
 }
 

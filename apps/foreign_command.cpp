@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "apps/exposure.h"
 #include "apps/numbers.h"
 #include "focus/foreign_focus.h"
 #include "records/crop.h"
@@ -32,6 +33,15 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
+/// Brings the colours to what is asked for; returns the stops.
+double expose(ForeignPicture& picture, const ExposureOption& asked) {
+    const double stops = exposure_of_picture(asked, [&] { return picture.flattened(); });
+    if (stops == 0) return 0;
+    const auto gain = static_cast<float>(exposure_gain(stops));
+    for (StackSample& s : picture.samples) s.r *= gain, s.g *= gain, s.b *= gain;
+    return stops;
+}
+
 /// What `info` says of how a part would be read.
 nlohmann::ordered_json part_json(const ForeignPart& part) {
     return {{"name", part.name},
@@ -61,9 +71,11 @@ void refuse_foreign_options(const ForeignOptions& options) {
 CommandResult foreign_image(const ImageOptions& options) {
     ForeignChoice choice = options.foreign.choice;
     if (choice.ids.empty()) choice.ids = ForeignChoice::no_ids;  // what is laid together needs none
-    const ForeignPicture picture = read_foreign_picture(options.input, choice, options.foreign.camera);
+    ForeignPicture picture = read_foreign_picture(options.input, choice, options.foreign.camera);
     check_crop(options.crop, picture.width, picture.height);
-    const Image image = picture.flattened();
+    const double stops = expose(picture, options.exposure);
+    Image image = picture.flattened();
+    image.exposure_stops = stops;
     write_image(options.output, image, options.crop);
     CommandResult out;
     add_warnings(picture, false, out.warnings);
@@ -76,6 +88,7 @@ CommandResult foreign_image(const ImageOptions& options) {
                 {"channels", channels_json(picture.channels)}};
     out.text = fmt::format("{}: {}x{} px, flattened", options.output, width, height);
     report_crop(options.crop, out);
+    report_exposure(options.output, image, options.crop, out);
     return out;
 }
 
@@ -92,6 +105,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, choice);
+    const double stops = expose(picture, options.exposure);
     const bool pinhole = options.method == FocusMethod::pinhole;
     const std::size_t unmixed = pinhole ? 0 : unmix_edges(picture);
     check_crop(options.crop, picture.width, picture.height);
@@ -103,7 +117,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
                                ? lens.focus_m.value_or(1)
                                : asked_or_named(lens.focus_m, picture.camera.focus_m, "--focus", "picture");
     const double focal_length_mm = lens.focal_length_mm.value_or(picture.camera.focal_length_mm);
-    const FocusResult result =
+    FocusResult result =
         focus_foreign(picture, {.lens = {.focal_length_mm = focal_length_mm, .f_number = f_number},
                                 .focus_distance_m = focus_m,
                                 .framing = lens.framing,
@@ -114,6 +128,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
                                 .depths = options.depths,
                                 .views = options.views,
                                 .crop = options.crop});
+    result.image.exposure_stops = stops;
     write_image(options.output, result.image, options.crop);
     CommandResult out;
     add_warnings(picture, true, out.warnings);
@@ -142,6 +157,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
         result.image.width, result.image.height, method_name(result.method), focal_length_mm, f_number,
         focus_m, counted(static_cast<std::uint64_t>(result.depths), "depth"), px_text(result.largest_coc_px));
     report_crop(options.crop, out);
+    report_exposure(options.output, result.image, options.crop, out);
     return out;
 }
 

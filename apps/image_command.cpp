@@ -1,4 +1,5 @@
 #include "apps/command.h"
+#include "apps/exposure.h"
 
 namespace postlens {
 
@@ -8,7 +9,9 @@ CommandResult run_image(const ImageOptions& options) {
     // What is to be salvaged is a sample file, even where its header no longer says so.
     if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign);
-    const SampleFileReader file(options.input, damage_rule(options.salvage));
+    const Damage damage = damage_rule(options.salvage);
+    const SampleFileReader file(options.input, damage,
+                                exposure_of_samples(options.exposure, options.input, damage));
     const Image image = pinhole_picture(file, options.crop);
     write_image(output, image, options.crop);
     const int width = options.crop ? options.crop->width : image.width,
@@ -18,6 +21,7 @@ CommandResult run_image(const ImageOptions& options) {
     out.json = {{"width", width}, {"height", height}, {"records", file.record_count()}};
     out.text = fmt::format("{}: {}x{} px, pinhole", output, width, height);
     report_crop(options.crop, out);
+    report_exposure(output, image, options.crop, out);
     return out;
 }
 

@@ -76,6 +76,9 @@ CommandResult sample_file_info(const std::string& input, bool salvage) {
         {"time_s", h.time_s},
         {"subdivide", h.subdivide_levels},
         {"max_depth", h.max_depth},
+        {"exposure_stops", h.exposure_stops},
+        {"auto_exposure_stops", h.auto_exposure_stops ? nlohmann::ordered_json(*h.auto_exposure_stops) : nlohmann::ordered_json(nullptr)},
+        {"lumens_per_watt", h.lumens_per_watt ? nlohmann::ordered_json(*h.lumens_per_watt) : nlohmann::ordered_json(nullptr)},
         {"refocus_matrices", h.has_w},
         {"refocus_bends", h.has_bend},
         {"scene", h.scene_name},
@@ -91,6 +94,7 @@ CommandResult sample_file_info(const std::string& input, bool salvage) {
         counted(h.object_names.size(), "object"), h.subdivide_levels,
         counted(static_cast<std::uint64_t>(h.max_depth), "node"), h.film_distance_mm, h.pixel_pitch_mm,
         h.focal_length_mm);
+    if (h.exposure_stops != 0) out.text += fmt::format("\nexposure {:.4g} stops", h.exposure_stops);
     if (layers > 1) out.text += fmt::format("\n{} layers", layers);
     if (file.instants() > 1) {
         out.text += fmt::format("\nfurther instants: {} s", fmt::join(h.key_times_s, ", "));

@@ -3,6 +3,7 @@
 #include "apps/lens_fit_limits_command.h"
 #include "apps/numbers.h"
 #include "compare/lens_from_picture.h"
+#include "records/exposure.h"
 #include "records/image.h"
 
 namespace postlens {
@@ -30,7 +31,8 @@ CommandResult run_lens_fit_picture(const LensFitLimitsOptions& o) {
     const SampleFileReader file(*o.frame);
     const double focal_length_mm = o.focal_length_mm.value_or(file.header().focal_length_mm);
     in_range("--focal-length", focal_length_mm, 0, false, "more than 0 mm");
-    const Image picture = read_image(*o.picture);
+    Image picture = read_image(*o.picture);
+    set_exposure(picture, file.exposure_stops());
     LensFromPicture found;
     try {
         found = lens_from_picture(file, picture, {.impulse = o.impulse, .quiet = o.quiet});

@@ -2,9 +2,11 @@
 #include <limits>
 
 #include "apps/command.h"
+#include "apps/exposure.h"
 #include "apps/plan_command.h"
 #include "motionblur/paths_file.h"
 #include "motionblur/vector_blur.h"
+#include "records/exposure.h"
 
 namespace postlens {
 namespace {
@@ -103,11 +105,17 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
              "--shutter: missing (got nothing; expected OPEN:CLOSE in frames, 0 this picture, 1 the next)");
     }
     const Exposure exposure{options.shutter->open_s, options.shutter->close_s};
-    const VectorFrame frame = read_vector_frame(options.input, options.vectors, options.layer);
-    const MotionBlurResult result = vector_blur(frame, {.exposure = exposure,
+    VectorFrame frame = read_vector_frame(options.input, options.vectors, options.layer);
+    const double stops = exposure_of_picture(options.exposure, [&] { return frame.picture(); });
+    const auto gain = static_cast<float>(exposure_gain(stops));
+    for (VectorPixel& p : frame.pixels) {
+        for (float& v : p.rgb) v *= gain;
+    }
+    MotionBlurResult result = vector_blur(frame, {.exposure = exposure,
                                                         .curve = shutter_curve(options.curve),
                                                         .views = options.settings.views,
                                                         .crop = options.settings.crop});
+    result.image.exposure_stops = stops;
     write_image(options.output, result.image, options.settings.crop);
 
     std::vector<Warning> warnings;
@@ -128,6 +136,7 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
                  fmt::format("by {} and {}, longest {:.4g} px, shutter {:.6g} to {:.6g} frames", frame.u_name,
                              frame.v_name, frame.largest_px, exposure.open_s, exposure.close_s));
     report_crop(options.settings.crop, out);
+    report_exposure(options.output, result.image, options.settings.crop, out);
     return out;
 }
 
@@ -166,7 +175,9 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     MotionBlurSettings settings = options.settings;
     settings.curve = shutter_curve(options.curve);
     if (options.paths) settings.paths = read_paths(*options.paths);
-    const SampleFileReader file(options.input, damage_rule(options.salvage));
+    const Damage damage = damage_rule(options.salvage);
+    const SampleFileReader file(options.input, damage,
+                                exposure_of_samples(options.exposure, options.input, damage));
     settings.exposure = resolve_exposure(options.shutter, file.header(), options.shutter_from_frame);
     const SampleHeader& h = file.header();
     // What a pinhole sees, whose focus does not matter.
@@ -221,6 +232,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     }
     if (left > 0) out.text += fmt::format("\n  and {} more (see --json)", left);
     report_crop(settings.crop, out);
+    report_exposure(options.output, result.image, settings.crop, out);
     return out;
 }
 

@@ -30,7 +30,8 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
 }
 
 // Also refuses what would come to nothing after the work.
-std::optional<Scene> scene_of(const RetraceOptions& retrace, const std::string& picture, CommandResult& out) {
+std::optional<Scene> scene_of(const RetraceOptions& retrace, const SampleFileReader& file,
+                              const std::string& picture, CommandResult& out) {
     if (retrace.explain) check_image_path(*retrace.explain);
     if (retrace.spp < 1) {
         fail(ExitCode::wrong_arguments, "--retrace-spp: out of range (got {}; expected 1 or more)",
@@ -39,14 +40,15 @@ std::optional<Scene> scene_of(const RetraceOptions& retrace, const std::string& 
     if (!retrace.scene) return std::nullopt;
     std::vector<std::filesystem::path> written{picture};
     if (retrace.explain) written.emplace_back(*retrace.explain);
-    return read_scene_of_command(*retrace.scene, retrace.metres_per_unit.value_or(1), written, out);
+    return read_scene_of_file(*retrace.scene, retrace.metres_per_unit.value_or(1), retrace.lumens_per_watt, file,
+                              written, out);
 }
 
 }  // namespace
 
 HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings, const RetraceOptions& retrace,
                         const std::string& picture, CommandResult& out) {
-    const std::optional<Scene> scene = scene_of(retrace, picture, out);
+    const std::optional<Scene> scene = scene_of(retrace, frame.file(), picture, out);
     settings.scene = scene ? &*scene : nullptr;
     settings.retrace_spp = retrace.spp;
     HybridResult result = hybrid_picture(frame, settings);
@@ -62,7 +64,7 @@ nlohmann::ordered_json shares_json(const HybridResult& r) {
 
 AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,
                     const std::string& picture, CommandResult& out) {
-    const std::optional<Scene> scene = scene_of(retrace, picture, out);
+    const std::optional<Scene> scene = scene_of(retrace, frame.file(), picture, out);
     settings.hybrid.scene = scene ? &*scene : nullptr;
     AutoResult result = auto_picture(frame, settings);
     if (!result.met(settings.target_db)) out.exit_code = ExitCode::shortfall;

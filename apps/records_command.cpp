@@ -65,7 +65,7 @@ std::optional<FocusGeometry> lens_of(const LensOptions& options, const SampleFil
 }  // namespace
 
 CommandResult run_records(const RecordsOptions& options) {
-    const SampleFileReader file(options.input, damage_rule(options.salvage));
+    const SampleFileReader file(options.input, damage_rule(options.salvage), 0.0);  // radiance
     const SampleHeader& h = file.header();
     const auto lens = lens_of(options.lens, file);
     const double limit = 1e6;  // far outside any raster, well inside an int

@@ -2,9 +2,11 @@
 #include <filesystem>
 
 #include "apps/command.h"
+#include "apps/exposure.h"
 #include "apps/scene_input.h"
 #include "lens/prescription/read_prescription.h"
 #include "records/aperture_file.h"
+#include "tracer/exposure.h"
 
 namespace postlens {
 
@@ -57,14 +59,15 @@ CommandResult run_render(const RenderOptions& options) {
     } else {
         settings.aperture = std::make_shared<Aperture>(read_aperture(options.impulse));
     }
-    settings.metres_per_unit = options.metres_per_unit;
+    settings.metres_per_unit = options.units.metres_per_unit;
     settings.curve = shutter_curve(options.curve);
     CommandResult out;
     std::vector<std::filesystem::path> written{options.output};
     if (settings.halves) {
         for (const auto& half : half_paths(options.output)) written.push_back(half);
     }
-    const Scene scene = read_scene_of_command(options.scene, options.metres_per_unit, written, out);
+    Scene scene = read_scene_of_command(options.scene, options.units, written, out);
+    expose(scene, exposure_of_scene(options.exposure, scene, settings.camera_name, settings.camera));
     const RenderResult r = render_to_file(scene, settings, options.output);
     if (r.motion_error_px > MotionAccuracy().tolerance_px) {
         out.warnings.push_back(
@@ -103,6 +106,7 @@ CommandResult run_render(const RenderOptions& options) {
                                   : std::string("pinhole"),
         r.focus_m, r.seconds_render, rate);
     report_crop(settings.crop, out);
+    report_exposure(options.output, r.image, settings.crop, out);
     return out;
 }
 

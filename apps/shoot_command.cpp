@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "apps/exposure.h"
 #include "apps/plan_command.h"
 #include "motionblur/paths_file.h"
 #include "records/crop.h"
@@ -11,7 +12,9 @@ namespace postlens {
 CommandResult run_shoot(const ShootOptions& options) {
     const FocusOptions& o = options.focus;
     check_image_path(o.output);
-    const SampleFileReader file(o.input, damage_rule(o.salvage));
+    const Damage damage = damage_rule(o.salvage);
+    const SampleFileReader file(o.input, damage,
+                                exposure_of_samples(o.exposure, o.input, damage));
     const SampleHeader& h = file.header();
     check_crop(o.crop, h.width, h.height);
     const ResolvedLens lens = resolve_lens(o.lens, file);
@@ -80,6 +83,7 @@ CommandResult run_shoot(const ShootOptions& options) {
             out);
     }
     report_crop(o.crop, out);
+    report_exposure(o.output, result.focus.image, o.crop, out);
     return out;
 }
 

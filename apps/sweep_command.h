@@ -19,6 +19,7 @@ struct SweepOptions {
     RetraceOptions retrace;
     std::optional<std::string> format;
     SweepSettings settings;
+    ExposureOption exposure;
     bool strict = false;
 };
 

@@ -6,6 +6,7 @@
 #include "apps/scene_input.h"
 #include "core/disk.h"
 #include "planner/trace_plan.h"
+#include "tracer/exposure.h"
 #include "tracer/point_shading.h"
 #include "tracer/recorded_motion.h"
 
@@ -58,10 +59,12 @@ nlohmann::ordered_json rays_json(const RayCounts& rays) {
 CommandResult run_trace(const TraceOptions& options) {
     check_exr_path(options.output, "records");
     CommandResult out;
-    const Scene scene = read_scene_of_command(options.scene, options.metres_per_unit, {options.output}, out);
+    Scene scene = read_scene_of_command(options.scene, options.units, {options.output}, out);
     for (const ShadingNote& n : point_shading_notes(scene)) out.warnings.push_back({n.code, n.text});
     warn_of_motion(scene, out);
     TraceSettings settings = options.settings;
+    settings.auto_exposure_stops = auto_exposure_stops(scene, settings.camera_name, settings.camera);
+    expose(scene, options.exposure.automatic ? *settings.auto_exposure_stops : options.exposure.stops.value_or(0));
     std::optional<std::uint64_t> expected_bytes;
     nlohmann::ordered_json plan = nullptr;
     if (options.plan) {
@@ -100,6 +103,8 @@ CommandResult run_trace(const TraceOptions& options) {
                 {"expected_bytes",
                  expected_bytes ? nlohmann::ordered_json(*expected_bytes) : nlohmann::ordered_json(nullptr)},
                 {"rays", rays_json(r.rays)},
+                {"exposure_stops", scene.exposure_stops},
+                {"auto_exposure_stops", *settings.auto_exposure_stops},
                 {"overscan_px", r.overscan_px},
                 {"keys", r.keys},
                 {"instants_s", r.instants_s},

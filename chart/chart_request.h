@@ -9,12 +9,15 @@
 #include "lens/focus_geometry.h"
 #include "tracer/camera_model.h"
 #include "tracer/ray_scene.h"
+#include "tracer/scene.h"
 
 namespace postlens {
 
 struct ChartRequest {
     std::filesystem::path scene;
-    double metres_per_unit = 1;
+    SceneReadOptions units;
+    double exposure_stops = 0;  ///< of everything that is compared
+    bool exposure_auto = false;  ///< instead: auto_exposure_stops
     CameraOverrides camera;
     std::string camera_name;  ///< empty: the scene's first
 

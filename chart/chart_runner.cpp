@@ -19,7 +19,9 @@
 #include "focus/frame.h"
 #include "motionblur/paths_file.h"
 #include "planner/hybrid.h"
+#include "records/exposure.h"
 #include "records/sample_file.h"
+#include "tracer/exposure.h"
 
 namespace postlens {
 namespace {
@@ -50,9 +52,11 @@ std::string key_of(const ChartRequest& r, const ChartView& v, const Scene& scene
     }
     std::string shutter =
         v.shutter ? fmt::format("{:.17g}:{:.17g}", v.shutter->open_s, v.shutter->close_s) : "none";
+    if (scene.lumens_per_watt) reference += fmt::format(" lumens {:.17g}", *scene.lumens_per_watt);
+    if (scene.exposure_stops != 0) reference += fmt::format(" exposure {:.17g}", scene.exposure_stops);
     return fmt::format(
         "{} x{:.17g} '{}' {}x{} d={:.17g} F={:.17g} f/{:.17g} s={:.17g} shutter {} reference {}",
-        scene.sha256.substr(0, 16), r.metres_per_unit, r.camera_name, v.width, v.height, v.film_distance_mm,
+        scene.sha256.substr(0, 16), r.units.metres_per_unit, r.camera_name, v.width, v.height, v.film_distance_mm,
         v.lens.focal_length_mm, v.lens.f_number, v.focus_m, shutter, reference);
 }
 
@@ -68,9 +72,16 @@ Json about_json(const ChartRequest& r, const ChartView& v, const Scene& scene) {
              {"shutter_s", v.shutter ? Json{v.shutter->open_s, v.shutter->close_s} : Json(nullptr)},
              {"reference", r.reference ? r.reference->filename().string()
                                        : fmt::format("2 x {} samples a pixel", r.reference_spp)},
+             {"exposure_stops", scene.exposure_stops},
              {"threads", thread_count()}};
     out["machine"] = machine_json();
     return out;
+}
+
+Scene exposed_scene(const ChartRequest& r) {
+    Scene scene = read_scene(r.scene, r.units);
+    expose(scene, r.exposure_auto ? auto_exposure_stops(scene, r.camera_name, r.camera) : r.exposure_stops);
+    return scene;
 }
 
 class Runner {
@@ -78,7 +89,7 @@ class Runner {
     Runner(const ChartRequest& request, fs::path folder)
         : request_(request),
           folder_(std::move(folder)),
-          scene_(read_scene(request.scene, {.metres_per_unit = request.metres_per_unit})),
+          scene_(exposed_scene(request)),
           view_(chart_view(request, scene_)),
           plan_(chart_plan(request, view_)) {}
 
@@ -221,6 +232,8 @@ class Runner {
         if (request_.reference) {
             reference_ = read_image(*request_.reference);
             if (request_.second_reference) second_ = read_image(*request_.second_reference);
+            set_exposure(reference_, scene_.exposure_stops);
+            if (second_) set_exposure(*second_, scene_.exposure_stops);
         } else {
             const auto halves = half_paths(folder_ / "reference.exr");
             if (!fs::exists(halves[0]) || !fs::exists(halves[1])) {

@@ -20,6 +20,7 @@ void write_recoloured(const SampleFileReader& file, const Image& image, const st
     SampleHeader h = file.header();
     h.subdivide_levels = 0;
     h.has_layers = h.has_w = h.has_bend = false;
+    h.exposure_stops = image.exposure_stops.value_or(0);
     h.overscan_px = 0;
     h.key_times_s.clear();
     RecordBand from, to;

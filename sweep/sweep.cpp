@@ -18,6 +18,7 @@
 #include "core/threads.h"
 #include "focus/bend_warning.h"
 #include "planner/predicted_error.h"
+#include "records/exposure.h"
 #include "records/pixel_samples.h"
 #include "sweep/contact_sheet.h"
 #include "sweep/figures.h"
@@ -123,7 +124,7 @@ class Sweep {
           const std::filesystem::path& folder)
         : settings_(settings),
           folder_(folder),
-          file_(frame, settings.damage),
+          file_(frame, settings.damage, settings.exposure_stops),
           grid_(sweep_grid(settings.axes)),
           names_(file_names(settings, grid_)),
           rows_(names_.size()),
@@ -225,6 +226,8 @@ class Sweep {
             static_cast<int>(p.framing), static_cast<int>(p.spacing), static_cast<int>(p.depth_model),
             p.depths.value_or(0), p.views.value_or(0), settings_.coc_limit_px, p.curve.fingerprint(),
             p.scene != nullptr ? fmt::format("{} {}", p.scene->sha256, p.retrace_spp) : "");
+        if (file_.exposure_stops() != 0) key += fmt::format(" exposure {}", file_.exposure_stops());
+        if (p.scene != nullptr && p.scene->lumens_per_watt) key += fmt::format(" lumens {}", *p.scene->lumens_per_watt);
         if (p.predict) key += " predicted";
         if (maker_.method() == FocusMethod::automatic) key += fmt::format(" {}", p.target_db);
         for (const glm::dvec2& at : out_.table.at) key += fmt::format(" {},{}", at.x, at.y);
@@ -294,6 +297,10 @@ class Sweep {
         make_in_order(wanted.size(), at_a_time(), make, [&](std::size_t k, Making&& m) {
             warn_of_bend(m.picture);
             for (const FocusWarning& w : m.picture.warnings) note(w);
+            if (settings_.format != "exr") {
+                if (const auto w = exposure_warning(m.picture.image, std::nullopt))
+                    note({"exposure", w->share, w->text});
+            }
             if (sheet != nullptr) sheet->set(wanted[k], m.picture.image);
             while (finishing_.size() >= most_finishing(m.picture.image)) finish(progress);
             start_finishing(wanted[k], std::move(m));

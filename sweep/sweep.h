@@ -27,6 +27,7 @@ struct SweepSettings {
     /// What else pictures depend on, e.g. the files named by settings: part of every settings_key.
     std::vector<std::filesystem::path> depends_on;
     Damage damage = Damage::refuse;  ///< what to do about damage in the sample file
+    std::optional<double> exposure_stops;  ///< of all pictures; absent: the file's
     bool quiet = true;               ///< no progress bar
 };
 
