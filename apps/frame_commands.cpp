@@ -1,8 +1,12 @@
 // What changes from frame to frame in each command.
 #include <cmath>
+#include <functional>
 
+#include "apps/exposure.h"
 #include "apps/frame_range.h"
 #include "apps/numbers.h"
+#include "motionblur/vector_frame.h"
+#include "tracer/exposure.h"
 
 namespace postlens {
 namespace {
@@ -21,6 +25,37 @@ void check_fps(const FrameOptions& options) {
 std::optional<TimeSpan> moved(std::optional<TimeSpan> span, double by_s) {
     if (span) span = TimeSpan{span->open_s + by_s, span->close_s + by_s};
     return span;
+}
+
+/// `auto` as it is for the first frame, so that a sequence does not flicker.
+ExposureOption of_first_frame(const ExposureOption& asked, const std::function<double()>& stops) {
+    if (!asked.automatic) return asked;
+    return {.stops = stops()};
+}
+
+/// The name of the first frame's input; `hashes`: whether # stands for its number.
+std::string first_input(const FrameOptions& frames, const std::string& name, bool hashes) {
+    return FrameName(name, hashes).of(frames.frames->front());
+}
+
+template <typename Options>
+ExposureOption exposure_of_first_scene(const FrameOptions& frames, const Options& o) {
+    if (!frames.frames) return o.exposure;
+    return of_first_frame(o.exposure, [&] {
+        const Scene scene = read_scene(first_input(frames, o.scene, false), o.units);
+        return auto_exposure_stops(scene, o.settings.camera_name, o.settings.camera);
+    });
+}
+
+ExposureOption exposure_of_first_file(const FrameOptions& frames, const ExposureOption& asked,
+                                      const std::string& input, bool salvage,
+                                      const std::function<Image(const std::string&)>& foreign) {
+    if (!frames.frames) return asked;
+    return of_first_frame(asked, [&] {
+        const std::string first = first_input(frames, input, true);
+        if (!salvage && is_foreign(first)) return auto_exposure_of(foreign(first));
+        return *exposure_of_samples(asked, first, damage_rule(salvage));
+    });
 }
 
 /// Runs a command for each frame, with what `adapt` changes in its options; without a range as it is. Traces
@@ -48,7 +83,9 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
 
 }  // namespace
 
-CommandResult run_frames(const FrameOptions& frames, const TraceOptions& options) {
+CommandResult run_frames(const FrameOptions& frames, const TraceOptions& asked) {
+    TraceOptions options = asked;
+    options.exposure = exposure_of_first_scene(frames, asked);
     return each_frame(frames, {options.scene, options.output, {}}, options, run_trace,
                       [](TraceOptions& o, const FrameFiles& files) {
                           o.scene = files.input;
@@ -57,7 +94,9 @@ CommandResult run_frames(const FrameOptions& frames, const TraceOptions& options
                       });
 }
 
-CommandResult run_frames(const FrameOptions& frames, const RenderOptions& options) {
+CommandResult run_frames(const FrameOptions& frames, const RenderOptions& asked) {
+    RenderOptions options = asked;
+    options.exposure = exposure_of_first_scene(frames, asked);
     return each_frame(frames, {options.scene, options.output, {}, options.settings.halves}, options,
                       run_render, [](RenderOptions& o, const FrameFiles& files) {
                           o.scene = files.input;
@@ -66,7 +105,12 @@ CommandResult run_frames(const FrameOptions& frames, const RenderOptions& option
                       });
 }
 
-CommandResult run_frames(const FrameOptions& frames, const ImageOptions& options) {
+CommandResult run_frames(const FrameOptions& frames, const ImageOptions& asked) {
+    ImageOptions options = asked;
+    options.exposure =
+        exposure_of_first_file(frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
+            return read_foreign_picture(first, asked.foreign.choice, asked.foreign.camera).flattened();
+        });
     return each_frame(frames, {options.input, options.output, {}}, options, run_image,
                       [](ImageOptions& o, const FrameFiles& files) {
                           o.input = files.input;
@@ -74,7 +118,12 @@ CommandResult run_frames(const FrameOptions& frames, const ImageOptions& options
                       });
 }
 
-CommandResult run_frames(const FrameOptions& frames, const FocusOptions& options) {
+CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked) {
+    FocusOptions options = asked;
+    options.exposure =
+        exposure_of_first_file(frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
+            return read_foreign_picture(first, asked.foreign.choice, asked.foreign.camera).flattened();
+        });
     return each_frame(frames, {options.input, options.output, options.retrace.explain}, options, run_focus,
                       [](FocusOptions& o, const FrameFiles& files) {
                           o.input = files.input;
@@ -83,7 +132,12 @@ CommandResult run_frames(const FrameOptions& frames, const FocusOptions& options
                       });
 }
 
-CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& options) {
+CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& asked) {
+    MotionBlurOptions options = asked;
+    options.exposure =
+        exposure_of_first_file(frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
+            return read_vector_frame(first, asked.vectors, asked.layer).picture();
+        });
     return each_frame(frames, {options.input, options.output, {}}, options, run_motionblur,
                       [](MotionBlurOptions& o, const FrameFiles& files) {
                           o.input = files.input;
@@ -92,8 +146,13 @@ CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& op
                       });
 }
 
-CommandResult run_frames(const FrameOptions& frames, const ShootOptions& options) {
-    const FocusOptions& focus = options.focus;
+CommandResult run_frames(const FrameOptions& frames, const ShootOptions& asked) {
+    ShootOptions options = asked;
+    FocusOptions& focus = options.focus;
+    if (frames.frames && focus.exposure.automatic) {
+        const std::string first = first_input(frames, focus.input, true);
+        focus.exposure = {.stops = exposure_of_samples(focus.exposure, first, damage_rule(focus.salvage))};
+    }
     return each_frame(frames, {focus.input, focus.output, focus.retrace.explain}, options, run_shoot,
                       [](ShootOptions& o, const FrameFiles& files) {
                           o.focus.input = files.input;

@@ -26,7 +26,7 @@ constexpr double motion_tolerance = 1e-4;
 class GltfReader {
   public:
     GltfReader(const std::filesystem::path& path, const SceneReadOptions& options)
-        : unit_(options.metres_per_unit) {
+        : options_(options), unit_(options.metres_per_unit) {
         read_gltf_document(path, d_);
         scene_.name = path.stem().string();
     }
@@ -163,7 +163,8 @@ class GltfReader {
             dmat4 world = node.world_from_node;
             std::vector<TransformKey> keys;
             const auto camera = gltf_camera(d_, place, unit_);
-            const auto light = gltf_light(d_, place, unit_, notes_);
+            const auto light = gltf_light(d_, place, options_, notes_);
+            if (light) scene_.lumens_per_watt = options_.lumens_per_watt;
             if (!camera && !light) continue;
             if (node.frame) {
                 const Placement within = decompose(node.frame_from_node).placement;
@@ -213,6 +214,7 @@ class GltfReader {
         return out;
     }
 
+    SceneReadOptions options_;
     double unit_;
     GltfDocument d_;
     SceneNotes notes_;

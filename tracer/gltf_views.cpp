@@ -57,18 +57,19 @@ std::optional<Camera> gltf_camera(const GltfDocument& document, const JsonPlace&
     return camera;
 }
 
-std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& node, double unit,
-                                SceneNotes& notes) {
+std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& node,
+                                const SceneReadOptions& options, SceneNotes& notes) {
     const auto use = node.extension("KHR_lights_punctual");
     if (!use) return std::nullopt;
     const auto all = document.root().extension("KHR_lights_punctual");
     const auto lights = all ? all->objects("lights") : std::vector<JsonPlace>{};
     const JsonPlace& l = lights[use->required(use->index("light", lights.size()), "light")];
+    const double unit = options.metres_per_unit;
     Light light;
     light.name = name_of(node, l);
     const auto colour = l.numbers("color", 3, 0, largest_colour);
     light.intensity = (colour ? dvec3((*colour)[0], (*colour)[1], (*colour)[2]) : dvec3(1)) *
-                      (l.number("intensity", 0, largest_colour).value_or(1) / std::numbers::pi);
+                      (l.number("intensity", 0, largest_colour).value_or(1) / (std::numbers::pi * options.lumens_per_watt));
     const std::string type = l.required(l.text("type"), "type");
     if (type == "directional") {
         light.kind = Light::Kind::directional;

@@ -13,9 +13,9 @@ namespace postlens {
 [[nodiscard]] std::optional<Camera> gltf_camera(const GltfDocument& document, const JsonPlace& node,
                                                 double metres_per_unit);
 
-/// The light of a node (KHR_lights_punctual). Candelas and lux become intensities by 1 / pi: what a white
-/// matt surface shows of them. Throws Error(invalid_input).
+/// The light of a node (KHR_lights_punctual). Its intensity is the file's, in lux or candela, over pi times
+/// lumens_per_watt: the radiance that a white matt surface shows of it. Throws Error(invalid_input).
 [[nodiscard]] std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& node,
-                                              double metres_per_unit, SceneNotes& notes);
+                                              const SceneReadOptions& options, SceneNotes& notes);
 
 }  // namespace postlens
