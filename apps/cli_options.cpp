@@ -232,10 +232,11 @@ void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absen
                to.stops = parse_number("--exposure", text);
                check_bounds("--exposure", *to.stops, text, exposure_bounds);
            },
-           fmt::format("How bright PNG, TIFF and JPEG are: radiance times 2^STOPS, 1 being white, -100 to 100; "
-                       "auto: 95 % of the lit pixels of a small preview are below white (docs/exposure.md). "
-                       ".exr stays scene-linear [default: {}]",
-                       absent))
+           fmt::format(
+               "How bright PNG, TIFF and JPEG are: radiance times 2^STOPS, 1 being white, -100 to 100; "
+               "auto: 95 % of the lit pixels of a small preview are below white (docs/exposure.md). "
+               ".exr stays scene-linear [default: {}]",
+               absent))
         ->type_name("STOPS|auto");
 }
 
@@ -255,8 +256,8 @@ void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, C
         ->type_name("SCENE");
     number(app, "--metres-per-unit", units.metres_per_unit, "Length of the scene's unit, m", "X", units_m);
     number(app, "--lumens-per-watt", units.lumens_per_watt,
-           "By which the lights of glTF, in lux and candela, are divided; 1 takes their numbers as they are", "X",
-           lumens_bounds);
+           "By which the lights of glTF, in lux and candela, are divided; 1 takes their numbers as they are",
+           "X", lumens_bounds);
     app.add_option_function<std::string>(
            "--size",
            [&camera](const std::string& text) {

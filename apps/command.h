@@ -161,7 +161,7 @@ struct CompareCommandOptions {
     double metres_per_unit = 1;
     std::optional<double> lumens_per_watt;  ///< absent: as the sample file says
     ExposureOption exposure;                ///< absent: the reference's
-    LensOptions lens;  ///< of the image, for the causes
+    LensOptions lens;                       ///< of the image, for the causes
     std::optional<TimeSpan> shutter;
     std::optional<FocusMethod> method;
     std::optional<int> depths;

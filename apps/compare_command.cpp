@@ -199,8 +199,9 @@ class Exposer {
   public:
     Exposer(const ExposureOption& asked, const Image& reference, const Image& image)
         : stops_(asked.automatic ? auto_exposure_of(reference)
-                                 : asked.stops.value_or(reference.exposure_stops.value_or(
-                                       image.exposure_stops.value_or(0)))) {}
+                                 : asked.stops.value_or(
+                                       reference.exposure_stops.value_or(image.exposure_stops.value_or(0)))) {
+    }
     [[nodiscard]] double stops() const { return stops_; }
     // What does not say its exposure is taken as it is.
     void bring(Image& image) const { set_exposure(image, stops_); }
@@ -231,7 +232,8 @@ void map_causes(const CompareCommandOptions& o, const Exposer& exposer, CommandR
     request.depths = o.depths;
     std::optional<Scene> scene;
     if (o.scene) {
-        scene = read_scene_of_file(*o.scene, o.metres_per_unit, o.lumens_per_watt, file, {*o.map_causes}, out);
+        scene =
+            read_scene_of_file(*o.scene, o.metres_per_unit, o.lumens_per_watt, file, {*o.map_causes}, out);
         request.view.scene = &*scene;
     }
     const Image image = exposer.read(o.image), reference = exposer.read(o.reference);

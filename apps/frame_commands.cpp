@@ -107,8 +107,8 @@ CommandResult run_frames(const FrameOptions& frames, const RenderOptions& asked)
 
 CommandResult run_frames(const FrameOptions& frames, const ImageOptions& asked) {
     ImageOptions options = asked;
-    options.exposure =
-        exposure_of_first_file(frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
+    options.exposure = exposure_of_first_file(
+        frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
             return read_foreign_picture(first, asked.foreign.choice, asked.foreign.camera).flattened();
         });
     return each_frame(frames, {options.input, options.output, {}}, options, run_image,
@@ -120,8 +120,8 @@ CommandResult run_frames(const FrameOptions& frames, const ImageOptions& asked) 
 
 CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked) {
     FocusOptions options = asked;
-    options.exposure =
-        exposure_of_first_file(frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
+    options.exposure = exposure_of_first_file(
+        frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
             return read_foreign_picture(first, asked.foreign.choice, asked.foreign.camera).flattened();
         });
     return each_frame(frames, {options.input, options.output, options.retrace.explain}, options, run_focus,
@@ -134,8 +134,8 @@ CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked) 
 
 CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& asked) {
     MotionBlurOptions options = asked;
-    options.exposure =
-        exposure_of_first_file(frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
+    options.exposure = exposure_of_first_file(
+        frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
             return read_vector_frame(first, asked.vectors, asked.layer).picture();
         });
     return each_frame(frames, {options.input, options.output, {}}, options, run_motionblur,

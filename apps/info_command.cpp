@@ -77,8 +77,10 @@ CommandResult sample_file_info(const std::string& input, bool salvage) {
         {"subdivide", h.subdivide_levels},
         {"max_depth", h.max_depth},
         {"exposure_stops", h.exposure_stops},
-        {"auto_exposure_stops", h.auto_exposure_stops ? nlohmann::ordered_json(*h.auto_exposure_stops) : nlohmann::ordered_json(nullptr)},
-        {"lumens_per_watt", h.lumens_per_watt ? nlohmann::ordered_json(*h.lumens_per_watt) : nlohmann::ordered_json(nullptr)},
+        {"auto_exposure_stops", h.auto_exposure_stops ? nlohmann::ordered_json(*h.auto_exposure_stops)
+                                                      : nlohmann::ordered_json(nullptr)},
+        {"lumens_per_watt",
+         h.lumens_per_watt ? nlohmann::ordered_json(*h.lumens_per_watt) : nlohmann::ordered_json(nullptr)},
         {"refocus_matrices", h.has_w},
         {"refocus_bends", h.has_bend},
         {"scene", h.scene_name},

@@ -112,9 +112,9 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
         for (float& v : p.rgb) v *= gain;
     }
     MotionBlurResult result = vector_blur(frame, {.exposure = exposure,
-                                                        .curve = shutter_curve(options.curve),
-                                                        .views = options.settings.views,
-                                                        .crop = options.settings.crop});
+                                                  .curve = shutter_curve(options.curve),
+                                                  .views = options.settings.views,
+                                                  .crop = options.settings.crop});
     result.image.exposure_stops = stops;
     write_image(options.output, result.image, options.settings.crop);
 

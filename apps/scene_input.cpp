@@ -18,8 +18,8 @@ Scene read_scene_of_file(const std::string& path, double metres_per_unit,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
     // Files that do not say are of programs that took the numbers of lights as they are.
     const double lumens = lumens_per_watt.value_or(file.header().lumens_per_watt.value_or(1));
-    Scene scene = read_scene_of_command(
-        path, {.metres_per_unit = metres_per_unit, .lumens_per_watt = lumens}, written, out);
+    Scene scene = read_scene_of_command(path, {.metres_per_unit = metres_per_unit, .lumens_per_watt = lumens},
+                                        written, out);
     expose(scene, file.exposure_stops());
     return scene;
 }

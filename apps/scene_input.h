@@ -18,7 +18,8 @@ namespace postlens {
 /// The same for the scene that a sample file was traced from, at the exposure by which the file is read.
 /// `lumens_per_watt`: absent: as the file says.
 [[nodiscard]] Scene read_scene_of_file(const std::string& path, double metres_per_unit,
-                                       const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
+                                       const std::optional<double>& lumens_per_watt,
+                                       const SampleFileReader& file,
                                        const std::vector<std::filesystem::path>& written, CommandResult& out);
 
 }  // namespace postlens

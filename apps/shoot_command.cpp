@@ -13,8 +13,7 @@ CommandResult run_shoot(const ShootOptions& options) {
     const FocusOptions& o = options.focus;
     check_image_path(o.output);
     const Damage damage = damage_rule(o.salvage);
-    const SampleFileReader file(o.input, damage,
-                                exposure_of_samples(o.exposure, o.input, damage));
+    const SampleFileReader file(o.input, damage, exposure_of_samples(o.exposure, o.input, damage));
     const SampleHeader& h = file.header();
     check_crop(o.crop, h.width, h.height);
     const ResolvedLens lens = resolve_lens(o.lens, file);

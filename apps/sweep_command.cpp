@@ -141,7 +141,8 @@ CommandResult run_sweep(const SweepOptions& o) {
     }
     // How bright pictures are shown says nothing of the file.
     if (o.strict && std::any_of(out.warnings.begin(), out.warnings.end(),
-                                [](const Warning& w) { return w.code != "exposure"; })) out.exit_code = ExitCode::shortfall;
+                                [](const Warning& w) { return w.code != "exposure"; }))
+        out.exit_code = ExitCode::shortfall;
     out.json = nlohmann::ordered_json::parse(json_text(result.table));
     out.json.update(
         {{"folder", o.output},

@@ -64,7 +64,8 @@ CommandResult run_trace(const TraceOptions& options) {
     warn_of_motion(scene, out);
     TraceSettings settings = options.settings;
     settings.auto_exposure_stops = auto_exposure_stops(scene, settings.camera_name, settings.camera);
-    expose(scene, options.exposure.automatic ? *settings.auto_exposure_stops : options.exposure.stops.value_or(0));
+    expose(scene,
+           options.exposure.automatic ? *settings.auto_exposure_stops : options.exposure.stops.value_or(0));
     std::optional<std::uint64_t> expected_bytes;
     nlohmann::ordered_json plan = nullptr;
     if (options.plan) {

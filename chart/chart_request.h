@@ -16,7 +16,7 @@ namespace postlens {
 struct ChartRequest {
     std::filesystem::path scene;
     SceneReadOptions units;
-    double exposure_stops = 0;  ///< of everything that is compared
+    double exposure_stops = 0;   ///< of everything that is compared
     bool exposure_auto = false;  ///< instead: auto_exposure_stops
     CameraOverrides camera;
     std::string camera_name;  ///< empty: the scene's first

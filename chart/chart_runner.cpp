@@ -56,8 +56,8 @@ std::string key_of(const ChartRequest& r, const ChartView& v, const Scene& scene
     if (scene.exposure_stops != 0) reference += fmt::format(" exposure {:.17g}", scene.exposure_stops);
     return fmt::format(
         "{} x{:.17g} '{}' {}x{} d={:.17g} F={:.17g} f/{:.17g} s={:.17g} shutter {} reference {}",
-        scene.sha256.substr(0, 16), r.units.metres_per_unit, r.camera_name, v.width, v.height, v.film_distance_mm,
-        v.lens.focal_length_mm, v.lens.f_number, v.focus_m, shutter, reference);
+        scene.sha256.substr(0, 16), r.units.metres_per_unit, r.camera_name, v.width, v.height,
+        v.film_distance_mm, v.lens.focal_length_mm, v.lens.f_number, v.focus_m, shutter, reference);
 }
 
 Json about_json(const ChartRequest& r, const ChartView& v, const Scene& scene) {

@@ -29,8 +29,8 @@ double exposure_gain(double stops) {
 }
 
 double auto_exposure_of(std::span<double> values) {
-    const auto end = std::partition(values.begin(), values.end(),
-                                    [](double v) { return std::isfinite(v) && v > 0; });
+    const auto end =
+        std::partition(values.begin(), values.end(), [](double v) { return std::isfinite(v) && v > 0; });
     const auto count = static_cast<std::size_t>(end - values.begin());
     if (count == 0) return 0;
     const std::size_t rank = (95 * count + 99) / 100;  // from 1 on
@@ -45,7 +45,8 @@ double auto_exposure_of(const Image& image) {
         values[i] = static_cast<double>(largest_channel(image.rgb.data() + 3 * i));
     const double stops = image.exposure_stops.value_or(0);
     const double gain = exposure_gain(-stops);
-    if (stops != 0) std::transform(values.begin(), values.end(), values.begin(), [&](double v) { return v * gain; });
+    if (stops != 0)
+        std::transform(values.begin(), values.end(), values.begin(), [&](double v) { return v * gain; });
     return auto_exposure_of(values);
 }
 
@@ -58,7 +59,8 @@ void set_exposure(Image& image, double stops) {
 
 std::optional<ExposureWarning> exposure_warning(const Image& image, const std::optional<Crop>& crop) {
     const int x0 = crop ? crop->x : 0, y0 = crop ? crop->y : 0;
-    const int x1 = crop ? crop->x + crop->width : image.width, y1 = crop ? crop->y + crop->height : image.height;
+    const int x1 = crop ? crop->x + crop->width : image.width,
+              y1 = crop ? crop->y + crop->height : image.height;
     std::size_t beyond = 0;
     float largest = 0;
     for (int y = y0; y < y1; ++y) {
@@ -68,8 +70,9 @@ std::optional<ExposureWarning> exposure_warning(const Image& image, const std::o
             largest = std::max(largest, v);
         }
     }
-    const double share = static_cast<double>(beyond) /
-                         std::max<double>(1, static_cast<double>(wanted_pixels(crop, image.width, image.height)));
+    const double share =
+        static_cast<double>(beyond) /
+        std::max<double>(1, static_cast<double>(wanted_pixels(crop, image.width, image.height)));
     const bool dark = largest > 0 && largest < least_of_white;
     if (share <= most_beyond_white && !dark) return std::nullopt;
     const double stops = auto_exposure_of(crop ? cut(image, crop) : image);
@@ -84,7 +87,8 @@ std::optional<ExposureWarning> exposure_warning(const Image& image, const std::o
 double stops_of_text(const std::string& text, const std::string& file) {
     double stops = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), stops);
-    if (error != std::errc() || end != text.data() + text.size() || !(std::abs(stops) <= most_exposure_stops)) {
+    if (error != std::errc() || end != text.data() + text.size() ||
+        !(std::abs(stops) <= most_exposure_stops)) {
         fail(ExitCode::invalid_input, "{}: {} is damaged (got {}; expected stops from {} to {})", file,
              "postlens.exposure_stops", excerpt(text), -most_exposure_stops, most_exposure_stops);
     }

@@ -16,7 +16,8 @@ struct Image {
     int width = 0, height = 0;
     std::vector<float> rgb;
     std::vector<float> alpha;  ///< one a pixel; empty: opaque
-    /// `rgb` is radiance times 2^exposure_stops. Nothing: not known, as of another program's PNG, TIFF or JPEG.
+    /// `rgb` is radiance times 2^exposure_stops. Nothing: not known, as of another program's PNG, TIFF or
+    /// JPEG.
     std::optional<double> exposure_stops = 0.0;
 
     Image() = default;
@@ -45,13 +46,13 @@ struct Crop {
 
 /// Writes by the target's ending: .exr float and radiance, with alpha; .png (8 bit), .tif, .jpg with the
 /// sRGB transfer curve, clamped to 0..1, without alpha (premultiplied colours are those over black). The file
-/// appears whole or not at all. All keep the exposure as `postlens.exposure_stops`: .exr, where it is not 0, as
-/// an attribute; the others, where it is known, in their text, beside values to which it has been applied. With
-/// a `crop` only that part of the picture is written; an .exr says where in
-/// the whole it lies: its data window is the crop, its display window the whole picture, and `postlens.crop`
-/// tells `read_image` that there is no more to it. Returns XXH3 (64 bits) of the file's bytes. Throws
-/// Error(cannot_write) on any failure and Error(wrong_arguments) for an ending that no writer knows and a
-/// crop that is not within the picture.
+/// appears whole or not at all. All keep the exposure as `postlens.exposure_stops`: .exr, where it is not 0,
+/// as an attribute; the others, where it is known, in their text, beside values to which it has been applied.
+/// With a `crop` only that part of the picture is written; an .exr says where in the whole it lies: its data
+/// window is the crop, its display window the whole picture, and `postlens.crop` tells `read_image` that
+/// there is no more to it. Returns XXH3 (64 bits) of the file's bytes. Throws Error(cannot_write) on any
+/// failure and Error(wrong_arguments) for an ending that no writer knows and a crop that is not within the
+/// picture.
 std::uint64_t write_image(const std::filesystem::path& path, const Image& image,
                           const std::optional<Crop>& crop = std::nullopt);
 

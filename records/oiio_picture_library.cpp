@@ -111,7 +111,8 @@ class OiioLibrary : public PictureLibrary {
     }
 
     [[nodiscard]] std::vector<unsigned char> tiff(int width, int height, std::span<const std::uint16_t> rgb,
-                                                  const std::string& description, std::string& problem) const override {
+                                                  const std::string& description,
+                                                  std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT16);
         // No colour space: it would ask for an EXIF directory, which OpenImageIO 2.4 cannot write to memory.
         // Integer pixels are taken as sRGB without it.
@@ -122,7 +123,8 @@ class OiioLibrary : public PictureLibrary {
     }
 
     [[nodiscard]] std::vector<unsigned char> jpeg(int width, int height, std::span<const std::uint8_t> rgb,
-                                                  const std::string& description, std::string& problem) const override {
+                                                  const std::string& description,
+                                                  std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
         spec["oiio:ColorSpace"] = "sRGB";
         spec["compression"] = "jpeg:95";

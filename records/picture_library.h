@@ -63,7 +63,8 @@ class PictureLibrary {
                                                               const std::string& format,
                                                               std::string& problem) const = 0;
     /// A TIFF file of width * height * 3 numbers, which are sRGB with 65535 for 1; likewise a JPEG file with
-    /// 255 for 1. `description`: a text beside it, if not empty. Empty, and what went wrong, where that cannot be done.
+    /// 255 for 1. `description`: a text beside it, if not empty. Empty, and what went wrong, where that
+    /// cannot be done.
     [[nodiscard]] virtual std::vector<unsigned char> tiff(int width, int height,
                                                           std::span<const std::uint16_t> rgb,
                                                           const std::string& description,
@@ -80,8 +81,8 @@ class PictureLibrary {
 
 /// In the header of a crop: where it lies in the whole picture, x, y, width and height.
 inline constexpr const char* crop_attribute = "postlens.crop";
-/// In the header of any picture: its exposure (records/image.h). TIFF and JPEG have it in their description, as
-/// "postlens.exposure_stops=STOPS".
+/// In the header of any picture: its exposure (records/image.h). TIFF and JPEG have it in their description,
+/// as "postlens.exposure_stops=STOPS".
 inline constexpr const char* exposure_attribute = "postlens.exposure_stops";
 
 }  // namespace postlens

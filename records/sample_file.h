@@ -26,8 +26,9 @@ struct ScanlineFacts {
     std::uint64_t checksum = 0;
 };
 
-/// Writes records whose colours are radiance, whatever the header's exposure. Bands come in order, top to bottom, first those of the frame's own instant, then those of each key, in
-/// bounded memory. Nothing appears at `path` before `finish()`.
+/// Writes records whose colours are radiance, whatever the header's exposure. Bands come in order, top to
+/// bottom, first those of the frame's own instant, then those of each key, in bounded memory. Nothing appears
+/// at `path` before `finish()`.
 class SampleFileWriter {
   public:
     SampleFileWriter(const std::filesystem::path& path, const SampleHeader& header,

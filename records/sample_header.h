@@ -45,7 +45,7 @@ struct SampleHeader {
 
     int subdivide_levels = 0;  ///< greatest depth of the recursive 2x2 subdivision of a pixel
     double subdivide_threshold = 0;
-    int max_depth = 0;  ///< nodes along a path, the primary node counts 1
+    int max_depth = 0;            ///< nodes along a path, the primary node counts 1
     double min_contribution = 0;  ///< of white
 
     double exposure_stops = 0;  ///< radiance times 2^this is relative to white; the file holds radiance

@@ -227,7 +227,8 @@ class Sweep {
             p.depths.value_or(0), p.views.value_or(0), settings_.coc_limit_px, p.curve.fingerprint(),
             p.scene != nullptr ? fmt::format("{} {}", p.scene->sha256, p.retrace_spp) : "");
         if (file_.exposure_stops() != 0) key += fmt::format(" exposure {}", file_.exposure_stops());
-        if (p.scene != nullptr && p.scene->lumens_per_watt) key += fmt::format(" lumens {}", *p.scene->lumens_per_watt);
+        if (p.scene != nullptr && p.scene->lumens_per_watt)
+            key += fmt::format(" lumens {}", *p.scene->lumens_per_watt);
         if (p.predict) key += " predicted";
         if (maker_.method() == FocusMethod::automatic) key += fmt::format(" {}", p.target_db);
         for (const glm::dvec2& at : out_.table.at) key += fmt::format(" {},{}", at.x, at.y);

@@ -26,9 +26,9 @@ struct SweepSettings {
     bool resume = false;
     /// What else pictures depend on, e.g. the files named by settings: part of every settings_key.
     std::vector<std::filesystem::path> depends_on;
-    Damage damage = Damage::refuse;  ///< what to do about damage in the sample file
+    Damage damage = Damage::refuse;        ///< what to do about damage in the sample file
     std::optional<double> exposure_stops;  ///< of all pictures; absent: the file's
-    bool quiet = true;               ///< no progress bar
+    bool quiet = true;                     ///< no progress bar
 };
 
 struct SweepWarning {

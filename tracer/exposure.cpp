@@ -41,10 +41,9 @@ void expose(Scene& scene, double stops) {
 double auto_exposure_stops(const Scene& scene, const std::string& camera_name,
                            const CameraOverrides& overrides) {
     const RayScene rays(scene, scene.time_s);
-    const CameraModel camera =
-        preview_camera(find_camera(scene, camera_name), scene.time_s, overrides);
-    const WhittedTracer tracer(
-        rays, camera, {.max_depth = 5, .min_contribution = 0, .refocus_matrices = false});
+    const CameraModel camera = preview_camera(find_camera(scene, camera_name), scene.time_s, overrides);
+    const WhittedTracer tracer(rays, camera,
+                               {.max_depth = 5, .min_contribution = 0, .refocus_matrices = false});
     const auto width = static_cast<std::size_t>(camera.width);
     std::vector<double> values(width * static_cast<std::size_t>(camera.height));
     const double gain = exposure_gain(-scene.exposure_stops);

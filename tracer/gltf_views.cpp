@@ -68,8 +68,9 @@ std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& n
     Light light;
     light.name = name_of(node, l);
     const auto colour = l.numbers("color", 3, 0, largest_colour);
-    light.intensity = (colour ? dvec3((*colour)[0], (*colour)[1], (*colour)[2]) : dvec3(1)) *
-                      (l.number("intensity", 0, largest_colour).value_or(1) / (std::numbers::pi * options.lumens_per_watt));
+    light.intensity =
+        (colour ? dvec3((*colour)[0], (*colour)[1], (*colour)[2]) : dvec3(1)) *
+        (l.number("intensity", 0, largest_colour).value_or(1) / (std::numbers::pi * options.lumens_per_watt));
     const std::string type = l.required(l.text("type"), "type");
     if (type == "directional") {
         light.kind = Light::Kind::directional;

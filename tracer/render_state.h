@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Sums of exposed radiance by pixel (3 doubles each, row-major), of one or two halves, and how many samples are in
-/// them.
+/// Sums of exposed radiance by pixel (3 doubles each, row-major), of one or two halves, and how many samples
+/// are in them.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     double exposure_stops = 0;  ///< of the sums
@@ -27,8 +27,8 @@ struct RenderState {
     [[nodiscard]] Image half(int which) const;
 };
 
-/// Writes an OpenEXR file: R, G, B of the radiance as far as they are, and every sum and count bit by bit in further
-/// channels. `settings` identifies what is rendered. Throws Error(cannot_write).
+/// Writes an OpenEXR file: R, G, B of the radiance as far as they are, and every sum and count bit by bit in
+/// further channels. `settings` identifies what is rendered. Throws Error(cannot_write).
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings);
 
 /// Fills `state`, whose size and halves are set, from a file of the same settings. Throws

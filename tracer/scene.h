@@ -143,8 +143,8 @@ struct Scene {
     std::vector<Light> lights;
     std::vector<Camera> cameras;  ///< the first is the default
     glm::dvec3 background{0};
-    glm::dvec3 ambient_light{1};     ///< Ia
-    double exposure_stops = 0;       ///< as `expose` has set it
+    glm::dvec3 ambient_light{1};  ///< Ia
+    double exposure_stops = 0;    ///< as `expose` has set it
     /// By which photometric lights were divided; absent: the file has no such lights.
     std::optional<double> lumens_per_watt;
     double time_s = 0;               ///< default instant

@@ -65,7 +65,8 @@ struct TraceResult {
 void require_trace_memory(const Scene& scene, const TraceSettings& settings,
                           const std::filesystem::path& path);
 
-/// Traces `scene` into a sample file at `path`, which holds radiance and the scene's exposure; nothing appears there before all is done. Throws Error.
+/// Traces `scene` into a sample file at `path`, which holds radiance and the scene's exposure; nothing
+/// appears there before all is done. Throws Error.
 TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const std::filesystem::path& path);
 
 /// The header that a trace with these settings writes, without keys; shared with tests and benchmarks.
