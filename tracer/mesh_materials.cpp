@@ -96,7 +96,10 @@ std::shared_ptr<const Texture> MeshMaterials::picture(const aiMaterial& from, ai
     aiString name;
     if (from.GetTextureCount(type) == 0 || from.GetTexture(type, 0, &name) != aiReturn_SUCCESS)
         return nullptr;
-    std::string file = name.C_Str();
+    return picture(std::string(name.C_Str()));
+}
+
+std::shared_ptr<const Texture> MeshMaterials::picture(std::string file) {
     std::replace(file.begin(), file.end(), '\\', '/');
     const auto [at, is_new] = textures_.try_emplace(file);
     if (!is_new) return at->second;

@@ -1,4 +1,4 @@
-// Materials that assimp read from MTL (and the picture that a PLY names) as Whitted's model has them.
+// Materials that assimp read from MTL, and pictures that OBJ and PLY name, as Whitted's model has them.
 #pragma once
 
 #include <assimp/material.h>
@@ -26,6 +26,9 @@ class MeshMaterials {
     [[nodiscard]] Material read(const aiMaterial& from);
     /// White and matt.
     [[nodiscard]] static Material plain();
+    /// Null, with a note, where it cannot be read. Throws Error(invalid_input) where it leads out of the
+    /// scene's folder.
+    [[nodiscard]] std::shared_ptr<const Texture> picture(std::string file);
 
   private:
     std::shared_ptr<const Texture> picture(const aiMaterial& from, aiTextureType type);

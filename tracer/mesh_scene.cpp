@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "core/error.h"
@@ -17,7 +18,7 @@
 #include "records/srgb.h"
 #include "tracer/mesh_files.h"
 #include "tracer/mesh_materials.h"
-#include "tracer/ply_check.h"
+#include "tracer/ply_file.h"
 #include "tracer/scene_defaults.h"
 #include "tracer/toml_objects.h"
 #include "tracer/triangulate.h"
@@ -47,9 +48,18 @@ class MeshReader {
 
     Scene read() {
         const std::string bytes = read_text_file(path_, largest_mesh_file_bytes);
-        if (is_ply_) check_ply(bytes, path_.string());
+        std::vector<ReferredFile> referred;
+        is_ply_ ? add_ply(bytes, referred) : add_obj(bytes, referred);
+        notes_.append_to(scene_.notes, path_);
+        name_sources(bytes, referred, scene_);
+        complete_scene(scene_, path_, answers_to_lights(scene_), 1, open_side(scene_));
+        return std::move(scene_);
+    }
+
+  private:
+    void add_obj(const std::string& bytes, std::vector<ReferredFile>& referred) {
         // The importer deletes it.
-        auto* const files = new MeshFiles(path_, is_ply_ ? bytes : as_utf8(bytes));
+        auto* const files = new MeshFiles(path_, as_utf8(bytes));
         Assimp::Importer importer;
         importer.SetIOHandler(files);
         const aiScene* found = import(importer);
@@ -62,16 +72,97 @@ class MeshReader {
             notes_.add(
                 fmt::format("the material library {} cannot be read", excerpt(files->missing().front())));
         }
-        std::vector<ReferredFile> referred = files->opened();
+        referred = files->opened();
         MeshMaterials materials(path_, referred, notes_);
         add_node(*found, *found->mRootNode, materials);
-        notes_.append_to(scene_.notes, path_);
-        name_sources(bytes, referred, scene_);
-        complete_scene(scene_, path_, answers_to_lights(scene_), 1, open_side(scene_));
-        return std::move(scene_);
     }
 
-  private:
+    void add_ply(const std::string& bytes, std::vector<ReferredFile>& referred) {
+        const PlyFile from = read_ply_file(bytes, path_.string(), notes_);
+        if (from.corner_counts.empty()) {
+            fail(ExitCode::invalid_input,
+                 "{}: has no faces (got {} points; expected triangles, polygons or strips)", path_.string(),
+                 from.positions.size());
+        }
+        Object object;
+        object.name = printable_name(scene_.name, "mesh");
+        object.id = 1;
+        object.shape = std::make_shared<const Mesh>(ply_mesh(from));
+        Material material = MeshMaterials::plain();
+        if (!from.texture_file.empty()) {
+            material.colour_texture = MeshMaterials(path_, referred, notes_).picture(from.texture_file);
+        }
+        scene_.materials.push_back(std::move(material));
+        if (!std::get<std::shared_ptr<const Mesh>>(object.shape)->triangles.empty())
+            scene_.objects.push_back(std::move(object));
+    }
+
+    Mesh ply_mesh(const PlyFile& from) {
+        Mesh out;
+        std::vector<bool> usable;
+        // Where corners have texture coordinates of their own, each corner of a face is a position of its
+        // own.
+        const bool is_unrolled = !from.corner_uvs.empty();
+        const std::size_t count = is_unrolled ? from.corners.size() : from.positions.size();
+        std::vector<unsigned> face;
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t at = is_unrolled ? checked(from.corners[i], from.positions.size()) : i;
+            add_position(from.positions[at], usable, out);
+            if (!from.normals.empty()) out.normals.push_back(unit_normal(from.normals[at]));
+            if (!from.colours.empty()) out.colours.push_back(screen_colour(from.colours[at]));
+            const auto& uvs = is_unrolled ? from.corner_uvs : from.uvs;
+            if (!uvs.empty()) out.uvs.push_back(i < uvs.size() ? finite_uv(uvs[i]) : glm::vec2(0));
+        }
+        std::uint32_t first = 0;
+        for (const std::uint32_t corners : from.corner_counts) {
+            face.clear();
+            for (std::uint32_t i = first; i < first + corners; ++i)
+                face.push_back(is_unrolled ? i : from.corners[i]);
+            add_face(face, usable, out);
+            first += corners;
+        }
+        return out;
+    }
+
+    [[nodiscard]] std::size_t checked(std::size_t index, std::size_t count) const {
+        if (index >= count) {
+            fail(ExitCode::invalid_input, "{}: a face refers to no vertex (got {}; expected less than {})",
+                 path_.string(), index, count);
+        }
+        return index;
+    }
+
+    void add_position(const dvec3& in_file, std::vector<bool>& usable, Mesh& out) const {
+        const dvec3 p = unit_ * in_file;
+        usable.push_back(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= largest_length_m &&
+                         p == p);
+        out.positions.emplace_back(usable.back() ? p : dvec3(0));
+    }
+
+    static dvec3 unit_normal(const dvec3& normal) {
+        const bool is_finite = std::isfinite(normal.x) && std::isfinite(normal.y) && std::isfinite(normal.z);
+        const double length = is_finite ? glm::length(normal) : 0;
+        return length > 0 && std::isfinite(length) ? normal / length : dvec3(0);
+    }
+
+    static glm::vec2 finite_uv(const glm::dvec2& uv) {
+        const glm::vec2 out(uv);
+        return std::isfinite(out.x) && std::isfinite(out.y) ? out : glm::vec2(0);
+    }
+
+    static glm::vec3 bounded_colour(glm::vec3 colour) {
+        for (int k = 0; k < 3; ++k)
+            colour[k] = std::isfinite(colour[k]) ? std::clamp(colour[k], 0.0F, 1.0F) : 0.0F;
+        return colour;
+    }
+
+    // A scanner's bytes are what a screen showed; an OBJ's numbers are like those of Kd.
+    static glm::vec3 screen_colour(const glm::vec3& colour) {
+        glm::vec3 out = bounded_colour(colour);
+        for (int k = 0; k < 3; ++k) out[k] = linear_from_srgb(out[k]);
+        return out;
+    }
+
     const aiScene* import(Assimp::Importer& importer) const {
         std::string why;
         try {
@@ -86,7 +177,7 @@ class MeshReader {
         fail(ExitCode::invalid_input, "{}: cannot be read ({})", path_.string(), one_line(why));
     }
 
-    // Trees of these two formats are two levels deep.
+    // Trees of OBJ are two levels deep.
     void add_node(const aiScene& from, const aiNode& node, MeshMaterials& materials) {
         if (node.mNumMeshes > 0) {
             const std::string name = node.mName.C_Str();
@@ -116,74 +207,47 @@ class MeshReader {
         const auto [at, is_new] = materials_.try_emplace(index, scene_.materials.size());
         if (is_new) {
             const aiMaterial& m = *from.mMaterials[index];
-            const bool is_made = is_ply_ || std::string_view(m.GetName().C_Str()) == AI_DEFAULT_MATERIAL_NAME;
-            Material made = MeshMaterials::plain();
-            Material read = materials.read(m);
-            if (is_made) {
-                made.colour_texture = read.colour_texture;
-                read = std::move(made);
-            }
-            scene_.materials.push_back(std::move(read));
+            const bool is_made = std::string_view(m.GetName().C_Str()) == AI_DEFAULT_MATERIAL_NAME;
+            scene_.materials.push_back(is_made ? MeshMaterials::plain() : materials.read(m));
         }
         return at->second;
     }
 
     Mesh read_mesh(const aiMesh& from) {
         Mesh out;
-        std::vector<bool> usable(from.mNumVertices);
-        out.positions.reserve(from.mNumVertices);
+        std::vector<bool> usable;
         for (unsigned i = 0; i < from.mNumVertices; ++i) {
             const aiVector3D& v = from.mVertices[i];
-            const dvec3 p = unit_ * dvec3(v.x, v.y, v.z);
-            usable[i] = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= largest_length_m && p == p;
-            out.positions.emplace_back(usable[i] ? p : dvec3(0));
+            add_position({v.x, v.y, v.z}, usable, out);
+            if (from.HasNormals()) {
+                const aiVector3D& n = from.mNormals[i];
+                out.normals.emplace_back(unit_normal({n.x, n.y, n.z}));
+            }
+            if (from.HasTextureCoords(0)) {
+                const aiVector3D& t = from.mTextureCoords[0][i];
+                out.uvs.push_back(finite_uv({t.x, t.y}));
+            }
+            if (from.HasVertexColors(0)) {
+                const aiColor4D& c = from.mColors[0][i];
+                out.colours.push_back(bounded_colour({c.r, c.g, c.b}));
+            }
         }
-        read_corners(from, out);
-        for (unsigned i = 0; i < from.mNumFaces; ++i) add_face(from.mFaces[i], usable, out);
+        for (unsigned i = 0; i < from.mNumFaces; ++i) {
+            const aiFace& face = from.mFaces[i];
+            add_face({face.mIndices, face.mNumIndices}, usable, out);
+        }
         return out;
     }
 
-    void read_corners(const aiMesh& from, Mesh& out) {
-        const auto finite = [](const aiVector3D& v) {
-            return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-        };
-        for (unsigned i = 0; from.HasNormals() && i < from.mNumVertices; ++i) {
-            const aiVector3D& n = from.mNormals[i];
-            const dvec3 normal(n.x, n.y, n.z);
-            const double length = finite(n) ? glm::length(normal) : 0;
-            out.normals.emplace_back(length > 0 ? normal / length : dvec3(0));
-        }
-        for (unsigned i = 0; from.HasTextureCoords(0) && i < from.mNumVertices; ++i) {
-            const aiVector3D& t = from.mTextureCoords[0][i];
-            out.uvs.emplace_back(finite(t) ? glm::vec2(t.x, t.y) : glm::vec2(0));
-        }
-        for (unsigned i = 0; from.HasVertexColors(0) && i < from.mNumVertices; ++i) {
-            const aiColor4D& c = from.mColors[0][i];
-            glm::vec3 colour(c.r, c.g, c.b);
-            for (int k = 0; k < 3; ++k) {
-                colour[k] = std::isfinite(colour[k]) ? std::clamp(colour[k], 0.0F, 1.0F) : 0.0F;
-                // A scanner's bytes are what a screen showed; an OBJ's numbers are like those of Kd.
-                if (is_ply_) colour[k] = linear_from_srgb(colour[k]);
-            }
-            out.colours.push_back(colour);
-        }
-    }
-
-    void add_face(const aiFace& face, const std::vector<bool>& usable, Mesh& out) {
-        if (face.mNumIndices < 3) return notes_.add("points and lines are left out");
-        if (face.mNumIndices > largest_polygon) {
+    void add_face(std::span<const unsigned> face, const std::vector<bool>& usable, Mesh& out) {
+        if (face.size() < 3) return notes_.add("points and lines are left out");
+        if (face.size() > largest_polygon) {
             fail(ExitCode::invalid_input, "{}: a polygon has too many corners (got {}; expected at most {})",
-                 path_.string(), face.mNumIndices, largest_polygon);
+                 path_.string(), face.size(), largest_polygon);
         }
         corners_.clear();
-        for (unsigned i = 0; i < face.mNumIndices; ++i) {
-            const unsigned index = face.mIndices[i];
-            if (index >= out.positions.size()) {
-                fail(ExitCode::invalid_input,
-                     "{}: a face refers to no vertex (got {}; expected less than {})", path_.string(), index,
-                     out.positions.size());
-            }
-            if (!usable[index]) {
+        for (const unsigned index : face) {
+            if (!usable[checked(index, out.positions.size())]) {
                 return notes_.add("a face with a corner that is not finite, or beyond 1e12 m, is left out");
             }
             corners_.emplace_back(out.positions[index]);
@@ -194,7 +258,7 @@ class MeshReader {
             return notes_.add("a polygon that crosses itself is left out");
         }
         for (const glm::uvec3& t : cut.triangles) {
-            out.triangles.emplace_back(face.mIndices[t.x], face.mIndices[t.y], face.mIndices[t.z]);
+            out.triangles.emplace_back(face[t.x], face[t.y], face[t.z]);
         }
     }
 

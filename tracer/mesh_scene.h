@@ -1,4 +1,4 @@
-// Scenes from OBJ with MTL, and from PLY, through assimp.
+// Scenes from OBJ with MTL (through assimp), and from PLY.
 #pragma once
 
 #include "tracer/scene.h"
