@@ -670,6 +670,24 @@ TEST(PublishedMeshes, PolygonsAndColoursOfObjAndPly) {
     EXPECT_TRUE(notes_have(colours, "'cube.mtl' cannot be read"));
 }
 
+TEST_F(MeshText, ObjPolygonsMayHaveHundredsOfCornersAndLinesMayGoOn) {
+    std::string corners, face = "f";
+    for (int i = 0; i < 300; ++i) {
+        const double turn = 2 * std::numbers::pi * i / 300;
+        corners += fmt::format("v {:.9f} {:.9f} 0\n", std::cos(turn), std::sin(turn));
+        face += fmt::format(" {}", i + 1);
+        if (i % 100 == 99 && i < 299) face += " \\\n";
+    }
+    EXPECT_EQ(triangles(read("t.obj", "# a disc\n" + corners + face + "\n")), 298U);
+}
+
+TEST_F(MeshText, ObjWordsThatAreNoNumbersMoveNoCorner) {
+    const std::string rest = "v 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n# to make the file long enough\n";
+    EXPECT_EQ(triangles(read("t.obj", "v 0 inf 0\n" + rest)), 1U);
+    EXPECT_EQ(triangles(read("t.obj", "v 0 nan 0\n" + rest)), 1U);
+    EXPECT_THAT(error("t.obj", "v 0 zero 0\n" + rest), HasSubstr("cannot be read"));
+}
+
 TEST(PublishedMeshes, CornersThatAreNotFiniteCostTheirFacesOnly) {
     const Scene s = read_scene(published / "test-nan.obj");
     EXPECT_TRUE(notes_have(s, "a corner that is not finite"));
