@@ -18,27 +18,29 @@ class ExposureCommand : public CommandTest {
     std::string scene(double brighter) {
         const std::string path = in(fmt::format("scene_{}.toml", brighter));
         std::ofstream(path) << fmt::format(R"(
+[scene]
 background = [{0}, {1}, {2}]
-ambient = [{3}, {3}, {3}]
+ambient_light = [{3}, {3}, {3}]
 [[camera]]
-position = [0, 1, 4]
-look_at = [0, 0.5, 0]
+position_m = [0, 1, 4]
+look_at_m = [0, 0.5, 0]
 focal_length_mm = 35
-size = [48, 32]
+width_px = 48
+height_px = 32
 f_number = 2
 focus_m = 4
 [[light]]
-type = "point"
-position = [1, 3, 2]
+kind = "point"
+position_m = [1, 3, 2]
 intensity = [{4}, {4}, {4}]
 [[material]]
 name = "m"
 diffuse = [0.8, 0.6, 0.4]
 [[object]]
 shape = "rectangle"
-corner = [-3, 0, -3]
-edge_u = [0, 0, 6]
-edge_v = [6, 0, 0]
+corner_m = [-3, 0, -3]
+edge_u_m = [0, 0, 6]
+edge_v_m = [6, 0, 0]
 material = "m"
 )",
                                            0.1 * brighter, 0.2 * brighter, 0.3 * brighter, 0.25 * brighter,
@@ -132,8 +134,8 @@ TEST_F(ExposureCommand, WarningsNameStopsThatHelp) {
 TEST_F(ExposureCommand, CompareTakesTheReferencesExposure) {
     ok({"trace", scene(1000), "-o", in("a.exr"), "--exposure", "auto"});
     ok({"image", in("a.exr"), "-o", in("reference.exr")});
-    ok({"focus", in("a.exr"), "-o", in("image.exr"), "--exposure", "0"});
-    ok({"focus", in("a.exr"), "-o", in("image8.png")});
+    ok({"focus", in("a.exr"), "-o", in("image.exr"), "--exposure", "0", "--f-number", "0.1"});
+    ok({"focus", in("a.exr"), "-o", in("image8.png"), "--f-number", "0.1"});
     const json c = ok({"compare", in("image.exr"), in("reference.exr")}),
                of_png = ok({"compare", in("image8.png"), in("reference.exr")});
     EXPECT_EQ(c.at("exposure_stops"), read_image(in("reference.exr")).exposure_stops);
@@ -145,7 +147,7 @@ TEST_F(ExposureCommand, CompareTakesTheReferencesExposure) {
     // At the same white a scene and one that is brighter are wrong by as much.
     ok({"trace", scene(1), "-o", in("b.exr"), "--exposure", "auto"});
     ok({"image", in("b.exr"), "-o", in("r.exr")});
-    ok({"focus", in("b.exr"), "-o", in("i.exr")});
+    ok({"focus", in("b.exr"), "-o", in("i.exr"), "--f-number", "0.1"});
     EXPECT_NEAR(ok({"compare", in("i.exr"), in("r.exr")}).at("psnr_db"), c.at("psnr_db"), 1e-3);
 }
 
