@@ -113,6 +113,13 @@ class BandSampler {
         for (const RayCounts& c : spent) counts += c;
     }
 
+    // A record's radiance without noise, by which cells split: noise would split them all.
+    [[nodiscard]] static glm::vec3 steady(const TracedSamples& chunk, std::size_t record) {
+        const Record& r = chunk.records[record];
+        const glm::vec3 all(r.r, r.g, r.b);
+        return chunk.noisy.empty() ? all : all - chunk.noisy[record];
+    }
+
     [[nodiscard]] static Sample summary(Key k, const TracedSamples& chunk, std::uint32_t chunk_index,
                                         std::uint32_t at) {
         const std::uint32_t first = chunk.offsets[at], end = chunk.offsets[at + 1];
@@ -129,9 +136,10 @@ class BandSampler {
                  0};
         for (std::uint32_t n = first; n < end && chunk.records[n].layer == 0; ++n) {
             ++s.visible;
-            s.r += chunk.records[n].r;
-            s.g += chunk.records[n].g;
-            s.b += chunk.records[n].b;
+            const glm::vec3 c = steady(chunk, n);
+            s.r += c.r;
+            s.g += c.g;
+            s.b += c.b;
         }
         return s;
     }
@@ -212,13 +220,15 @@ class BandSampler {
 
     // Moves `at`, an index into the sample's records, behind those of the layer that begins there.
     [[nodiscard]] Seen take_layer(const Sample& s, std::uint32_t& at) const {
-        const Record* r = chunks_[s.chunk].records.data() + s.first;
+        const TracedSamples& chunk = chunks_[s.chunk];
+        const Record* r = chunk.records.data() + s.first;
         const std::uint32_t layer = r[at].layer;
         Seen out{r[at].id, {}};
         for (; at < s.count && r[at].layer == layer; ++at) {
-            out.rgb[0] += r[at].r;
-            out.rgb[1] += r[at].g;
-            out.rgb[2] += r[at].b;
+            const glm::vec3 c = steady(chunk, s.first + at);
+            out.rgb[0] += c.r;
+            out.rgb[1] += c.g;
+            out.rgb[2] += c.b;
         }
         return out;
     }
@@ -459,13 +469,19 @@ class BandSampler {
     void carry(int y_end) {
         const std::uint32_t edge = grid_y(y_end);
         carried_.records.clear();
+        carried_.noisy.clear();
         std::size_t kept = 0;
         for (Sample s : samples_) {
             if (s.y != edge) continue;
             const auto& from = chunks_[s.chunk].records;
+            const auto& noisy = chunks_[s.chunk].noisy;
             const auto at = static_cast<std::uint32_t>(carried_.records.size());
             carried_.records.insert(carried_.records.end(), from.begin() + s.first,
                                     from.begin() + s.first + s.count);
+            if (!noisy.empty()) {
+                carried_.noisy.insert(carried_.noisy.end(), noisy.begin() + s.first,
+                                      noisy.begin() + s.first + s.count);
+            }
             s.chunk = 0;
             s.first = at;
             samples_[kept++] = s;

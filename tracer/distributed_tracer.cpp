@@ -58,8 +58,8 @@ DistributedTracer::DistributedTracer(const RayScene& scene, const Sampler& sampl
     for (const Object& o : scene.scene().objects) {
         const Material& m = scene.scene().materials[o.material];
         const bool spawns =
-            (m.reflection != dvec3(0) || m.transmission != dvec3(0)) && settings_.max_depth > 1;
-        const bool lit = !scene.scene().lights.empty() && (m.diffuse != dvec3(0) || m.specular != dvec3(0) ||
+            (m.reflects() || m.transmission != dvec3(0)) && settings_.max_depth > 1;
+        const bool lit = !scene.scene().lights.empty() && (m.diffuse != dvec3(0) || m.has_highlight() ||
                                                            m.diffuse_transmission != dvec3(0));
         const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&o.shape);
         const bool coloured = mesh != nullptr && !(*mesh)->colours.empty();
@@ -114,8 +114,9 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
     const auto follow = [&](dvec3 direction, double exponent, const dvec3& share, double side,
                             Purpose purpose, NodePath::Bounce bounce, std::uint64_t& count) {
         const dvec3 throughput = ray.throughput * share;
+        const double importance = eye.importance.empty() ? 1 : eye.importance[sample];
         if (!(largest(throughput) > 0) ||
-            largest(throughput) * bound_[static_cast<std::size_t>(left)] < settings_.min_contribution) {
+            importance * largest(throughput) * bound_[static_cast<std::size_t>(left)] < settings_.min_contribution) {
             return;
         }
         const dvec3 off = side * f.geometric_normal;
@@ -151,9 +152,9 @@ void DistributedTracer::shade(const PathRay& ray, const SurfacePoint& s, const H
     const Material& m = scene.materials[scene.objects[s.object].material];
     const dvec3 colour = surface_colour(m, s);
     eye.radiance[ray.sample] += ray.throughput * own_radiance(scene, m, s, colour);
-    const bool spawns = m.reflection != dvec3(0) || m.transmission != dvec3(0);
+    const bool spawns = m.reflects() || m.transmission != dvec3(0);
     const bool answers =
-        m.diffuse != dvec3(0) || m.specular != dvec3(0) || m.diffuse_transmission != dvec3(0);
+        m.diffuse != dvec3(0) || m.has_highlight() || m.diffuse_transmission != dvec3(0);
     if (!spawns && (lights_.empty() || !answers)) return;
     const Facing f = face(s, ray.direction);
     if (answers) light(ray, s, f, key, m, colour, eye, w, counts);
@@ -173,7 +174,7 @@ void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
     const auto count = static_cast<std::size_t>(eye.rays.count);
     eye.radiance.assign(count, dvec3(0));
     counts.eye += count;
-    scene_.intersect(eye.rays, coherent());
+    scene_.intersect(eye.rays, coherent() && !eye.rays.has_sources);
 
     const bool times = needs_times();
     const auto begin = [&] {

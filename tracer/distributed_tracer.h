@@ -25,6 +25,8 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< how much of its light the lens lets through; empty: all
+    /// What the radiance of each ray is multiplied with in the end, for `min_contribution`; empty: 1.
+    std::vector<double> importance;
     std::vector<glm::dvec3> radiance;  ///< the result
 };
 

@@ -4,6 +4,8 @@
 #include <limits>
 #include <optional>
 
+#include "tracer/shading.h"
+
 namespace postlens {
 namespace {
 
@@ -163,7 +165,9 @@ class Follower {
 
     [[nodiscard]] bool shows_more(const SurfacePoint& s) const {
         const Material& m = scene_.scene().materials[scene_.scene().objects[s.object].material];
-        return m.reflection != glm::dvec3(0) || m.transmission != glm::dvec3(0);
+        const double radius = wanted_.lens->aperture_radius_m();
+        return (m.reflects() && !lobe_is_wide(m.reflection_exponent, radius, s.t)) ||
+               (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
     // Whether all before it move away from it on the film at some instant. Remembers where it lies.

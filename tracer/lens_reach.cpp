@@ -20,17 +20,19 @@ MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid) {
     return hints[std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) % hints.size()];
 }
 
-WhittedSettings settings_for(int max_depth) {
-    return {
-        .max_depth = std::min(max_depth, LensReach::most_bounces + 1), .min_contribution = 0, .lit = false};
+WhittedSettings settings_for(int max_depth, double aperture_radius_m) {
+    return {.max_depth = std::min(max_depth, LensReach::most_bounces + 1),
+            .min_contribution = 0,
+            .lens_radius_m = aperture_radius_m,
+            .lit = false};
 }
 
 }  // namespace
 
 LensReach::LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m,
                      int max_depth, int x_begin, int x_end, int y_begin, int y_end)
-    : px_per_inverse_m_(aperture_radius_m / camera.tangent_per_px) {
-    const WhittedTracer tracer(scene, camera, settings_for(max_depth));
+    : aperture_radius_m_(aperture_radius_m), px_per_inverse_m_(aperture_radius_m / camera.tangent_per_px) {
+    const WhittedTracer tracer(scene, camera, settings_for(max_depth, aperture_radius_m));
     const int width = x_end - x_begin, height = y_end - y_begin;
     const int tiles_across = (width + tile - 1) / tile, tiles_down = (height + tile - 1) / tile;
     std::vector<float> visible(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));

@@ -54,6 +54,8 @@ class LensReach {
     /// The same of anything at all that is farther away.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
+    [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
+
     /// Half the trace of W, 1/m.
     [[nodiscard]] static double inverse_depth(const Mat2& w) {
         return (static_cast<double>(w.xx) + static_cast<double>(w.yy)) / 2;
@@ -71,6 +73,7 @@ class LensReach {
     static void add_chains(std::span<const Record> records, int x, int y, std::vector<Seen>& out);
     void add_view(const View& view, std::span<const Seen> seen);
 
+    double aperture_radius_m_;
     double px_per_inverse_m_;  ///< gain R: how far a lens's rim parts surfaces, px m
     std::map<View, MinMaxPyramid> views_;
 };

@@ -28,13 +28,21 @@ Material whitted_material(const MetallicRoughness& from) {
     m.diffuse = body * (1 - from.transmission) + from.alpha * from.metallic * a * from.base;
     m.diffuse_transmission = body * from.transmission * a;
     m.ambient = 0.1 * m.diffuse;
+    const dvec3 f90 = dvec3(std::lerp(from.specular, 1.0, from.metallic));
+    const auto highlight = [&](const dvec3& fresnel) {
+        return from.alpha * (1 - a) * glm::min(fresnel / std::max(4 * a * a, 1e-12), dvec3(1));
+    };
+    m.fresnel = true;
     m.reflection = from.alpha * q * f0;
-    m.specular = from.alpha * (1 - a) * glm::min(f0 / std::max(4 * a * a, 1e-12), dvec3(1));
+    m.reflection_grazing = from.alpha * q * f90;
+    m.specular = highlight(f0);
+    m.specular_grazing = highlight(f90);
+    m.transmission_grazing = dvec3(through);
     m.shininess = std::clamp((1 / std::max(a * a, 1e-12) - 1) / 2, 1.0, largest_exponent);
     m.transmission = body * from.transmission * (1 - a) * (dvec3(1) - f0) + dvec3(through);
     m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
     if (from.roughness > smoothest) {
-        if (m.reflection != dvec3(0)) m.reflection_exponent = m.shininess;
+        if (m.reflects()) m.reflection_exponent = m.shininess;
         // What passes because it is not there does so straight on.
         if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
     }

@@ -24,17 +24,18 @@ struct MetallicRoughness {
 
 /// What becomes of it, with a = roughness^2, q = (1 - roughness)^2 and F0 = ((ior - 1) / (ior + 1))^2
 /// specular specular_colour of what is not metallic, `base` of what is, mixed by `metallic`:
+///   fresnel              true; F90 = specular of what is not metallic, 1 of what is
 ///   diffuse              base ((1 - metallic) (1 - transmission) + metallic a)
 ///   diffuse_transmission base (1 - metallic) transmission a
-///   reflection           F0 q
-///   specular             (1 - a) min(F0 / (4 a^2), 1)
+///   reflection           F0 q, at grazing angles F90 q
+///   specular             (1 - a) min(F0 / (4 a^2), 1), at grazing angles with F90
 ///   shininess            (1 / a^2 - 1) / 2, 1 to 1e6
-///   transmission         base (1 - metallic) transmission (1 - a) (1 - F0)
+///   transmission         base (1 - metallic) transmission (1 - a) (1 - F0), 0 at grazing angles
 ///   ambient              0.1 diffuse
 /// The highlight is that of GGX microfacets at its centre, D = 1 / (pi a^2), and as wide: Blinn's exponent 2
 /// / a^2 - 2, a quarter of it about the mirrored direction. What a rough metal mirrors of everything around
 /// it stands in `diffuse`. The lobes of mirrored and refracted rays have the highlight's exponent where the
-/// roughness is above 0.02. Whitted's model has no Fresnel term: F0 counts at every angle. Everything but
+/// roughness is above 0.02. Everything but
 /// emission is times `alpha`; the rest passes straight on, which takes an ior of 1.
 [[nodiscard]] Material whitted_material(const MetallicRoughness& from);
 

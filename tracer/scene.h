@@ -31,8 +31,13 @@ struct Material {
     glm::dvec3 reflection{0};
     glm::dvec3 transmission{0};
     double ior = 1;  ///< index of refraction inside; 1 outside
+    /// True: `reflection`, `specular` and `transmission` hold at normal incidence and go over into the
+    /// grazing values below by Schlick's (1 - cos)^5 [schlick1994].
+    bool fresnel = false;
+    glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
     /// Exponents of the lobes cos^n in which mirrored and refracted rays spread about their exact direction;
-    /// infinity: no spread. Distributed rays only; a point sample takes the exact direction.
+    /// infinity: no spread. A trace averages lobes that are wider than the lens (lobe_means.h) and takes the
+    /// exact direction for the others.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
@@ -40,6 +45,14 @@ struct Material {
     std::shared_ptr<const Texture> colour_texture;
     /// Multiplies emission; null: white.
     std::shared_ptr<const Texture> emission_texture;
+    /// Whether mirrored rays carry light, at some angle.
+    [[nodiscard]] bool reflects() const {
+        return reflection != glm::dvec3(0) || (fresnel && reflection_grazing != glm::dvec3(0));
+    }
+    /// Whether lights make highlights, at some angle.
+    [[nodiscard]] bool has_highlight() const {
+        return specular != glm::dvec3(0) || (fresnel && specular_grazing != glm::dvec3(0));
+    }
 };
 
 // Shapes in object space. Outward normals decide which side is inside for refraction.
@@ -101,7 +114,7 @@ struct Light {
     double cone_soft_degrees =
         0;  ///< spot: full angle at which the fall-off begins; = cone_degrees: hard edge
     glm::dvec3 attenuation{1, 0, 0};  ///< 1 / (a0 + a1 r + a2 r^2), r in m
-    /// Lights with an extent give penumbrae to distributed rays; a point sample sees them as points.
+    /// Lights with an extent give penumbrae.
     double radius = 0;                ///< sphere
     glm::dvec3 edge_u{0}, edge_v{0};  ///< rectangle
     [[nodiscard]] bool has_extent() const { return kind == Kind::sphere || kind == Kind::rectangle; }

@@ -75,6 +75,24 @@ dvec3 light_point(const PlacedLight& placed, const dvec3& from, const dvec2& uv)
     return from + (distance * cosine - std::sqrt(std::max(0.0, l.radius * l.radius - across2))) * direction;
 }
 
+double schlick_weight(double cosine) {
+    const double c = 1 - std::clamp(cosine, 0.0, 1.0), c2 = c * c;
+    return c2 * c2 * c;
+}
+
+namespace {
+
+// The height of a highlight. Its microfacets face halfway between the light and the eye.
+dvec3 highlight(const Material& m, const dvec3& to_light, const dvec3& direction) {
+    if (!m.fresnel) return m.specular;
+    const dvec3 half = to_light - direction;
+    const double length = glm::length(half);
+    if (!(length > 0)) return m.specular_grazing;
+    return glm::mix(m.specular, m.specular_grazing, schlick_weight(glm::dot(half, to_light) / length));
+}
+
+}  // namespace
+
 Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, const Facing& f,
            const Material& m, const dvec3& colour, const dvec3& direction) {
     const Light& l = *placed.light;
@@ -102,10 +120,10 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
         }
     }
     dvec3 reflected = (front ? m.diffuse : m.diffuse_transmission) * colour * std::abs(n_l);
-    if (front && m.specular != dvec3(0)) {
+    if (front && m.has_highlight()) {
         // R . V with R the mirror image of L and V towards the eye.
         const double r_v = -glm::dot(2 * n_l * f.normal - to_light, direction);
-        if (r_v > 0) reflected += m.specular * std::pow(r_v, m.shininess);
+        if (r_v > 0) reflected += highlight(m, to_light, direction) * std::pow(r_v, m.shininess);
     }
     out.radiance = intensity * reflected;
     out.to_light = to_light;
@@ -135,6 +153,14 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
         c.transmitted = m.transmission;
         c.root = std::sqrt(k);
     }
+    if (m.fresnel && (k > 0 || m.transmission == dvec3(0))) {
+        // The angle counts on the side of the smaller index, where the approximation was fitted. What lets no
+        // light in is only seen from outside.
+        const bool from_dense = c.eta > 1 && m.transmission != dvec3(0);
+        const double weight = schlick_weight(from_dense ? std::sqrt(k) : -c.d_n);
+        c.reflected = glm::mix(m.reflection, m.reflection_grazing, weight);
+        if (c.refracts) c.transmitted = glm::mix(m.transmission, m.transmission_grazing, weight);
+    }
     return c;
 }
 
@@ -150,9 +176,14 @@ dvec3 refracted_direction(const Continuation& c, const Facing& f, const dvec3& d
     return glm::normalize(c.eta * direction + (-c.eta * c.d_n - c.root) * f.normal);
 }
 
+bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m) {
+    return std::isfinite(exponent) &&
+           distance_m * distance_m > lens_radius_m * lens_radius_m * exponent;
+}
+
 bool has_deeper_nodes(const Scene& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-        return m.reflection != dvec3(0) || m.transmission != dvec3(0);
+        return m.reflects() || m.transmission != dvec3(0);
     });
 }
 
@@ -166,10 +197,12 @@ std::vector<double> radiance_bounds(const Scene& scene, int max_depth) {
     double local = largest(scene.background), passed_on = 0;
     for (const Material& m : scene.materials) {
         const double colour = m.colour_texture ? m.colour_texture->maximum() : 1;
+        const dvec3 specular = m.fresnel ? glm::max(m.specular, m.specular_grazing) : m.specular;
         const double glow = m.emission_texture ? m.emission_texture->maximum() : 1;
         local = std::max(local, largest(m.emission * glow + m.ambient * colour * scene.ambient_light +
-                                        lit * (colour * (m.diffuse + m.diffuse_transmission) + m.specular)));
+                                        lit * (colour * (m.diffuse + m.diffuse_transmission) + specular)));
         passed_on = std::max(passed_on, largest(m.reflection + m.transmission));
+        if (m.fresnel) passed_on = std::max(passed_on, largest(m.reflection_grazing));
     }
     std::vector<double> bound(static_cast<std::size_t>(max_depth) + 1, 0);
     for (std::size_t k = 1; k < bound.size(); ++k) bound[k] = local + passed_on * bound[k - 1];

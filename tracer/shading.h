@@ -55,6 +55,9 @@ struct Lit {
                          const Facing& f, const Material& m, const glm::dvec3& colour,
                          const glm::dvec3& direction);
 
+/// The weight of the grazing value in Schlick's approximation: (1 - cosine)^5 [schlick1994, eq. 24].
+[[nodiscard]] double schlick_weight(double cosine);
+
 /// Where mirrored and refracted rays go and what of their light arrives.
 struct Continuation {
     glm::dvec3 reflected{0}, transmitted{0};  ///< shares; total internal reflection adds to `reflected`
@@ -68,6 +71,11 @@ struct Continuation {
                                             const glm::dvec3& direction, bool& inwards);
 [[nodiscard]] glm::dvec3 refracted_direction(const Continuation& c, const Facing& f,
                                              const glm::dvec3& direction);
+
+/// Whether a lobe cos^exponent about a mirrored or refracted ray is wider than a lens of this radius as seen
+/// from the surface, whose distance from the lens, m, is measured along the path. The width of a lobe is
+/// 1 / sqrt(exponent), its standard deviation per axis for large exponents, rad. False for infinity.
+[[nodiscard]] bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m);
 
 /// By the number of nodes left below, 0 to max_depth: the most radiance that a subtree can have.
 [[nodiscard]] std::vector<double> radiance_bounds(const Scene& scene, int max_depth);

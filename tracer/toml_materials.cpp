@@ -95,7 +95,7 @@ std::shared_ptr<const Texture> find_texture(const TomlTable& t, std::string_view
 }
 
 Material read_material(const TomlTable& t, const TexturesByName& textures) {
-    static constexpr std::array<Name, 15> known{"name",
+    static constexpr std::array<Name, 16> known{"name",
                                                 "colour",
                                                 "ambient",
                                                 "diffuse",
@@ -105,6 +105,7 @@ Material read_material(const TomlTable& t, const TexturesByName& textures) {
                                                 "reflection",
                                                 "transmission",
                                                 "ior",
+                                                "fresnel",
                                                 "emission",
                                                 "colour_texture",
                                                 "emission_texture",
@@ -125,6 +126,10 @@ Material read_material(const TomlTable& t, const TexturesByName& textures) {
     m.reflection = t.number_or_vec3("reflection", share_range).value_or(m.reflection);
     m.transmission = t.number_or_vec3("transmission", share_range).value_or(m.transmission);
     m.ior = t.number("ior", {.min = 0.01, .max = 100}).value_or(m.ior);
+    m.fresnel = t.flag("fresnel").value_or(m.fresnel);
+    // A coefficient that is 0 stays so: the material has no mirror image, or no highlight.
+    if (m.reflection == dvec3(0)) m.reflection_grazing = dvec3(0);
+    if (m.specular == dvec3(0)) m.specular_grazing = dvec3(0);
     m.reflection_exponent = t.number("reflection_exponent", exponent).value_or(m.reflection_exponent);
     m.transmission_exponent = t.number("transmission_exponent", exponent).value_or(m.transmission_exponent);
     m.emission = t.number_or_vec3("emission", colour_range).value_or(m.emission);

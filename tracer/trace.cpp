@@ -145,10 +145,13 @@ class Radiance {
     RecordBand band_;
 };
 
-// Of the lens that the file is for.
+// Of the widest lens that the file is for; else of the camera's, else at f/1.4.
 double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
-    const CameraModel camera(find_camera(scene, settings.camera_name), scene.time_s, settings.camera);
-    return camera.film_distance_mm / *settings.for_f_number / 2 * 1e-3;
+    const Camera& of = find_camera(scene, settings.camera_name);
+    const CameraModel camera(of, scene.time_s, settings.camera);
+    constexpr double usual_f_number = 1.4;
+    const double f_number = settings.for_f_number.value_or(of.f_number.value_or(usual_f_number));
+    return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
 // The widest that lens and shutter ask for.
@@ -271,7 +274,8 @@ SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, co
 TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const std::filesystem::path& path) {
     check(asked);
     TraceSettings settings = asked;
-    if (asked.for_f_number) settings.whitted.bend_radius_m = lens_radius_m(scene, asked);
+    settings.whitted.lens_radius_m = lens_radius_m(scene, asked);
+    if (asked.for_f_number) settings.whitted.bend_radius_m = settings.whitted.lens_radius_m;
     if (asked.for_f_number && asked.subdivide_for_lens) {
         settings.subdivision.colour_levels = asked.subdivision.levels;
         settings.subdivision.levels = std::max(asked.subdivision.levels, TraceSettings::lens_levels);

@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <tuple>
 #include <vector>
 
+#include "tracer/light_means.h"
+#include "tracer/lobe_means.h"
 #include "tracer/ray_differentials.h"
 #include "tracer/refocus_bend.h"
+#include "tracer/sample_hash.h"
 #include "tracer/shading.h"
 
 namespace postlens {
@@ -39,8 +43,15 @@ struct Shadow {
 struct Node {
     Record record;
     dvec3 radiance{0};
+    dvec3 noisy{0};  // of the radiance, see TracedSamples::noisy
     dvec3 throughput{0};
     std::uint32_t sample = 0;
+};
+
+// Where a lobe's mean goes: to a node, times a share.
+struct LobeTarget {
+    std::uint32_t node = 0;
+    dvec3 share{0};
 };
 
 // Items that are filled in place, field by field, and kept for reuse: building them elsewhere and copying
@@ -78,14 +89,22 @@ struct Workspace {
     Pool<Bounces> bounces, next_bounces;
     std::vector<BentNode> bent;
     std::vector<float> bends;
+    // Means over lobes and over sources with an extent, of all generations.
+    std::vector<LobeHit> lobes;
+    std::vector<LobeTarget> lobe_targets;
+    std::vector<dvec3> lobe_means;
+    std::vector<ExtentLit> extents;
+    std::vector<std::uint32_t> extent_nodes;
+    RayBatch extent_rays;
 };
 
 // Nodes come generation by generation; records go sample by sample, by layer and path.
-void collect(Workspace& w, TracedSamples& out) {
+void collect(Workspace& w, bool noisy, TracedSamples& out) {
     out.offsets.assign(w.positions.size() + 1, 0);
     for (std::size_t i = 0; i < w.nodes.count; ++i) ++out.offsets[w.nodes[i].sample + 1];
     for (std::size_t i = 1; i < out.offsets.size(); ++i) out.offsets[i] += out.offsets[i - 1];
     out.records.resize(w.nodes.count);
+    out.noisy.resize(noisy ? w.nodes.count : 0);
     std::vector<std::uint32_t>& next = w.order;
     next.assign(out.offsets.begin(), out.offsets.end() - 1);
     for (std::size_t i = 0; i < w.nodes.count; ++i) {
@@ -96,16 +115,26 @@ void collect(Workspace& w, TracedSamples& out) {
         n.record.r = static_cast<float>(c.x);
         n.record.g = static_cast<float>(c.y);
         n.record.b = static_cast<float>(c.z);
+        if (noisy) out.noisy[next[n.sample]] = glm::vec3(n.noisy * n.throughput);
         out.records[next[n.sample]++] = n.record;
     }
+    const auto before = [](const Record& a, const Record& b) {
+        return a.layer != b.layer ? a.layer < b.layer : a.path.bits() < b.path.bits();
+    };
+    std::vector<std::pair<Record, glm::vec3>> both;
     for (std::size_t i = 0; i < w.positions.size(); ++i) {
-        const auto first = out.records.begin() + out.offsets[i],
-                   last = out.records.begin() + out.offsets[i + 1];
-        if (last - first > 2) {
-            std::sort(first, last, [](const Record& a, const Record& b) {
-                return a.layer != b.layer ? a.layer < b.layer : a.path.bits() < b.path.bits();
-            });
+        const std::size_t begin = out.offsets[i], end = out.offsets[i + 1];
+        const auto first = out.records.begin() + static_cast<std::ptrdiff_t>(begin),
+                   last = out.records.begin() + static_cast<std::ptrdiff_t>(end);
+        if (end - begin <= 2 || std::is_sorted(first, last, before)) continue;
+        if (!noisy) {
+            std::sort(first, last, before);
+            continue;
         }
+        both.clear();
+        for (std::size_t k = begin; k < end; ++k) both.emplace_back(out.records[k], out.noisy[k]);
+        std::sort(both.begin(), both.end(), [&](const auto& a, const auto& b) { return before(a.first, b.first); });
+        for (std::size_t k = begin; k < end; ++k) std::tie(out.records[k], out.noisy[k]) = both[k - begin];
     }
 }
 
@@ -120,6 +149,8 @@ struct WhittedTracer::Impl {
     WhittedSettings settings;
     HiddenLayers hidden;
     std::vector<PlacedLight> lights;
+    std::unique_ptr<LobeMeans> lobe_means;  // null: no lobe is averaged
+    bool has_extents = false;
     bool deeper_nodes = false;
     bool refocus = false;
     std::vector<double> bound;  // by nodes left below: the most radiance that a subtree can have
@@ -143,6 +174,12 @@ struct WhittedTracer::Impl {
     void child(const PathRay& parent, const SurfacePoint& s, const HitKey& key, const dvec3& direction,
                const dvec3& off, const dvec3& throughput, NodePath::Bounce bounce, Workspace& w) const;
     void resolve_shadows(Workspace& w) const;
+    void take_lobe(const PathRay& ray, const SurfacePoint& s, const HitKey& key, const dvec3& axis,
+                   const dvec3& side, double exponent, const dvec3& share, NodePath::Bounce bounce,
+                   Workspace& w) const;
+    void average_lobes(Workspace& w, RayCounts& counts) const;
+    void average_extents(Workspace& w, RayCounts& counts) const;
+    [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
@@ -152,6 +189,10 @@ struct WhittedTracer::Impl {
 void WhittedTracer::Impl::start(Workspace& w) const {
     w.rays.count = w.nodes.count = w.differentials.count = w.bounces.count = 0;
     w.bent.clear();
+    w.lobes.clear();
+    w.lobe_targets.clear();
+    w.extents.clear();
+    w.extent_nodes.clear();
     w.batch.clear(false);
     for (std::size_t i = 0; i < w.positions.size(); ++i) {
         const CameraRay eye = camera.ray(w.positions[i].x, w.positions[i].y);
@@ -181,6 +222,7 @@ Node& WhittedTracer::Impl::add_node(const PathRay& ray, Workspace& w) {
     n.record.layer = ray.layer;
     n.record.w_bend = 0;
     n.throughput = ray.throughput;
+    n.noisy = dvec3(0);
     n.sample = ray.sample;
     return n;
 }
@@ -223,6 +265,15 @@ void WhittedTracer::Impl::light(const PathRay& ray, const SurfacePoint& s, const
                                 RayCounts& counts) const {
     const auto node = static_cast<std::uint32_t>(w.nodes.count - 1);
     for (std::size_t i = 0; i < lights.size(); ++i) {
+        if (lights[i].light->has_extent()) {
+            const glm::dvec2& at = w.positions[ray.sample];
+            const std::uint64_t seed = mix64(mix64(std::bit_cast<std::uint64_t>(at.x)) ^
+                                             std::bit_cast<std::uint64_t>(at.y));
+            w.extents.push_back({&lights[i], &m, s, f, colour, ray.direction, ray.throughput, key,
+                                 mix64(seed ^ (i << 40 | std::uint64_t{ray.layer} << 32 | ray.path.bits()))});
+            w.extent_nodes.push_back(node);
+            continue;
+        }
         const Lit lit = lit_by(lights[i], lights[i].position, s, f, m, colour, ray.direction);
         if (lit.radiance == dvec3(0)) continue;
         if (!lit.casts_shadow) {
@@ -266,8 +317,20 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
     };
     const Continuation c = continuation(m, f, ray.direction);
     const dvec3 reflected = ray.throughput * c.reflected, transmitted = ray.throughput * c.transmitted;
-    const bool refracts = c.refracts && worth(transmitted);
-    const bool reflects = worth(reflected);
+    bool refracts = c.refracts && worth(transmitted);
+    bool reflects = worth(reflected);
+    const double distance = ray.length + s.t;
+    if (reflects && lobe_is_wide(m.reflection_exponent, settings.lens_radius_m, distance)) {
+        bool inwards = false;
+        take_lobe(ray, s, key, mirrored_direction(c, f, ray.direction, inwards), f.geometric_normal,
+                  m.reflection_exponent, c.reflected, NodePath::Bounce::reflected, w);
+        reflects = false;
+    }
+    if (refracts && lobe_is_wide(m.transmission_exponent, settings.lens_radius_m, distance)) {
+        take_lobe(ray, s, key, refracted_direction(c, f, ray.direction), -f.geometric_normal,
+                  m.transmission_exponent, c.transmitted, NodePath::Bounce::transmitted, w);
+        refracts = false;
+    }
     if (!reflects && !refracts) return;
 
     const RayDifferentials* here = nullptr;
@@ -308,6 +371,35 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
         child(ray, s, key, direction, -f.geometric_normal, transmitted, NodePath::Bounce::transmitted, w);
         if (refocus)
             w.next_differentials.add() = refract(*here, ray.direction, f.normal, shape_operator, c.eta);
+    }
+}
+
+void WhittedTracer::Impl::take_lobe(const PathRay& ray, const SurfacePoint& s, const HitKey& key,
+                                    const dvec3& axis, const dvec3& side, double exponent,
+                                    const dvec3& share, NodePath::Bounce bounce, Workspace& w) const {
+    if (!lobe_means) return;
+    w.lobes.push_back({s.object, ray.path.child(bounce), settings.max_depth - 1 - ray.path.depth(),
+                       w.positions[ray.sample], s.position, axis, side, exponent, ray.throughput * share,
+                       key});
+    w.lobe_targets.push_back({static_cast<std::uint32_t>(w.nodes.count - 1), share});
+}
+
+void WhittedTracer::Impl::average_lobes(Workspace& w, RayCounts& counts) const {
+    lobe_means->average(w.lobes, w.lobe_means, counts);
+    for (std::size_t i = 0; i < w.lobes.size(); ++i) {
+        Node& n = w.nodes[w.lobe_targets[i].node];
+        const dvec3 mean = w.lobe_targets[i].share * w.lobe_means[i];
+        n.radiance += mean;
+        n.noisy += mean;
+    }
+}
+
+void WhittedTracer::Impl::average_extents(Workspace& w, RayCounts& counts) const {
+    LightMeans(rays).average(w.extents, w.extent_rays, counts.shadow);
+    for (std::size_t i = 0; i < w.extents.size(); ++i) {
+        Node& n = w.nodes[w.extent_nodes[i]];
+        n.radiance += w.extents[i].radiance;
+        n.noisy += w.extents[i].radiance - w.extents[i].steady;
     }
 }
 
@@ -507,6 +599,14 @@ WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
     if (settings.lit) {
         for (const Light& l : scene.scene().lights) impl_->lights.push_back(place_light(l, scene.time_s()));
     }
+    for (const PlacedLight& l : impl_->lights) impl_->has_extents = impl_->has_extents || l.light->has_extent();
+    const auto rough = [](const Material& m) {
+        return (m.reflects() && std::isfinite(m.reflection_exponent)) ||
+               (m.transmission != dvec3(0) && std::isfinite(m.transmission_exponent));
+    };
+    const std::vector<Material>& materials = scene.scene().materials;
+    if (settings.lit && impl_->deeper_nodes && std::any_of(materials.begin(), materials.end(), rough))
+        impl_->lobe_means = std::make_unique<LobeMeans>(scene, impl_->settings);
     impl_->refocus = settings.refocus_matrices && impl_->deeper_nodes &&
                      camera.projection == Camera::Projection::perspective;
 }
@@ -533,7 +633,9 @@ void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& 
     if (!w.eye_hits.empty()) impl_->trace_hidden(w, counts);
     if (around && !w.bent.empty()) impl_->take_bends_around(w, around);
     if (!w.bent.empty()) impl_->trace_bends(w, counts);
-    collect(w, out);
+    if (!w.lobes.empty()) impl_->average_lobes(w, counts);
+    if (!w.extents.empty()) impl_->average_extents(w, counts);
+    collect(w, impl_->noisy(), out);
 }
 
 }  // namespace postlens

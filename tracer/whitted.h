@@ -22,6 +22,8 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that cannot add as much are not traced
     bool refocus_matrices = true;    ///< compute W of deeper nodes (perspective cameras only)
     double bend_radius_m = 0;        ///< of a lens for which W.bend is measured; 0: for none
+    /// Of the lens that decides which lobes of rough surfaces are averaged (lobe_is_wide); 0: all of them.
+    double lens_radius_m = 0;
     bool lit = true;                 ///< false: lights are left out, for who asks where things are
 };
 
@@ -46,6 +48,9 @@ struct RayCounts {
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
+    /// Per record, the part of r, g, b that differs between two equal samples by chance: what lobes reflect,
+    /// and penumbrae less half of their light. Empty where no record has any.
+    std::vector<glm::vec3> noisy;
 };
 
 class WhittedTracer {
