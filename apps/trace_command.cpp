@@ -6,8 +6,8 @@
 #include "apps/scene_input.h"
 #include "core/disk.h"
 #include "planner/trace_plan.h"
+#include "tracer/averaged_shading.h"
 #include "tracer/exposure.h"
-#include "tracer/point_shading.h"
 #include "tracer/recorded_motion.h"
 
 namespace postlens {
@@ -60,7 +60,6 @@ CommandResult run_trace(const TraceOptions& options) {
     check_exr_path(options.output, "records");
     CommandResult out;
     Scene scene = read_scene_of_command(options.scene, options.units, {options.output}, out);
-    for (const ShadingNote& n : point_shading_notes(scene)) out.warnings.push_back({n.code, n.text});
     warn_of_motion(scene, out);
     TraceSettings settings = options.settings;
     settings.auto_exposure_stops = auto_exposure_stops(scene, settings.camera_name, settings.camera);
@@ -110,6 +109,8 @@ CommandResult run_trace(const TraceOptions& options) {
                 {"keys", r.keys},
                 {"instants_s", r.instants_s},
                 {"keys_sweep_degrees", r.keys_sweep_degrees ? json_number(*r.keys_sweep_degrees) : nullptr}};
+    const AveragedShading averaged = averaged_shading(scene);
+    out.json["averaged"] = {{"materials", averaged.materials}, {"lights", averaged.lights}};
     if (options.plan) out.json["plan"] = plan;
     out.json["rays"]["hidden"] = r.rays.hidden;
     out.json["rays"]["lens"] = r.rays.lens;
@@ -117,6 +118,14 @@ CommandResult run_trace(const TraceOptions& options) {
                             options.output, r.records, static_cast<double>(r.bytes) / 1e6, r.rays.eye,
                             r.rays.reflect, r.rays.refract, r.rays.shadow);
     if (r.rays.hidden > 0) out.text += fmt::format(", {} behind surfaces", r.rays.hidden);
+    if (averaged.any()) {
+        out.text += fmt::format(
+            "\naveraged in the surfaces' own records: the lobes of {} of {}, where wider than the lens, and "
+            "{} "
+            "of {}",
+            averaged.materials, counted(scene.materials.size(), "material"), averaged.lights,
+            counted(scene.lights.size(), "light"));
+    }
     if (r.keys_sweep_degrees) {
         out.text += fmt::format("\n{}, as something turns by {:.4g} degrees",
                                 counted(static_cast<std::uint64_t>(r.keys), "key"), *r.keys_sweep_degrees);

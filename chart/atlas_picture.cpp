@@ -8,7 +8,6 @@
 #include "motionblur/motion_blur.h"
 #include "motionblur/paths_file.h"
 #include "planner/hybrid.h"
-#include "tracer/point_shading.h"
 
 namespace postlens {
 namespace {
@@ -34,8 +33,6 @@ class Maker {
         if (method_.name == "rays") {
             by_rays();
         } else {
-            // The scene speaks of these when it is traced.
-            for (const ShadingNote& n : point_shading_notes(scene_)) out_.warnings.push_back(n.code);
             const SampleFileReader file(path_);
             if (method_.name == "focus-after-shutter") {
                 by_both_in_turn(file);

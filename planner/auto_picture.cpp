@@ -16,7 +16,6 @@
 #include "planner/tile_choices.h"
 #include "planner/weighed_rays.h"
 #include "records/srgb.h"
-#include "tracer/point_shading.h"
 
 namespace postlens {
 namespace {
@@ -249,12 +248,6 @@ class Planner {
             "the tiles at {:.1f} dB or better",
             least, most, views, 100 * out_.hybrid.retraced_share, out_.predicted_db, 100 * out_.met_share,
             settings_.target_db);
-        if (settings_.hybrid.scene != nullptr) {
-            for (const ShadingNote& n : point_shading_notes(*settings_.hybrid.scene)) {
-                out_.hybrid.focus.warnings.push_back(
-                    {n.code, 1, fmt::format("{}; what is expected leaves that out", n.text)});
-            }
-        }
         if (!out_.met(settings_.target_db)) {
             out_.hybrid.focus.warnings.push_back(
                 {"target", 1 - out_.met_share,

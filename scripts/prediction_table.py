@@ -57,8 +57,7 @@ def main():
             for tile, error in zip(result["prediction"]["tiles"], errors):
                 parts = [tile["method_mse"], tile["floor_mse"], tile["hidden_mse"]]
                 tiles.append([case.name, case.group, name, *parts, sum(parts), error])
-            pictures.append([case.name, case.group, name, result["predicted_db"], measured, result["seconds"],
-                             any(w["code"] in ("gloss", "penumbra") for w in result["warnings"])])
+            pictures.append([case.name, case.group, name, result["predicted_db"], measured, result["seconds"]])
             print(f"{case.name}, {name}: {result['predicted_db']:.1f} dB expected, {measured:.1f} measured (reference {db(noise):.1f}), "
                   f"{result['seconds']:.2f} s", flush=True)
     with open(os.path.join(o.out, "prediction.csv"), "w", encoding="utf-8", newline="") as file:
@@ -67,7 +66,7 @@ def main():
         writer.writerows(tiles)
     with open(os.path.join(o.out, "pictures.csv"), "w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow("case set method expected_db measured_db seconds warned".split())
+        writer.writerow("case set method expected_db measured_db seconds".split())
         writer.writerows(pictures)
     lines = ["| method | pictures | expected less measured, dB: median | within 2 dB | within 4 dB | most above | most below | "
              "tiles within a factor of 2.5 |", "|" + "---|" * 8]

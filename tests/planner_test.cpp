@@ -377,18 +377,6 @@ TEST(AutoPicture, SaysWhereNoMethodGetsThere) {
     EXPECT_GT(psnr_db(again.hybrid.focus.image, truth), psnr_db(poor.hybrid.focus.image, truth) + 2.5);
 }
 
-TEST(AutoPicture, SaysThatTheScenesGlossIsNotInTheRecords) {
-    SceneBuilder b = bar_and_wall();
-    const TracedFrame frame(b.scene, traced(true, 1));
-    FocusFrame of(frame.file(), true);
-    AutoSettings s = settings(20);
-    s.hybrid.scene = &b.scene;
-    EXPECT_THAT(auto_picture(of, s).hybrid.focus.warnings, IsEmpty());
-    b.scene.materials[0].reflection = dvec3(0.5);
-    b.scene.materials[0].reflection_exponent = 20;
-    EXPECT_THAT(auto_picture(of, s).hybrid.focus.warnings, ElementsAre(Field(&FocusWarning::code, "gloss")));
-}
-
 TEST(AutoPicture, SameBitsForAnyNumberOfThreads) {
     const SceneBuilder b = bar_and_wall();
     const TracedFrame frame(b.scene, traced(true));

@@ -768,6 +768,17 @@ TEST_F(TomlText, MotionErrors) {
               "instead)");
 }
 
+TEST_F(TomlText, FresnelIsAskedForAndMakesNoMirrorOfWhatIsNone) {
+    EXPECT_FALSE(material("reflection = 0.04").fresnel);
+    const Material m = material("reflection = 0.04\nfresnel = true");
+    EXPECT_TRUE(m.fresnel);
+    EXPECT_EQ(m.reflection_grazing, dvec3(1));
+    EXPECT_FALSE(m.has_highlight());
+    EXPECT_FALSE(material("specular = 0.3\nfresnel = true").reflects());
+    EXPECT_NE(error(ball + "material = 'm'\n[[material]]\nname = 'm'\nfresnel = 1\n").find("fresnel"),
+              std::string::npos);
+}
+
 TEST_F(TomlText, InstancesOfInstancesCannotGrowWithoutBound) {
     std::string text = ball + "name = 'o0'\nhidden = true\n";
     for (int i = 1; i < 12; ++i) {

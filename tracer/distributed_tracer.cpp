@@ -11,7 +11,7 @@ namespace {
 using glm::dvec3;
 
 // What hashed sets of numbers are for.
-enum class Purpose : std::uint32_t { light = 1, reflection = 2, transmission = 3 };
+enum class Purpose : std::uint32_t { light = 1, reflection = 2, transmission = 3, roulette = 4 };
 
 SampleSet set_for(Purpose purpose, NodePath path, std::size_t which) {
     return sample_set(static_cast<std::uint32_t>(purpose), path.bits(), static_cast<std::uint32_t>(which));
@@ -57,10 +57,9 @@ DistributedTracer::DistributedTracer(const RayScene& scene, const Sampler& sampl
     const TimeSpan& span = scene.span();
     for (const Object& o : scene.scene().objects) {
         const Material& m = scene.scene().materials[o.material];
-        const bool spawns =
-            (m.reflects() || m.transmission != dvec3(0)) && settings_.max_depth > 1;
-        const bool lit = !scene.scene().lights.empty() && (m.diffuse != dvec3(0) || m.has_highlight() ||
-                                                           m.diffuse_transmission != dvec3(0));
+        const bool spawns = (m.reflects() || m.transmission != dvec3(0)) && settings_.max_depth > 1;
+        const bool lit = !scene.scene().lights.empty() &&
+                         (m.diffuse != dvec3(0) || m.has_highlight() || m.diffuse_transmission != dvec3(0));
         const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&o.shape);
         const bool coloured = mesh != nullptr && !(*mesh)->colours.empty();
         const bool textured = m.colour_texture != nullptr || m.emission_texture != nullptr || coloured;
@@ -113,11 +112,18 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
     const std::size_t sample = ray.sample;
     const auto follow = [&](dvec3 direction, double exponent, const dvec3& share, double side,
                             Purpose purpose, NodePath::Bounce bounce, std::uint64_t& count) {
-        const dvec3 throughput = ray.throughput * share;
+        dvec3 throughput = ray.throughput * share;
         const double importance = eye.importance.empty() ? 1 : eye.importance[sample];
         if (!(largest(throughput) > 0) ||
-            importance * largest(throughput) * bound_[static_cast<std::size_t>(left)] < settings_.min_contribution) {
+            importance * largest(throughput) * bound_[static_cast<std::size_t>(left)] <
+                settings_.min_contribution) {
             return;
+        }
+        if (const double survival = largest(share); settings_.roulette && survival < 1) {
+            const glm::vec2 uv = sampler_.point_2d(
+                eye.pixel[sample], set_for(Purpose::roulette, ray.path.child(bounce), 0), eye.index[sample]);
+            if (static_cast<double>(uv.x) >= survival) return;
+            throughput /= survival;
         }
         const dvec3 off = side * f.geometric_normal;
         if (std::isfinite(exponent)) {
@@ -153,8 +159,7 @@ void DistributedTracer::shade(const PathRay& ray, const SurfacePoint& s, const H
     const dvec3 colour = surface_colour(m, s);
     eye.radiance[ray.sample] += ray.throughput * own_radiance(scene, m, s, colour);
     const bool spawns = m.reflects() || m.transmission != dvec3(0);
-    const bool answers =
-        m.diffuse != dvec3(0) || m.has_highlight() || m.diffuse_transmission != dvec3(0);
+    const bool answers = m.diffuse != dvec3(0) || m.has_highlight() || m.diffuse_transmission != dvec3(0);
     if (!spawns && (lights_.empty() || !answers)) return;
     const Facing f = face(s, ray.direction);
     if (answers) light(ray, s, f, key, m, colour, eye, w, counts);

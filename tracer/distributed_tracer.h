@@ -17,6 +17,9 @@ namespace postlens {
 struct DistributedSettings {
     int max_depth = 5;               ///< nodes along a path, as WhittedSettings
     double min_contribution = 1e-3;  ///< radiance; as WhittedSettings
+    /// Russian roulette: a mirrored or refracted ray is followed with the probability of its share, and then
+    /// counts in full. The mean stays; there are fewer rays, and more noise.
+    bool roulette = false;
 };
 
 /// Eye rays and what their numbers come from.

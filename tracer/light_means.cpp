@@ -24,7 +24,8 @@ dvec2 jitter(std::uint64_t seed, std::uint32_t index) {
 
 // In cell (i, j) of k x k.
 dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
-    return (dvec2(i, j) + jitter(seed, static_cast<std::uint32_t>(k * k + j * k + i))) / static_cast<double>(k);
+    return (dvec2(i, j) + jitter(seed, static_cast<std::uint32_t>(k * k + j * k + i))) /
+           static_cast<double>(k);
 }
 
 // Eight points on the outline, then one in each quarter. Of a sphere the outline is turned at random, since

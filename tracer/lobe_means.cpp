@@ -16,7 +16,6 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 255;  // of white
-constexpr std::size_t hits_per_pilot = 16, fewest_pilots = 8;
 // Bounds the variance that a ray far out in another hit's lobe brings in.
 constexpr double most_weight = 8;
 
@@ -31,6 +30,19 @@ double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
     return share > 0 ? share * share : 0;
+}
+
+// Along Morton's curve neighbours in the raster follow each other, so that the rays near a hit are stratified
+// among themselves. Quarters of a pixel; the low bits tell apart what lies in one batch.
+std::uint32_t curve_index(const glm::dvec2& at) {
+    const auto spread = [](double v) {
+        auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
+        bits = (bits | bits << 8) & 0x00FF00FFU;
+        bits = (bits | bits << 4) & 0x0F0F0F0FU;
+        bits = (bits | bits << 2) & 0x33333333U;
+        return (bits | bits << 1) & 0x55555555U;
+    };
+    return spread(at.x) | spread(at.y) << 1;
 }
 
 std::uint64_t seed_of(const LobeHit& h) {
@@ -49,9 +61,9 @@ glm::dvec2 lobe_point(std::uint64_t seed, std::uint32_t index) {
 }
 
 double power(double cosine, double exponent) {
-    return cosine > 0
-               ? static_cast<double>(std::exp2(static_cast<float>(exponent) * std::log2(static_cast<float>(cosine))))
-               : 0;
+    return cosine > 0 ? static_cast<double>(
+                            std::exp2(static_cast<float>(exponent) * std::log2(static_cast<float>(cosine))))
+                      : 0;
 }
 
 }  // namespace
@@ -84,8 +96,10 @@ struct LobeMeans::Group {
 LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     : sampler_(SamplerKind::random, Sampler::max_spp, 0) {
     for (int left = 1; left < settings.max_depth; ++left) {
-        tracers_.emplace_back(scene, sampler_,
-                              DistributedSettings{.max_depth = left, .min_contribution = settings.min_contribution});
+        tracers_.emplace_back(
+            scene, sampler_,
+            DistributedSettings{
+                .max_depth = left, .min_contribution = settings.min_contribution, .roulette = true});
     }
 }
 
@@ -121,7 +135,8 @@ void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std
             r.t = eye.rays.hit(k).valid() ? static_cast<double>(eye.rays.t[k])
                                           : std::numeric_limits<double>::infinity();
             const NodePath& path = hits[r.hit].path;
-            ++(path.bounce(path.depth() - 1) == NodePath::Bounce::reflected ? counts.reflect : counts.refract);
+            ++(path.bounce(path.depth() - 1) == NodePath::Bounce::reflected ? counts.reflect
+                                                                            : counts.refract);
         }
         first = end;
     }
@@ -137,8 +152,10 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
     const auto group_of = [&](std::uint32_t i) {
         return std::tuple(hits[i].nodes_left, hits[i].object, hits[i].path.bits());
     };
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return group_of(a) < group_of(b); });
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return std::tuple(group_of(a), curve_index(hits[a].at)) <
+               std::tuple(group_of(b), curve_index(hits[b].at));
+    });
     rays.clear();
     groups.clear();
     const auto send = [&](Group& g, std::uint32_t i) {
@@ -160,10 +177,12 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         g.first = g.end = first;
         while (g.end < order.size() && group_of(order[g.end]) == group_of(order[first])) ++g.end;
         g.seed = seed_of(hits[order[first]]);
-        const std::size_t count = g.end - g.first,
-                          pilots = std::min(count, std::max(fewest_pilots, count / hits_per_pilot));
-        for (std::size_t j = 0; j < pilots; ++j)
-            send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);
+        const std::size_t count = g.end - g.first;
+        double weight = 0;
+        for (std::size_t k = g.first; k < g.end; ++k) weight += largest(hits[order[k]].weight);
+        weight /= static_cast<double>(count);
+        const auto pilots = std::min(count, static_cast<std::size_t>(std::ceil(weight / target_noise)) + 1);
+        for (std::size_t j = 0; j < pilots; ++j) send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);
         first = g.end;
         groups.push_back(std::move(g));
     }
@@ -177,8 +196,9 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             squares += rays[r].radiance * rays[r].radiance;
         }
         const auto n = static_cast<double>(g.rays.size());
-        g.deviation = n < 2 ? largest(sum)
-                            : std::sqrt(std::max(0.0, largest(squares - sum * sum / n) / (n - 1)));
+        g.deviation =
+            n < 2 ? largest(sum) : std::sqrt(std::max(0.0, largest(squares - sum * sum / n) / (n - 1)));
+        const double piloted = n / static_cast<double>(g.end - g.first);
         double owed = 0;
         for (std::size_t i = g.first; i < g.end; ++i) {
             const LobeHit& h = hits[order[i]];
@@ -188,7 +208,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
                 const LobeHit& other = hits[order[k]];
                 if (const double w = window(h, other); w > 0 && overlap(h, other)) within += w;
             }
-            owed += std::min(relative * relative / within, static_cast<double>(most_rays));
+            owed += std::max(std::min(relative * relative / within, static_cast<double>(most_rays)) - piloted,
+                             0.0);
             for (; owed >= 1; owed -= 1) send(g, order[i]);
         }
     }

@@ -36,20 +36,21 @@ struct LobeHit {
 /// ray met, times the squared ratio of the distances, as reused paths are weighed [bekaert2002]; weights add
 /// up to one. Visibility between the two is not tested.
 ///
-/// How many rays: one for every 16 hits (at least 8 a group) give the variance s^2 of the radiance; then hit
-/// i is to have (weight s 255)^2 rays within reach, which leaves a standard deviation of 1/255 of white
-/// (radiance 1), but no hit sends more than `most_rays`. Bits depend on the batch alone.
+/// How many rays: 255 times the mean weight, spread over a group, so that what they all miss is worth less
+/// than 1/255 of white (radiance 1). They give the standard deviation s of the radiance; then hit i is to
+/// have (weight s 255)^2 rays within reach, which leaves a standard deviation of 1/255, but no hit sends more
+/// than `most_rays`. Bits depend on the batch alone.
 class LobeMeans {
   public:
-    static constexpr double reach_px = 4;
-    /// Bounds the cost of bright, narrow lobes, whose noise is then above 1/255.
-    static constexpr int most_rays = 8;
+    static constexpr double reach_px = 8;
+    /// Bounds the cost of rough metals, whose noise is then some 3/255.
+    static constexpr int most_rays = 2;
 
     /// Keeps a reference to the scene.
     LobeMeans(const RayScene& scene, const WhittedSettings& settings);
 
-    /// means[i]: of hits[i], not yet times its weight. Rays are added to counts.reflect, .refract and .shadow.
-    /// Thread-safe.
+    /// means[i]: of hits[i], not yet times its weight. Rays are added to counts.reflect, .refract and
+    /// .shadow. Thread-safe.
     void average(std::span<const LobeHit> hits, std::vector<glm::dvec3>& means, RayCounts& counts) const;
 
   private:

@@ -177,14 +177,12 @@ dvec3 refracted_direction(const Continuation& c, const Facing& f, const dvec3& d
 }
 
 bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m) {
-    return std::isfinite(exponent) &&
-           distance_m * distance_m > lens_radius_m * lens_radius_m * exponent;
+    return std::isfinite(exponent) && distance_m * distance_m > lens_radius_m * lens_radius_m * exponent;
 }
 
 bool has_deeper_nodes(const Scene& scene) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-        return m.reflects() || m.transmission != dvec3(0);
-    });
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const Material& m) { return m.reflects() || m.transmission != dvec3(0); });
 }
 
 std::vector<double> radiance_bounds(const Scene& scene, int max_depth) {

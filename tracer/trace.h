@@ -25,8 +25,8 @@ struct TraceSettings {
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
     bool seek_small_things = true;  ///< see SmallThings; where something is subdivided at all
-    /// `bend_radius_m` and `lens_radius_m` are set by trace_to_file: of `for_f_number`, else of the camera, else
-    /// f/1.4.
+    /// `bend_radius_m` and `lens_radius_m` are set by trace_to_file: of `for_f_number`, else of the camera,
+    /// else f/1.4.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto = false;  ///< as wide as lens and shutter below ask for, found by a coarse trace first

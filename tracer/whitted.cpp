@@ -133,7 +133,8 @@ void collect(Workspace& w, bool noisy, TracedSamples& out) {
         }
         both.clear();
         for (std::size_t k = begin; k < end; ++k) both.emplace_back(out.records[k], out.noisy[k]);
-        std::sort(both.begin(), both.end(), [&](const auto& a, const auto& b) { return before(a.first, b.first); });
+        std::sort(both.begin(), both.end(),
+                  [&](const auto& a, const auto& b) { return before(a.first, b.first); });
         for (std::size_t k = begin; k < end; ++k) std::tie(out.records[k], out.noisy[k]) = both[k - begin];
     }
 }
@@ -267,8 +268,8 @@ void WhittedTracer::Impl::light(const PathRay& ray, const SurfacePoint& s, const
     for (std::size_t i = 0; i < lights.size(); ++i) {
         if (lights[i].light->has_extent()) {
             const glm::dvec2& at = w.positions[ray.sample];
-            const std::uint64_t seed = mix64(mix64(std::bit_cast<std::uint64_t>(at.x)) ^
-                                             std::bit_cast<std::uint64_t>(at.y));
+            const std::uint64_t seed =
+                mix64(mix64(std::bit_cast<std::uint64_t>(at.x)) ^ std::bit_cast<std::uint64_t>(at.y));
             w.extents.push_back({&lights[i], &m, s, f, colour, ray.direction, ray.throughput, key,
                                  mix64(seed ^ (i << 40 | std::uint64_t{ray.layer} << 32 | ray.path.bits()))});
             w.extent_nodes.push_back(node);
@@ -375,8 +376,8 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
 }
 
 void WhittedTracer::Impl::take_lobe(const PathRay& ray, const SurfacePoint& s, const HitKey& key,
-                                    const dvec3& axis, const dvec3& side, double exponent,
-                                    const dvec3& share, NodePath::Bounce bounce, Workspace& w) const {
+                                    const dvec3& axis, const dvec3& side, double exponent, const dvec3& share,
+                                    NodePath::Bounce bounce, Workspace& w) const {
     if (!lobe_means) return;
     w.lobes.push_back({s.object, ray.path.child(bounce), settings.max_depth - 1 - ray.path.depth(),
                        w.positions[ray.sample], s.position, axis, side, exponent, ray.throughput * share,
@@ -599,7 +600,8 @@ WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
     if (settings.lit) {
         for (const Light& l : scene.scene().lights) impl_->lights.push_back(place_light(l, scene.time_s()));
     }
-    for (const PlacedLight& l : impl_->lights) impl_->has_extents = impl_->has_extents || l.light->has_extent();
+    for (const PlacedLight& l : impl_->lights)
+        impl_->has_extents = impl_->has_extents || l.light->has_extent();
     const auto rough = [](const Material& m) {
         return (m.reflects() && std::isfinite(m.reflection_exponent)) ||
                (m.transmission != dvec3(0) && std::isfinite(m.transmission_exponent));
