@@ -9,6 +9,7 @@
 #include "core/threads.h"
 #include "tests/scene_builder.h"
 #include "tracer/analytic_shape.h"
+#include "tracer/radiance_bounds.h"
 #include "tracer/ray_scene.h"
 #include "tracer/whitted.h"
 
@@ -185,6 +186,24 @@ TEST(Tree, DepthAndContributionEndIt) {
     const auto pruned = trace_at(b.scene, centre, {.max_depth = 17, .min_contribution = 0.1});
     EXPECT_EQ(pruned.size(), 5U);  // 0.5^4 * 2 > 0.1 > 0.5^5 * 2
     EXPECT_EQ(trace_at(b.scene, centre, {.max_depth = 17, .min_contribution = 0}).size(), 17U);
+}
+
+TEST(RadianceBounds, LightsThatFallOffAreBoundedByTheirDistanceFromSurfaces) {
+    SceneBuilder b;
+    b.add(Plane{{0, -2, 0}, {0, 1, 0}}, matte(dvec3(0.5)));
+    b.add(std::make_shared<const Mesh>(Mesh{{{-9, 0, -5}, {9, 0, -5}, {0, 9, -5}}, {{0, 1, 2}}, {}, {}, {}}),
+          matte(dvec3(0.5)));
+    b.point_light({0, 1, 0}, dvec3(36)).attenuation = {0, 0, 1};
+    // 3 m above the plane, 5 m before the triangle.
+    EXPECT_NEAR(radiance_bounds(b.scene, 1)[1], 0.5 * 36 / 9, 1e-12);
+    // A ball of 0.5 m that goes past at 2 m.
+    Object& ball = b.add(Sphere{{0, 0, 0}, 0.5}, matte(dvec3(0.5)));
+    ball.keys = {{.time_s = 0, .translation = {-4, 1, 2}}, {.time_s = 1, .translation = {4, 1, 2}}};
+    const double reach = 0.5 * std::sqrt(3.0);  // of the box around it
+    EXPECT_NEAR(radiance_bounds(b.scene, 1)[1], 0.5 * 36 / ((2 - reach) * (2 - reach)), 1e-12);
+    // A box around the light: it may touch.
+    b.add(Box{{-1, 0, -1}, {1, 2, 1}}, matte(dvec3(0.5)));
+    EXPECT_GT(radiance_bounds(b.scene, 1)[1], 1e90);
 }
 
 TEST(Tree, WhatIsHitNowhereIsARecordToo) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "tracer/radiance_bounds.h"
+
 namespace postlens {
 namespace {
 

@@ -203,6 +203,7 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         for (std::size_t i = g.first; i < g.end; ++i) {
             const LobeHit& h = hits[order[i]];
             const double relative = largest(h.weight) * g.deviation / target_noise;
+            if (relative * relative <= piloted) continue;
             double within = 0;  // hits that share its rays, itself included
             for (std::size_t k = g.first; k < g.end; ++k) {
                 const LobeHit& other = hits[order[k]];

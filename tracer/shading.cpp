@@ -185,26 +185,4 @@ bool has_deeper_nodes(const Scene& scene) {
                        [](const Material& m) { return m.reflects() || m.transmission != dvec3(0); });
 }
 
-std::vector<double> radiance_bounds(const Scene& scene, int max_depth) {
-    dvec3 lit(0);
-    for (const Light& l : scene.lights) {
-        // With attenuation alone by distance the radiance near the light has no bound.
-        lit += l.intensity *
-               (l.attenuation.x > 0 ? 1 / l.attenuation.x : std::numeric_limits<double>::infinity());
-    }
-    double local = largest(scene.background), passed_on = 0;
-    for (const Material& m : scene.materials) {
-        const double colour = m.colour_texture ? m.colour_texture->maximum() : 1;
-        const dvec3 specular = m.fresnel ? glm::max(m.specular, m.specular_grazing) : m.specular;
-        const double glow = m.emission_texture ? m.emission_texture->maximum() : 1;
-        local = std::max(local, largest(m.emission * glow + m.ambient * colour * scene.ambient_light +
-                                        lit * (colour * (m.diffuse + m.diffuse_transmission) + specular)));
-        passed_on = std::max(passed_on, largest(m.reflection + m.transmission));
-        if (m.fresnel) passed_on = std::max(passed_on, largest(m.reflection_grazing));
-    }
-    std::vector<double> bound(static_cast<std::size_t>(max_depth) + 1, 0);
-    for (std::size_t k = 1; k < bound.size(); ++k) bound[k] = local + passed_on * bound[k - 1];
-    return bound;
-}
-
 }  // namespace postlens

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <glm/glm.hpp>
-#include <vector>
 
 #include "tracer/ray_scene.h"
 #include "tracer/scene.h"
@@ -77,8 +76,6 @@ struct Continuation {
 /// 1 / sqrt(exponent), its standard deviation per axis for large exponents, rad. False for infinity.
 [[nodiscard]] bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m);
 
-/// By the number of nodes left below, 0 to max_depth: the most radiance that a subtree can have.
-[[nodiscard]] std::vector<double> radiance_bounds(const Scene& scene, int max_depth);
 /// Whether some material reflects or transmits.
 [[nodiscard]] bool has_deeper_nodes(const Scene& scene);
 

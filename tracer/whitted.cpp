@@ -11,6 +11,7 @@
 
 #include "tracer/light_means.h"
 #include "tracer/lobe_means.h"
+#include "tracer/radiance_bounds.h"
 #include "tracer/ray_differentials.h"
 #include "tracer/refocus_bend.h"
 #include "tracer/sample_hash.h"
