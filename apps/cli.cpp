@@ -89,8 +89,16 @@ void add_trace(CLI::App& root, State& s) {
     frame_options(app, s.frames, true);
     number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S",
            any_value);
-    number(app, "--focal-length", t.camera.focal_length_mm,
-           "Film distance of the pinhole view [default: the camera's]", "MM", above_0);
+    // Kept to refuse it: everywhere else it is the lens's, and leaves the view as it is.
+    app.add_option_function<std::string>("--focal-length",
+                                         [](const std::string& text) {
+                                             fail(ExitCode::wrong_arguments,
+                                                  "--focal-length: a trace has a pinhole (got {}; expected "
+                                                  "--film-distance for the view, and --focal-length with "
+                                                  "focus or render for the lens)",
+                                                  text);
+                                         })
+        ->group("");
     t.subdivide_for_lens = true;
     app.add_option_function<std::string>(
            "--subdivide",
@@ -231,8 +239,9 @@ void retrace_options(CLI::App& app, RetraceOptions& o) {
         ->type_name("PNG");
 }
 
-void target_option(CLI::App& app, double& to) {
-    number(app, "--target-db", to, "With --method auto: PSNR wanted of every tile of 64 px", "DB",
+void target_option(CLI::App& app, std::optional<double>& to, const std::string& without) {
+    number(app, "--target-db", to,
+           "With --method auto: PSNR wanted of every tile of 64 px [default: " + without + "]", "DB",
            target_decibels);
 }
 
@@ -250,18 +259,22 @@ void add_focus(CLI::App& root, State& s) {
     frame_options(app, s.frames, false);
     lens_options(app, o.lens);
     impulse_options(app, o.impulse);
-    choice(app, "--method", o.method, "How",
-           {{"scatter", FocusMethod::scatter},
-            {"layers", FocusMethod::layers},
-            {"lightfield", FocusMethod::lightfield},
-            {"hybrid", FocusMethod::hybrid},
-            {"auto", FocusMethod::automatic},
-            {"pinhole", FocusMethod::pinhole}});
+    choice(
+        app, "--method", o.method,
+        "How; auto: the usual method for what the file holds, with --target-db or --scene as many views and "
+        "rays as that takes",
+        {{"scatter", FocusMethod::scatter},
+         {"layers", FocusMethod::layers},
+         {"lightfield", FocusMethod::lightfield},
+         {"hybrid", FocusMethod::hybrid},
+         {"auto", FocusMethod::automatic},
+         {"pinhole", FocusMethod::pinhole}});
     whole(app, "--depths", o.depths, "Number K of impulse responses [default: CoC right to half a pixel]",
           "K", depth_counts);
     whole(app, "--views", o.views, "Points of the lens that lightfield and hybrid look from", "M",
           lens_view_counts);
-    target_option(app, o.target_db);
+    target_option(app, o.target_db,
+                  fmt::format("{:g} with --scene or --explain, else the usual method", default_target_db));
     retrace_options(app, o.retrace);
     foreign_channel_options(app, o.foreign.choice);
     foreign_camera_options(app, o.foreign.camera);
@@ -367,7 +380,7 @@ void add_shoot(CLI::App& root, State& s) {
             {"hybrid", FocusMethod::hybrid},
             {"auto", FocusMethod::automatic}});
     whole(app, "--views", o.views, "Points of the lens, each at its own instant", "M", lens_view_counts);
-    target_option(app, o.target_db);
+    target_option(app, o.target_db, fmt::format("{:g}", default_target_db));
     retrace_options(app, o.retrace);
     predict_option(app, o.predict);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");

@@ -268,6 +268,8 @@ void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, C
     app.add_option("--camera", camera_name, "Camera by name [default: the scene's first]")->type_name("NAME");
     number(app, "--film-width", camera.film_width_mm, "Width of the film [default: the camera's]", "MM",
            above_0);
+    number(app, "--film-distance", camera.film_distance_mm,
+           "From pinhole to film; with the width: the view [default: the camera's]", "MM", above_0);
 }
 
 void foreign_channel_options(CLI::App& app, ForeignChoice& to) {

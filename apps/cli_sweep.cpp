@@ -52,9 +52,10 @@ void method_options(CLI::App& app, SweepOptions& o) {
                }
                fail(ExitCode::wrong_arguments, "--method: unknown (got {}; expected {})", text, words);
            },
-           "How, as for focus [default: scatter; with --shutter lightfield]")
+           "How, as for focus [default: as focus; with --shutter lightfield]")
         ->type_name("scatter|layers|lightfield|hybrid|auto|pinhole");
-    number(app, "--target-db", p.target_db, "With --method auto: PSNR wanted of every tile of 64 px", "DB",
+    number(app, "--target-db", p.target_db,
+           "With --method auto: PSNR wanted of every tile of 64 px [default: the usual method]", "DB",
            target_decibels);
     whole(app, "--depths", p.depths, "Number K of impulse responses [default: CoC right to half a pixel]",
           "K", depth_counts);

@@ -81,12 +81,13 @@ struct FocusOptions {
     std::string input, output;
     LensOptions lens;
     Impulse impulse;
-    FocusMethod method = FocusMethod::scatter;
+    FocusMethod method = FocusMethod::automatic;
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     int views = default_lens_views;
-    double target_db = default_target_db;  ///< of `auto`
+    /// Of `auto`, which plans for it. Without it, a scene or `explain` it takes the usual method.
+    std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;
     std::optional<Crop> crop;

@@ -5,6 +5,7 @@
 #include "apps/numbers.h"
 #include "apps/plan_command.h"
 #include "focus/bend_warning.h"
+#include "focus/usual_method.h"
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/read_prescription.h"
 #include "records/crop.h"
@@ -92,33 +93,39 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     if (options.impulse.kind == ImpulseKind::lens) take_from_prescription(options.impulse, lens_options);
     const ResolvedLens lens = resolve_lens(lens_options, file);
+    const bool unplanned = options.method == FocusMethod::automatic && !options.target_db &&
+                           !options.retrace.scene && !options.retrace.explain;
+    const UsualMethod usual = usual_method(file.header());
+    const FocusMethod method = unplanned ? usual.method : options.method;
     const FocusSettings settings{.lens = lens.lens,
                                  .focus_distance_m = lens.focus_m,
                                  .framing = options.lens.framing,
-                                 .method = options.method,
+                                 .method = method,
                                  .spacing = options.spacing,
                                  .depth_model = options.depth_model,
                                  .impulse = options.impulse,
                                  .depths = options.depths,
                                  .views = options.views,
                                  .crop = options.crop};
-    const bool predict = options.predict && options.method != FocusMethod::automatic;
+    const bool predict = options.predict && method != FocusMethod::automatic;
     if (predict) check_predictable(file.header(), settings);
     CommandResult out;
     warn_of_lost_rows(file, out.warnings);
-    FocusFrame frame(file, options.method == FocusMethod::automatic);
+    FocusFrame frame(file, method == FocusMethod::automatic);
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    if (options.method == FocusMethod::automatic && std::isfinite(lens.lens.f_number)) {
-        AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
-                                      options.retrace, options.output, out);
+    if (method == FocusMethod::automatic && std::isfinite(lens.lens.f_number)) {
+        AutoResult planned = run_auto(
+            frame,
+            {.hybrid = {.focus = settings}, .target_db = options.target_db.value_or(default_target_db)},
+            options.retrace, options.output, out);
         plan = plan_json(planned);
         hybrid = std::move(planned.hybrid);
         result = std::move(hybrid.focus);
         result.method = FocusMethod::automatic;
         out.text = planned.plan + "\n";
-    } else if (options.method == FocusMethod::hybrid && std::isfinite(lens.lens.f_number)) {
+    } else if (method == FocusMethod::hybrid && std::isfinite(lens.lens.f_number)) {
         hybrid = run_hybrid(frame, {.focus = settings}, options.retrace, options.output, out);
         result = std::move(hybrid.focus);
         result.method = FocusMethod::hybrid;
@@ -138,7 +145,9 @@ CommandResult run_focus(const FocusOptions& options) {
         if (bends) out.warnings.push_back({bends->code, bends->text, bends->share});
     }
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
+    const bool told = unplanned && result.method == method;  // not where the lens is a pinhole
     out.json = {{"method", method_name(result.method)},
+                {"method_reason", told ? nlohmann::ordered_json(usual.reason) : nullptr},
                 {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
                 {"depths", result.depths},
                 {"predicted_db", plan.is_null() ? nlohmann::ordered_json(nullptr) : plan.at("predicted_db")},
@@ -157,6 +166,7 @@ CommandResult run_focus(const FocusOptions& options) {
                     result.views > 0 ? counted(static_cast<std::uint64_t>(result.views), "view")
                                      : counted(static_cast<std::uint64_t>(result.depths), "depth"),
                     px_text(result.largest_coc_px));
+    if (told) out.text += fmt::format("\n  {}, {}", method_name(method), usual.reason);
     if (predict) {
         report_prediction(predict_error(frame, {.focus = settings},
                                         {&result.image, result.method, result.views, std::span(hybrid.what)}),

@@ -4,6 +4,7 @@
 #include "apps/exposure.h"
 #include "apps/numbers.h"
 #include "focus/foreign_focus.h"
+#include "focus/usual_method.h"
 #include "records/crop.h"
 #include "records/unmix_edges.h"
 #include "sweep/picture_maker.h"
@@ -107,6 +108,10 @@ CommandResult focus_foreign(const FocusOptions& options) {
     ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, choice);
     const double stops = expose(picture, options.exposure);
     const bool pinhole = options.method == FocusMethod::pinhole;
+    const bool unplanned = options.method == FocusMethod::automatic && !options.target_db &&
+                           !options.retrace.scene && !options.retrace.explain;
+    const UsualMethod usual = usual_method_of_foreign_picture();
+    const FocusMethod method = unplanned ? usual.method : options.method;
     const std::size_t unmixed = pinhole ? 0 : unmix_edges(picture);
     check_crop(options.crop, picture.width, picture.height);
     const double f_number =
@@ -121,7 +126,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
         focus_foreign(picture, {.lens = {.focal_length_mm = focal_length_mm, .f_number = f_number},
                                 .focus_distance_m = focus_m,
                                 .framing = lens.framing,
-                                .method = options.method,
+                                .method = method,
                                 .spacing = options.spacing,
                                 .depth_model = options.depth_model,
                                 .impulse = options.impulse,
@@ -134,7 +139,9 @@ CommandResult focus_foreign(const FocusOptions& options) {
     add_warnings(picture, true, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
+    const bool told = unplanned && result.method == method;
     out.json = {{"method", method_name(result.method)},
+                {"method_reason", told ? nlohmann::ordered_json(usual.reason) : nullptr},
                 {"views", nullptr},
                 {"depths", result.depths},
                 {"predicted_db", nullptr},
@@ -156,6 +163,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
         "{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {}, widest CoC {}", options.output,
         result.image.width, result.image.height, method_name(result.method), focal_length_mm, f_number,
         focus_m, counted(static_cast<std::uint64_t>(result.depths), "depth"), px_text(result.largest_coc_px));
+    if (told) out.text += fmt::format("\n  {}, {}", method_name(method), usual.reason);
     report_crop(options.crop, out);
     report_exposure(options.output, result.image, options.crop, out);
     return out;

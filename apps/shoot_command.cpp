@@ -39,7 +39,8 @@ CommandResult run_shoot(const ShootOptions& options) {
     FocusFrame frame(file, automatic);
     AutoResult planned;
     if (automatic) {
-        planned = run_auto(frame, {.hybrid = settings, .target_db = o.target_db}, o.retrace, o.output, out);
+        planned = run_auto(frame, {.hybrid = settings, .target_db = o.target_db.value_or(default_target_db)},
+                           o.retrace, o.output, out);
     } else {
         planned.hybrid = run_hybrid(frame, settings, o.retrace, o.output, out);
     }

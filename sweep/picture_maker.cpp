@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "focus/usual_method.h"
 #include "motionblur/motion_blur.h"
 #include "planner/auto_picture.h"
 #include "planner/predicted_error.h"
@@ -13,8 +14,13 @@ namespace {
 
 constexpr int shutter_views = 128;  // as `shoot`
 
-FocusMethod method_for(const std::optional<FocusMethod>& asked, bool with_shutter) {
-    if (!asked) return with_shutter ? FocusMethod::lightfield : FocusMethod::scatter;
+FocusMethod method_for(const PictureSettings& settings, const SampleHeader& header, bool with_shutter) {
+    const std::optional<FocusMethod>& asked = settings.method;
+    if (!asked && with_shutter) return FocusMethod::lightfield;
+    if (!with_shutter && asked.value_or(FocusMethod::automatic) == FocusMethod::automatic &&
+        !settings.target_db && settings.scene == nullptr)
+        return usual_method(header).method;
+    if (!asked) return FocusMethod::automatic;
     if (with_shutter && *asked != FocusMethod::lightfield && *asked != FocusMethod::hybrid &&
         *asked != FocusMethod::automatic) {
         fail(ExitCode::wrong_arguments,
@@ -51,7 +57,7 @@ const char* method_name(FocusMethod method) {
 PictureMaker::PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter)
     : file_(file),
       settings_(std::move(settings)),
-      method_(method_for(settings_.method, with_shutter)),
+      method_(method_for(settings_, file.header(), with_shutter)),
       frame_(file, true) {
     if (with_shutter) motion_.emplace(motion_of(file.header(), settings_.paths));
 }
@@ -96,7 +102,8 @@ void PictureMaker::predict(MadePicture& picture, const HybridSettings& settings,
 
 MadePicture PictureMaker::planned(HybridSettings settings) {
     settings.scene = settings_.scene;
-    AutoResult r = auto_picture(frame_, {.hybrid = settings, .target_db = settings_.target_db});
+    AutoResult r = auto_picture(
+        frame_, {.hybrid = settings, .target_db = settings_.target_db.value_or(default_target_db)});
     MadePicture out = made(std::move(r.hybrid.focus), method_name(FocusMethod::automatic));
     out.predicted_db = r.predicted_db;
     return out;

@@ -21,7 +21,8 @@ namespace postlens {
 /// How every picture of a sweep is made. Names and defaults are those of `focus`; with a shutter those of
 /// `shoot`.
 struct PictureSettings {
-    /// Absent: scatter, with a shutter lightfield. With a shutter lightfield, hybrid and automatic only.
+    /// Absent: the usual one for the file, with a shutter lightfield. With a shutter lightfield, hybrid and
+    /// automatic only.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -32,8 +33,9 @@ struct PictureSettings {
     std::vector<ObjectPath> paths;  ///< in place of the file's motion
     const Scene* scene = nullptr;   ///< for hybrid and automatic
     int retrace_spp = 128;
-    double target_db = default_target_db;  ///< of `automatic`
-    bool predict = false;                  ///< of each picture how far it is expected to be from the truth
+    /// Of `automatic`; without it and a scene that is the usual method.
+    std::optional<double> target_db;
+    bool predict = false;  ///< of each picture how far it is expected to be from the truth
 };
 
 struct MadePicture {

@@ -230,7 +230,8 @@ class Sweep {
         if (p.scene != nullptr && p.scene->lumens_per_watt)
             key += fmt::format(" lumens {}", *p.scene->lumens_per_watt);
         if (p.predict) key += " predicted";
-        if (maker_.method() == FocusMethod::automatic) key += fmt::format(" {}", p.target_db);
+        if (maker_.method() == FocusMethod::automatic)
+            key += fmt::format(" {}", p.target_db.value_or(default_target_db));
         for (const glm::dvec2& at : out_.table.at) key += fmt::format(" {},{}", at.x, at.y);
         for (const auto& path : settings_.depends_on) key.append(" ").append(checksum_text(path));
         return key;

@@ -75,7 +75,7 @@ TEST_F(Cli, TraceThenFocusThreeTimes) {
                                "--focus", s, "--json"});
         ASSERT_EQ(f.exit_code, 0) << f.err;
         const json j = json::parse(f.out);
-        EXPECT_EQ(j.at("method"), "scatter");
+        EXPECT_EQ(j.at("method"), "layers");  // as the balls are mirrors
         EXPECT_EQ(j.at("f_number"), 2.0);
         EXPECT_EQ(j.at("focal_length_mm"), 50.0);
         EXPECT_EQ(j.at("focus_m").is_null(), std::string(s) == "inf");
@@ -144,7 +144,8 @@ TEST_F(Cli, WrongArgumentsAreTwo) {
     refused({"trace", scene(), "-o", in("x.exr"), "--threshold", "nan"}, two, "--threshold");
     refused({"trace", scene(), "-o", in("x.exr"), "--overscan", "-4"}, two, "--overscan");
     refused({"trace", scene(), "-o", in("x.exr"), "--metres-per-unit", "0"}, two, "metres");
-    refused({"trace", scene(), "-o", in("x.exr"), "--focal-length", "1e999"}, two, "--focal-length");
+    refused({"trace", scene(), "-o", in("x.exr"), "--film-distance", "1e999"}, two, "--film-distance");
+    refused({"trace", scene(), "-o", in("x.exr"), "--focal-length", "85"}, two, "expected --film-distance");
     refused({"trace", scene(), "-o", in("x.exr"), "--threads", "-1"}, two, "--threads");
     refused({"focus", frame, "-o", in("x.png"), "--f-number", "0", "--focus", "1"}, two, "f-number");
     refused({"focus", frame, "-o", in("x.png"), "--f-number", "-2", "--focus", "1"}, two, "f-number");

@@ -120,6 +120,13 @@ TEST_F(ForeignCommand, ScatterAndLayersBlurWithAnyAperture) {
     }
 }
 
+TEST_F(ForeignCommand, LayersAreTheUsualMethod) {
+    write_half_plane(in("a.exr"));
+    const json said = done({"focus", in("a.exr"), "-o", in("o.exr"), "--f-number", "1", "--focus", "4"});
+    EXPECT_EQ(said.at("method"), "layers");
+    EXPECT_EQ(said.at("method_reason"), "as it is a picture of another program");
+}
+
 TEST_F(ForeignCommand, SaysWhatIsInAFile) {
     const json said = done({"info", data_folder + "deep_alpha.exr"});
     EXPECT_EQ(said.at("kind"), "image");

@@ -27,8 +27,8 @@ class MemoryOfCommand : public CommandTest {
                                      frame, "--size", std::to_string(width) + "x" + std::to_string(height),
                                      "--subdivide", "1", "--threads", "2", "--json"});
         const json image = said_by({"image", frame, "-o", picture, "--json"});
-        const json focus =
-            said_by({"focus", frame, "-o", picture, "--f-number", "8", "--focus", "1.5", "--json"});
+        const json focus = said_by({"focus", frame, "-o", picture, "--f-number", "8", "--focus", "1.5",
+                                    "--method", "scatter", "--json"});
         constexpr const char* peak = "peak_memory_bytes";
         return {static_cast<double>(width), static_cast<double>(height), traced.value("records", 0.0),
                 traced.value(peak, 0.0),    image.value(peak, 0.0),      focus.value(peak, 0.0)};

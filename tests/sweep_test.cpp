@@ -226,6 +226,7 @@ class SweepFolder : public testing::Test {
 
 TEST_F(SweepFolder, TellsOfEveryPictureWhatTheLensDoes) {
     SweepSettings s = two_by_two();
+    s.picture.method = FocusMethod::scatter;
     s.at = {{20.5, 24.5}, {2.5, 2.5}};  // the near board, the far ones
     const SweepResult r = run(s);
     ASSERT_EQ(r.table.rows.size(), 4U);

@@ -101,7 +101,8 @@ TEST_F(TraceCommand, TheVisiblePictureIsTheSame) {
     // Edges of hidden surfaces subdivide pixels, which makes the visible picture a little better: not here.
     (void)traced({"--subdivide", "0"});
     EXPECT_EQ(run({"image", in("a.exr"), "-o", plain, "--quiet"}).exit_code, 0);
-    const std::vector<std::string> lens{"--f-number", "2.8", "--focus", "4", "--quiet"};
+    const std::vector<std::string> lens{"--f-number", "2.8",     "--focus", "4",
+                                        "--method",   "scatter", "--quiet"};
     const auto focused = [&](const std::string& to) {
         std::vector<std::string> words{"focus", in("a.exr"), "-o", to};
         words.insert(words.end(), lens.begin(), lens.end());
@@ -166,6 +167,56 @@ TEST_F(TraceCommand, FocusSaysWhereTheFileDoesNotSuffice) {
         focused({"--focal-length", std::to_string(focal_length_mm * 2), "--f-number", "2", "--focus", "4"},
                 6),
         1);
+}
+
+// Without --method, `focus` takes what is usual for what the file holds, and says so.
+TEST_F(TraceCommand, FocusTakesTheUsualMethodForTheFile) {
+    const auto focused = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words{"focus", in("a.exr"), "-o", in("f.exr"), "--json"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome r = run(words);
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        return json::parse(r.out);
+    };
+    const std::vector<std::string> lens{"--f-number", "2", "--focus", "4"};
+    (void)traced({"--max-depth", "1"});
+    json j = focused(lens);
+    EXPECT_EQ(j["method"], "scatter");
+    EXPECT_EQ(j["method_reason"], "as the file has nothing behind what is seen");
+    ASSERT_EQ(run({"trace", std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml", "-o", in("a.exr"),
+                   "--size", "96x54", "--quiet"})
+                  .exit_code,
+              0);
+    EXPECT_EQ(focused(lens)["method_reason"], "as the file has mirrors or glass");
+    (void)traced({"--for-f-number", "2", "--max-depth", "1"});
+    j = focused(lens);
+    EXPECT_EQ(j["method"], "layers");
+    EXPECT_EQ(j["method_reason"], "as the file has hidden surfaces");
+    EXPECT_EQ(focused({"--f-number", "2", "--focus", "4", "--method", "scatter"})["method_reason"], nullptr);
+    EXPECT_EQ(focused({"--f-number", "inf", "--focus", "4"})["method"], "pinhole");
+    // With a target it plans.
+    j = focused({"--f-number", "2", "--focus", "4", "--method", "auto", "--target-db", "20"});
+    EXPECT_EQ(j["method"], "auto");
+    EXPECT_TRUE(j.contains("plan"));
+    const Outcome text = run({"focus", in("a.exr"), "-o", in("f.exr"), "--f-number", "2", "--focus", "4"});
+    EXPECT_NE(text.out.find("layers, as the file has hidden surfaces"), std::string::npos) << text.out;
+}
+
+// One meaning for an option: the view is --film-distance, the lens --focal-length.
+TEST_F(TraceCommand, TheFilmDistanceIsTheViewInTraceAndRender) {
+    (void)traced({"--film-distance", "85"});
+    EXPECT_EQ(info()["film_distance_mm"], 85);
+    ASSERT_EQ(run({"image", in("a.exr"), "-o", in("image.exr")}).exit_code, 0);
+    const json size = info();
+    const std::string px =
+        std::to_string(size["width"].get<int>()) + "x" + std::to_string(size["height"].get<int>());
+    for (const char* distance : {"85", "50"}) {
+        const Outcome r = run({"render", scene(), "-o", in("r.exr"), "--spp", "64", "--size", px,
+                               "--f-number", "inf", "--film-distance", distance});
+        ASSERT_EQ(r.exit_code, 0) << r.err;
+        const Outcome c = run({"compare", in("image.exr"), in("r.exr"), "--json"});
+        EXPECT_EQ(json::parse(c.out)["psnr_db"] > 30, std::string(distance) == "85") << distance;
+    }
 }
 
 TEST_F(TraceCommand, LayersInMirrorsDisturbNoReader) {

@@ -488,7 +488,7 @@ TEST(Camera, RefusesWhatIsNoView) {
     EXPECT_THROW(CameraModel(parallel, 0), Error);
     EXPECT_THROW(CameraModel(Camera{}, 0, {.width = 0}), Error);
     EXPECT_THROW(CameraModel(Camera{}, 0, {.width = 1 << 20}), Error);
-    EXPECT_THROW(CameraModel(Camera{}, 0, {.focal_length_mm = -1}), Error);
+    EXPECT_THROW(CameraModel(Camera{}, 0, {.film_distance_mm = -1}), Error);
     EXPECT_THROW(CameraModel(Camera{}, 0, {.film_width_mm = std::nan("")}), Error);
 }
 

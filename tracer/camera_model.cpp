@@ -47,8 +47,8 @@ CameraModel::CameraModel(const Camera& camera, double time_s, const CameraOverri
                                          ? positive(*overrides.film_width_mm, "--film-width", "mm")
                                          : camera.film_width_mm;
         pixel_pitch_mm = film_width_mm / width;
-        if (overrides.focal_length_mm) {
-            film_distance_mm = positive(*overrides.focal_length_mm, "--focal-length", "mm");
+        if (overrides.film_distance_mm) {
+            film_distance_mm = positive(*overrides.film_distance_mm, "--film-distance", "mm");
         } else if (camera.focal_length_mm) {
             film_distance_mm = *camera.focal_length_mm;
         } else if (camera.horizontal_fov_degrees) {

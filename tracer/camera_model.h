@@ -11,7 +11,7 @@ namespace postlens {
 /// What the command line may set over the scene's camera.
 struct CameraOverrides {
     std::optional<int> width, height;
-    std::optional<double> focal_length_mm;
+    std::optional<double> film_distance_mm;  ///< from pinhole to film: the view
     std::optional<double> film_width_mm;
 };
 

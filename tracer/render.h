@@ -24,7 +24,7 @@
 namespace postlens {
 
 struct RenderSettings {
-    CameraOverrides camera;        ///< `focal_length_mm` stays empty: it is the lens's below
+    CameraOverrides camera;
     std::string camera_name;       ///< empty: the scene's first
     std::optional<double> time_s;  ///< the instant without a shutter; absent: the scene's own
 
