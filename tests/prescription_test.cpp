@@ -61,6 +61,21 @@ TEST(Glasses, TermsGiveTheIndicesOfCodeV) {
     EXPECT_EQ(rows, 4);
 }
 
+// A report of another reader: a private glass by a formula stopped files that do not even use it.
+TEST(Glasses, PrivateOnesMayBeSeries) {
+    for (const char* file : {"plain", "unused_laurent", "table", "used_laurent"}) {
+        const FirstOrder f = first_order(data(std::string("private_glass/") + file + ".seq"));
+        const bool used = std::string(file) == "used_laurent";
+        EXPECT_NEAR(f.efl_mm, used ? 44.76082 : 48.37461, 1e-5) << file;
+        EXPECT_NEAR(f.bfl_mm, used ? 39.62776 : 43.10035, 1e-5) << file;
+    }
+    const double um2 = d_line_nm * d_line_nm * 1e-6;
+    EXPECT_NEAR(Glass::laurent({2, 0.01, 0.02, 0.03, 0.04, 0.05}).index(d_line_nm),
+                std::sqrt(2 + 0.01 * um2 + 0.02 / um2 + 0.03 / std::pow(um2, 2) + 0.04 / std::pow(um2, 3) +
+                          0.05 / std::pow(um2, 4)),
+                1e-14);
+}
+
 TEST(Glasses, AnAbbeNumberIsKept) {
     const Glass g = Glass::abbe(1.62, 36.4);
     EXPECT_NEAR(g.index(d_line_nm), 1.62, 1e-15);
@@ -361,6 +376,47 @@ TEST_F(PrescriptionFiles, SequenceCommands) {
     EXPECT_NEAR(*lens.film_distance_mm, 94.9, 1e-9);
 }
 
+TEST_F(PrescriptionFiles, SequenceAperturesAndGlassesInAnyOrder) {
+    const std::string text =
+        "DIM M\nEPD 5\nSO 0 1e13\nS 50 5 516800.641700; CIR CLR 8\n CIR EDG 9\nS -50 1\n CIR EDG 7\nSTO\n"
+        "S 40 3 'late'\nS 0 20\n CIR S2 CLR 6\n ADX 0\nSI 0 0\nPRV\nPWL 656 588 486\n'late' 1.60 1.61 1.62\n"
+        "'pairs' STS 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653\nEND\nGO\n";
+    const Prescription lens = read_prescription(write("a.seq", text));
+    ASSERT_EQ(lens.surfaces.size(), 4U);
+    EXPECT_NEAR(lens.surfaces[0].glass.index(d_line_nm), 1.5168, 1e-12);
+    EXPECT_EQ(lens.surfaces[0].clear_radius_mm, 8);
+    EXPECT_EQ(lens.surfaces[1].clear_radius_mm, 6);
+    EXPECT_NEAR(lens.surfaces[2].glass.index(588), 1.61, 1e-12);
+    // Of either order of Sellmeier's coefficients, those of N-BK7.
+    for (const char* terms : {"1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653",
+                              "1.03961212 0.231792344 1.01046945 0.00600069867 0.0200179144 103.560653"}) {
+        const Prescription made =
+            read_prescription(write("b.seq", std::string("EPD 5\nPRV\nPWL 550\n'G' GMS ") + terms +
+                                                 "\nEND\nSO 0 1e13\nS 50 5 'G'\nSTO\nS -50 40\nSI 0 0\n"));
+        EXPECT_EQ(made.surfaces[0].glass, *find_glass("N-BK7")) << terms;
+    }
+}
+
+TEST_F(PrescriptionFiles, ZemaxAperturesInUtf16WithoutAMark) {
+    const std::string text =
+        "UNIT MM X W X CM MR CPMM\nENPD 4\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.02\n  DISZ 4\n"
+        "  GLAS N-BK7 0 0\n  CLAP 0 5 0\n  DIAM 8 1\nSURF 2\n  CURV -0.02\n  DISZ 2\n  DIAM 8 1\n  FLAP 0 6 "
+        "0\n"
+        "SURF 3\n  CURV 0\n  DISZ 40\n  CLAP 0 3 0\n  OBDC 0 0\nSURF 4\n  DISZ 0\n";
+    for (const bool big : {false, true}) {
+        std::string wide;
+        for (const char c : text) {
+            if (big) wide.push_back('\0');
+            wide.push_back(c);
+            if (!big) wide.push_back('\0');
+        }
+        const Prescription lens = read_prescription(write("a.zmx", wide));
+        EXPECT_EQ(lens.surfaces[0].clear_radius_mm, 5);
+        EXPECT_EQ(lens.surfaces[1].clear_radius_mm, 6);
+        EXPECT_EQ(lens.surfaces[2].clear_radius_mm, 3);  // a plane in air that stops light
+    }
+}
+
 TEST_F(PrescriptionFiles, ZemaxAspheres) {
     const std::string text =
         "UNIT CM X W X CM MR CPMM\nENPD 1\nWAVM 1 0.55 1\nPWAV 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n"
@@ -433,6 +489,18 @@ TEST_F(PrescriptionFiles, BadTomlIsRefused) {
 }
 
 TEST_F(PrescriptionFiles, BadSequencesAreRefused) {
+    for (const char* command : {"CIR OBS 2", "CIR HOL 2", "REX 2", "ELX 2", "ADX 0.1", "ADY 0.1", "ADE 1"}) {
+        const std::string name = std::string(command).substr(0, std::string(command).find_last_of(' '));
+        refused("a.seq", std::string("SO 0 1e10\nS 0.1 1 SF6\n") + command + "\n",
+                name + " is not supported");
+    }
+    for (const char* command : {"OBSC 0 2", "SQAP 2 2", "ELAP 2 3", "OBDC 0 0.1"}) {
+        refused("a.zmx", std::string("SURF 0\nSURF 1\n  ") + command + "\n",
+                std::string(command).substr(0, 4) + " is not supported");
+    }
+    refused("a.zmx", "SURF 0\nSURF 1\n  CLAP 1 2 0\n", "a ring of CLAP is not supported");
+    refused("a.seq", "PRV\nPWL 550\n'G' HRT 1 2 3\nEND\nSO 0 1e10\nS 0.1 1 'G'\n",
+            "private glass 'G': line 3 is not understood (got the formula 'HRT'");
     refused("a.seq", "S 1 2 REFL\n", ":1: mirrors are not supported");
     refused("a.seq", "STO\n", ":1: this command needs a surface before it");
     refused("a.seq", "SO 0 1e10\nS 0.1 1 XYZ\nSI\n", ":2: unknown glass (got 'XYZ'");

@@ -30,7 +30,15 @@ Glass Glass::abbe(double nd, double vd, std::string name) {
 
 Glass Glass::sellmeier(const std::array<double, 6>& terms, std::string name) {
     Glass out;
-    out.is_sellmeier_ = true;
+    out.formula_ = Formula::sellmeier;
+    out.terms_ = terms;
+    out.name_ = std::move(name);
+    return out;
+}
+
+Glass Glass::laurent(const std::array<double, 6>& terms, std::string name) {
+    Glass out;
+    out.formula_ = Formula::laurent;
     out.terms_ = terms;
     out.name_ = std::move(name);
     return out;
@@ -52,7 +60,11 @@ Glass Glass::three_points(const std::array<double, 3>& wavelengths_nm, const std
 
 double Glass::index(double wavelength_nm) const {
     const double x = inverse_square_um(wavelength_nm);
-    if (!is_sellmeier_) return terms_[0] + x * (terms_[1] + x * terms_[2]);
+    if (formula_ == Formula::cauchy) return terms_[0] + x * (terms_[1] + x * terms_[2]);
+    if (formula_ == Formula::laurent) {
+        const auto& a = terms_;
+        return std::sqrt(a[0] + a[1] / x + x * (a[2] + x * (a[3] + x * (a[4] + x * a[5]))));
+    }
     double square = 1;
     for (std::size_t i = 0; i < 3; ++i) square += terms_[i] / (1 - terms_[i + 3] * x);
     return std::sqrt(square);

@@ -22,24 +22,28 @@ class Glass {
     [[nodiscard]] static Glass abbe(double nd, double vd, std::string name = "");
     /// n^2 = 1 + sum B_i L^2 / (L^2 - C_i), L in um [born1999, 2.3.4]; terms B1 B2 B3 C1 C2 C3 (um^2).
     [[nodiscard]] static Glass sellmeier(const std::array<double, 6>& terms, std::string name = "");
+    /// n^2 = A0 + A1 L^2 + A2 / L^2 + A3 / L^4 + A4 / L^6 + A5 / L^8, L in um: Laurent's series, in which
+    /// Schott's older catalogues state their glasses.
+    [[nodiscard]] static Glass laurent(const std::array<double, 6>& terms, std::string name = "");
     /// n = A + B / L^2 + C / L^4 through the indices at three different wavelengths, nm.
     [[nodiscard]] static Glass three_points(const std::array<double, 3>& wavelengths_nm,
                                             const std::array<double, 3>& indices, std::string name = "");
 
-    /// wavelength_nm > 0. Not a number where a Sellmeier formula has a pole or a negative square.
+    /// wavelength_nm > 0. Not a number where a formula has a pole or a negative square.
     [[nodiscard]] double index(double wavelength_nm) const;
     [[nodiscard]] bool is_air() const {
-        return !is_sellmeier_ && terms_[0] == 1 && terms_[1] == 0 && terms_[2] == 0;
+        return formula_ == Formula::cauchy && terms_[0] == 1 && terms_[1] == 0 && terms_[2] == 0;
     }
     /// Empty where the source gives none.
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] bool operator==(const Glass& other) const {
-        return is_sellmeier_ == other.is_sellmeier_ && terms_ == other.terms_;
+        return formula_ == other.formula_ && terms_ == other.terms_;
     }
 
   private:
-    bool is_sellmeier_ = false;
-    std::array<double, 6> terms_{1, 0, 0, 0, 0, 0};  ///< A, B (um^2), C (um^4), or Sellmeier's
+    enum class Formula { cauchy, sellmeier, laurent };
+    Formula formula_ = Formula::cauchy;
+    std::array<double, 6> terms_{1, 0, 0, 0, 0, 0};  ///< A, B (um^2), C (um^4), or the other formulas'
     std::string name_;
 };
 

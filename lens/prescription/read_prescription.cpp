@@ -24,17 +24,23 @@ std::string ending_of(const std::filesystem::path& path) {
     return ending;
 }
 
-// UTF-16 as Zemax writes it. What is not ASCII stands in names only and becomes a question mark.
+// UTF-16 as Zemax writes it, with or without a mark. What is not ASCII stands in names only and becomes a
+// question mark.
 std::string decoded(std::string bytes) {
     const auto byte = [&bytes](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
     if (bytes.size() >= 3 && byte(0) == 0xEF && byte(1) == 0xBB && byte(2) == 0xBF) return bytes.substr(3);
     if (bytes.size() < 2) return bytes;
-    const bool little = byte(0) == 0xFF && byte(1) == 0xFE;
-    const bool big = byte(0) == 0xFE && byte(1) == 0xFF;
-    if (!little && !big) return bytes;
+    const bool marked_little = byte(0) == 0xFF && byte(1) == 0xFE;
+    const bool marked_big = byte(0) == 0xFE && byte(1) == 0xFF;
+    // Without a mark: these formats begin with two characters of ASCII.
+    const bool bare_little =
+        bytes.size() >= 4 && byte(0) != 0 && byte(1) == 0 && byte(2) != 0 && byte(3) == 0;
+    const bool bare_big = bytes.size() >= 4 && byte(0) == 0 && byte(1) != 0 && byte(2) == 0 && byte(3) != 0;
+    const bool little = marked_little || bare_little;
+    if (!little && !marked_big && !bare_big) return bytes;
     std::string out;
     out.reserve(bytes.size() / 2);
-    for (std::size_t i = 2; i + 1 < bytes.size(); i += 2) {
+    for (std::size_t i = marked_little || marked_big ? 2 : 0; i + 1 < bytes.size(); i += 2) {
         const unsigned low = byte(i + (little ? 0 : 1)), high = byte(i + (little ? 1 : 0));
         out.push_back(high == 0 && low < 0x80 ? static_cast<char>(low) : '?');
     }

@@ -57,7 +57,8 @@ std::vector<std::string_view> commands_of(std::string_view line) {
 class SeqReader {
   public:
     explicit SeqReader(const std::string& file) { lens_.file = file; }
-    void command(int line, const Words& words);
+    /// `glasses`: private glasses alone; else all the rest.
+    void command(int line, const Words& words, bool glasses);
     Prescription finish();
 
   private:
@@ -77,6 +78,8 @@ class SeqReader {
     bool surface_command(const std::string& key, const Words& words);
     void system_command(const std::string& key, const Words& words);
     void private_glass(const std::string& key, const Words& words);
+    void private_formula(const std::string& key, const std::string& formula, std::vector<double> terms);
+    void clear_radius(const Words& words);
     [[nodiscard]] Glass glass(std::string_view word) const;
 
     Prescription lens_;
@@ -91,6 +94,7 @@ class SeqReader {
     bool in_private_ = false;
     std::vector<double> private_nm_;
     std::map<std::string, Glass> private_;
+    std::map<std::string, std::string> unread_;  ///< private glasses that were not understood, and why
 };
 
 // "S3" after a command says which surface it is of; without it, the one that was begun last.
@@ -120,24 +124,33 @@ Surface& SeqReader::addressed(const Words& words, std::size_t& next) {
     return all_[at];
 }
 
-// A name, a private one, or a code: "517642", "517.642" or "1.5168:64.17".
+// A name, a private one, or a code: "517642", "517.642", "516800.641700" or "1.5168:64.17".
 Glass SeqReader::glass(std::string_view word) const {
     const std::string name = upper(word);
     if (name == "AIR") return {};
     if (name == "REFL") unsupported("mirrors are not supported");
     if (const auto own = private_.find(name); own != private_.end()) return own->second;
+    if (const auto why = unread_.find(name); why != unread_.end()) {
+        fail(ExitCode::invalid_input, "{}:{}: private glass {}: {}", lens_.file, line_, excerpt(name),
+             why->second);
+    }
     if (const std::size_t colon = name.find(':'); colon != std::string::npos) {
         const double nd = number_in(lens_.file, line_, std::string_view(name).substr(0, colon), "nd");
         const double vd = number_in(lens_.file, line_, std::string_view(name).substr(colon + 1), "Vd");
         if (vd > 0) return Glass::abbe(nd, vd, name);
     }
-    std::string digits;
-    for (const char c : name) {
-        if (std::isdigit(static_cast<unsigned char>(c)) != 0) digits.push_back(c);
-    }
-    const bool is_code = digits.size() == 6 && (name == digits || (name.size() == 7 && name[3] == '.'));
-    if (is_code) {
-        const double nd = 1 + 1e-3 * std::stoi(digits.substr(0, 3)), vd = 0.1 * std::stoi(digits.substr(3));
+    // Before the dot what follows 1 in nd, behind it Vd, whose first two digits are whole.
+    const auto is_digits = [](std::string_view part) {
+        return part.size() >= 3 && part.size() <= 9 &&
+               std::all_of(part.begin(), part.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+    };
+    const std::size_t dot = name.find('.');
+    const std::string_view all = name, fraction = all.substr(0, dot == std::string::npos ? 3 : dot),
+                           abbe = all.substr(dot == std::string::npos ? std::min<std::size_t>(3, name.size())
+                                                                      : dot + 1);
+    if (is_digits(fraction) && is_digits(abbe) && (dot != std::string::npos || name.size() == 6)) {
+        const double nd = 1 + *parse_number(fraction) / std::pow(10, fraction.size());
+        const double vd = *parse_number(abbe) / std::pow(10, abbe.size() - 2);
         if (vd > 0) return Glass::abbe(nd, vd, name);
     }
     return glass_by_name(lens_.file, line_, word);
@@ -185,9 +198,11 @@ bool SeqReader::surface_command(const std::string& key, const Words& words) {
         Surface& s = addressed(words, next);
         s.conic = number(words, next, "conic constant");
     } else if (key == "CIR") {
-        Surface& s = addressed(words, next);
-        if (next < words.size() && upper(words[next]) == "EDG") return true;
-        s.clear_radius_mm = number(words, next, "clear radius");
+        clear_radius(words);
+    } else if (key == "ADX" || key == "ADY" || key == "ARO") {
+        static_cast<void>(addressed(words, next));
+        if (number(words, next, "shift of the aperture") != 0)
+            unsupported(fmt::format("command {} is not supported", key));
     } else if (const auto term = terms.find(key); term != terms.end()) {
         Surface& s = addressed(words, next);
         s.asphere[term->second] = number(words, next, "aspheric coefficient");
@@ -199,18 +214,85 @@ bool SeqReader::surface_command(const std::string& key, const Words& words) {
     return true;
 }
 
+// Whether a Sellmeier formula has the poles of glasses, below 0.32 and above 2 um, and the index of one.
+bool is_plausible(const std::array<double, 6>& terms) {
+    const double n = Glass::sellmeier(terms).index(d_line_nm);
+    return n > 1.2 && n < 4 && std::all_of(terms.begin() + 3, terms.end(), [](double c) {
+               return c < 0.1 || c > 4;
+           });
+}
+
+// Coefficients left out are 0. Sellmeier's are in use as B1 C1 B2 C2 B3 C3 and as B1 B2 B3 C1 C2 C3; the
+// order in which they make a glass is taken, and refused where both do or none.
+void SeqReader::private_formula(const std::string& key, const std::string& formula,
+                                std::vector<double> terms) {
+    const bool laurent = formula == "LAU" || formula == "GML",
+               sellmeier = formula == "STS" || formula == "GMS";
+    if ((!laurent && !sellmeier) || terms.empty() || terms.size() > 6) {
+        unread_[key] = fmt::format(
+            "line {} is not understood (got the formula {} with {} coefficients; expected "
+            "LAU or GML, STS or GMS, with up to 6, or indices)",
+            line_, excerpt(formula), terms.size());
+        return;
+    }
+    terms.resize(6, 0);
+    const auto& t = terms;
+    const std::array<double, 6> in_order{t[0], t[1], t[2], t[3], t[4], t[5]},
+        in_pairs{t[0], t[2], t[4], t[1], t[3], t[5]};
+    if (laurent) {
+        private_[key] = Glass::laurent(in_order, key);
+    } else if (is_plausible(in_order) != is_plausible(in_pairs)) {
+        private_[key] = Glass::sellmeier(is_plausible(in_order) ? in_order : in_pairs, key);
+    } else {
+        unread_[key] = fmt::format(
+            "line {} is not understood (got coefficients of {} that make a glass in {} of the "
+            "orders B1 C1 B2 C2 B3 C3 and B1 B2 B3 C1 C2 C3; expected one)",
+            line_, formula, is_plausible(in_order) ? "both" : "none");
+    }
+}
+
+// CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius, words in any order before the number. Light passes within the edge
+// of the glass and within what is said to be clear; of several the smallest counts.
+void SeqReader::clear_radius(const Words& words) {
+    std::size_t next = 1;
+    Surface* s = &addressed(words, next);
+    for (; next < words.size() && !parse_number(words[next]); ++next) {
+        const std::string word = upper(words[next]);
+        if (word == "OBS" || word == "HOL") unsupported(fmt::format("CIR {} is not supported", word));
+        if (word[0] == 'S') {
+            s = &addressed(words, next);
+            --next;
+        }
+    }
+    s->clear_radius_mm = std::min(s->clear_radius_mm, number(words, next, "clear radius"));
+}
+
 void SeqReader::private_glass(const std::string& key, const Words& words) {
-    if (key == "END") {
-        in_private_ = false;
-    } else if (key == "PWL") {
+    if (key == "PWL") {
         private_nm_.clear();
         for (std::size_t i = 1; i < words.size(); ++i) private_nm_.push_back(number(words, i, "wavelength"));
     } else {
+        // A glass that no surface has stops no file: what is wrong with it is said where it is used.
         std::vector<double> n;
-        for (std::size_t i = 1; i < words.size(); ++i) n.push_back(number(words, i, "index"));
+        const bool named = words.size() > 1 && !parse_number(words[1]);
+        const std::string formula = named ? upper(words[1]) : "";
+        for (std::size_t i = named ? 2 : 1; i < words.size(); ++i) {
+            const auto value = parse_number(words[i]);
+            if (!value || !std::isfinite(*value)) {
+                unread_[key] = fmt::format("line {} is not understood (got {}; expected numbers)", line_,
+                                           excerpt(words[i]));
+                return;
+            }
+            n.push_back(*value);
+        }
+        if (named) {
+            private_formula(key, formula, std::move(n));
+            return;
+        }
         if (n.size() != private_nm_.size() || n.empty()) {
-            fail(ExitCode::invalid_input, "{}:{}: a private glass has {} indices (expected {}, as PWL)",
-                 lens_.file, line_, n.size(), private_nm_.size());
+            unread_[key] = fmt::format("line {} has {} indices (expected {}, as PWL)", line_, n.size(),
+                                       private_nm_.size());
+            return;
         }
         const std::size_t middle = n.size() / 2, last = n.size() - 1;
         const std::array<double, 3> nm{private_nm_[0], private_nm_[middle], private_nm_[last]};
@@ -258,17 +340,21 @@ void SeqReader::system_command(const std::string& key, const Words& words) {
             const double angle = number(words, i, "field angle");
             if (angle != 0) lens_.field_angles_deg.push_back(angle);
         }
-    } else if (key == "PRV") {
-        in_private_ = true;
     }
     // Other commands say nothing of the lens's shape: weights, solves, vignetting, displays.
 }
 
-void SeqReader::command(int line, const Words& words) {
+void SeqReader::command(int line, const Words& words, bool glasses) {
     line_ = line;
     const std::string key = upper(words[0]);
-    if (in_private_) {
+    if (key == "PRV") {
+        in_private_ = true;
+    } else if (in_private_ && (key == "END" || !glasses)) {
+        if (key == "END") in_private_ = false;
+    } else if (in_private_) {
         private_glass(key, words);
+    } else if (glasses) {
+        return;
     } else if (key == "SO" || key == "S" || key == "SI") {
         begin_surface(key, words);
     } else if (key.size() > 1 && key[0] == 'S' &&
@@ -324,6 +410,7 @@ Prescription SeqReader::finish() {
 
 Prescription parse_seq(const std::string& text, const std::string& file) {
     SeqReader reader(file);
+    std::vector<std::pair<int, std::string>> commands;
     std::string continued;
     for (const TextLine& line : lines_of(text)) {
         std::string_view content = without_remark(line.text);
@@ -338,10 +425,13 @@ Prescription parse_seq(const std::string& text, const std::string& file) {
         continued += ' ';
         if (goes_on) continue;
         for (const std::string_view command : commands_of(continued)) {
-            const Words words = words_of(command);
-            if (!words.empty()) reader.command(line.number, words);
+            if (!words_of(command).empty()) commands.emplace_back(line.number, command);
         }
         continued.clear();
+    }
+    // Private glasses may stand behind the surfaces that are made of them.
+    for (const bool glasses : {true, false}) {
+        for (const auto& [number, command] : commands) reader.command(number, words_of(command), glasses);
     }
     return reader.finish();
 }

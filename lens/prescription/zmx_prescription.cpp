@@ -14,7 +14,8 @@ using Words = std::vector<std::string_view>;
 
 struct ZmxSurface {
     Surface surface;
-    double thickness = 0;  ///< infinite allowed, file's unit
+    double thickness = 0;                   ///< infinite allowed, file's unit
+    std::optional<double> aperture_radius;  ///< of CLAP or FLAP, which stop light where DIAM may not
     std::string_view type = "STANDARD";
     std::map<int, double> parameters;  ///< PARM, by number
     bool has_diameter = false;
@@ -47,6 +48,11 @@ class ZmxReader {
                  at_.number, what, words.size(), i + 1);
         }
         return number_in(lens_.file, at_.number, words[i], what);
+    }
+    [[noreturn]] void unsupported(std::string_view what) const {
+        fail(ExitCode::invalid_input,
+             "{}:{}: {} is not supported (expected apertures that are circles about the axis)", lens_.file,
+             at_.number, what);
     }
     [[nodiscard]] int whole(const Words& words, std::size_t i, std::string_view what) const {
         const double value = number(words, i, what);
@@ -112,6 +118,15 @@ bool ZmxReader::surface_line(std::string_view key, const Words& words) {
         s.thickness = infinite ? HUGE_VAL : number(words, 1, "thickness");
     } else if (key == "GLAS") {
         glass(words);
+    } else if (key == "CLAP" || key == "FLAP") {
+        // Inner and outer radius of a ring that lets light through.
+        if (number(words, 1, "inner radius") > 0) unsupported("a ring of " + std::string(key));
+        s.aperture_radius = number(words, 2, "outer radius");
+    } else if (key == "OBSC" || key == "SQAP" || key == "SQOB" || key == "ELAP" || key == "ELOB" ||
+               key == "SPID" || key == "UDAD" || key == "UDAP" || key == "UDOB") {
+        unsupported(key);
+    } else if (key == "OBDC") {
+        if (number(words, 1, "decentre") != 0 || number(words, 2, "decentre") != 0) unsupported(key);
     } else if (key == "DIAM") {
         const double radius = number(words, 1, "semi-diameter");
         if (radius != 0) {
@@ -167,8 +182,9 @@ void ZmxReader::finish_surface(ZmxSurface& from) {
     Surface& s = from.surface;
     s.curvature_per_mm /= mm_per_unit_;
     s.thickness_mm = from.thickness * mm_per_unit_;
+    if (from.aperture_radius) s.clear_radius_mm = *from.aperture_radius;
     s.clear_radius_mm *= mm_per_unit_;
-    if (!s.is_stop && s.glass.is_air() && s.curvature_per_mm == 0 &&
+    if (!from.aperture_radius && !s.is_stop && s.glass.is_air() && s.curvature_per_mm == 0 &&
         (lens_.surfaces.empty() || lens_.surfaces.back().glass.is_air())) {
         // A plane in air that the designer put in to measure from: Zemax gives it a size all the same.
         s.clear_radius_mm = HUGE_VAL;
