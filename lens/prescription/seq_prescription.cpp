@@ -217,9 +217,8 @@ bool SeqReader::surface_command(const std::string& key, const Words& words) {
 // Whether a Sellmeier formula has the poles of glasses, below 0.32 and above 2 um, and the index of one.
 bool is_plausible(const std::array<double, 6>& terms) {
     const double n = Glass::sellmeier(terms).index(d_line_nm);
-    return n > 1.2 && n < 4 && std::all_of(terms.begin() + 3, terms.end(), [](double c) {
-               return c < 0.1 || c > 4;
-           });
+    return n > 1.2 && n < 4 &&
+           std::all_of(terms.begin() + 3, terms.end(), [](double c) { return c < 0.1 || c > 4; });
 }
 
 // Coefficients left out are 0. Sellmeier's are in use as B1 C1 B2 C2 B3 C3 and as B1 B2 B3 C1 C2 C3; the
