@@ -207,9 +207,11 @@ struct ResolvedLens {
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
 
+/// read_prescription, with a warning `lens` for each of its notes.
+[[nodiscard]] Prescription read_lens(const std::filesystem::path& path, std::vector<Warning>& warnings);
 /// A real lens has a focal length and a widest f-number of its own. Throws Error(wrong_arguments) where
 /// another focal length was asked for.
-void take_from_prescription(const Impulse& impulse, LensOptions& lens);
+void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings);
 
 /// What the shutter is for this file: asked for (`from_frame`: counted from the frame's instant), else the
 /// file's exposure. Throws Error(wrong_arguments).

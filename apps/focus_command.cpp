@@ -22,9 +22,15 @@ double asked_or_named(const std::optional<double>& asked, const std::optional<do
          option, file);
 }
 
-void take_from_prescription(const Impulse& impulse, LensOptions& lens) {
+Prescription read_lens(const std::filesystem::path& path, std::vector<Warning>& warnings) {
+    Prescription lens = read_prescription(path);
+    for (const std::string& note : lens.notes) warnings.push_back({"lens", note});
+    return lens;
+}
+
+void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings) {
     check_impulse(impulse);
-    const Prescription prescription = read_prescription(impulse.file);
+    const Prescription prescription = read_lens(impulse.file, warnings);
     if (lens.focal_length_mm) {
         fail(ExitCode::wrong_arguments,
              "--focal-length: not with a real lens (got {} mm; expected nothing, as {} has its own)",
@@ -91,7 +97,9 @@ CommandResult run_focus(const FocusOptions& options) {
         if (!lens_options.focus_m && !lens_options.focus_at)
             lens_options.focus_m = file.header().focus_m.value_or(1.0);
     }
-    if (options.impulse.kind == ImpulseKind::lens) take_from_prescription(options.impulse, lens_options);
+    CommandResult out;
+    if (options.impulse.kind == ImpulseKind::lens)
+        take_from_prescription(options.impulse, lens_options, out.warnings);
     const ResolvedLens lens = resolve_lens(lens_options, file);
     const bool unplanned = options.method == FocusMethod::automatic && !options.target_db &&
                            !options.retrace.scene && !options.retrace.explain;
@@ -109,7 +117,6 @@ CommandResult run_focus(const FocusOptions& options) {
                                  .crop = options.crop};
     const bool predict = options.predict && method != FocusMethod::automatic;
     if (predict) check_predictable(file.header(), settings);
-    CommandResult out;
     warn_of_lost_rows(file, out.warnings);
     FocusFrame frame(file, method == FocusMethod::automatic);
     FocusResult result;

@@ -100,7 +100,9 @@ CommandResult focus_foreign(const FocusOptions& options) {
              "sample file)");
     }
     LensOptions lens = options.lens;
-    if (options.impulse.kind == ImpulseKind::lens) take_from_prescription(options.impulse, lens);
+    CommandResult out;
+    if (options.impulse.kind == ImpulseKind::lens)
+        take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
     // A real lens has a focal length of its own, which says nothing about how the picture was taken.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
@@ -135,7 +137,6 @@ CommandResult focus_foreign(const FocusOptions& options) {
                                 .crop = options.crop});
     result.image.exposure_stops = stops;
     write_image(options.output, result.image, options.crop);
-    CommandResult out;
     add_warnings(picture, true, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;

@@ -170,9 +170,9 @@ CommandResult scene_info(const std::string& input) {
 }
 
 CommandResult lens_info(const std::string& input) {
-    const Prescription lens = read_prescription(input);
-    const FirstOrder f = first_order(lens);
     CommandResult out;
+    const Prescription lens = read_lens(input, out.warnings);
+    const FirstOrder f = first_order(lens);
     out.json = {{"kind", "lens"},
                 {"name", lens.name},
                 {"surfaces", lens.surfaces.size()},

@@ -36,7 +36,8 @@ CommandResult run_lens_fit(const LensFitOptions& o) {
     if (o.samples < 3 || o.samples > 64) {
         fail(ExitCode::wrong_arguments, "--samples: out of range (got {}; expected 3 to 64)", o.samples);
     }
-    const Prescription lens = read_prescription(o.lens.input);
+    CommandResult out;
+    const Prescription lens = read_lens(o.lens.input, out.warnings);
     const TracedLens traced(lens, traced_lens_settings(o.lens, std::max(o.field_mm, 1e-3)));
     const LensModelRange range =
         lens_model_range(traced, o.depths_m.first, o.depths_m.second, o.field_mm, o.samples);
@@ -44,7 +45,6 @@ CommandResult run_lens_fit(const LensFitOptions& o) {
     const PolynomialLens polynomial = fit_polynomial_lens(lens, traced, range);
     models.set_polynomial(polynomial);
     const double px_per_mm = 1000 / o.pixel_pitch_um;
-    CommandResult out;
     nlohmann::ordered_json table = nlohmann::ordered_json::array();
     std::optional<LensModelKind> picked;
     std::string rows;

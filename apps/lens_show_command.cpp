@@ -67,14 +67,14 @@ TracedLensSettings traced_lens_settings(const PrescriptionOptions& o, double fil
 CommandResult run_lens_show(const LensShowOptions& o) {
     if (o.film_width_mm) in_range("--film-width", *o.film_width_mm, 0, false, "more than 0 mm");
     if (o.output) check_drawing_path(*o.output);
-    const Prescription lens = read_prescription(o.lens.input);
+    CommandResult out;
+    const Prescription lens = read_lens(o.lens.input, out.warnings);
     if (o.lens.wavelength_nm && !(*o.lens.wavelength_nm >= 100 && *o.lens.wavelength_nm <= 1e5)) {
         fail(ExitCode::wrong_arguments, "--wavelength: out of range (got {} nm; expected 100 to 100000)",
              *o.lens.wavelength_nm);
     }
     const double nm = o.lens.wavelength_nm.value_or(lens.wavelength_nm);
     FirstOrder f = first_order(lens, nm);
-    CommandResult out;
     const double film_radius =
         o.film_width_mm ? 0.5 * *o.film_width_mm : std::max(1e-3, 0.43 * std::abs(f.efl_mm));
     std::optional<TracedLens> traced;

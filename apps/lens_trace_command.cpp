@@ -197,7 +197,8 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
     if (o.output) check_path(*o.output);
     if (o.curves) check_path(*o.curves);
     if (o.impulse) check_image_path(*o.impulse);
-    const Prescription lens = read_prescription(o.lens.input);
+    CommandResult out;
+    const Prescription lens = read_lens(o.lens.input, out.warnings);
     const TracedLens traced(lens, traced_lens_settings(o.lens, 0.5 * o.film_width_mm));
     const double depth = o.depth_m.value_or(o.lens.focus_m.value_or(HUGE_VAL));
     std::vector<double> degs = o.fields_deg;
@@ -209,7 +210,6 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
     PupilMesh axis;
     (void)traced.impulse(depth, dvec2(0), 257, axis);
     std::vector<FieldResult> fields;
-    CommandResult out;
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     out.text = fmt::format("{}: f/{:.4g}, film {:.6g} mm behind the last surface, object at {}", o.lens.input,
                            traced.f_number(), traced.film_distance_mm(),

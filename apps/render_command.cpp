@@ -47,6 +47,7 @@ nlohmann::ordered_json shutter_json(const RenderSettings& s) {
 }  // namespace
 
 CommandResult run_render(const RenderOptions& options) {
+    CommandResult out;
     RenderSettings settings = options.settings;
     settings.focal_length_mm = options.lens.focal_length_mm;
     settings.f_number = options.lens.f_number;
@@ -55,13 +56,12 @@ CommandResult run_render(const RenderOptions& options) {
     settings.framing = options.lens.framing;
     if (options.impulse.kind == ImpulseKind::lens) {
         check_impulse(options.impulse);
-        settings.prescription = std::make_shared<Prescription>(read_prescription(options.impulse.file));
+        settings.prescription = std::make_shared<Prescription>(read_lens(options.impulse.file, out.warnings));
     } else {
         settings.aperture = std::make_shared<Aperture>(read_aperture(options.impulse));
     }
     settings.metres_per_unit = options.units.metres_per_unit;
     settings.curve = shutter_curve(options.curve);
-    CommandResult out;
     std::vector<std::filesystem::path> written{options.output};
     if (settings.halves) {
         for (const auto& half : half_paths(options.output)) written.push_back(half);

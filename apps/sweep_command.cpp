@@ -117,6 +117,8 @@ CommandResult run_sweep(const SweepOptions& o) {
         warn_of_lost_rows(file, out.warnings);
         settings.axes = axes_of(o, header);
     }
+    for (const Impulse& i : settings.axes.impulses)
+        if (i.kind == ImpulseKind::lens) (void)read_lens(i.file, out.warnings);
     if (o.paths) {
         settings.picture.paths = read_paths(*o.paths);
         settings.depends_on.emplace_back(*o.paths);

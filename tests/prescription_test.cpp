@@ -435,6 +435,20 @@ TEST_F(PrescriptionFiles, ZemaxAspheres) {
     EXPECT_NEAR(*lens.film_distance_mm, 70, 1e-12);
 }
 
+TEST_F(PrescriptionFiles, ClearRadiiEndWhereSurfacesMeet) {
+    // Radii of 15 mm over 1 mm of glass: sags of half a millimetre, where r^2 = 2 R s - s^2.
+    const Prescription lens =
+        read_prescription(write("a.dat", "15 1 1.5 20\n-15 1 1 18\n0 1 0 10\n80 0 1 20\n"));
+    const double met = std::sqrt(2 * 15 * 0.5 - 0.25);
+    EXPECT_NEAR(lens.surfaces[0].clear_radius_mm, met, 1e-9);
+    EXPECT_NEAR(lens.surfaces[1].clear_radius_mm, met, 1e-9);
+    EXPECT_EQ(lens.surfaces[3].clear_radius_mm, 10);
+    ASSERT_EQ(lens.notes.size(), 1U);
+    EXPECT_NE(lens.notes[0].find(":2: surfaces 1 and 2 cross at 3.841 mm from the axis"), std::string::npos)
+        << lens.notes[0];
+    EXPECT_TRUE(data("rayoptics_singlet.seq").notes.empty());
+}
+
 TEST_F(PrescriptionFiles, BadTablesAreRefused) {
     const std::string front = "29.475 3.76 1.67 25.2\n", stop = "0 1 0 10\n", back = "-80 0 1 20\n";
     refused("a.dat", "", "empty");
@@ -452,8 +466,7 @@ TEST_F(PrescriptionFiles, BadTablesAreRefused) {
     refused("a.dat", "ten 3.76 1.67 25.2\n" + stop + back, "got 'ten'");
     refused("a.dat", front + stop + "-80 0 1.5 20\n", "film is not in air");
     refused("a.dat", "0 0 1 10\n", "afocal");
-    // Radii of 15 mm over 1 mm of glass: they meet 5 mm from the axis.
-    refused("a.dat", "15 1 1.5 20\n-15 1 1 20\n" + stop, ":2: surfaces 1 and 2 cross");
+    refused("a.dat", "15 0 1.5 20\n-15 1 1 20\n" + stop, ":2: surfaces 1 and 2 cross at 0 mm");
     refused("a.txt", front, "not a lens prescription");
     std::string many;
     for (int i = 0; i < 1'000'000; ++i) many += "100 1 1.5 20\n";

@@ -65,6 +65,16 @@ Traced traced(const Scene& scene, const WhittedSettings& settings = {}) {
     return out;
 }
 
+void expect_same_bits(const Scene& scene) {
+    std::vector<Record> first;
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        const std::vector<Record> got = traced(scene).records;
+        if (first.empty()) first = got;
+        EXPECT_EQ(got, first) << threads;
+    }
+}
+
 // Fresnel ---------------------------------------------------------------------------------------------
 
 Facing facing(bool entering, const dvec3& normal = {0, 0, 1}) {
@@ -178,14 +188,7 @@ TEST(LobeMeans, NoiseDividesNoPixel) {
 }
 
 TEST(LobeMeans, SameBitsForAnyNumberOfThreads) {
-    const Scene s = scene_of_file("brushed_floor.toml", 96, 54);
-    std::vector<Record> first;
-    for (const int threads : {1, 2, 5}) {
-        const ThreadLimit limit(threads);
-        const std::vector<Record> got = traced(s).records;
-        if (first.empty()) first = got;
-        EXPECT_EQ(got, first) << threads;
-    }
+    expect_same_bits(scene_of_file("brushed_floor.toml", 96, 54));
 }
 
 // Sources with an extent ------------------------------------------------------------------------------
@@ -258,14 +261,7 @@ TEST(LightMeans, TraceAgreesWithRender) {
 }
 
 TEST(LightMeans, SameBitsForAnyNumberOfThreads) {
-    const Scene s = scene_of_file("soft_shadows.toml", 64, 36);
-    std::vector<Record> first;
-    for (const int threads : {1, 2, 5}) {
-        const ThreadLimit limit(threads);
-        const std::vector<Record> got = traced(s).records;
-        if (first.empty()) first = got;
-        EXPECT_EQ(got, first) << threads;
-    }
+    expect_same_bits(scene_of_file("soft_shadows.toml", 64, 36));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The light of sources with an extent at a point: the mean over the source, as a penumbra does not depend on
-// the lens.
+// Radiance that a surface point reflects from an area light: the mean over the light. A penumbra does not
+// depend on the lens, so a record can hold this mean.
 #pragma once
 
 #include <cstdint>
@@ -24,17 +24,17 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< of the points on the source
 
     glm::dvec3 radiance{0};  ///< result: with shadows
-    /// Result without noise of the points: the unshadowed radiance times 1 where all of the source is seen, 0
-    /// where none is, and a half between.
+    /// Noise-free result for decisions: the unshadowed radiance times 1 if the source is fully visible, 0 if
+    /// it is hidden, and 1/2 otherwise.
     glm::dvec3 steady{0};
 };
 
-/// First, points around the source's outline and one in each quarter tell whether all of it is seen. Where
-/// they agree, the result is the unshadowed mean times what passes. Where they disagree, k^2 jittered points
-/// in k^2 cells of equal share are each shaded with their own shadow ray. A straight shadow's edge crosses
-/// about k of the cells, which leaves a standard deviation of L / (2 k^1.5) for unshadowed radiance L; k is
-/// such that this is 2/255 of white (radiance 1), 4 to `most_cells`. A pixel is the mean of four such records
-/// at least, and so has 1/255.
+/// Twelve shadow rays, eight to the outline of the source and one to each quarter, test its visibility. Where
+/// they agree, the result is the unshadowed mean times the transmittance. Where they differ, the source is
+/// divided into k^2 cells of equal share, and one jittered point of each cell is shaded with its own shadow
+/// ray. A straight shadow edge crosses about k cells, so the standard deviation is L / (2 k^1.5) for an
+/// unshadowed radiance L; k is chosen for 2/255 of white (radiance 1), 4 to `most_cells`. A pixel is the mean
+/// of at least four such records, which leaves 1/255.
 class LightMeans {
   public:
     static constexpr int most_cells = 16;

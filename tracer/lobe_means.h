@@ -1,6 +1,6 @@
-// The light that wide lobes reflect and transmit. A lens hardly sees such a lobe change from one side to the
-// other, so it has no image to refocus: its mean goes into the surface's own record, and rays of the lobe are
-// shared between the samples of a batch.
+// Mean radiance over wide lobes of reflection and transmission. Such a lobe looks nearly the same from every
+// point of the lens, so it needs no record of its own: its mean is added to the record of the surface. The
+// samples of a batch share their rays.
 #pragma once
 
 #include <cstdint>
@@ -31,19 +31,20 @@ struct LobeHit {
 /// Means of incoming radiance over lobes cos^exponent, folded to the side they leave to, as `render` samples
 /// them [phong1975].
 ///
-/// Hits of one object and path that lie within `reach_px` and whose axes differ by less than the lobe's width
-/// share their rays: hit i weighs a ray of hit j by the ratio of the two lobes' densities towards what the
-/// ray met, times the squared ratio of the distances, as reused paths are weighed [bekaert2002]; weights add
-/// up to one. Visibility between the two is not tested.
+/// Hits of one object and one path share rays if they lie within `reach_px` of each other and their axes
+/// differ by less than the width of the lobe. Hit i weights a ray of hit j by the ratio of the two lobe
+/// densities in the direction of the ray's end point, times the squared ratio of the distances [bekaert2002].
+/// The weights are normalised to a sum of 1. Visibility between hit i and the end point is not tested.
 ///
-/// How many rays: 255 times the mean weight, spread over a group, so that what they all miss is worth less
-/// than 1/255 of white (radiance 1). They give the standard deviation s of the radiance; then hit i is to
-/// have (weight s 255)^2 rays within reach, which leaves a standard deviation of 1/255, but no hit sends more
-/// than `most_rays`. Bits depend on the batch alone.
+/// Number of rays: a first pass sends 255 times the mean weight of the group, evenly spaced over its hits. A
+/// feature that all of these rays miss then contributes less than 1/255 of white (radiance 1). The rays give
+/// an estimate of the standard deviation s of the radiance. A second pass gives hit i (weight s 255)^2 rays
+/// within its reach, which leaves a standard deviation of 1/255, but at most `most_rays` per hit. The bits
+/// depend on the batch alone.
 class LobeMeans {
   public:
     static constexpr double reach_px = 8;
-    /// Bounds the cost of rough metals, whose noise is then some 3/255.
+    /// Limits the cost of rough metals, which then have a noise of about 3/255 of white.
     static constexpr int most_rays = 2;
 
     /// Keeps a reference to the scene.

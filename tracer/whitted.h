@@ -48,8 +48,8 @@ struct RayCounts {
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
-    /// Per record, the part of r, g, b that differs between two equal samples by chance: what lobes reflect,
-    /// and penumbrae less half of their light. Empty where no record has any.
+    /// Per record, the part of r, g, b with sampling noise: radiance from lobes, and in a penumbra the
+    /// difference from half of the unshadowed light. Empty if no record has such a part.
     std::vector<glm::vec3> noisy;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/error.h"
 #include "core/fingerprint.h"
@@ -43,23 +44,47 @@ void check_surface(const Prescription& lens, std::size_t i) {
     }
 }
 
-// Whether the surface i + 1 stays behind the surface i where light may pass both.
-void check_gap(const Prescription& lens, std::size_t i) {
+// Between the surfaces i and i + 1 at the distance r from the axis; not a number beyond the edge of one.
+double gap_mm(const Prescription& lens, std::size_t i, double r_mm) {
     const Surface& a = lens.surfaces[i];
-    const Surface& b = lens.surfaces[i + 1];
-    const double radius = std::min(a.clear_radius_mm, b.clear_radius_mm);
-    if (!std::isfinite(radius)) return;
+    return a.thickness_mm + lens.surfaces[i + 1].sag_mm(r_mm) - a.sag_mm(r_mm);
+}
+
+struct Crossing {
+    double clear_mm = 0;  ///< the smaller of the clear radii
+    double met_mm = 0;    ///< where they meet first
+};
+
+// Of the surfaces i and i + 1, where light may pass both.
+std::optional<Crossing> crossing(const Prescription& lens, std::size_t i) {
+    const double clear = std::min(lens.surfaces[i].clear_radius_mm, lens.surfaces[i + 1].clear_radius_mm);
+    if (!std::isfinite(clear)) return std::nullopt;
     constexpr int steps = 64;
+    double inside = 0;  // still apart
     for (int step = 1; step <= steps; ++step) {
-        const double r = radius * step / steps;
-        const double gap = a.thickness_mm + b.sag_mm(r) - a.sag_mm(r);
-        if (std::isnan(gap)) return;  // beyond the edge of one of them
-        if (gap < -crossing_tolerance * radius) {
-            fail(ExitCode::invalid_input,
-                 "{}: surfaces {} and {} cross at {:.4g} mm from the axis, within their clear radius of "
-                 "{:.4g} mm (got a gap of {:.4g} mm; expected 0 or more)",
-                 place_of(lens, i + 1), i + 1, i + 2, r, radius, gap);
+        const double r = clear * step / steps, gap = gap_mm(lens, i, r);
+        if (std::isnan(gap)) return std::nullopt;
+        if (gap >= 0) {
+            inside = r;
+        } else if (gap < -crossing_tolerance * clear) {
+            double outside = r;
+            for (int halving = 0; halving < 60; ++halving) {
+                const double middle = (inside + outside) / 2;
+                (gap_mm(lens, i, middle) >= 0 ? inside : outside) = middle;
+            }
+            return Crossing{clear, inside};
         }
+    }
+    return std::nullopt;
+}
+
+void check_gap(const Prescription& lens, std::size_t i) {
+    if (const auto c = crossing(lens, i)) {
+        fail(
+            ExitCode::invalid_input,
+            "{}: surfaces {} and {} cross at {:.4g} mm from the axis, within their clear radius of {:.4g} mm "
+            "(expected them to stand apart)",
+            place_of(lens, i + 1), i + 1, i + 2, c->met_mm, c->clear_mm);
     }
 }
 
@@ -141,6 +166,19 @@ std::uint64_t fingerprint(const Prescription& lens) {
           lens.entrance_pupil_diameter_mm.value_or(none), lens.f_number.value_or(none)})
         out.add(v);
     return out.value();
+}
+
+void clip_crossings(Prescription& lens) {
+    for (std::size_t i = 0; i + 1 < lens.surfaces.size(); ++i) {
+        const auto c = crossing(lens, i);
+        if (!c || c->met_mm < 0.01 * c->clear_mm) continue;
+        for (const std::size_t k : {i, i + 1})
+            lens.surfaces[k].clear_radius_mm = std::min(lens.surfaces[k].clear_radius_mm, c->met_mm);
+        lens.notes.push_back(
+            fmt::format("{}: surfaces {} and {} cross at {:.4g} mm from the axis, within their "
+                        "clear radius of {:.4g} mm: light passes within the former only",
+                        place_of(lens, i + 1), i + 1, i + 2, c->met_mm, c->clear_mm));
+    }
 }
 
 void check_prescription(const Prescription& lens) {

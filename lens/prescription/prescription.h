@@ -49,6 +49,7 @@ struct Prescription {
     std::optional<double> entrance_pupil_diameter_mm, f_number;
     std::optional<double> stated_focal_length_mm;  ///< what the file claims
     std::vector<double> field_angles_deg;          ///< what the file asks for; may be empty
+    std::vector<std::string> notes;                ///< what was changed on reading, for users to know
 
     /// Index into `surfaces`.
     [[nodiscard]] std::size_t stop() const;
@@ -64,6 +65,11 @@ struct Prescription {
 
 /// Equal for prescriptions of which no ray can tell one from the other.
 [[nodiscard]] std::uint64_t fingerprint(const Prescription& lens);
+
+/// Surfaces that cross within the smaller of their clear radii (by more than a hundredth of it) get a clear
+/// radius that ends where they meet, and a note. Such radii stand in patents and in files of fisheyes. Left
+/// as they are where they meet within a hundredth of it, on the axis that is.
+void clip_crossings(Prescription& lens);
 
 /// Throws Error(invalid_input) "FILE:LINE: ..." unless there are 1 to `most_surfaces` surfaces and exactly
 /// one stop, numbers are finite, thicknesses not negative, clear radii positive, indices at the wavelength

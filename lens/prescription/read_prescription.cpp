@@ -151,6 +151,7 @@ Prescription read_prescription(const std::filesystem::path& path) {
     Prescription lens = format->parse(text, file);
     make_printable(lens.name);
     make_printable(lens.source);
+    clip_crossings(lens);
     check_prescription(lens);
     (void)first_order(lens);
     return lens;
