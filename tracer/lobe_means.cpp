@@ -33,7 +33,7 @@ double window(const LobeHit& a, const LobeHit& b) {
 }
 
 // Along Morton's curve neighbours in the raster follow each other, so that the rays near a hit are stratified
-// among themselves. Quarters of a pixel; the low bits tell apart what lies in one batch.
+// among themselves. Quarters of a pixel; the low bits distinguish the hits of one batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -84,7 +84,7 @@ struct LobeMeans::Ray {
     double t = 0;  // to what it met; infinity: nothing
 };
 
-// Hits [first, end) of the sorted order, and rays [first_ray, ...) that they share.
+// Hits [first, end) of the sorted order, and the rays that they share.
 struct LobeMeans::Group {
     std::size_t first = 0, end = 0;
     std::uint64_t seed = 0;

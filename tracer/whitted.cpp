@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "tracer/averaged_shading.h"
 #include "tracer/light_means.h"
 #include "tracer/lobe_means.h"
 #include "tracer/radiance_bounds.h"
@@ -601,14 +602,9 @@ WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
     if (settings.lit) {
         for (const Light& l : scene.scene().lights) impl_->lights.push_back(place_light(l, scene.time_s()));
     }
-    for (const PlacedLight& l : impl_->lights)
-        impl_->has_extents = impl_->has_extents || l.light->has_extent();
-    const auto rough = [](const Material& m) {
-        return (m.reflects() && std::isfinite(m.reflection_exponent)) ||
-               (m.transmission != dvec3(0) && std::isfinite(m.transmission_exponent));
-    };
-    const std::vector<Material>& materials = scene.scene().materials;
-    if (settings.lit && impl_->deeper_nodes && std::any_of(materials.begin(), materials.end(), rough))
+    const AveragedShading averaged = averaged_shading(scene.scene());
+    impl_->has_extents = settings.lit && averaged.lights > 0;
+    if (settings.lit && impl_->deeper_nodes && averaged.materials > 0)
         impl_->lobe_means = std::make_unique<LobeMeans>(scene, impl_->settings);
     impl_->refocus = settings.refocus_matrices && impl_->deeper_nodes &&
                      camera.projection == Camera::Projection::perspective;
