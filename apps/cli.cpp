@@ -319,21 +319,26 @@ void add_motionblur(CLI::App& root, State& s) {
            "or velocity.x/.y]")
         ->type_name("U,V");
     app.add_option_function<std::string>(
-           "--vectors-scale",
+           "--vector-scale,--vectors-scale",
            [&o](const std::string& text) {
-               const auto [x, y] = parse_scale("--vectors-scale", text);
+               const auto [x, y] = parse_scale("--vector-scale", text);
                o.vectors.scale = glm::dvec2(x, y);
            },
            "What 1 in U and in V stands for, px to the right and px down; 1,-1 where V points up [default: "
            "as the channels' names say, 1,1 with --vectors]")
         ->type_name("X[,Y]");
-    app.add_option("--layer", o.layer,
-                   "Which part, view or layer of a picture, by its name [default: docs/inputs.md]")
-        ->type_name("NAME");
-    app.add_option(
-           "--ids", o.vectors.ids,
-           "Of a picture: the channel or the Cryptomatte of the surfaces' ids [default: docs/inputs.md]")
-        ->type_name("NAME|none");
+    app.add_option_function<std::string>(
+           "--vector-offset",
+           [&o](const std::string& text) {
+               const auto [x, y] = parse_scale("--vector-offset", text);
+               o.vectors.offset = glm::dvec2(x, y);
+           },
+           "What U and V are where nothing moves; the way is (value - offset) times the scale [default: 0]")
+        ->type_name("X[,Y]");
+    reads(app.add_option("--vectors-file", o.vectors.file,
+                         "Of another program's picture: where the vectors have a file of their own"))
+        ->type_name("PICTURE.exr");
+    foreign_channel_options(app, o.foreign);
     number(app, "--fit-paths", o.settings.fit_px,
            "Replace the paths of convolve by splines of few knots within so much [default: paths "
            "as they are]",

@@ -281,11 +281,25 @@ void foreign_channel_options(CLI::App& app, ForeignChoice& to) {
            "--depth-channel", to.depth_channel,
            "Of another program's picture: the channel of the depths [default: Z, Depth.Z and the like]")
         ->type_name("NAME");
+    app.add_option_function<std::string>(
+           "--depth-encoding",
+           [&to](const std::string& text) {
+               to.depth_encoding = parse_depth_encoding("--depth-encoding", text);
+           },
+           "Of another program's picture: what its depths are: distances, one over them, or 0 at NEAR and 1 "
+           "at FAR [default: distance]")
+        ->type_name("distance|inverse|normalized:NEAR,FAR");
+    reads(app.add_option("--depth-file", to.depth_file,
+                         "Of another program's picture: where the depths have a file of their own"))
+        ->type_name("PICTURE.exr");
     app.add_option(
            "--ids", to.ids,
            "Of another program's picture: the channel or the Cryptomatte of the surfaces' ids [default: a "
            "Cryptomatte, else id, objectId and the like]")
         ->type_name("NAME|none");
+    reads(app.add_option("--ids-file", to.ids_file,
+                         "Of another program's picture: where the ids have a file of their own"))
+        ->type_name("PICTURE.exr");
 }
 
 void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to) {

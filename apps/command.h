@@ -72,8 +72,7 @@ struct ForeignOptions {
     ForeignChoice choice;
     ForeignCameraChoice camera;
     [[nodiscard]] bool given() const {
-        return !choice.layer.empty() || !choice.depth_channel.empty() || !choice.ids.empty() ||
-               camera.film_width_mm || camera.film_distance_mm || camera.depth_along;
+        return choice.given() || camera.film_width_mm || camera.film_distance_mm || camera.depth_along;
     }
 };
 
@@ -128,8 +127,8 @@ struct MotionBlurOptions {
     std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, from the frame's instant on
     std::string curve = "box";        ///< box, triangle or a file
     std::optional<std::string> paths;
-    VectorChoice vectors;  ///< of pictures of other programs
-    std::string layer;     ///< likewise
+    VectorChoice vectors;   ///< of pictures of other programs
+    ForeignChoice foreign;  ///< likewise
     MotionBlurSettings settings;
     ExposureOption exposure;
     bool shutter_from_frame = false;  ///< of sample files: as in ShootOptions

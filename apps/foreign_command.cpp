@@ -26,6 +26,8 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     add("red", c.r);
     add("green", c.g);
     add("blue", c.b);
+    add("chroma_red", c.ry);
+    add("chroma_blue", c.by);
     add("alpha", c.a);
     add("depth", c.z);
     add("depth_back", c.z_back);
@@ -62,11 +64,11 @@ bool is_foreign(const std::string& input) {
 
 void refuse_foreign_options(const ForeignOptions& options) {
     if (!options.given()) return;
-    fail(ExitCode::wrong_arguments,
-         "--layer, --depth-channel, --ids, --film-width, --film-distance, --z: not for a sample file, which "
-         "knows "
-         "its camera "
-         "(expected an OpenEXR picture of another program)");
+    fail(
+        ExitCode::wrong_arguments,
+        "--layer, --depth-channel, --depth-encoding, --depth-file, --ids, --ids-file, --film-width, "
+        "--film-distance, --z: not for a sample file, which knows its camera (expected an OpenEXR picture of "
+        "another program)");
 }
 
 CommandResult foreign_image(const ImageOptions& options) {
@@ -213,6 +215,7 @@ CommandResult foreign_info(const std::string& input) {
                            names < 0 ? "a manifest that is damaged" : fmt::format("{} names", names));
     }
     for (const std::string& problem : found.problems) out.warnings.push_back({"ids", problem, 0});
+    for (const std::string& text : channels.assumed) out.warnings.push_back({"assumed", text, 0});
     out.json["cryptomattes"] = mattes;
     if (!channels.id.empty()) ids += "\nids " + channels.id;
     out.text +=

@@ -58,6 +58,24 @@ ExposureOption exposure_of_first_file(const FrameOptions& frames, const Exposure
     });
 }
 
+/// The files of a picture's passes, as they are asked for.
+std::vector<std::string> passes_of(const ForeignChoice& choice, const VectorChoice& vectors = {}) {
+    return {choice.depth_file.string(), choice.ids_file.string(), vectors.file.string()};
+}
+
+void set_passes(ForeignChoice& choice, const FrameFiles& files) {
+    choice.depth_file = files.passes[0];
+    choice.ids_file = files.passes[1];
+}
+
+/// The choice for the first frame.
+ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
+    if (!frames.frames) return choice;
+    for (std::filesystem::path* file : {&choice.depth_file, &choice.ids_file})
+        *file = first_input(frames, file->string(), true);
+    return choice;
+}
+
 /// Runs a command for each frame, with what `adapt` changes in its options; without a range as it is. Traces
 /// and renders have an instant of their own for each frame.
 template <typename Options, typename Adapt>
@@ -86,7 +104,7 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
 CommandResult run_frames(const FrameOptions& frames, const TraceOptions& asked) {
     TraceOptions options = asked;
     options.exposure = exposure_of_first_scene(frames, asked);
-    return each_frame(frames, {options.scene, options.output, {}}, options, run_trace,
+    return each_frame(frames, {options.scene, options.output, {}, false, {}}, options, run_trace,
                       [](TraceOptions& o, const FrameFiles& files) {
                           o.scene = files.input;
                           o.output = files.output;
@@ -97,7 +115,7 @@ CommandResult run_frames(const FrameOptions& frames, const TraceOptions& asked) 
 CommandResult run_frames(const FrameOptions& frames, const RenderOptions& asked) {
     RenderOptions options = asked;
     options.exposure = exposure_of_first_scene(frames, asked);
-    return each_frame(frames, {options.scene, options.output, {}, options.settings.halves}, options,
+    return each_frame(frames, {options.scene, options.output, {}, options.settings.halves, {}}, options,
                       run_render, [](RenderOptions& o, const FrameFiles& files) {
                           o.scene = files.input;
                           o.output = files.output;
@@ -109,10 +127,12 @@ CommandResult run_frames(const FrameOptions& frames, const ImageOptions& asked) 
     ImageOptions options = asked;
     options.exposure = exposure_of_first_file(
         frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
-            return read_foreign_picture(first, asked.foreign.choice, asked.foreign.camera).flattened();
+            return read_foreign_picture(first, of_first(frames, asked.foreign.choice), asked.foreign.camera)
+                .flattened();
         });
-    return each_frame(frames, {options.input, options.output, {}}, options, run_image,
-                      [](ImageOptions& o, const FrameFiles& files) {
+    return each_frame(frames, {options.input, options.output, {}, false, passes_of(asked.foreign.choice)},
+                      options, run_image, [](ImageOptions& o, const FrameFiles& files) {
+                          set_passes(o.foreign.choice, files);
                           o.input = files.input;
                           o.output = files.output;
                       });
@@ -122,24 +142,33 @@ CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked) 
     FocusOptions options = asked;
     options.exposure = exposure_of_first_file(
         frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
-            return read_foreign_picture(first, asked.foreign.choice, asked.foreign.camera).flattened();
+            return read_foreign_picture(first, of_first(frames, asked.foreign.choice), asked.foreign.camera)
+                .flattened();
         });
-    return each_frame(frames, {options.input, options.output, options.retrace.explain}, options, run_focus,
-                      [](FocusOptions& o, const FrameFiles& files) {
-                          o.input = files.input;
-                          o.output = files.output;
-                          o.retrace.explain = files.explain;
-                      });
+    return each_frame(
+        frames,
+        {options.input, options.output, options.retrace.explain, false, passes_of(asked.foreign.choice)},
+        options, run_focus, [](FocusOptions& o, const FrameFiles& files) {
+            set_passes(o.foreign.choice, files);
+            o.input = files.input;
+            o.output = files.output;
+            o.retrace.explain = files.explain;
+        });
 }
 
 CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& asked) {
     MotionBlurOptions options = asked;
     options.exposure = exposure_of_first_file(
         frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
-            return read_vector_frame(first, asked.vectors, asked.layer).picture();
+            VectorChoice vectors = asked.vectors;
+            vectors.file = first_input(frames, vectors.file.string(), true);
+            return read_vector_frame(first, vectors, of_first(frames, asked.foreign)).picture();
         });
-    return each_frame(frames, {options.input, options.output, {}}, options, run_motionblur,
-                      [](MotionBlurOptions& o, const FrameFiles& files) {
+    return each_frame(frames,
+                      {options.input, options.output, {}, false, passes_of(asked.foreign, asked.vectors)},
+                      options, run_motionblur, [](MotionBlurOptions& o, const FrameFiles& files) {
+                          set_passes(o.foreign, files);
+                          o.vectors.file = files.passes[2];
                           o.input = files.input;
                           o.output = files.output;
                           o.shutter_from_frame = true;
@@ -153,8 +182,8 @@ CommandResult run_frames(const FrameOptions& frames, const ShootOptions& asked) 
         const std::string first = first_input(frames, focus.input, true);
         focus.exposure = {.stops = exposure_of_samples(focus.exposure, first, damage_rule(focus.salvage))};
     }
-    return each_frame(frames, {focus.input, focus.output, focus.retrace.explain}, options, run_shoot,
-                      [](ShootOptions& o, const FrameFiles& files) {
+    return each_frame(frames, {focus.input, focus.output, focus.retrace.explain, false, {}}, options,
+                      run_shoot, [](ShootOptions& o, const FrameFiles& files) {
                           o.focus.input = files.input;
                           o.focus.output = files.output;
                           o.focus.retrace.explain = files.explain;

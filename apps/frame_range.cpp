@@ -126,6 +126,9 @@ void check_names(const FrameFiles& names, bool in_time) {
     needs_number("the output", names.output);
     if (names.explain) needs_number("--explain", *names.explain);
     if (!in_time) needs_number("the input is the same for every frame, as it", names.input);
+    for (const std::string& pass : names.passes) {
+        if (!pass.empty()) needs_number("a pass is the same for every frame, as its file", pass);
+    }
 }
 
 }  // namespace
@@ -195,7 +198,9 @@ std::string FrameName::of(int frame) const {
 void refuse_frames(const FrameOptions& options, const FrameFiles& names) {
     if (options.keep) fail(ExitCode::wrong_arguments, "--keep: nothing to keep (expected with --frames)");
     if (options.fps) fail(ExitCode::wrong_arguments, "--fps: no frames (expected with --frames)");
-    for (const std::string& name : {names.input, names.output, names.explain.value_or("")}) {
+    std::vector<std::string> all{names.input, names.output, names.explain.value_or("")};
+    all.insert(all.end(), names.passes.begin(), names.passes.end());
+    for (const std::string& name : all) {
         if (FrameName(name, false).has_number())
             fail(ExitCode::wrong_arguments, "{}: holds a frame number (expected --frames, e.g. 1-48)", name);
     }
@@ -212,8 +217,9 @@ CommandResult run_frame_range(const FrameOptions& options, const FrameFiles& nam
     int kept = 0;
     for (const int frame : *options.frames) {
         throw_if_interrupted();
-        FrameFiles files{input.of(frame), output.of(frame), {}, names.halves};
+        FrameFiles files{input.of(frame), output.of(frame), {}, names.halves, {}};
         if (names.explain) files.explain = explain.of(frame);
+        for (const std::string& pass : names.passes) files.passes.push_back(FrameName(pass, true).of(frame));
         nlohmann::ordered_json of_frame = {{"frame", frame}, {"output", files.output}};
         if (options.keep && all_whole(files)) {
             ++kept;

@@ -42,6 +42,7 @@ struct FrameFiles {
     std::string input, output;
     std::optional<std::string> explain;  ///< another picture to write
     bool halves = false;                 ///< and two more beside the output (tracer/render.h)
+    std::vector<std::string> passes;     ///< of the input, in files of their own; empty texts: none
 };
 
 /// Throws Error(wrong_arguments) where a name holds a number, or an option was given, that means nothing

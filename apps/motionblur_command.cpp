@@ -105,7 +105,7 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
              "--shutter: missing (got nothing; expected OPEN:CLOSE in frames, 0 this picture, 1 the next)");
     }
     const Exposure exposure{options.shutter->open_s, options.shutter->close_s};
-    VectorFrame frame = read_vector_frame(options.input, options.vectors, options.layer);
+    VectorFrame frame = read_vector_frame(options.input, options.vectors, options.foreign);
     const double stops = exposure_of_picture(options.exposure, [&] { return frame.picture(); });
     const auto gain = static_cast<float>(exposure_gain(stops));
     for (VectorPixel& p : frame.pixels) {
@@ -119,6 +119,7 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     write_image(options.output, result.image, options.settings.crop);
 
     std::vector<Warning> warnings;
+    for (const std::string& text : frame.assumed) warnings.push_back({"assumed", text, 0});
     for (const std::string& problem : frame.problems) warnings.push_back({"ids", problem, 0});
     CommandResult out = report(options, result, std::move(warnings));
     out.json.update({{"shutter_open_frames", exposure.open_s},
@@ -165,12 +166,13 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_image_path(options.output);
     // What is to be salvaged is a sample file, even where its header no longer says so.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
-    if (options.vectors.channels || options.vectors.scale || !options.vectors.ids.empty() ||
-        !options.layer.empty()) {
+    const VectorChoice& v = options.vectors;
+    if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
         fail(ExitCode::wrong_arguments,
-             "--vectors, --layer, --ids: not for a sample file, which knows its motion (expected a flat "
-             "OpenEXR "
-             "picture)");
+             "--vectors, --vectors-file, --vector-scale, --vector-offset, --layer, --depth-channel, "
+             "--depth-encoding, --depth-file, --ids, --ids-file: not for a sample file, which knows its "
+             "motion "
+             "(expected a flat OpenEXR picture)");
     }
     MotionBlurSettings settings = options.settings;
     settings.curve = shutter_curve(options.curve);

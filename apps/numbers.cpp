@@ -93,6 +93,22 @@ std::pair<double, double> parse_scale(std::string_view option, std::string_view 
     fail(ExitCode::wrong_arguments, "{}: not a scale (got {}; expected X or X,Y, e.g. 1,-1)", option, text);
 }
 
+DepthEncoding parse_depth_encoding(std::string_view option, std::string_view text) {
+    if (text == "distance") return {};
+    if (text == "inverse") return {.kind = DepthEncoding::Kind::inverse};
+    constexpr std::string_view planes = "normalized:";
+    if (text.starts_with(planes)) {
+        const auto at = parsed_pair<double>(text.substr(planes.size()), ",");
+        if (at && std::isfinite(at->first) && std::isfinite(at->second) && at->first >= 0 &&
+            at->second >= 0 && at->first != at->second)
+            return {.kind = DepthEncoding::Kind::normalized, .at_0 = at->first, .at_1 = at->second};
+    }
+    fail(ExitCode::wrong_arguments,
+         "{}: unknown (got {}; expected distance, inverse or normalized:NEAR,FAR, two different distances of "
+         "0 or more)",
+         option, text);
+}
+
 std::pair<std::string, std::string> parse_names(std::string_view option, std::string_view text) {
     const std::size_t comma = text.find(',');
     if (comma != std::string_view::npos && comma > 0 && comma + 1 < text.size() &&

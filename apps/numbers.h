@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "records/depth_encoding.h"
 #include "records/image.h"
 
 namespace postlens {
@@ -44,6 +45,8 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 
 /// "2.5" (for both) or "2.5,-2.5": finite numbers.
 [[nodiscard]] std::pair<double, double> parse_scale(std::string_view option, std::string_view text);
+/// "distance", "inverse" or "normalized:NEAR,FAR": two different distances of 0 or more.
+[[nodiscard]] DepthEncoding parse_depth_encoding(std::string_view option, std::string_view text);
 /// "forward.u,forward.v": two names, neither empty.
 [[nodiscard]] std::pair<std::string, std::string> parse_names(std::string_view option, std::string_view text);
 

@@ -43,12 +43,13 @@ class Search {
                     last = radius_px(p_.samples[k].inverse_z);
                 }
                 opaque_[i] = left <= opaque_within ? 1 : 0;
-                last_px_[i] = opaque_[i] != 0 ? last : nothing_px_;
+                last_px_[i] = last;
             }
         });
         for (const float r : last_px_) {
             if (std::isfinite(r)) widest_px_ = std::max(widest_px_, std::abs(r));
         }
+        let_through_before_nothing();
     }
 
     [[nodiscard]] std::size_t pixels() const {
@@ -58,6 +59,32 @@ class Search {
     [[nodiscard]] int height() const { return height_; }
 
     [[nodiscard]] Behind behind(int x, int y) const {
+        Behind out = guess(x, y);
+        out.fills = fills_[index(x, y)] != 0;
+        return out;
+    }
+
+  private:
+    /// What lets through, and shows nothing wherever one looks, is a surface like others; else it ends
+    /// nothing.
+    void let_through_before_nothing() {
+        fills_.assign(pixels(), 0);
+        parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
+            for (int x = 0; x < width_; ++x) {
+                const std::size_t i = index(x, static_cast<int>(y));
+                if (opaque_[i] != 0 || !std::isfinite(last_px_[i])) continue;
+                fills_[i] = std::none_of(directions.begin(), directions.end(), [&](const Direction& d) {
+                    return sees_farther(x, static_cast<int>(y), d, last_px_[i]);
+                });
+            }
+        });
+        for (std::size_t i = 0; i < pixels(); ++i) {
+            if (fills_[i] != 0) opaque_[i] = 1;
+            if (opaque_[i] == 0) last_px_[i] = nothing_px_;
+        }
+    }
+
+    [[nodiscard]] Behind guess(int x, int y) const {
         const std::size_t here = index(x, y);
         if (opaque_[here] == 0) return {};
         std::array<Find, directions.size()> finds{};
@@ -80,8 +107,7 @@ class Search {
         }
         Behind out;
         out.known = true;
-        out.inverse_z =
-            nearest->first != p_.offsets[nearest->pixel + 1] ? p_.samples[nearest->first].inverse_z : 0;
+        out.inverse_z = nearest->stack.empty() ? 0 : nearest->stack[0].inverse_z;
         out.r = static_cast<float>(sum[0] / sum[4]);
         out.g = static_cast<float>(sum[1] / sum[4]);
         out.b = static_cast<float>(sum[2] / sum[4]);
@@ -89,7 +115,6 @@ class Search {
         return out;
     }
 
-  private:
     struct Direction {
         int dx, dy;
     };
@@ -98,12 +123,35 @@ class Search {
     struct Find {
         float distance_px = 0;  ///< 0: none
         float radius_px = 0;
-        std::size_t pixel = 0;
-        std::uint64_t first = 0;  ///< of its samples, the first that is far enough; the stack's end: nothing
+        std::span<const StackSample> stack;  ///< from the first that is far enough on; empty: nothing
     };
+
+    /// Whether something farther than `own_px`, and not nothing, begins near enough to come to light here.
+    [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, float own_px) const {
+        const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
+        const float limit_px = std::min(farthest_px, std::abs(own_px) + widest_px_ + 1);
+        float before_px = own_px;
+        for (int s = 1; static_cast<float>(s) * step_px <= limit_px; ++s) {
+            x += d.dx;
+            y += d.dy;
+            if (x < 0 || x >= width_ || y < 0 || y >= height_) return false;
+            const float last_px = last_px_[index(x, y)];
+            if (!std::isfinite(last_px)) continue;
+            const bool begins = last_px - before_px >= least_step_px && last_px - own_px >= least_step_px;
+            before_px = last_px;
+            if (begins && static_cast<float>(s) * step_px <= std::abs(own_px) + std::abs(last_px) + 1)
+                return true;
+        }
+        return false;
+    }
 
     [[nodiscard]] std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
+    /// Of a pixel counted from the first that is stored.
+    [[nodiscard]] bool in_raster(int x, int y) const {
+        return x + p_.x_begin >= 0 && x + p_.x_begin < p_.width && y + p_.y_begin >= 0 &&
+               y + p_.y_begin < p_.height;
     }
     [[nodiscard]] float radius_px(float inverse_z) const {
         return static_cast<float>(geometry_.coc_diameter_px(static_cast<double>(inverse_z)) / 2);
@@ -116,9 +164,11 @@ class Search {
         for (int s = 1; static_cast<float>(s) * step_px <= limit_px; ++s) {
             x += d.dx;
             y += d.dy;
-            if (x < 0 || x >= width_ || y < 0 || y >= height_) return {};
-            const std::size_t at = index(x, y);
-            const float last_px = last_px_[at];
+            const bool stored = x >= 0 && x < width_ && y >= 0 && y < height_;
+            // Where the raster is larger than what is stored, nothing is; beyond both nobody knows.
+            if (!stored && !in_raster(x, y)) return {};
+            const std::size_t at = stored ? index(x, y) : 0;
+            const float last_px = stored ? last_px_[at] : nothing_px_;
             const bool begins = last_px - before_px >= least_step_px && last_px - own_px >= least_step_px;
             before_px = last_px;
             if (!begins) continue;
@@ -126,24 +176,22 @@ class Search {
             // Nothing is spread by no circle.
             const float other_px = std::isfinite(last_px) ? std::abs(last_px) : 0;
             if (distance_px > std::abs(own_px) + other_px + 1) continue;
-            std::uint64_t k = p_.offsets[at];
-            while (k < p_.offsets[at + 1] && radius_px(p_.samples[k].inverse_z) - own_px < least_step_px) ++k;
-            const float found_px = k < p_.offsets[at + 1] ? radius_px(p_.samples[k].inverse_z) : nothing_px_;
-            return {distance_px, found_px, at, k};
+            auto stack = stored ? p_.stack(p_.x_begin + x, p_.y_begin + y) : std::span<const StackSample>();
+            while (!stack.empty() && radius_px(stack[0].inverse_z) - own_px < least_step_px)
+                stack = stack.subspan(1);
+            return {distance_px, stack.empty() ? nothing_px_ : radius_px(stack[0].inverse_z), stack};
         }
         return {};
     }
 
-    [[nodiscard]] std::uint32_t id_of(const Find& f) const {
-        return f.first != p_.offsets[f.pixel + 1] ? p_.samples[f.first].id : 0;
-    }
+    [[nodiscard]] static std::uint32_t id_of(const Find& f) { return f.stack.empty() ? 0 : f.stack[0].id; }
     [[nodiscard]] static double weight_of(const Find& f) {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
     /// Brings the finds of one surface to the front, in their order: of the one that is seen most around. A
     /// lamp beside an edge does not shine all over what is behind it. Returns how many they are.
-    std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) const {
+    static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
         for (std::size_t i = 0; i < count; ++i) {
@@ -161,11 +209,10 @@ class Search {
         return static_cast<std::size_t>(kept - finds.begin());
     }
 
-    [[nodiscard]] std::array<double, 4> flattened(const Find& f) const {
+    [[nodiscard]] static std::array<double, 4> flattened(const Find& f) {
         std::array<double, 4> out{};
         double left = 1;
-        for (std::uint64_t k = f.first; k < p_.offsets[f.pixel + 1]; ++k) {
-            const StackSample& s = p_.samples[k];
+        for (const StackSample& s : f.stack) {
             out[0] += left * static_cast<double>(s.r);
             out[1] += left * static_cast<double>(s.g);
             out[2] += left * static_cast<double>(s.b);
@@ -181,7 +228,7 @@ class Search {
     float nothing_px_;
     bool has_ids_;
     std::vector<float> last_px_;
-    std::vector<std::uint8_t> opaque_;
+    std::vector<std::uint8_t> opaque_, fills_;
     float widest_px_ = 0;
 };
 
@@ -255,7 +302,7 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
             double through = 1, widest_px = 0;
             if (p.stores(x, y)) {
                 for (const StackSample& s : p.stack(x, y)) {
-                    through *= 1 - static_cast<double>(s.alpha);
+                    through = 0;
                     widest_px = std::max(
                         widest_px, std::abs(geometry.coc_diameter_px(static_cast<double>(s.inverse_z)) / 2));
                 }

@@ -17,6 +17,7 @@ struct Behind {
     float r = 0, g = 0, b = 0;  ///< premultiplied
     float alpha = 0;            ///< the rest is nothing
     bool known = false;
+    bool fills = false;  ///< what is seen through the pixel's last sample is nothing, here and around
 };
 
 /// For each pixel stored, row by row. From an opaque pixel the picture is searched in eight directions, as
@@ -24,12 +25,14 @@ struct Behind {
 /// radius. Where samples have ids, only the finds of the id count that has the greatest sum of one over the
 /// squared distances. The nearest find gives the depth; finds of the same depth (within a pixel of radius)
 /// are averaged by one over their squared distances. Nothing counts as farther than all, and spreads by no
-/// circle. The same for any number of threads.
+/// circle. A pixel that lets through is searched from like an opaque one where no direction shows, so far,
+/// the begin of anything farther but nothing (`fills`). The same for any number of threads.
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry);
 
 /// For each pixel of a window, row by row: how much of it nothing may come to fill once all is spread. Where
 /// something stands, what is nothing in the square around its own circle, in circles: all of it where the
-/// circle sees an edge before nothing, however that runs. Elsewhere what of the pixel is nothing.
+/// circle sees an edge before nothing, however that runs. Elsewhere what of the pixel is nothing. What lets
+/// through stands in all of its pixel.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window);
 

@@ -138,8 +138,10 @@ class Spread {
                 row.clear();
                 for (int x = corners_.x_begin; x < corners_.x_end - 1; ++x) {
                     const bool stored = picture_.stores(x, y);
+                    const Behind* behind = stored && !behind_.empty() ? &behind_at(x, y) : nullptr;
+                    // scatter only averages: there what lets through holds nothing back.
                     lights.add(x, stored ? picture_.stack(x, y) : std::span<const StackSample>(),
-                               stored && !behind_.empty() ? &behind_at(x, y) : nullptr, value, row);
+                               behind == nullptr || behind->fills, behind, value, row);
                 }
                 splats.add_pixels(y, row);
             }

@@ -62,8 +62,8 @@ void StackLights::add_surface(std::uint32_t surface, double inverse_depth, const
     left_ *= 1 - alpha;
 }
 
-void StackLights::add(int x, std::span<const StackSample> stack, const Behind* behind, StackValue value,
-                      std::vector<PixelLight>& out) {
+void StackLights::add(int x, std::span<const StackSample> stack, bool fills, const Behind* behind,
+                      StackValue value, std::vector<PixelLight>& out) {
     left_ = 1;
     met_.clear();
     sums_.clear();
@@ -73,7 +73,8 @@ void StackLights::add(int x, std::span<const StackSample> stack, const Behind* b
                    : std::array{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b)};
     };
     for (const StackSample& s : stack) {
-        const double alpha = std::max(static_cast<double>(s.alpha), least_alpha);
+        const bool last = &s == &stack.back();
+        const double alpha = fills && last ? 1 : std::max(static_cast<double>(s.alpha), least_alpha);
         const auto inverse_depth = static_cast<double>(s.inverse_z);
         add_surface(surface_of(geometry_.coc_diameter_px(inverse_depth) / 2), inverse_depth,
                     rgb_of(s, static_cast<double>(s.alpha)), alpha, false);

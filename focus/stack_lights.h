@@ -27,8 +27,10 @@ class StackLights {
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Appends to `out`. `behind` may be null.
-    void add(int x, std::span<const StackSample> stack, const Behind* behind, StackValue value,
+    /// Appends to `out`. `behind` may be null. `fills`: before nothing the last sample of a stack is a
+    /// surface that fills its pixel and is seen through evenly, so that its circles add up to one wherever
+    /// they do for an opaque one; what shines through it from behind must be nothing everywhere around.
+    void add(int x, std::span<const StackSample> stack, bool fills, const Behind* behind, StackValue value,
              std::vector<PixelLight>& out);
 
     /// The surface that something of this signed radius belongs to.

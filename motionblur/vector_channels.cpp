@@ -1,6 +1,7 @@
 #include "motionblur/vector_channels.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/error.h"
 #include "records/foreign_channels.h"
@@ -8,81 +9,116 @@
 namespace postlens {
 namespace {
 
-using Names = std::vector<std::string>;
+/// A way in which programs write motion vectors.
+struct Convention {
+    std::string_view word;  ///< among the names; empty: any, in a file of their own
+    const char *u, *v;
+    glm::dvec2 scale;
+};
+constexpr std::array<std::string_view, 1> forward{"forward"}, vector{"vector"}, motion{"motion"},
+    velocity{"velocity"};
 
-bool has(const Names& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+std::vector<Convention> conventions(bool own_file) {
+    std::vector<Convention> out{{forward[0], "u", "v", {1, -1}},
+                                // This frame's place minus the next one's, upwards.
+                                {vector[0], "Z", "W", {-1, 1}},
+                                {motion[0], "x", "y", {1, 1}},
+                                {velocity[0], "x", "y", {1, 1}}};
+    if (own_file) {
+        for (const auto& [u, v] : {std::pair("x", "y"), {"X", "Y"}, {"u", "v"}, {"U", "V"}, {"R", "G"}})
+            out.push_back({{}, u, v, {1, 1}});
+    }
+    return out;
 }
 
-std::optional<VectorChannels> find_forward(const Names& names, const std::string& hero_view) {
-    const glm::dvec2 v_upwards{1, -1};
-    const auto has_both = [&](const std::string& stem) {
-        return has(names, stem + ".u") && has(names, stem + ".v");
-    };
-    Names stems{"forward"};
-    if (!hero_view.empty()) {
-        stems.push_back("forward." + hero_view);
-    } else {
-        for (const std::string& n : names) {
-            if (n.starts_with("forward.") && n.ends_with(".u") && n.size() > 10)
-                stems.push_back(n.substr(0, n.size() - 2));
+bool may_hold(const ForeignFile& file, std::size_t part) {
+    const ForeignPart& p = file.parts()[part];
+    return !p.deep && p.use == (file.has_own_file(PartUse::vectors) ? PartUse::vectors : PartUse::picture);
+}
+
+VectorChannels named(const ForeignFile& file, const ChannelGroup& own, const VectorChoice& choice) {
+    const auto& [u, v] = *choice.channels;
+    std::optional<std::size_t> found;
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        const ForeignPart& part = file.parts()[i];
+        if (!may_hold(file, i) || !part.has(u) || !part.has(v)) continue;
+        // The part of the colours, else one of their view, else any.
+        const auto better = [&](std::size_t one, std::size_t other) {
+            const auto order = [&](std::size_t k) {
+                return std::pair(k != own.part, file.parts()[k].view != file.parts()[own.part].view);
+            };
+            return order(one) < order(other);
+        };
+        if (!found || better(i, *found)) found = i;
+    }
+    if (!found) {
+        std::vector<std::string> names;
+        std::string missing = u, source = file.name();
+        for (std::size_t i = 0; i < file.parts().size(); ++i) {
+            if (!may_hold(file, i)) continue;
+            source = file.name_of(i);
+            if (file.parts()[i].has(u)) missing = v;
+            names.insert(names.end(), file.parts()[i].channels.begin(), file.parts()[i].channels.end());
         }
+        fail(ExitCode::invalid_input, "{}: no channel {} (got {}; expected what --vectors names)", source,
+             missing, listed(names));
     }
-    for (const std::string& stem : stems) {
-        if (has_both(stem)) return VectorChannels{stem + ".u", stem + ".v", v_upwards, ""};
-    }
-    return std::nullopt;
-}
-
-std::optional<VectorChannels> find_next_frame_pass(const Names& names) {
-    const std::string pass = "Vector.Z";
-    for (const std::string& n : names) {
-        if (!n.ends_with(pass)) continue;
-        const std::string layer = n.substr(0, n.size() - pass.size());
-        if (!layer.empty() && layer.back() != '.') continue;
-        // This frame's place minus the next one's, upwards.
-        if (has(names, layer + "Vector.W")) return VectorChannels{n, layer + "Vector.W", {-1, 1}, layer};
-    }
-    return std::nullopt;
-}
-
-std::optional<VectorChannels> find_by_names(const Names& names, const std::string& hero_view) {
-    if (auto found = find_forward(names, hero_view)) return found;
-    if (auto found = find_next_frame_pass(names)) return found;
-    for (const std::string stem : {"motion", "velocity"}) {
-        if (has(names, stem + ".x") && has(names, stem + ".y"))
-            return VectorChannels{stem + ".x", stem + ".y", {1, 1}, ""};
-    }
-    return std::nullopt;
+    return {.part = *found, .u = u, .v = v, .scale = {1, 1}, .offset = {0, 0}, .assumed = {}};
 }
 
 }  // namespace
 
-VectorChannels find_vector_channels(const Names& names, const std::string& hero_view,
-                                    const VectorChoice& choice, const std::string& source) {
-    VectorChannels out;
+std::optional<VectorChannels> find_vector_channels(const ForeignFile& file, const ChannelGroup& own,
+                                                   const VectorChoice& choice,
+                                                   std::optional<ChannelGroup>& other) {
+    other.reset();
+    std::optional<VectorChannels> out;
     if (choice.channels) {
-        out.u = choice.channels->first;
-        out.v = choice.channels->second;
-        for (const std::string& name : {out.u, out.v}) {
-            if (!has(names, name)) {
-                fail(ExitCode::invalid_input, "{}: no channel {} (got {}; expected what --vectors names)",
-                     source, name, listed(names));
+        out = named(file, own, choice);
+    } else {
+        const bool own_file = file.has_own_file(PartUse::vectors);
+        const std::vector<Convention> known = conventions(own_file);
+        std::vector<GroupCandidate> candidates;
+        std::vector<VectorChannels> channels;
+        for (std::size_t i = 0; i < file.parts().size(); ++i) {
+            if (!may_hold(file, i)) continue;
+            for (const std::string& name : file.parts()[i].channels) {
+                const std::size_t dot = name.rfind('.') + 1;  // 0 without one
+                const std::string before = name.substr(0, dot), letter = name.substr(dot);
+                for (std::size_t k = 0; k < known.size(); ++k) {
+                    const Convention& c = known[k];
+                    if (letter != c.u || !file.parts()[i].has(before + c.v)) continue;
+                    const ChannelGroup group = channel_group(
+                        file, i, before, c.word.empty() ? PassWords(vector_words) : PassWords(&c.word, 1));
+                    if (!c.word.empty() && !group.has_pass) continue;
+                    candidates.push_back({group, name, static_cast<int>(k)});
+                    channels.push_back({.part = i,
+                                        .u = name,
+                                        .v = before + c.v,
+                                        .scale = c.scale,
+                                        .offset = {0, 0},
+                                        .assumed = {}});
+                }
             }
         }
-        // The passes of one layer belong together.
-        if (const auto dot = out.u.rfind(".Vector."); dot != std::string::npos)
-            out.layer = out.u.substr(0, dot + 1);
-    } else if (const auto known = find_by_names(names, hero_view)) {
-        out = *known;
-    } else {
-        fail(ExitCode::invalid_input,
-             "{}: no motion vectors (got channels {}; expected forward.u and .v, Vector.Z and .W, motion.x "
-             "and .y, "
-             "velocity.x and .y, or --vectors U,V)",
-             source, listed(names));
+        auto match = match_group(candidates, own, colour_groups(file));
+        if (!match && own_file && !candidates.empty()) {
+            const auto best = std::min_element(
+                candidates.begin(), candidates.end(),
+                [](const GroupCandidate& a, const GroupCandidate& b) { return a.rank < b.rank; });
+            match = GroupMatch{static_cast<std::size_t>(best - candidates.begin()), false};
+        }
+        if (!match) {
+            if (!candidates.empty()) other = candidates[0].group;
+            return std::nullopt;
+        }
+        out = channels[match->candidate];
+        if (match->surmised && !own_file)
+            out->assumed =
+                out->u + " and " + out->v + " are taken as the motion: the colours have none of their own";
     }
-    out.scale = choice.scale.value_or(out.scale);
+    out->scale = choice.scale.value_or(out->scale);
+    out->offset = choice.offset.value_or(out->offset);
     return out;
 }
 

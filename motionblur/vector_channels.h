@@ -1,35 +1,42 @@
 // Which channels of a picture of another program hold its motion vectors.
 #pragma once
 
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
-#include <vector>
+
+#include "records/channel_groups.h"
 
 namespace postlens {
 
 struct VectorChoice {
     std::optional<std::pair<std::string, std::string>> channels;  ///< absent: found by well-known names
     std::optional<glm::dvec2> scale;  ///< px to the right and px down that 1 stands for; absent: by the names
-    std::string ids;                  ///< as ForeignChoice::ids
+    std::optional<glm::dvec2> offset;  ///< of what stands still; absent: 0
+    std::filesystem::path file;        ///< where the vectors have a file of their own; else empty
 };
 
-/// Names of channels.
+/// Names of channels, both in one part. The way from this frame to the next, px to the right and down, is
+/// (value - offset) scale.
 struct VectorChannels {
+    std::size_t part = 0;
     std::string u, v;
-    glm::dvec2 scale{1, 1};  ///< px to the right and px down, in the time from this frame to the next
-    std::string layer;       ///< what the names begin with, where they belong to a layer's passes; else empty
+    glm::dvec2 scale{1, 1}, offset{0, 0};
+    std::string assumed;  ///< what is surmised about whose they are; empty: nothing
 };
 
-/// `hero_view`: whose colours have names without a view in a stereo file; empty: none is named. The names
-/// looked for, in this order (docs/motion_vectors.md says what each is taken to mean):
-///   forward.u/.v and forward.VIEW.u/.v, of the hero view where there is one: v upwards
-///   [LAYER.]Vector.Z/.W: minus the way to the next frame, W upwards
-///   motion.x/.y, velocity.x/.y: as `scale` 1,1
-/// Throws Error(invalid_input) where vectors are missing, and names what there is; `source` begins the
-/// message.
-[[nodiscard]] VectorChannels find_vector_channels(const std::vector<std::string>& names,
-                                                  const std::string& hero_view, const VectorChoice& choice,
-                                                  const std::string& source);
+/// Those that go with colours of the group `own` (match_group), of these, in this order where the layer
+/// decides nothing (docs/motion_vectors.md says what each is taken to mean):
+///   a pass forward, with .u and .v: v upwards
+///   a pass Vector, with .Z and .W: minus the way to the next frame, W upwards
+///   a pass motion, a pass velocity, with .x and .y: as `scale` 1,1
+/// In a file of their own also any x and y, u and v, or R and G. Absent where there are none of these;
+/// `other` then says whose they are that there are. Throws Error(invalid_input) where channels that are asked
+/// for are missing.
+[[nodiscard]] std::optional<VectorChannels> find_vector_channels(const ForeignFile& file,
+                                                                 const ChannelGroup& own,
+                                                                 const VectorChoice& choice,
+                                                                 std::optional<ChannelGroup>& other);
 
 }  // namespace postlens

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <optional>
 
 #include "core/error.h"
 #include "core/memory.h"
-#include "records/foreign_channels.h"
 #include "records/foreign_picture.h"
+#include "records/foreign_planes.h"
 
 namespace postlens {
 namespace {
@@ -22,10 +23,14 @@ constexpr std::uint64_t most_pixels = 1U
 
 class Reader {
   public:
-    explicit Reader(const fs::path& path) : file_(path) {}
+    Reader(const fs::path& path, const VectorChoice& vectors, const ForeignChoice& choice)
+        : file_(open_foreign_file(path, choice)), encoding_(choice.depth_encoding) {
+        if (file_.parts()[0].deep) refuse_deep();
+        if (!vectors.file.empty()) file_.attach(vectors.file, PartUse::vectors);
+        find_channels(vectors, choice);
+    }
 
-    VectorFrame read(const VectorChoice& choice, const std::string& layer) {
-        find_part(choice, layer);
+    VectorFrame read() {
         const Window& data = part_->data;
         const Window& display = part_->display;
         VectorFrame out;
@@ -47,21 +52,29 @@ class Reader {
         out.v_name = vectors_.v;
         out.has_z = !colours_.z.empty();
         out.has_alpha = !colours_.a.empty();
-        find_ids(choice.ids, out);
-        rgb_ = {list_.add(colours_.r), list_.add(colours_.g), list_.add(colours_.b)};
-        u_ = list_.add(vectors_.u);
-        v_ = list_.add(vectors_.v);
-        z_ = list_.add(colours_.z);
-        alpha_ = list_.add(colours_.a);
-        id_ = list_.add(out.id_name);
-        whole_ids_ = file_.kind(colours_.part, out.id_name) == ChannelKind::whole;
-        file_.read_flat(colours_.part, list_.names(), [&](int y, std::span<const float* const> values) {
+        out.problems = colours_.problems;
+        out.assumed = colours_.assumed;
+        if (!vectors_.assumed.empty()) out.assumed.push_back(vectors_.assumed);
+        out.id_name = colours_.matte ? colours_.matte->ranks[0].id : colours_.id;
+        const std::size_t id_part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
+        const ForeignChannels& c = colours_;
+        list_.emplace(file_, c.part);
+        // Where another part stores nothing, nothing moves and nothing is near.
+        rgb_ = {list_->add(c.part, c.r, 0), list_->add(c.part, c.g, 0), list_->add(c.part, c.b, 0)};
+        u_ = list_->add(vectors_.part, vectors_.u, static_cast<float>(vectors_.offset.x));
+        v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));
+        z_ = list_->add(c.depth_part, c.z, std::numeric_limits<float>::infinity());
+        alpha_ = list_->add(c.alpha_part, c.a, 0);
+        id_ = list_->add(id_part, out.id_name, 0);
+        whole_ids_ = file_.kind(id_part, out.id_name) == ChannelKind::whole;
+        list_->read([&](int y, std::span<const float* const> values) {
             for (int x = 0; x < part_->width(); ++x) out.pixels.push_back(pixel(values, x, y));
         });
         for (const VectorPixel& p : out.pixels) {
             out.largest_px = std::max(
                 out.largest_px, std::hypot(static_cast<double>(p.right_px), static_cast<double>(p.down_px)));
         }
+        warn_of_offset(out);
         return out;
     }
 
@@ -70,53 +83,79 @@ class Reader {
         return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     }
 
-    /// Where the colours lie, and the vectors with them.
-    void find_part(const VectorChoice& choice, const std::string& layer) {
-        const auto of_part = [&](const ForeignPart& part) {
-            const std::string hero = part.views.empty() ? "" : part.views[0];
-            return find_vector_channels(part.channels, hero, choice, file_.name());
-        };
-        if (file_.parts()[0].deep) {
-            fail(ExitCode::invalid_input, "{}: cannot read (got deep pixels; expected a flat picture)",
-                 file_.name());
+    [[noreturn]] void refuse_deep() const {
+        fail(ExitCode::invalid_input, "{}: cannot read (got deep pixels; expected a flat picture)",
+             file_.name());
+    }
+
+    /// Colours that have vectors: those asked for, or the first.
+    void find_channels(const VectorChoice& vectors, const ForeignChoice& choice) {
+        colours_ = find_foreign_channels(file_, choice);
+        std::optional<ChannelGroup> other;
+        auto found = find_vector_channels(file_, group_of(colours_), vectors, other);
+        if (!found && other && choice.layer.empty()) {
+            // The first colours have none: others have.
+            if (const auto layer = layer_of(*other)) {
+                ForeignChoice with = choice;
+                with.layer = *layer;
+                colours_ = find_foreign_channels(file_, with);
+                found = find_vector_channels(file_, group_of(colours_), vectors, other);
+            }
         }
-        if (file_.parts().size() == 1) vectors_ = of_part(file_.parts()[0]);
-        // The passes of one layer belong together.
-        const std::string& passes = vectors_.layer;
-        const bool own = layer.empty() && !passes.empty() && !file_.parts()[0].has("R") &&
-                         file_.parts()[0].has(passes + "Combined.R");
-        colours_ =
-            find_foreign_channels(file_, {own ? passes.substr(0, passes.size() - 1) : layer, "", choice.ids});
         part_ = &file_.parts()[colours_.part];
-        if (part_->deep) {
-            fail(ExitCode::invalid_input, "{}: cannot read (got deep pixels; expected a flat picture)",
-                 file_.name());
+        if (part_->deep) refuse_deep();
+        if (!found) {
+            std::vector<std::string> names;
+            for (const ForeignPart& part : file_.parts()) {
+                if (part.use == PartUse::picture || part.use == PartUse::vectors)
+                    names.insert(names.end(), part.channels.begin(), part.channels.end());
+            }
+            fail(ExitCode::invalid_input,
+                 "{}: no motion vectors{} (got channels {}; expected forward.u and .v, Vector.Z and .W, "
+                 "motion.x and .y, velocity.x and .y, or --vectors U,V)",
+                 file_.name(), other ? " of the colours' own layer and view" : "", listed(names));
         }
-        if (file_.parts().size() > 1) vectors_ = of_part(*part_);
+        vectors_ = *found;
         if (colours_.r.empty()) {
             fail(ExitCode::invalid_input, "{}: no colours (got channels {}; expected R, G and B)",
                  file_.name(), listed(part_->channels));
         }
-        if (colours_.depth_part != colours_.part) colours_.z.clear();
     }
 
-    /// Ids have to lie in the part of the colours.
-    void find_ids(const std::string& asked, VectorFrame& out) const {
-        out.problems = colours_.problems;
-        const std::string& name = colours_.matte ? colours_.matte->ranks[0].id : colours_.id;
-        const std::size_t part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
-        if (name.empty() || part == colours_.part) {
-            out.id_name = name;
-            return;
+    [[nodiscard]] ChannelGroup group_of(const ForeignChannels& c) const {
+        return channel_group(file_, c.part, c.layer, colour_words);
+    }
+
+    /// What --layer would call the colours of a group.
+    [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
+        for (std::size_t i = 0; i < file_.parts().size(); ++i) {
+            const ForeignPart& part = file_.parts()[i];
+            if (part.use != PartUse::picture) continue;
+            for (const std::string& layer : colour_layers(part)) {
+                const ChannelGroup own = channel_group(file_, i, layer, colour_words);
+                if (own.view != group.view || own.layer != group.layer) continue;
+                if (!layer.empty()) return layer.substr(0, layer.size() - 1);
+                if (!part.name.empty()) return part.name;
+            }
         }
-        if (!asked.empty()) {
-            fail(ExitCode::invalid_input,
-                 "{}: ids {} are unusable (got part {}; expected them in part {}, beside the colours)",
-                 file_.name(), asked, part, colours_.part);
+        return std::nullopt;
+    }
+
+    /// Ways that are stored in colours have their zero in the middle of them.
+    void warn_of_offset(VectorFrame& out) const {
+        if (vectors_.offset != glm::dvec2(0, 0) || out.pixels.empty()) return;
+        std::size_t in_the_middle = 0;
+        for (const VectorPixel& p : out.pixels) {
+            const glm::dvec2 value = glm::dvec2(p.right_px, p.down_px) / vectors_.scale;
+            if (!(value.x >= 0 && value.x <= 1 && value.y >= 0 && value.y <= 1)) return;
+            constexpr double near = 0.005;
+            in_the_middle += std::abs(value.x - 0.5) < near && std::abs(value.y - 0.5) < near ? 1 : 0;
         }
-        out.problems.push_back(
-            fmt::format("ids {} are not used: they lie in part {}, the colours and vectors in part {}", name,
-                        part, colours_.part));
+        if (5 * in_the_middle < out.pixels.size()) return;
+        out.assumed.push_back(
+            fmt::format("{} and {} lie between 0 and 1, many in the middle: they may have an offset, and are "
+                        "taken without one (--vector-offset, --vector-scale)",
+                        out.u_name, out.v_name));
     }
 
     [[noreturn]] void refuse(const std::string& channel, int x, int y, float got,
@@ -128,23 +167,23 @@ class Reader {
     VectorPixel pixel(std::span<const float* const> values, int x, int y) const {
         const auto finite = [&](std::optional<std::size_t> channel) {
             const float v = values[*channel][x];
-            if (!std::isfinite(v)) refuse(list_.names()[*channel], x, y, v, "a finite number");
+            if (!std::isfinite(v)) refuse(list_->name(*channel), x, y, v, "a finite number");
             return v;
         };
-        const auto vector_px = [&](std::optional<std::size_t> channel, double scale) {
+        const auto vector_px = [&](std::optional<std::size_t> channel, double offset, double scale) {
             const float v = finite(channel);
-            const double px = scale * static_cast<double>(v);
+            const double px = scale * (static_cast<double>(v) - offset);
             if (!(std::abs(px) <= longest_vector))
-                refuse(list_.names()[*channel], x, y, v, "a vector of at most 1e6 px");
+                refuse(list_->name(*channel), x, y, v, "a vector of at most 1e6 px");
             return static_cast<float>(px);
         };
         VectorPixel out;
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] = finite(rgb_[c]);
-        out.right_px = vector_px(u_, vectors_.scale.x);
-        out.down_px = vector_px(v_, vectors_.scale.y);
+        out.right_px = vector_px(u_, vectors_.offset.x, vectors_.scale.x);
+        out.down_px = vector_px(v_, vectors_.offset.y, vectors_.scale.y);
         if (z_) {
-            const float z = values[*z_][x];
-            if (!(z >= 0)) refuse(list_.names()[*z_], x, y, z, "a depth of 0 or more");
+            const float stored = values[*z_][x], z = encoding_ ? encoding_->distance(stored) : stored;
+            if (!(z >= 0)) refuse(list_->name(*z_), x, y, stored, "a depth of 0 or more");
             out.inverse_z = z == 0 || z >= background_z ? 0 : 1 / z;
         } else {
             // Parallax: any growing function of the speed will do.
@@ -159,10 +198,11 @@ class Reader {
     const ForeignPart* part_ = nullptr;
     ForeignChannels colours_;
     VectorChannels vectors_;
-    ChannelList list_;
+    std::optional<JoinedChannels> list_;
     std::array<std::optional<std::size_t>, 3> rgb_;
     std::optional<std::size_t> u_, v_, z_, alpha_, id_;
     bool whole_ids_ = false;
+    std::optional<DepthEncoding> encoding_;
 };
 
 }  // namespace
@@ -176,8 +216,9 @@ Image VectorFrame::picture() const {
     return out;
 }
 
-VectorFrame read_vector_frame(const fs::path& path, const VectorChoice& choice, const std::string& layer) {
-    return Reader(path).read(choice, layer);
+VectorFrame read_vector_frame(const fs::path& path, const VectorChoice& vectors,
+                              const ForeignChoice& choice) {
+    return Reader(path, vectors, choice).read();
 }
 
 }  // namespace postlens

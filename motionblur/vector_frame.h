@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "motionblur/vector_channels.h"
+#include "records/foreign_channels.h"
 #include "records/image.h"
 
 namespace postlens {
@@ -31,6 +32,7 @@ struct VectorFrame {
     std::string u_name, v_name;
     std::string id_name;                ///< empty: no ids
     std::vector<std::string> problems;  ///< about ids: a line for each that are there and are not used
+    std::vector<std::string> assumed;   ///< a line for each thing that is surmised
 
     [[nodiscard]] const VectorPixel& at(int x, int y) const {
         return pixels[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
@@ -43,15 +45,15 @@ struct VectorFrame {
     [[nodiscard]] Image picture() const;
 };
 
-/// Reads the part that has the colours (records/foreign_channels.h; of a stereo file's views the hero), in
-/// which vectors, alpha and depth lie as well; `layer` as there. Depth grows with the distance; pixels of
-/// depth 0 or of at least 1e9 and, where there is an alpha, those of alpha 0 are the background, infinitely
-/// far. Without a depth, what moves faster on the raster is taken to be nearer. Ids are those of a
-/// Cryptomatte's first rank or of an id channel. Throws Error(invalid_input)
-/// for what is no such file, for ids asked for that lie elsewhere, for windows out of bounds (65536 px an
-/// edge, 65536 px between the windows), for colours and vectors that are not finite or longer than 1e6 px and
-/// for negative depths, with their place; Error(out_of_memory) before memory is taken.
-[[nodiscard]] VectorFrame read_vector_frame(const std::filesystem::path& path, const VectorChoice& choice,
-                                            const std::string& layer = "");
+/// Reads the part that has the colours (records/foreign_channels.h, `choice` as there; of a stereo file's
+/// views the hero), and vectors, alpha, depth and ids wherever they are. Depth grows with the distance;
+/// pixels of depth 0 or of at least 1e9 and, where there is an alpha, those of alpha 0 are the background,
+/// infinitely far. Without a depth, what moves faster on the raster is taken to be nearer. Ids are those of a
+/// Cryptomatte's first rank or of an id channel. Throws Error(invalid_input) for what is no such file, for
+/// windows out of bounds (65536 px an edge, 65536 px between the windows), for colours and vectors that are
+/// not finite or longer than 1e6 px and for negative depths, with their place; Error(out_of_memory) before
+/// memory is taken.
+[[nodiscard]] VectorFrame read_vector_frame(const std::filesystem::path& path, const VectorChoice& vectors,
+                                            const ForeignChoice& choice = {});
 
 }  // namespace postlens

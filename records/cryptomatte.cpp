@@ -28,12 +28,21 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Where a channel is, of the part itself or of a flat one of the same view.
+/// Whether a part may hold mattes of the colours in part `own`: a flat one of the same view, or of the file
+/// that was given for ids.
+bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
+    const ForeignPart& p = file.parts()[part];
+    if (p.deep) return false;
+    if (file.has_own_file(PartUse::ids)) return p.use == PartUse::ids;
+    return p.use == PartUse::picture && p.view == file.parts()[own].view;
+}
+
+/// Where a channel is: the part of the colours first.
 std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
     const auto parts = file.parts();
-    if (!parts[own].deep && parts[own].has(channel)) return own;
+    if (may_hold(file, own, own) && parts[own].has(channel)) return own;
     for (std::size_t i = 0; i < parts.size(); ++i) {
-        if (i != own && !parts[i].deep && parts[i].view == parts[own].view && parts[i].has(channel)) return i;
+        if (may_hold(file, own, i) && parts[i].has(channel)) return i;
     }
     return std::nullopt;
 }
@@ -73,9 +82,9 @@ std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const 
 /// Names of sets by their channels: what stands before "00.R".
 std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     std::vector<std::string> out;
-    for (const ForeignPart& part : file.parts()) {
-        if (part.deep || part.view != file.parts()[own].view) continue;
-        for (const std::string& channel : part.channels) {
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        if (!may_hold(file, own, i)) continue;
+        for (const std::string& channel : file.parts()[i].channels) {
             for (const char* letter : red.names) {
                 const std::string end = std::string("00.") + letter;
                 if (channel.ends_with(end) && channel.find("rypto") != std::string::npos)
@@ -112,7 +121,7 @@ Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part) {
     };
     std::map<std::string, Said> keys;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
-        if (file.parts()[i].deep || file.parts()[i].view != file.parts()[part].view) continue;
+        if (!may_hold(file, part, i)) continue;
         for (const char* prefix : {"cryptomatte/", "exr/cryptomatte/"}) {
             for (auto& [name, text] : file.texts(i, prefix)) {
                 const std::string rest = name.substr(std::string(prefix).size());
@@ -147,6 +156,15 @@ Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part) {
     }
     std::stable_sort(out.usable.begin(), out.usable.end(),
                      [](const Cryptomatte& a, const Cryptomatte& b) { return kind(a.name) < kind(b.name); });
+    return out;
+}
+
+ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set) {
+    ChannelGroup out = channel_group(file, set.ranks.at(0).part, set.name, id_words);
+    std::erase_if(out.layer, [](const std::string& word) {
+        return word.starts_with("crypto") || word.starts_with("ucrypto") || word == "asset" ||
+               word == "material";
+    });
     return out;
 }
 

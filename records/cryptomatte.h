@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "records/channel_groups.h"
 #include "records/foreign_file.h"
 
 namespace postlens {
@@ -28,11 +29,15 @@ struct Cryptomattes {
     std::vector<std::string> problems;  ///< a line for each that cannot be used
 };
 
-/// Those whose channels lie in `part` or in other flat parts of its view: of every `cryptomatte/KEY/name`
-/// attribute, and those that are named so (a name with "rypto", NAME00.R) without one. Ranks are taken while
-/// both of their channels are there; ids that are no 32 bits any more (half floats, lossy compression) make a
-/// set unusable. Sets of objects stand first, then assets, then the others by name.
+/// Those whose channels lie in `part` or in other flat parts of its view, or in the file given for ids: of
+/// every `cryptomatte/KEY/name` attribute, and those that are named so (a name with "rypto", NAME00.R)
+/// without one. Ranks are taken while both of their channels are there; ids that are no 32 bits any more
+/// (half floats, lossy compression) make a set unusable. Sets of objects stand first, then assets, then the
+/// others by name.
 [[nodiscard]] Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part);
+
+/// Whose the mattes of a usable set are, by its name and that of its first part.
+[[nodiscard]] ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set);
 
 /// How many names a manifest has; -1 where it is none: no JSON object of names with eight hexadecimal digits.
 [[nodiscard]] int manifest_names(const std::string& manifest);

@@ -1,7 +1,9 @@
 #include "records/foreign_channels.h"
 
 #include <algorithm>
+#include <array>
 #include <fmt/ranges.h>
+#include <tuple>
 #include <utility>
 
 #include "core/error.h"
@@ -9,160 +11,423 @@
 namespace postlens {
 namespace {
 
-/// "R" or "r" behind the layer's name.
-std::string colour(const ForeignPart& part, const std::string& layer, char letter) {
-    const std::string upper = layer + letter, lower = layer + static_cast<char>(letter - 'A' + 'a');
-    for (const std::string& name : {upper, lower}) {
-        if (part.has(name)) return name;
-    }
-    return "";
-}
+using Names = std::vector<std::string>;
 
-std::string first_of(const ForeignPart& part, const std::vector<std::string>& names) {
+/// How a file may call its colours: one of these ways for all of them.
+constexpr std::array<std::array<const char*, 3>, 4> colour_names{
+    {{"R", "G", "B"}, {"r", "g", "b"}, {"red", "green", "blue"}, {"Red", "Green", "Blue"}}};
+const Names alpha_names{"A", "a", "alpha", "Alpha"};
+
+std::string first_of(const ForeignPart& part, const Names& names) {
     for (const std::string& name : names) {
         if (part.has(name)) return name;
     }
     return "";
 }
 
-bool has_colours(const ForeignPart& part, const std::string& layer) {
-    return !colour(part, layer, 'R').empty() && !colour(part, layer, 'G').empty() &&
-           !colour(part, layer, 'B').empty();
+std::string behind(const ForeignPart& part, const std::string& layer, const Names& letters) {
+    Names names;
+    for (const std::string& letter : letters) names.push_back(layer + letter);
+    return first_of(part, names);
+}
+
+/// A name up to its last dot, and what follows.
+std::pair<std::string, std::string> split(const std::string& name) {
+    const std::size_t dot = name.rfind('.');
+    return dot == std::string::npos ? std::pair(std::string(), name)
+                                    : std::pair(name.substr(0, dot + 1), name.substr(dot + 1));
+}
+
+std::string small(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return text;
+}
+
+/// The names of a layer's colours; absent: it has not all of them.
+std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, const std::string& layer) {
+    for (const auto& names : colour_names) {
+        std::array<std::string, 3> out{layer + names[0], layer + names[1], layer + names[2]};
+        if (std::all_of(out.begin(), out.end(), [&](const std::string& name) { return part.has(name); }))
+            return out;
+    }
+    return std::nullopt;
+}
+
+bool any_word(const std::vector<std::string>& words, std::initializer_list<std::string_view> some) {
+    return std::any_of(words.begin(), words.end(), [&](const std::string& w) {
+        return std::find(some.begin(), some.end(), w) != some.end();
+    });
 }
 
 /// Lower is better.
 int rank(const std::string& layer) {
+    const std::vector<std::string> words = words_of(layer);
+    // Numbers in the place of colours.
+    const bool data = std::any_of(words.begin(), words.end(),
+                                  [](const std::string& w) { return w.find("crypto") != std::string::npos; });
+    if (data || any_word(words, {"depth", "zdepth", "normal", "normals", "position", "vector", "motion",
+                                 "velocity", "forward", "uv"}))
+        return 4;
     if (layer.empty()) return 0;
-    if (layer.ends_with("Combined.")) return 1;
-    for (const char* usual : {"rgba.", "beauty.", "Beauty.", "color.", "RGBA."}) {
-        if (layer == usual) return 2;
-    }
-    // Sums of bits, not pictures.
-    return layer.find("rypto") != std::string::npos ? 4 : 3;
+    if (any_word(words, {"combined"})) return 1;
+    return any_word(words, {"rgba", "beauty", "color"}) ? 2 : 3;
 }
 
-bool is_asked(const ForeignPart& part, const std::string& layer, const std::string& asked) {
-    if (asked.empty() || part.name == asked) return true;
-    if (part.view == asked || (!part.views.empty() && part.views[0] == asked && layer.empty())) return true;
-    return layer == asked + "." || layer.starts_with(asked + ".");
+/// How a layer fits what is asked for; lower is better, 2: not at all.
+int misfit(const ForeignFile& file, std::size_t part_number, const std::string& layer,
+           const std::string& asked) {
+    const ForeignPart& part = file.parts()[part_number];
+    if (asked.empty() || part.name == asked || part.view == asked) return 0;
+    if (!part.views.empty() && part.views[0] == asked && layer.empty()) return 0;
+    if (layer == asked + "." || layer.starts_with(asked + ".")) return 0;
+    const ChannelGroup group = channel_group(file, part_number, layer, colour_words);
+    if (group.view == asked) return 0;
+    std::vector<std::string> words = words_of(part.name + "." + layer + "." + group.view);
+    const std::vector<std::string> wanted = words_of(asked);
+    const bool all = std::all_of(wanted.begin(), wanted.end(), [&](const std::string& w) {
+        return std::find(words.begin(), words.end(), w) != words.end();
+    });
+    return all && !wanted.empty() ? 1 : 2;
 }
 
-struct Candidate {
-    std::size_t part = 0;
-    std::string layer;
-    int rank = 5;
-};
-
-std::optional<Candidate> best_colours(const ForeignFile& file, const std::string& asked) {
-    std::optional<Candidate> best;
+/// Of the pictures' parts, what is best of all layers that `layers_of` gives; absent: none fits.
+template <typename LayersOf>
+std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
+                                                              const std::string& asked,
+                                                              const LayersOf& layers_of) {
+    const std::vector<std::string> views = views_of(file);
+    std::optional<std::pair<std::size_t, std::string>> best;
+    std::tuple<int, int, std::size_t> least{2, 0, 0};
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
-        const ForeignPart& part = file.parts()[i];
-        for (const std::string& layer : colour_layers(part)) {
-            if (!is_asked(part, layer, asked)) continue;
-            if (!best || rank(layer) < best->rank) best = Candidate{i, layer, rank(layer)};
+        if (file.parts()[i].use != PartUse::picture) continue;
+        for (const std::string& layer : layers_of(file.parts()[i])) {
+            const ChannelGroup group = channel_group(file, i, layer, colour_words);
+            // The hero before other views, wherever their names are written.
+            const auto view = std::find(views.begin(), views.end(), group.view);
+            const bool by_name = file.parts()[i].view.empty() && view != views.end();
+            const std::tuple order{misfit(file, i, layer, asked), rank(layer),
+                                   by_name ? static_cast<std::size_t>(view - views.begin()) : 0};
+            if (order < least) {
+                least = order;
+                best = {i, layer};
+            }
         }
     }
     return best;
 }
 
-/// What stands before "Combined.", where the layer is Blender's.
-std::string view_layer(const std::string& layer) {
-    const std::string pass = "Combined.";
-    return layer.ends_with(pass) ? layer.substr(0, layer.size() - pass.size()) : layer;
+/// Layers with a luminance, or with an alpha and a depth.
+Names grey_layers(const ForeignPart& part) {
+    Names out;
+    for (const std::string& name : part.channels) {
+        const auto [layer, letter] = split(name);
+        if (letter == "Y" || (letter == "A" && part.has(layer + "Z"))) out.push_back(layer);
+    }
+    return out;
 }
 
-std::string depth_of(const ForeignPart& part, const std::string& layer) {
-    const std::string own = view_layer(layer);
-    return first_of(part, {layer + "Z", own + "Depth.Z", own + "Depth.V", own + "Z", "Z", "depth.Z",
-                           "Depth.Z", "Depth.V", "depth.V", "depth.z", "z"});
+/// Candidates of a pass in all parts that may have it; `add(part, name, out)` looks at one channel.
+template <typename Add>
+std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
+                                          PartUse use, const Add& add) {
+    const bool own_file = file.has_own_file(use);
+    const bool deep = file.parts()[colours.part].deep;
+    std::vector<GroupCandidate> out;
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        const ForeignPart& part = file.parts()[i];
+        if (part.use != (own_file ? use : PartUse::picture)) continue;
+        if (own_file ? part.deep : part.deep != deep || (deep && i != colours.part)) continue;
+        for (const std::string& name : part.channels) add(i, name, out);
+    }
+    return out;
 }
 
-void find_depth(const ForeignFile& file, const ForeignChoice& choice, ForeignChannels& out) {
-    const ForeignPart& own = file.parts()[out.part];
-    out.depth_part = out.part;
-    if (!choice.depth_channel.empty()) {
-        if (own.has(choice.depth_channel)) {
-            out.z = choice.depth_channel;
+/// What a layer is called in messages.
+std::string title(const ChannelGroup& group) {
+    std::string out = fmt::format("{}", fmt::join(group.layer, "."));
+    if (!group.view.empty()) out += (out.empty() ? "view " : " of view ") + group.view;
+    return out.empty() ? "the whole picture" : out;
+}
+
+class Finder {
+  public:
+    Finder(const ForeignFile& file, const ForeignChoice& choice, ForeignChannels& out)
+        : file_(file),
+          choice_(choice),
+          out_(out),
+          part_(file.parts()[out.part]),
+          own_(channel_group(file, out.part, out.layer, colour_words)),
+          pictures_(colour_groups(file)) {}
+
+    void find_alpha() {
+        out_.alpha_part = out_.part;
+        out_.a = behind(part_, out_.layer, alpha_names);
+        // A small a beside R, G, B is somebody's own channel.
+        if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
+        if (!out_.a.empty() || part_.deep) return;
+        const auto found =
+            candidates_of(file_, out_, PartUse::picture, [&](std::size_t part, const auto& name, auto& to) {
+                const auto [before, letter] = split(name);
+                const ChannelGroup group = channel_group(file_, part, before, alpha_words);
+                const std::string last = small(letter);
+                if (letter == "A" || last == "alpha" || (group.has_pass && last == "y"))
+                    to.push_back({group, name, 0});
+            });
+        const auto match = match_group(found, own_, pictures_);
+        // An opacity of something else would make holes in what has none.
+        if (!match || match->surmised || found[match->candidate].group.layer != own_.layer) return;
+        out_.alpha_part = found[match->candidate].group.part;
+        out_.a = found[match->candidate].name;
+    }
+
+    void find_depth() {
+        out_.depth_part = out_.part;
+        if (!choice_.depth_channel.empty()) return find_named(choice_.depth_channel, PartUse::depth);
+        const std::vector<GroupCandidate> found = depths();
+        const bool own_file = file_.has_own_file(PartUse::depth);
+        auto match = match_group(found, own_, pictures_);
+        if (!match && own_file && !found.empty()) match = GroupMatch{0, true};
+        if (!match) {
+            if (own_file) {
+                fail(ExitCode::invalid_input,
+                     "{}: no depth (got channels {}; expected Z, or --depth-channel)",
+                     file_name(PartUse::depth), listed(channels_of(PartUse::depth)));
+            }
+            if (!found.empty()) {
+                out_.assumed.push_back(
+                    fmt::format("{} is not taken as the depth: it belongs to {}, the "
+                                "colours to {} (--depth-channel, --layer)",
+                                found[0].name, title(found[0].group), title(own_)));
+            }
             return;
         }
-    } else {
-        out.z = depth_of(own, out.layer);
-    }
-    for (std::size_t i = 0; out.z.empty() && !own.deep && i < file.parts().size(); ++i) {
-        const ForeignPart& part = file.parts()[i];
-        if (part.deep || part.view != own.view) continue;
-        out.z =
-            choice.depth_channel.empty() ? depth_of(part, out.layer) : first_of(part, {choice.depth_channel});
-        out.depth_part = i;
-    }
-    if (out.z.empty() && !choice.depth_channel.empty()) {
-        fail(ExitCode::invalid_input, "{}: no channel {} (got {}; expected what --depth-channel names)",
-             file.name(), choice.depth_channel, listed(own.channels));
-    }
-}
-
-std::string id_of(const ForeignPart& part, const std::string& layer) {
-    std::vector<std::string> names;
-    for (const std::string& before : {layer, view_layer(layer), std::string()}) {
-        for (const char* name :
-             {"id", "ID", "Id", "objectid", "objectId", "ObjectId", "ObjectID", "object_id", "IndexOB"}) {
-            for (const char* end : {"", ".X", ".V"}) names.push_back(before + name + end);
+        const GroupCandidate& depth = found[match->candidate];
+        out_.z = depth.name;
+        out_.depth_part = depth.group.part;
+        if (match->surmised && !own_file) {
+            out_.assumed.push_back(fmt::format("{} of {} is taken as the depth: {} has none of its own",
+                                               depth.name, title(depth.group), title(own_)));
         }
     }
-    return first_of(part, names);
-}
 
-void find_ids(const ForeignFile& file, const ForeignChoice& choice, ForeignChannels& out) {
-    out.id_part = out.part;
-    if (choice.ids == ForeignChoice::no_ids) return;
-    const ForeignPart& own = file.parts()[out.part];
-    std::vector<std::string> sets;
-    if (!own.deep) {
-        Cryptomattes found = find_cryptomattes(file, out.part);
-        out.problems = std::move(found.problems);
-        // Those of the same layer of a file that has several.
-        const std::string layer = view_layer(out.layer);
-        std::stable_partition(found.usable.begin(), found.usable.end(),
-                              [&](const Cryptomatte& m) { return m.name.starts_with(layer); });
-        for (Cryptomatte& set : found.usable) {
+    void find_ids() {
+        out_.id_part = out_.part;
+        if (choice_.ids == ForeignChoice::no_ids) return;
+        Names sets;
+        std::string left;  // what is there and belongs to something else
+        if (!part_.deep) take_matte(sets, left);
+        // Who names what to use is not told of the others.
+        const Names unusable = choice_.ids.empty() ? Names() : std::exchange(out_.problems, {});
+        if (out_.matte) return;
+        if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
+        const std::vector<GroupCandidate> found = ids();
+        const auto match = match_group(found, own_, pictures_);
+        if (match) {
+            const GroupCandidate& id = found[match->candidate];
+            out_.id = id.name;
+            out_.id_part = id.group.part;
+            return;
+        }
+        if (left.empty() && !found.empty())
+            left = fmt::format("ids {} belong to {}", found[0].name, title(found[0].group));
+        if (!left.empty())
+            out_.problems.push_back(left +
+                                    fmt::format(", not to {}: they are left aside (--ids)", title(own_)));
+    }
+
+  private:
+    [[nodiscard]] Names channels_of(PartUse use) const {
+        Names out;
+        for (const ForeignPart& part : file_.parts()) {
+            if (part.use == use) out.insert(out.end(), part.channels.begin(), part.channels.end());
+        }
+        return out;
+    }
+    [[nodiscard]] const std::string& file_name(PartUse use) const {
+        for (std::size_t i = 0; i < file_.parts().size(); ++i) {
+            if (file_.parts()[i].use == use) return file_.name_of(i);
+        }
+        return file_.name();
+    }
+
+    /// Where a channel of this very name is: the part of the colours, else one of their view, else any; of
+    /// the pass's own file where there is one.
+    [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
+        const bool own_file = file_.has_own_file(use);
+        if (!own_file && part_.has(name)) return out_.part;
+        if (!own_file && part_.deep) return std::nullopt;
+        std::optional<std::size_t> other;
+        for (std::size_t i = 0; i < file_.parts().size(); ++i) {
+            const ForeignPart& part = file_.parts()[i];
+            if (part.use != (own_file ? use : PartUse::picture) || part.deep || !part.has(name)) continue;
+            if (part.view == part_.view) return i;
+            if (!other) other = i;
+        }
+        return other;
+    }
+
+    void find_named(const std::string& name, PartUse use) {
+        const auto part = part_with(name, use);
+        if (!part) {
+            const bool own_file = file_.has_own_file(use);
+            fail(ExitCode::invalid_input, "{}: no channel {} (got {}; expected what --depth-channel names)",
+                 file_name(use), name, listed(own_file ? channels_of(use) : part_.channels));
+        }
+        out_.z = name;
+        out_.depth_part = *part;
+    }
+
+    [[nodiscard]] std::vector<GroupCandidate> depths() const {
+        const bool own_file = file_.has_own_file(PartUse::depth);
+        auto found =
+            candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
+                const ForeignPart& p = file_.parts()[part];
+                const auto [before, letter] = split(name);
+                const std::string last = small(letter);
+                const ChannelGroup group = channel_group(file_, part, before, depth_words);
+                // One of three numbers is no depth: a place, a direction, a way.
+                const bool has_x = p.has(before + (letter == "z" ? "x" : "X")) &&
+                                   p.has(before + (letter == "z" ? "y" : "Y"));
+                if (last == "z" && (group.has_pass || !has_x)) {
+                    if (any_word(group.layer, {"normal", "normals", "position", "vector", "vectors", "motion",
+                                               "velocity", "forward"}))
+                        return;
+                    to.push_back({group, name,
+                                  part == out_.part && before == out_.layer ? 0
+                                  : group.has_pass                          ? 2
+                                                                            : 1});
+                } else if (group.has_pass && (last == "v" || last == "y")) {
+                    to.push_back({group, name, 3});
+                } else if (last == "depth" || last == "zdepth") {
+                    to.push_back({group, name, 3});
+                } else if (group.has_pass && letter == "R") {
+                    to.push_back({group, name, 4});
+                }
+            });
+        if (!own_file || !found.empty()) return found;
+        // A file that is said to hold depths holds them in its only channel, or in all three alike.
+        return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
+            const std::string letter = split(name).second;
+            if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
+                to.push_back({channel_group(file_, part, "", depth_words), name, 5});
+        });
+    }
+
+    [[nodiscard]] std::vector<GroupCandidate> ids() const {
+        return candidates_of(file_, out_, PartUse::ids, [&](std::size_t part, const auto& name, auto& to) {
+            const auto [before, letter] = split(name);
+            const auto is_id = [](std::string word) {
+                word = small(std::move(word));
+                std::erase(word, '_');
+                return word == "id" || word == "objectid" || word == "indexob";
+            };
+            const std::string pass =
+                before.empty() ? file_.parts()[part].name : split(before.substr(0, before.size() - 1)).second;
+            const bool component = letter == "X" || letter == "V" || letter == "Y";
+            if (is_id(letter) || (component && is_id(pass)))
+                to.push_back({channel_group(file_, part, before, id_words), name, is_id(letter) ? 0 : 1});
+        });
+    }
+
+    void take_matte(Names& sets, std::string& left) {
+        Cryptomattes found = find_cryptomattes(file_, out_.part);
+        out_.problems = std::move(found.problems);
+        std::vector<GroupCandidate> candidates;
+        for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            if (!out.matte && (choice.ids.empty() || choice.ids == set.name)) out.matte = std::move(set);
+            // Any part will do, as long as the layer is the same.
+            candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
+            candidates.back().group.part = out_.part;
+        }
+        if (!choice_.ids.empty()) {
+            for (Cryptomatte& set : found.usable) {
+                if (set.name == choice_.ids && !out_.matte) out_.matte = std::move(set);
+            }
+        } else if (const auto match = match_group(candidates, own_, pictures_)) {
+            out_.matte = std::move(found.usable[match->candidate]);
+        } else if (!candidates.empty()) {
+            left = fmt::format("Cryptomatte {} belongs to {}", sets[0], title(candidates[0].group));
         }
     }
-    // Who names what to use is not told of the others.
-    const std::vector<std::string> unusable =
-        choice.ids.empty() ? std::vector<std::string>() : std::exchange(out.problems, {});
-    if (out.matte) return;
-    const auto look = [&](const ForeignPart& part) {
-        return choice.ids.empty() ? id_of(part, out.layer) : first_of(part, {choice.ids});
-    };
-    out.id = look(own);
-    for (std::size_t i = 0; out.id.empty() && !own.deep && i < file.parts().size(); ++i) {
-        if (file.parts()[i].deep || file.parts()[i].view != own.view) continue;
-        out.id = look(file.parts()[i]);
-        out.id_part = i;
-    }
-    if (out.id.empty() && !choice.ids.empty()) {
+
+    void find_named_ids(const Names& unusable, Names sets) {
+        if (const auto part = part_with(choice_.ids, PartUse::ids)) {
+            out_.id = choice_.ids;
+            out_.id_part = *part;
+            return;
+        }
         for (const std::string& problem : unusable) {
-            if (problem.starts_with("Cryptomatte " + choice.ids + " "))
-                fail(ExitCode::invalid_input, "{}: {}", file.name(), problem);
+            if (problem.starts_with("Cryptomatte " + choice_.ids + " "))
+                fail(ExitCode::invalid_input, "{}: {}", file_.name(), problem);
         }
-        sets.insert(sets.end(), own.channels.begin(), own.channels.end());
-        fail(ExitCode::invalid_input, "{}: no ids {} (got {}; expected what --ids names)", file.name(),
-             choice.ids, listed(sets));
+        const Names there = file_.has_own_file(PartUse::ids) ? channels_of(PartUse::ids) : part_.channels;
+        sets.insert(sets.end(), there.begin(), there.end());
+        fail(ExitCode::invalid_input, "{}: no ids {} (got {}; expected what --ids names)",
+             file_name(PartUse::ids), choice_.ids, listed(sets));
+    }
+
+    const ForeignFile& file_;
+    const ForeignChoice& choice_;
+    ForeignChannels& out_;
+    const ForeignPart& part_;
+    ChannelGroup own_;
+    std::vector<ChannelGroup> pictures_;
+};
+
+void find_colours(const ForeignFile& file, const std::string& asked, ForeignChannels& out) {
+    if (const auto best = best_layer(file, asked, colour_layers)) {
+        const ForeignPart& part = file.parts()[best->first];
+        std::tie(out.part, out.layer) = *best;
+        const auto names = colours_of(part, out.layer).value();
+        out.r = names[0];
+        out.g = names[1];
+        out.b = names[2];
+        return;
+    }
+    const auto grey = best_layer(file, asked, grey_layers);
+    if (!grey) {
+        Names names;
+        for (const ForeignPart& part : file.parts())
+            names.insert(names.end(), part.channels.begin(), part.channels.end());
+        fail(ExitCode::invalid_input, "{}: no colours{} (got channels {}; expected R, G and B)", file.name(),
+             asked.empty() ? "" : " in " + asked, listed(names));
+    }
+    const ForeignPart& part = file.parts()[grey->first];
+    std::tie(out.part, out.layer) = *grey;
+    out.r = out.g = out.b = first_of(part, {out.layer + "Y"});
+    const std::string ry = out.layer + "RY", by = out.layer + "BY";
+    if (out.r.empty() || part.deep) return;
+    if (part.has(ry) && part.has(by)) {
+        out.ry = ry;
+        out.by = by;
+    } else if (part.has(ry) || part.has(by)) {
+        out.assumed.push_back(fmt::format("{} is left aside without {}: the picture is grey",
+                                          part.has(ry) ? ry : by, part.has(ry) ? by : ry));
     }
 }
 
 }  // namespace
 
 std::vector<std::string> colour_layers(const ForeignPart& part) {
-    std::vector<std::string> out;
+    Names out;
     for (const std::string& name : part.channels) {
-        if (name.empty() || (name.back() != 'R' && name.back() != 'r')) continue;
-        std::string layer = name.substr(0, name.size() - 1);
-        if (!layer.empty() && layer.back() != '.') continue;
-        if (has_colours(part, layer) && std::find(out.begin(), out.end(), layer) == out.end())
+        auto [layer, letter] = split(name);
+        const bool red = std::any_of(colour_names.begin(), colour_names.end(),
+                                     [&](const auto& names) { return letter == names[0]; });
+        if (red && colours_of(part, layer) && std::find(out.begin(), out.end(), layer) == out.end())
             out.push_back(std::move(layer));
+    }
+    return out;
+}
+
+std::vector<ChannelGroup> colour_groups(const ForeignFile& file) {
+    std::vector<ChannelGroup> out;
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        if (file.parts()[i].use != PartUse::picture) continue;
+        for (const std::string& layer : colour_layers(file.parts()[i])) {
+            if (rank(layer) < 4) out.push_back(channel_group(file, i, layer, colour_words));
+        }
     }
     return out;
 }
@@ -174,41 +439,20 @@ std::string listed(std::span<const std::string> names) {
                        names.size() > most ? fmt::format(" and {} more", names.size() - most) : "");
 }
 
+ForeignFile open_foreign_file(const std::filesystem::path& path, const ForeignChoice& choice) {
+    ForeignFile file(path);
+    if (!choice.depth_file.empty()) file.attach(choice.depth_file, PartUse::depth);
+    if (!choice.ids_file.empty()) file.attach(choice.ids_file, PartUse::ids);
+    return file;
+}
+
 ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoice& choice) {
     ForeignChannels out;
-    if (const auto best = best_colours(file, choice.layer)) {
-        const ForeignPart& part = file.parts()[best->part];
-        out.part = best->part;
-        out.layer = best->layer;
-        out.r = colour(part, out.layer, 'R');
-        out.g = colour(part, out.layer, 'G');
-        out.b = colour(part, out.layer, 'B');
-    } else {
-        // Grey, or nothing but what is covered and where.
-        std::optional<std::size_t> found;
-        for (std::size_t i = 0; i < file.parts().size() && !found; ++i) {
-            const ForeignPart& part = file.parts()[i];
-            if (is_asked(part, "", choice.layer) && (part.has("Y") || (part.has("A") && part.has("Z"))))
-                found = i;
-        }
-        if (!found) {
-            std::vector<std::string> names;
-            for (const ForeignPart& part : file.parts())
-                names.insert(names.end(), part.channels.begin(), part.channels.end());
-            fail(ExitCode::invalid_input, "{}: no colours{} (got channels {}; expected R, G and B)",
-                 file.name(), choice.layer.empty() ? "" : " in " + choice.layer, listed(names));
-        }
-        out.part = *found;
-        const std::string grey = first_of(file.parts()[*found], {"Y"});
-        out.r = grey;
-        out.g = grey;
-        out.b = grey;
-    }
+    find_colours(file, choice.layer, out);
     const ForeignPart& part = file.parts()[out.part];
-    out.a = colour(part, out.layer, 'A');
-    // A small a beside R, G, B is somebody's own channel.
-    if (out.a.ends_with('a') && !out.r.ends_with('r')) out.a.clear();
-    find_depth(file, choice, out);
+    Finder finder(file, choice, out);
+    finder.find_alpha();
+    finder.find_depth();
     if (part.deep) {
         out.z_back = first_of(part, {out.layer + "ZBack", "ZBack"});
         if (out.z.empty()) {
@@ -216,7 +460,7 @@ ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoi
                  file.name(), listed(part.channels));
         }
     }
-    find_ids(file, choice, out);
+    finder.find_ids();
     return out;
 }
 

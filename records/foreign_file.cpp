@@ -13,12 +13,15 @@
 #include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfRgbaYca.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfStringVectorAttribute.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfVecAttribute.h>
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <fstream>
 #include <new>
 
@@ -37,6 +40,8 @@ constexpr std::size_t most_channels = 1024;
 constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
 /// What may be asked for without a look at the file's own size.
 constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
+/// Pixels of a display window that any file may have: 16384 by 16384.
+constexpr std::uint64_t unquestioned_shown = std::uint64_t{1} << 28U;
 /// The densest of the formats, deflate, packs 1032 to 1; twice over in none of them.
 constexpr std::uint64_t densest = 4096;
 
@@ -81,11 +86,23 @@ Window checked_window(const ExrPart& part, const char* attribute, const std::str
 
 // What the library is about to believe, looked at before.
 struct ForeignFile::Impl {
-    std::uint64_t bytes = 0;
-    std::unique_ptr<Imf::MultiPartInputFile> file;
+    struct Opened {
+        std::string name;
+        std::uint64_t bytes = 0;
+        std::size_t first_part = 0;
+        std::unique_ptr<Imf::MultiPartInputFile> file;
+    };
+    std::vector<Opened> files;  ///< the picture's, and those attached
 
+    [[nodiscard]] const Opened& of(std::size_t part) const {
+        std::size_t i = files.size() - 1;
+        while (files[i].first_part > part) --i;
+        return files[i];
+    }
+    /// The part's number in its own file.
+    [[nodiscard]] int number(std::size_t part) const { return static_cast<int>(part - of(part).first_part); }
     [[nodiscard]] const Imf::Header& header(std::size_t part) const {
-        return file->header(static_cast<int>(part));
+        return of(part).file->header(number(part));
     }
     template <typename Attribute>
     [[nodiscard]] const Attribute* find(std::size_t part, const char* name) const {
@@ -133,13 +150,12 @@ void check_chunks(const ForeignPart& part, const Imf::Header& h, std::uint64_t f
         }
         chunk_pixels = std::uint64_t{tiles.xSize} * tiles.ySize;
     }
-    // What is shown but not stored costs memory, too.
+    // A small crop of a large frame is a whole file; a picture of the frame asks for its memory when it is
+    // made. Only frames that nobody has are held against the size of the file.
     const std::uint64_t shown = (static_cast<std::uint64_t>(part.display.x_max - part.display.x_min) + 1) *
-                                (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1) *
-                                12;
+                                (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1);
     const std::int64_t shift_x = std::int64_t{part.data.x_min} - part.display.x_min,
                        shift_y = std::int64_t{part.data.y_min} - part.display.y_min;
-    constexpr std::uint64_t unquestioned_shown = 256U << 20U;
     if (std::abs(shift_x) > longest_edge || std::abs(shift_y) > longest_edge ||
         (shown > unquestioned_shown && shown / densest > file_bytes)) {
         fail(ExitCode::invalid_input,
@@ -165,26 +181,47 @@ bool ForeignPart::has(const std::string& channel) const {
 }
 
 ForeignFile::ForeignFile(const fs::path& path) : name_(path.string()), impl_(std::make_unique<Impl>()) {
+    open(path, PartUse::picture);
+}
+
+void ForeignFile::attach(const fs::path& path, PartUse use) {
+    open(path, use);
+    const auto size = [](const Window& w) { return std::pair(w.x_max - w.x_min + 1, w.y_max - w.y_min + 1); };
+    const auto [width, height] = size(parts_[0].display);
+    const auto [other_width, other_height] = size(parts_.back().display);
+    if (width != other_width || height != other_height) {
+        fail(ExitCode::invalid_input, "{}: displayWindow differs from {} (got {}x{} px; expected {}x{})",
+             path.string(), name_, other_width, other_height, width, height);
+    }
+}
+
+void ForeignFile::open(const fs::path& path, PartUse use) {
+    const std::string name = path.string();
+    const std::size_t first = parts_.size();
+    Impl::Opened& opened = impl_->files.emplace_back();
+    opened.name = name;
+    opened.first_part = first;
     {
         // Our own look at the headers first: it takes no more memory than the headers have bytes.
         const InputFile file(path);
-        if (!is_openexr(path)) fail(ExitCode::invalid_input, "{}: cannot read (not an OpenEXR file)", name_);
-        impl_->bytes = file.size();
+        if (!is_openexr(path)) fail(ExitCode::invalid_input, "{}: cannot read (not an OpenEXR file)", name);
+        opened.bytes = file.size();
         const ExrHeaders headers = read_exr_headers(file, most_parts + 1, AttributeSizes::filled);
         if (headers.parts.size() > most_parts) {
-            fail(ExitCode::invalid_input, "{}: too many parts (expected at most {})", name_, most_parts);
+            fail(ExitCode::invalid_input, "{}: too many parts (expected at most {})", name, most_parts);
         }
         for (const ExrPart& p : headers.parts) {
             ForeignPart& part = parts_.emplace_back();
-            part.data = checked_window(p, "dataWindow", name_);
-            part.display = checked_window(p, "displayWindow", name_);
+            part.use = use;
+            part.data = checked_window(p, "dataWindow", name);
+            part.display = checked_window(p, "displayWindow", name);
         }
     }
-    guarded(name_, [&] {
-        impl_->file = std::make_unique<Imf::MultiPartInputFile>(name_.c_str(), 0, false);
-        if (static_cast<std::size_t>(impl_->file->parts()) != parts_.size())
-            fail(ExitCode::invalid_input, "{}: header is damaged (parts that are not counted)", name_);
-        for (std::size_t i = 0; i < parts_.size(); ++i) {
+    guarded(name, [&] {
+        opened.file = std::make_unique<Imf::MultiPartInputFile>(name.c_str(), 0, false);
+        if (static_cast<std::size_t>(opened.file->parts()) != parts_.size() - first)
+            fail(ExitCode::invalid_input, "{}: header is damaged (parts that are not counted)", name);
+        for (std::size_t i = first; i < parts_.size(); ++i) {
             const Imf::Header& h = impl_->header(i);
             ForeignPart& part = parts_[i];
             part.name = text(i, "name").value_or("");
@@ -196,16 +233,25 @@ ForeignFile::ForeignFile(const fs::path& path) : name_(path.string()), impl_(std
             part.tiled = h.hasTileDescription();
             for (auto c = h.channels().begin(); c != h.channels().end(); ++c) {
                 if (part.channels.size() == most_channels) {
-                    fail(ExitCode::invalid_input, "{}: too many channels (expected at most {})", name_,
+                    fail(ExitCode::invalid_input, "{}: too many channels (expected at most {})", name,
                          most_channels);
                 }
                 part.channels.emplace_back(c.name());
             }
-            check_chunks(part, h, impl_->bytes, name_);
+            check_chunks(part, h, opened.bytes, name);
         }
     });
 }
 
+const std::string& ForeignFile::name_of(std::size_t part) const {
+    return impl_->of(part).name;
+}
+
+bool ForeignFile::has_own_file(PartUse use) const {
+    return std::any_of(parts_.begin(), parts_.end(), [&](const ForeignPart& p) { return p.use == use; });
+}
+
+ForeignFile::ForeignFile(ForeignFile&&) noexcept = default;
 ForeignFile::~ForeignFile() = default;
 
 std::optional<double> ForeignFile::number(std::size_t part, const char* name) const {
@@ -253,6 +299,25 @@ ChannelKind ForeignFile::kind(std::size_t part, const std::string& channel) cons
     return c->type == Imf::UINT ? ChannelKind::whole : ChannelKind::float32;
 }
 
+ChannelSampling ForeignFile::sampling(std::size_t part, const std::string& channel) const {
+    const Imf::Channel* c = impl_->header(part).channels().findChannel(channel.c_str());
+    return c == nullptr ? ChannelSampling() : ChannelSampling{c->xSampling, c->ySampling};
+}
+
+std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
+    const Imf::Header& h = impl_->header(part);
+    const Imath::V3f w =
+        Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
+    const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
+                                    static_cast<double>(w.z)};
+    // Green is what red and blue leave.
+    if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
+        fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
+             name_of(part), out[0], out[1], out[2]);
+    }
+    return out;
+}
+
 bool ForeignFile::loses_bits(std::size_t part) const {
     const Imf::Compression c = impl_->header(part).compression();
     // PXR24 rounds them, but what was equal stays so.
@@ -286,7 +351,8 @@ std::optional<std::size_t> ChannelList::add(const std::string& name) {
 void ForeignFile::read_flat(std::size_t part, std::span<const std::string> channels,
                             const std::function<void(int, std::span<const float* const>)>& take) const {
     const ForeignPart& p = parts_[part];
-    guarded(name_, [&] {
+    const std::string& name = name_of(part);
+    guarded(name, [&] {
         const Imf::Header& h = impl_->header(part);
         const auto width = static_cast<std::size_t>(p.width());
         // Whole tiles and whole chunks at a time, so that none is unpacked twice.
@@ -296,7 +362,7 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
                        "a band of the picture");
         std::vector<float> buffer(width * static_cast<std::size_t>(rows) * channels.size());
         std::vector<const float*> values(channels.size());
-        Imf::InputPart in(*impl_->file, static_cast<int>(part));
+        Imf::InputPart in(*impl_->of(part).file, impl_->number(part));
         for (int y = p.data.y_min; y <= p.data.y_max; y += rows) {
             const int last = std::min(y + rows - 1, p.data.y_max);
             Imf::FrameBuffer frame;
@@ -307,7 +373,7 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
                 auto* base =
                     reinterpret_cast<char*>(buffer.data() + c * width * static_cast<std::size_t>(rows));
                 frame.insert(channels[c],
-                             Imf::Slice(read_as(h, channels[c], name_),
+                             Imf::Slice(read_as(h, channels[c], name),
                                         base + origin * static_cast<std::ptrdiff_t>(sizeof(float)),
                                         sizeof(float), sizeof(float) * width));
             }
@@ -323,6 +389,61 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
             }
         }
     });
+}
+
+std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string& channel) const {
+    const ForeignPart& p = parts_[part];
+    const ChannelSampling step = sampling(part, channel);
+    const auto width = static_cast<std::size_t>(p.width()), height = static_cast<std::size_t>(p.height());
+    // Values stand where both coordinates are multiples of the steps.
+    const auto first = [](int from, int every) { return from + ((-from % every) + every) % every; };
+    const int x0 = first(p.data.x_min, step.x), y0 = first(p.data.y_min, step.y);
+    if (x0 > p.data.x_max || y0 > p.data.y_max) {
+        fail(ExitCode::invalid_input, "{}: channel {} has no values (got one for every {}x{} px of {}x{} px)",
+             name_of(part), channel, step.x, step.y, width, height);
+    }
+    const auto columns = static_cast<std::size_t>((p.data.x_max - x0) / step.x) + 1,
+               rows = static_cast<std::size_t>((p.data.y_max - y0) / step.y) + 1;
+    require_memory((columns * rows + width * height) * sizeof(float), "a channel with few values");
+    std::vector<float> values(columns * rows);
+    guarded(name_of(part), [&] {
+        Imf::InputPart in(*impl_->of(part).file, impl_->number(part));
+        Imf::FrameBuffer frame;
+        // The library counts the values from the file's origin.
+        const std::ptrdiff_t origin =
+            -(static_cast<std::ptrdiff_t>(y0 / step.y) * static_cast<std::ptrdiff_t>(columns) + x0 / step.x);
+        frame.insert(channel, Imf::Slice(Imf::FLOAT,
+                                         reinterpret_cast<char*>(values.data()) +
+                                             origin * static_cast<std::ptrdiff_t>(sizeof(float)),
+                                         sizeof(float), sizeof(float) * columns, step.x, step.y));
+        in.setFrameBuffer(frame);
+        in.readPixels(p.data.y_min, p.data.y_max);
+    });
+    /// Between which values a pixel lies, and how far towards the second.
+    struct Between {
+        std::size_t first, second;
+        float share;
+    };
+    const auto between = [](int at, int from, int every, std::size_t count) {
+        const int offset = std::max(at - from, 0);
+        const std::size_t i = std::min(static_cast<std::size_t>(offset / every), count - 1);
+        return Between{i, std::min(i + 1, count - 1),
+                       static_cast<float>(offset % every) / static_cast<float>(every)};
+    };
+    const auto mix = [](float a, float b, float share) { return a == b ? a : a + share * (b - a); };
+    std::vector<float> out;
+    out.reserve(width * height);
+    for (int y = p.data.y_min; y <= p.data.y_max; ++y) {
+        const Between v = between(y, y0, step.y, rows);
+        for (int x = p.data.x_min; x <= p.data.x_max; ++x) {
+            const Between u = between(x, x0, step.x, columns);
+            const auto along = [&](std::size_t row) {
+                return mix(values[row * columns + u.first], values[row * columns + u.second], u.share);
+            };
+            out.push_back(mix(along(v.first), along(v.second), v.share));
+        }
+    }
+    return out;
 }
 
 namespace {
@@ -410,9 +531,8 @@ class DeepBand {
 /// size.
 class StoredChunks {
   public:
-    StoredChunks(const std::string& name, std::uint64_t file_bytes, std::size_t part, bool tiled)
+    StoredChunks(const std::string& name, std::uint64_t file_bytes, int number, bool tiled)
         : name_(name), file_bytes_(file_bytes), file_(name.c_str(), 0, false) {
-        const int number = static_cast<int>(part);
         if (tiled) {
             tiles_.emplace(file_, number);
         } else {
@@ -451,12 +571,15 @@ class StoredChunks {
 void ForeignFile::read_deep(std::size_t part, std::span<const std::string> channels,
                             const std::function<void(const DeepRows&)>& take) const {
     const ForeignPart& p = parts_[part];
-    guarded(name_, [&] {
+    const std::string& name = name_of(part);
+    guarded(name, [&] {
         const Imf::Header& h = impl_->header(part);
-        DeepBand band(p, h, channels, impl_->bytes, name_);
-        StoredChunks stored(name_, impl_->bytes, part, p.tiled);
+        const Impl::Opened& opened = impl_->of(part);
+        const int number = impl_->number(part);
+        DeepBand band(p, h, channels, opened.bytes, name);
+        StoredChunks stored(name, opened.bytes, number, p.tiled);
         if (p.tiled) {
-            Imf::DeepTiledInputPart in(*impl_->file, static_cast<int>(part));
+            Imf::DeepTiledInputPart in(*opened.file, number);
             const int rows = static_cast<int>(in.tileYSize()), last_column = in.numXTiles(0) - 1;
             for (int t = 0; t < in.numYTiles(0); ++t) {
                 const int y = p.data.y_min + t * rows;
@@ -468,7 +591,7 @@ void ForeignFile::read_deep(std::size_t part, std::span<const std::string> chann
             }
             return;
         }
-        Imf::DeepScanLineInputPart in(*impl_->file, static_cast<int>(part));
+        Imf::DeepScanLineInputPart in(*opened.file, number);
         constexpr int rows = 16;
         for (int y = p.data.y_min; y <= p.data.y_max; y += rows) {
             const int last = std::min(y + rows - 1, p.data.y_max);

@@ -17,8 +17,12 @@
 
 namespace postlens {
 
+/// What the parts of a file are there for: those of passes' own files for that pass alone.
+enum class PartUse { picture, depth, ids, vectors };
+
 /// What one part of the file says of itself.
 struct ForeignPart {
+    PartUse use = PartUse::picture;
     std::string name, view;          ///< empty where the part has none
     std::vector<std::string> views;  ///< `multiView`, the hero first; empty where the part has none
     Window data, display;            ///< inclusive corners; both hold at least one pixel
@@ -31,6 +35,12 @@ struct ForeignPart {
 };
 
 enum class ChannelKind { half, float32, whole };
+
+/// Every how many columns and rows a channel has a value; the first at multiples of these numbers.
+struct ChannelSampling {
+    int x = 1, y = 1;
+    friend bool operator==(const ChannelSampling&, const ChannelSampling&) = default;
+};
 
 /// A band of rows of a deep part.
 struct DeepRows {
@@ -50,11 +60,19 @@ class ForeignFile {
     ~ForeignFile();
     ForeignFile(const ForeignFile&) = delete;
     ForeignFile& operator=(const ForeignFile&) = delete;
-    ForeignFile(ForeignFile&&) = delete;
+    ForeignFile(ForeignFile&&) noexcept;
     ForeignFile& operator=(ForeignFile&&) = delete;
 
+    /// Adds the parts of another file, of the same display window's size, for one pass. Throws as the
+    /// constructor does, and Error(invalid_input) where the sizes differ.
+    void attach(const std::filesystem::path& path, PartUse use);
+
     [[nodiscard]] const std::string& name() const { return name_; }
+    /// Of the file that the part is in.
+    [[nodiscard]] const std::string& name_of(std::size_t part) const;
     [[nodiscard]] std::span<const ForeignPart> parts() const { return parts_; }
+    /// Whether a file was attached for a pass.
+    [[nodiscard]] bool has_own_file(PartUse use) const;
 
     /// Attributes of a part; absent where it has none of that name and type.
     [[nodiscard]] std::optional<double> number(std::size_t part, const char* name) const;
@@ -74,11 +92,20 @@ class ForeignFile {
                    const std::function<void(const DeepRows&)>& take) const;
     /// What a channel holds; `half` where there is none of that name.
     [[nodiscard]] ChannelKind kind(std::size_t part, const std::string& channel) const;
+    [[nodiscard]] ChannelSampling sampling(std::size_t part, const std::string& channel) const;
+    /// What red, green and blue have of the part's luminance, by its chromaticities, else by those of Rec.
+    /// 709.
+    [[nodiscard]] std::array<double, 3> luminance_weights(std::size_t part) const;
+    /// A channel of a flat part that has fewer values than pixels: a value for each pixel of the data window,
+    /// row by row, interpolated linearly along rows and columns; beyond the last value it stays.
+    [[nodiscard]] std::vector<float> read_sampled(std::size_t part, const std::string& channel) const;
     /// Whether the part's compression may make different 32-bit floats of equal ones.
     [[nodiscard]] bool loses_bits(std::size_t part) const;
 
   private:
     struct Impl;
+    void open(const std::filesystem::path& path, PartUse use);
+
     std::string name_;
     std::vector<ForeignPart> parts_;
     std::unique_ptr<Impl> impl_;

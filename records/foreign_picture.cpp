@@ -9,6 +9,9 @@
 #include "core/error.h"
 #include "core/memory.h"
 #include "core/threads.h"
+#include "records/deep_volumes.h"
+#include "records/filtered_depth.h"
+#include "records/foreign_planes.h"
 
 namespace postlens {
 namespace {
@@ -24,7 +27,7 @@ constexpr float least_share = 0.01F;
 class Reader {
   public:
     Reader(const std::filesystem::path& path, const ForeignChoice& choice, const ForeignCameraChoice& camera)
-        : file_(path) {
+        : file_(open_foreign_file(path, choice)), encoding_(choice.depth_encoding) {
         out_.channels = find_foreign_channels(file_, choice);
         part_ = &file_.parts()[out_.channels.part];
         out_.deep = part_->deep;
@@ -51,15 +54,9 @@ class Reader {
         }
         out_.camera = foreign_camera(file_, out_.channels.part, camera);
         const ForeignChannels& c = out_.channels;
-        r_ = wanted_.add(c.r);
-        g_ = wanted_.add(c.g);
-        b_ = wanted_.add(c.b);
-        a_ = wanted_.add(c.a);
-        if (c.depth_part == c.part) z_ = wanted_.add(c.z);
-        z_back_ = wanted_.add(c.z_back);
-        if (c.id_part == c.part) id_ = wanted_.add(c.id);
         whole_ids_ = !c.id.empty() && file_.kind(c.id_part, c.id) == ChannelKind::whole;
         for (const std::string& problem : c.problems) out_.repairs.push_back({"ids", problem, 0});
+        for (const std::string& text : c.assumed) out_.repairs.push_back({"assumed", text, 0});
         const auto aspect = file_.number(c.part, "pixelAspectRatio");
         if (aspect && std::abs(*aspect - 1) > 1e-4) {
             out_.repairs.push_back(
@@ -92,35 +89,6 @@ class Reader {
         out_.samples.reserve(next);
     }
 
-    /// What another part has for the pixels of the colours' part; `otherwise` where that one has nothing.
-    std::vector<float> plane_of(std::size_t other, const std::string& channel, float otherwise) const {
-        require_memory(pixels() * sizeof(float), "the channel of another part");
-        std::vector<float> plane(pixels(), otherwise);
-        each_row_of(other, std::span(&channel, 1),
-                    [&](std::size_t first, std::size_t count, std::size_t from,
-                        std::span<const float* const> values) {
-                        std::copy_n(values[0] + from, count,
-                                    plane.begin() + static_cast<std::ptrdiff_t>(first));
-                    });
-        return plane;
-    }
-
-    /// Rows of another part as far as the colours' part has them: `take(pixel, count, from, values)`, of
-    /// `count` pixels from number `pixel` on, whose values begin at `from`.
-    template <typename Take>
-    void each_row_of(std::size_t other, std::span<const std::string> channels, const Take& take) const {
-        const ForeignPart& from = file_.parts()[other];
-        const int x_begin = std::max(from.data.x_min, part_->data.x_min),
-                  x_last = std::min(from.data.x_max, part_->data.x_max);
-        file_.read_flat(other, channels, [&](int y, std::span<const float* const> values) {
-            if (y < part_->data.y_min || y > part_->data.y_max || x_begin > x_last) return;
-            take(static_cast<std::size_t>(y - part_->data.y_min) * static_cast<std::size_t>(part_->width()) +
-                     static_cast<std::size_t>(x_begin - part_->data.x_min),
-                 static_cast<std::size_t>(x_last - x_begin + 1),
-                 static_cast<std::size_t>(x_begin - from.data.x_min), values);
-        });
-    }
-
     struct MatteEntry {
         std::size_t pixel;
         SurfaceShare share;
@@ -138,24 +106,25 @@ class Reader {
             for (const MatteRank& rank : matte.ranks) {
                 if (rank.part == other) names.insert(names.end(), {rank.id, rank.coverage});
             }
-            each_row_of(
-                other, names,
-                [&](std::size_t first, std::size_t count, std::size_t from,
-                    std::span<const float* const> values) {
-                    for (std::size_t i = 0; i < count; ++i) {
-                        for (std::size_t c = 0; c < names.size(); c += 2) {
-                            const float share = values[c + 1][from + i];
-                            if (!(share >= least_share)) continue;  // NaN as well
-                            if (out.size() == out.capacity()) {
-                                const std::size_t more = std::max(out.size() * 3 / 2, pixels());
-                                require_memory(more * sizeof(MatteEntry), "the Cryptomatte");
-                                out.reserve(more);
-                            }
-                            out.push_back(
-                                {first + i, {surface_id(values[c][from + i], false), std::min(share, 1.0F)}});
-                        }
-                    }
-                });
+            each_row_onto(file_, other, names, *part_,
+                          [&](std::size_t first, std::size_t count, std::size_t from,
+                              std::span<const float* const> values) {
+                              for (std::size_t i = 0; i < count; ++i) {
+                                  for (std::size_t c = 0; c < names.size(); c += 2) {
+                                      const float share = values[c + 1][from + i];
+                                      if (!(share >= least_share)) continue;  // NaN as well
+                                      if (out.size() == out.capacity()) {
+                                          const std::size_t more = std::max(out.size() * 3 / 2, pixels());
+                                          require_memory(more * sizeof(MatteEntry), "the Cryptomatte");
+                                          out.reserve(more);
+                                      }
+                                      out.push_back({first + i,
+                                                     {.id = surface_id(values[c][from + i], false),
+                                                      .share = std::min(share, 1.0F),
+                                                      .inverse_z = {}}});
+                                  }
+                              }
+                          });
         }
         if (parts.size() > 1) {
             std::stable_sort(out.begin(), out.end(),
@@ -195,7 +164,7 @@ class Reader {
             if (none != here.end()) {
                 none->share += 1 - sum;
             } else {
-                here.push_back({0, 1 - sum});
+                here.push_back({.id = 0, .share = 1 - sum, .inverse_z = {}});
             }
             sum = 1;
         }
@@ -205,14 +174,19 @@ class Reader {
             out_.samples[k].id = here[0].id;
         if (here.size() == 1) return;
         out_.mixed.push_back({pixel, out_.shares.size(), here.size()});
-        for (const SurfaceShare& h : here) out_.shares.push_back({h.id, h.share / sum});
+        for (const SurfaceShare& h : here)
+            out_.shares.push_back({.id = h.id, .share = h.share / sum, .inverse_z = {}});
     }
 
-    /// One over a depth as the file has it, its sign kept.
-    float inverse(float z, int x, int y) {
+    /// One over the depth that a number in the file means, its sign kept.
+    float inverse(float value, int x, int y) {
+        return inverse_of(encoding_ ? encoding_->distance(value) : value, x, y, value);
+    }
+    float inverse_of(float z, int x, int y, float value) {
         if (!(std::abs(z) < nothing_z) || z == 0) return 0;  // NaN as well
+        farthest_ = std::max(farthest_, std::abs(z));
         if (z < 0) {
-            if (negative_ == 0) first_negative_ = {x, y, z};
+            if (negative_ == 0) first_negative_ = {x, y, value};
             ++negative_;
         } else {
             ++positive_;
@@ -235,63 +209,140 @@ class Reader {
     }
 
     void read_flat() {
-        const bool apart = out_.channels.depth_part != out_.channels.part && !out_.channels.z.empty();
-        std::vector<float> plane;
         const ForeignChannels& c = out_.channels;
-        if (apart) plane = plane_of(c.depth_part, c.z, std::numeric_limits<float>::infinity());
-        std::vector<float> ids;
-        if (!c.id.empty() && c.id_part != c.part) ids = plane_of(c.id_part, c.id, 0);
-        if (out_.channels.z.empty()) {
+        constexpr float infinite = std::numeric_limits<float>::infinity();
+        JoinedChannels channels(file_, c.part);
+        const auto r = channels.add(c.part, c.r, 0), g = channels.add(c.part, c.g, 0),
+                   b = channels.add(c.part, c.b, 0), a = channels.add(c.alpha_part, c.a, 0),
+                   z = channels.add(c.depth_part, c.z, infinite), id = channels.add(c.id_part, c.id, 0),
+                   ry = channels.add(c.part, c.ry, 0, true), by = channels.add(c.part, c.by, 0, true);
+        if (ry) luminance_ = file_.luminance_weights(c.part);
+        const auto width = static_cast<std::size_t>(part_->width());
+        require_memory(pixels() * 2 * sizeof(float), "depths and alphas of the picture");
+        std::vector<float> depths, covered;
+        depths.reserve(pixels());
+        covered.reserve(pixels());
+        channels.read([&](int, std::span<const float* const> values) {
+            make_room(width);
+            for (std::size_t x = 0; x < width; ++x) {
+                const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
+                    return channel ? values[*channel][x] : otherwise;
+                };
+                StackSample s{0,
+                              value(r, 0),
+                              value(g, 0),
+                              value(b, 0),
+                              checked_alpha(value(a, 1)),
+                              surface_id(value(id, 0), whole_ids_)};
+                if (ry) add_chroma(s, value(ry, 0), value(by, 0));
+                depths.push_back(value(z, infinite));
+                covered.push_back(s.alpha);
+                add(s);
+                out_.offsets.push_back(out_.samples.size());
+            }
+        });
+        if (c.z.empty()) {
             out_.repairs.push_back(
                 {"assumed", "no depth is in the file: all is taken to be infinitely far (--depth-channel)",
                  1});
+        } else {
+            take_depths(depths, covered);
         }
-        const auto width = static_cast<std::size_t>(part_->width());
-        file_.read_flat(
-            out_.channels.part, wanted_.names(), [&](int y, std::span<const float* const> values) {
-                make_room(width);
-                const std::size_t row = static_cast<std::size_t>(y - part_->data.y_min) * width;
-                for (std::size_t x = 0; x < width; ++x) {
-                    const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
-                        return channel ? values[*channel][x] : otherwise;
-                    };
-                    const float z =
-                        apart ? plane[row + x] : value(z_, std::numeric_limits<float>::infinity());
-                    add({inverse(z, part_->data.x_min + static_cast<int>(x), y), value(r_, 0), value(g_, 0),
-                         value(b_, 0), checked_alpha(value(a_, 1)),
-                         surface_id(ids.empty() ? value(id_, 0) : ids[row + x], whole_ids_)});
-                    out_.offsets.push_back(out_.samples.size());
-                }
-            });
         if (c.matte) take_matte(*c.matte);
+    }
+
+    void add_chroma(StackSample& s, float ry, float by) const {
+        const auto y = static_cast<double>(s.r);
+        const double r = (static_cast<double>(ry) + 1) * y, b = (static_cast<double>(by) + 1) * y;
+        s.r = static_cast<float>(r);
+        s.g = static_cast<float>((y - luminance_[0] * r - luminance_[2] * b) / luminance_[1]);
+        s.b = static_cast<float>(b);
+    }
+
+    /// Gives the samples their depths, from numbers as they stand in the file.
+    void take_depths(std::vector<float>& depths, const std::vector<float>& covered) {
+        const auto width = static_cast<std::size_t>(part_->width());
+        const FilteredDepths filtered = mend_filtered_depths(depths, covered, width);
+        const auto place = [&](std::size_t i) {
+            return std::pair(part_->data.x_min + static_cast<int>(i % width),
+                             part_->data.y_min + static_cast<int>(i / width));
+        };
+        for (std::size_t i = 0; i < pixels(); ++i) {
+            const auto [x, y] = place(i);
+            for (std::uint64_t k = out_.offsets[i]; k < out_.offsets[i + 1]; ++k)
+                out_.samples[k].inverse_z = inverse(depths[i], x, y);
+        }
+        const auto share = [&](std::size_t count) {
+            return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(pixels(), 1));
+        };
+        if (filtered.divided > 0) {
+            out_.repairs.push_back(
+                {"repaired",
+                 fmt::format("{} depths are multiplied by alpha: divided by it", filtered.divided),
+                 share(filtered.divided)});
+        }
+        if (filtered.taken_over > 0) {
+            out_.repairs.push_back(
+                {"repaired",
+                 fmt::format("{} depths of rims are means with nothing: they get that of their neighbours",
+                             filtered.taken_over),
+                 share(filtered.taken_over)});
+        }
+        if (filtered.mixed.empty()) return;
+        out_.repairs.push_back(
+            {"repaired",
+             fmt::format("{} depths are means of near and far: each part of the pixel gets its own",
+                         filtered.mixed.size()),
+             share(filtered.mixed.size())});
+        // A Cryptomatte knows better what is mixed.
+        if (out_.channels.matte) return;
+        for (const MixedDepth& m : filtered.mixed) {
+            const auto [x, y] = place(m.pixel);
+            out_.mixed.push_back({m.pixel, out_.shares.size(), 2});
+            out_.shares.push_back({0, m.near_share, inverse(m.near, x, y)});
+            out_.shares.push_back({0, 1 - m.near_share, inverse(m.far, x, y)});
+            if (m.near_share < 0.5F) std::swap(out_.shares.back(), *(out_.shares.end() - 2));
+        }
     }
 
     void read_deep() {
         const auto width = static_cast<std::size_t>(part_->width());
-        file_.read_deep(out_.channels.part, wanted_.names(), [&](const DeepRows& rows) {
+        const ForeignChannels& c = out_.channels;
+        ChannelList wanted;
+        const auto r = wanted.add(c.r), g = wanted.add(c.g), b = wanted.add(c.b), a = wanted.add(c.a),
+                   z = wanted.add(c.z), z_back = wanted.add(c.z_back), id = wanted.add(c.id);
+        std::vector<DeepSample> pixel;
+        file_.read_deep(c.part, wanted.names(), [&](const DeepRows& rows) {
             std::size_t at = 0;
             for (std::size_t i = 0; i < rows.count.size(); ++i) {
                 const int x = part_->data.x_min + static_cast<int>(i % width),
                           y = rows.y_begin + static_cast<int>(i / width);
+                pixel.clear();
                 for (std::uint32_t k = 0; k < rows.count[i]; ++k, ++at) {
                     const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
                         return channel ? rows.values[*channel][at] : otherwise;
                     };
-                    const StackSample s{inverse(value(z_, 0), x, y),
-                                        value(r_, 0),
-                                        value(g_, 0),
-                                        value(b_, 0),
-                                        checked_alpha(value(a_, 1)),
-                                        surface_id(value(id_, 0), whole_ids_)};
-                    add_volume(s, value(z_, 0), value(z_back_, 0));
+                    const auto distance = [&](float v) { return encoding_ ? encoding_->distance(v) : v; };
+                    DeepSample s{distance(value(z, 0)),
+                                 distance(value(z_back, 0)),
+                                 value(r, 0),
+                                 value(g, 0),
+                                 value(b, 0),
+                                 checked_alpha(value(a, 1)),
+                                 surface_id(value(id, 0), whole_ids_)};
+                    pixel.push_back(s);
                 }
+                tidy_volumes(pixel);
+                for (const DeepSample& s : pixel) add_volume(s, x, y);
                 out_.offsets.push_back(out_.samples.size());
             }
         });
     }
 
     /// A sample that reaches from z to z_back lets through by the same share over every equal way.
-    void add_volume(const StackSample& s, float z, float z_back) {
+    void add_volume(const DeepSample& from, int x, int y) {
+        const float z = from.z, z_back = from.z_back;
+        const StackSample s{inverse_of(z, x, y, z), from.r, from.g, from.b, from.alpha, from.id};
         const double ratio = static_cast<double>(z_back) / static_cast<double>(z);
         int slices = 1;
         if (z > 0 && ratio > slice_ratio && z_back < nothing_z && s.alpha < 1)
@@ -329,29 +380,52 @@ class Reader {
             out_.repairs.push_back(
                 {"assumed", "all depths are negative: their size is taken as the distance", 1});
         }
-        const ForeignCamera& camera = out_.camera;
-        const double pitch = out_.pixel_pitch_mm() / camera.film_distance_mm;
-        const bool along_ray = camera.depth_along == DepthAlong::ray;
+        warn_of_encoding();
         const auto width = static_cast<std::size_t>(part_->width());
+        const auto scaled = [](float inverse_z, float scale) {
+            const float out = std::abs(inverse_z) * scale;
+            return std::isfinite(out) ? out : std::numeric_limits<float>::max();
+        };
         parallel_for(static_cast<std::size_t>(part_->height()), [&](std::size_t row) {
-            const double v = (out_.y_begin + static_cast<double>(row) + 0.5 - out_.height / 2.0) * pitch;
-            for (std::size_t column = 0; column < width; ++column) {
-                const double u =
-                    (out_.x_begin + static_cast<double>(column) + 0.5 - out_.width / 2.0) * pitch;
-                const auto scale = static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) /
-                                                      camera.metres_per_unit);
-                const std::size_t i = row * width + column;
+            for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
+                const float scale = depth_scale(i);
                 const auto stack =
                     std::span(out_.samples).subspan(out_.offsets[i], out_.offsets[i + 1] - out_.offsets[i]);
-                for (StackSample& s : stack) {
-                    s.inverse_z = std::abs(s.inverse_z) * scale;
-                    if (!std::isfinite(s.inverse_z)) s.inverse_z = std::numeric_limits<float>::max();
-                }
+                for (StackSample& s : stack) s.inverse_z = scaled(s.inverse_z, scale);
                 std::stable_sort(stack.begin(), stack.end(), [](const StackSample& a, const StackSample& b) {
                     return a.inverse_z > b.inverse_z;
                 });
             }
         });
+        for (const MixedPixel& m : out_.mixed) {
+            for (std::size_t k = m.first; k < m.first + m.count; ++k) {
+                auto& inverse_z = out_.shares[k].inverse_z;
+                if (inverse_z) inverse_z = scaled(*inverse_z, depth_scale(m.pixel));
+            }
+        }
+    }
+
+    /// By which one over a depth of the file becomes one over metres along the axis, at a pixel.
+    [[nodiscard]] float depth_scale(std::size_t pixel) const {
+        const auto width = static_cast<std::size_t>(part_->width());
+        const ForeignCamera& camera = out_.camera;
+        const double pitch = out_.pixel_pitch_mm() / camera.film_distance_mm;
+        const double u = (out_.x_begin + static_cast<double>(pixel % width) + 0.5 - out_.width / 2.0) * pitch,
+                     v = (out_.y_begin + static_cast<double>(pixel / width) + 0.5 - out_.height / 2.0) *
+                         pitch;
+        const bool along_ray = camera.depth_along == DepthAlong::ray;
+        return static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) / camera.metres_per_unit);
+    }
+
+    /// A whole scene within one unit is rare; numbers from 0 to 1 for anything else are common.
+    void warn_of_encoding() {
+        if (encoding_ || negative_ + positive_ == 0 || farthest_ > 1) return;
+        out_.repairs.push_back(
+            {"assumed",
+             fmt::format("no depth is beyond {:.6g}: they may be inverse or normalized, and are taken as "
+                         "distances (--depth-encoding)",
+                         farthest_),
+             1});
     }
 
     static bool finite(const StackSample& s) {
@@ -423,9 +497,10 @@ class Reader {
     };
     ForeignFile file_;
     const ForeignPart* part_ = nullptr;
-    ChannelList wanted_;
-    std::optional<std::size_t> r_, g_, b_, a_, z_, z_back_, id_;
     bool whole_ids_ = false;
+    std::optional<DepthEncoding> encoding_;
+    std::array<double, 3> luminance_{};
+    float farthest_ = 0;  ///< of what is not nothing, in the file's unit
     ForeignPicture out_;
     std::size_t negative_ = 0, positive_ = 0, bad_alphas_ = 0, bad_colours_ = 0;
     Place first_negative_;

@@ -26,7 +26,7 @@ struct StackSample {
 /// of a float that is zero of either sign or NaN.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
-/// A pixel that several surfaces share, as a Cryptomatte says.
+/// A pixel that several surfaces share, as a Cryptomatte says, or its depth, a mean of theirs.
 struct MixedPixel {
     std::size_t pixel = 0;             ///< number of its stack
     std::size_t first = 0, count = 0;  ///< of ForeignPicture::shares
@@ -35,6 +35,8 @@ struct MixedPixel {
 struct SurfaceShare {
     std::uint32_t id = 0;  ///< 0: what has none, such as the sky
     float share = 0;       ///< of the pixel; those of a pixel add up to 1
+    /// Where depths and not ids tell the surfaces apart: of this one, 1/m; 0: infinitely far.
+    std::optional<float> inverse_z;
 };
 
 /// Something that was changed so that the picture could be used at all.
@@ -50,7 +52,7 @@ struct ForeignPicture {
     std::vector<std::uint64_t> offsets{0};  ///< of each pixel's stack, row by row; one more at the end
     std::vector<StackSample> samples;       ///< each stack nearest first
     /// Pixels of several surfaces, by growing number, and their shares, the greatest first: that one's id is
-    /// the sample's. Empty without a Cryptomatte. Shares below 1 % are left out.
+    /// the sample's. Empty without a Cryptomatte and means of depths. Shares below 1 % are left out.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
     ForeignCamera camera;
@@ -77,11 +79,13 @@ struct ForeignPicture {
 
 /// Reads what `choice` picks out, in bands. A depth of 0, of 1e9 units and more, infinity and NaN are nothing
 /// hit, as are flat pixels without a depth channel (warned of as "assumed"). Negative depths, where all that
-/// are finite are, are taken as distances (warned of); else they are refused with their place. Colours that
+/// are finite are, are taken as distances (warned of); else they are refused with their place. Depths of flat
+/// pictures that went through the pixel's filter are mended (mend_filtered_depths; "repaired"). Colours that
 /// are not finite get the mean of the finite ones around them (deep samples: black), alphas beyond 0..1 are
 /// cut off; both are warned of as "repaired". Deep samples from Z to ZBack become slices whose circles differ
-/// by little. Ids are the bits of their channel; NaN and zero of either sign are none. What is wrong about
-/// ids is warned of as "ids", and they are left aside. Throws Error(invalid_input), Error(out_of_memory).
+/// by little; those that overlap are mixed (tidy_volumes). Ids are the bits of their channel; NaN and zero of
+/// either sign are none. What is wrong about ids is warned of as "ids", and they are left aside. Throws
+/// Error(invalid_input), Error(out_of_memory).
 [[nodiscard]] ForeignPicture read_foreign_picture(const std::filesystem::path& path,
                                                   const ForeignChoice& choice,
                                                   const ForeignCameraChoice& camera);

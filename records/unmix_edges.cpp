@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/memory.h"
 #include "core/threads.h"
@@ -11,8 +12,8 @@
 namespace postlens {
 namespace {
 
-/// How far is looked for pixels that are not mixed, px.
-constexpr int reach_px = 2;
+/// How far is looked for pixels that are not mixed, px: as far as a filter mixes, where depths are means.
+constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of one place of a surface differ by no more than this share of them.
 constexpr double same_depth = 0.05;
 
@@ -26,6 +27,7 @@ float within_float(double value) {
 struct Portion {
     std::uint32_t id = 0;
     double share = 0;
+    std::optional<double> at;  ///< 1/m; where its depth and not its id says which pixels are its own
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
@@ -42,7 +44,11 @@ class Unmixer {
     [[nodiscard]] std::vector<StackSample> apart(const MixedPixel& m) const {
         std::vector<Portion> portions;
         for (std::size_t i = m.first; i < m.first + m.count; ++i) {
-            Portion portion{p_.shares[i].id, static_cast<double>(p_.shares[i].share), {}, 0, false, false};
+            const SurfaceShare& s = p_.shares[i];
+            Portion portion;
+            portion.id = s.id;
+            portion.share = static_cast<double>(s.share);
+            if (s.inverse_z) portion.at = static_cast<double>(*s.inverse_z);
             find(m.pixel, portion);
             if (portion.has_depth) portions.push_back(portion);
         }
@@ -57,53 +63,69 @@ class Unmixer {
 
   private:
     [[nodiscard]] std::array<double, 4> value_of(std::size_t pixel) const {
-        if (p_.offsets[pixel] == p_.offsets[pixel + 1]) return {};
+        if (is_empty(pixel)) return {};
         const StackSample& s = p_.samples[p_.offsets[pixel]];
         return {static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
                 static_cast<double>(s.alpha)};
     }
     /// 0 as well where nothing is.
     [[nodiscard]] std::uint32_t id_of(std::size_t pixel) const {
-        return p_.offsets[pixel] == p_.offsets[pixel + 1] ? 0 : p_.samples[p_.offsets[pixel]].id;
+        return is_empty(pixel) ? 0 : p_.samples[p_.offsets[pixel]].id;
     }
     [[nodiscard]] double inverse_z_of(std::size_t pixel) const {
-        return p_.offsets[pixel] == p_.offsets[pixel + 1]
-                   ? 0
-                   : static_cast<double>(p_.samples[p_.offsets[pixel]].inverse_z);
+        return is_empty(pixel) ? 0 : static_cast<double>(p_.samples[p_.offsets[pixel]].inverse_z);
     }
 
-    /// Calls visit(pixel, squared distance) for the pixels around.
+    /// Calls visit(pixel, squared distance) for the pixels around, also for those of the raster that are not
+    /// stored, where nothing is: `unstored`.
     template <typename Visit>
-    void around(std::size_t pixel, const Visit& visit) const {
+    void around(std::size_t pixel, int reach, const Visit& visit) const {
         const auto width = static_cast<std::size_t>(width_);
-        const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-        const int height = p_.y_end - p_.y_begin;
-        for (int v = std::max(0, y - reach_px); v <= std::min(height - 1, y + reach_px); ++v) {
-            for (int u = std::max(0, x - reach_px); u <= std::min(width_ - 1, x + reach_px); ++u)
-                visit(static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u),
+        const int x = p_.x_begin + static_cast<int>(pixel % width),
+                  y = p_.y_begin + static_cast<int>(pixel / width);
+        for (int v = y - reach; v <= y + reach; ++v) {
+            for (int u = x - reach; u <= x + reach; ++u) {
+                const bool stored = p_.stores(u, v);
+                if (!stored && (u < 0 || u >= p_.width || v < 0 || v >= p_.height)) continue;
+                visit(stored ? static_cast<std::size_t>(v - p_.y_begin) * width +
+                                   static_cast<std::size_t>(u - p_.x_begin)
+                             : unstored,
                       (u - x) * (u - x) + (v - y) * (v - y));
+            }
         }
+    }
+    static constexpr std::size_t unstored = ~std::size_t{0};
+
+    [[nodiscard]] bool is_empty(std::size_t pixel) const {
+        return pixel == unstored || p_.offsets[pixel] == p_.offsets[pixel + 1];
+    }
+    [[nodiscard]] bool is_mixed(std::size_t pixel) const { return pixel != unstored && mixed_[pixel] != 0; }
+    [[nodiscard]] static bool alike(double a, double b) {
+        return std::abs(a - b) <= same_depth * std::max(a, b);
     }
 
     void find(std::size_t pixel, Portion& portion) const {
+        const int reach = portion.at ? reach_of_means_px : reach_px;
         for (const bool pure : {true, false}) {
             int nearest = 0;
             double depth = 0;
             const auto is_one = [&](std::size_t at) {
-                return id_of(at) == portion.id && (mixed_[at] == 0) == pure;
+                if (is_mixed(at) == pure) return false;
+                return portion.at ? alike(inverse_z_of(at), *portion.at) : id_of(at) == portion.id;
             };
-            around(pixel, [&](std::size_t at, int distance) {
+            around(pixel, reach, [&](std::size_t at, int distance) {
                 if (!is_one(at) || (portion.has_depth && distance >= nearest)) return;
                 nearest = distance;
                 depth = inverse_z_of(at);
+                if (portion.at) portion.id = id_of(at);
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
             // The pixel itself may be one of those that are mixed.
             double sum = 0, depths = 0;
-            around(pixel, [&](std::size_t at, int distance) {
+            around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);
-                if (!is_one(at) || std::abs(z - depth) > same_depth * std::max(z, depth)) return;
+                if (!is_one(at) || !alike(z, depth)) return;
                 const double weight = 1 / (distance + (pure ? 0.0 : 0.5));
                 const auto value = value_of(at);
                 for (std::size_t c = 0; c < 4; ++c) portion.rgba[c] += weight * value[c];

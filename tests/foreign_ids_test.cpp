@@ -286,7 +286,7 @@ TEST_F(ForeignIds, WhoNamesWhatToUseIsToldOfThatAlone) {
     }
 }
 
-TEST_F(ForeignIds, ThoseOfMotionVectorsLieBesideTheColours) {
+TEST_F(ForeignIds, ThoseOfMotionVectorsMayLieInAnotherPart) {
     Part part = colours();
     part.name = "beauty";
     part.channels["forward.u"] = {even(2)};
@@ -294,14 +294,13 @@ TEST_F(ForeignIds, ThoseOfMotionVectorsLieBesideTheColours) {
     Part ids{{{"id", {even(7)}}}, "ids", {}};
     write_parts(in("a.exr"), {part, ids});
     const VectorFrame frame = read_vector_frame(in("a.exr"), {});
-    EXPECT_EQ(frame.id_name, "");
-    ASSERT_EQ(frame.problems.size(), 1U);
-    EXPECT_EQ(frame.problems[0],
-              "ids id are not used: they lie in part 1, the colours and vectors in part 0");
-    EXPECT_TRUE(read_vector_frame(in("a.exr"), {.ids = "none"}).problems.empty());
-    EXPECT_THROW((void)read_vector_frame(in("a.exr"), {.ids = "id"}), Error);
+    EXPECT_EQ(frame.id_name, "id");
+    EXPECT_EQ(frame.at(1, 1).id, std::bit_cast<std::uint32_t>(7.0F));
+    EXPECT_TRUE(frame.problems.empty());
+    EXPECT_EQ(read_vector_frame(in("a.exr"), {}, {.ids = "none"}).id_name, "");
+    EXPECT_EQ(read_vector_frame(in("a.exr"), {}, {.ids = "id"}).at(1, 1).id, frame.at(1, 1).id);
     // A channel may be asked for twice, as depth and as ids.
-    const VectorFrame by_depth = read_vector_frame(in("a.exr"), {.ids = "Z"});
+    const VectorFrame by_depth = read_vector_frame(in("a.exr"), {}, {.ids = "Z"});
     EXPECT_EQ(by_depth.id_name, "Z");
     EXPECT_EQ(by_depth.at(1, 1).inverse_z, 0.25F);
     EXPECT_EQ(by_depth.at(1, 1).id, std::bit_cast<std::uint32_t>(4.0F));

@@ -91,6 +91,10 @@ void write_deep_pixel(const std::string& path, const std::vector<std::array<floa
 
 class ForeignPictureTest : public testing::Test {
   protected:
+    ForeignPicture read_deep(const std::vector<std::array<float, 6>>& samples) {
+        write_deep_pixel(in("deep.exr"), samples);
+        return read_foreign_picture(in("deep.exr"), {}, {});
+    }
     std::string in(const std::string& name) { return (folder_.path() / name).string(); }
     ForeignPicture read(const std::vector<Part>& parts, const ForeignChoice& choice = {},
                         const ForeignCameraChoice& camera = {}) {
@@ -180,6 +184,105 @@ TEST_F(ForeignPictureTest, ViewsAndPartsAreChosenByName) {
               std::string::npos);
 }
 
+std::map<std::string, Plane> colours_of(float r, const std::string& layer) {
+    return {{layer + "R", even(r)}, {layer + "G", even(0.5F)}, {layer + "B", even(0.25F)}};
+}
+
+/// The words of a warning of this code; empty: there is none.
+std::string warning(const ForeignPicture& p, const std::string& code) {
+    for (const ForeignRepair& r : p.repairs) {
+        if (r.code == code && r.text.find("not in the file") == std::string::npos) return r.text;
+    }
+    return "";
+}
+
+// However programs order the words, each view and each layer has the depth that is called like it.
+TEST_F(ForeignPictureTest, DepthsOfViewsAndLayersAreToldApart) {
+    struct Case {
+        const char *left, *right, *left_z, *right_z;
+        bool declared;
+    };
+    for (const Case& c :
+         {Case{"", "right.", "depth.Z", "right.depth.Z", true},
+          {"", "right.", "left.depth.Z", "depth.right.Z", true},
+          {"left.", "right.", "depth.left.Z", "right.depth.Z", false},
+          {"left.", "right.", "left.Z", "right.Z", false},
+          {"main.rgba.", "other.rgba.", "depth.main.Z", "other.depth.Z", false},
+          {"View.Combined.left.", "View.Combined.right.", "View.Depth.left.Z", "View.Depth.right.V", true}}) {
+        Part part{colours_of(1, c.left), "", "", [&](Imf::Header& h) {
+                      if (c.declared) Imf::addMultiView(h, {"left", "right"});
+                  }};
+        part.channels.merge(colours_of(2, c.right));
+        part.channels[c.left_z] = even(4);
+        part.channels[c.right_z] = even(8);
+        const bool views = std::string(c.right).find("right") != std::string::npos;
+        for (const bool left : {true, false}) {
+            const ForeignPicture p =
+                read({part}, {.layer = views ? (left ? "left" : "right") : (left ? "main" : "other")});
+            EXPECT_EQ(p.stack(0, 0)[0].r, left ? 1 : 2) << c.left_z;
+            EXPECT_EQ(p.channels.z, left ? c.left_z : c.right_z);
+            EXPECT_EQ(warning(p, "assumed"), "") << c.left_z;
+        }
+        // What is another one's is not taken, and said to be there.
+        part.channels.erase(c.right_z);
+        const ForeignPicture p = read({part}, {.layer = views ? "right" : "other"});
+        EXPECT_EQ(p.channels.z, "");
+        EXPECT_EQ(p.stack(0, 0)[0].inverse_z, 0);
+        EXPECT_NE(warning(p, "assumed").find(std::string(c.left_z) + " is not taken as the depth"),
+                  std::string::npos)
+            << warning(p, "assumed");
+    }
+}
+
+TEST_F(ForeignPictureTest, PartsMayHoldBareNames) {
+    const auto part = [](const std::string& name, std::map<std::string, Plane> channels) {
+        return Part{std::move(channels), name, ""};
+    };
+    // Colour, alpha, depth and ids in parts of two layers, each channel by its letter alone.
+    const std::vector<Part> parts{part("near.depth", {{"V", even(2)}}),   part("far_rgb", colours_of(1, "")),
+                                  part("near_rgb", colours_of(2, "")),    part("far_depth", {{"Z", even(8)}}),
+                                  part("far_alpha", {{"A", even(0.5F)}}), part("near_id", {{"id", even(3)}})};
+    const ForeignPicture far = read(parts, {.layer = "far"}), near = read(parts, {.layer = "near"});
+    EXPECT_EQ(far.stack(0, 0)[0].r, 1);
+    EXPECT_EQ(far.stack(0, 0)[0].inverse_z, 1.0F / 8);
+    EXPECT_EQ(far.stack(0, 0)[0].alpha, 0.5F);
+    EXPECT_EQ(far.channels.id, "");
+    EXPECT_NE(warning(far, "ids").find("ids id belong to near, not to far"), std::string::npos)
+        << warning(far, "ids");
+    EXPECT_EQ(near.stack(0, 0)[0].r, 2);
+    EXPECT_EQ(near.stack(0, 0)[0].inverse_z, 0.5F);
+    EXPECT_EQ(near.stack(0, 0)[0].alpha, 1);
+    EXPECT_EQ(near.channels.id, "id");
+}
+
+TEST_F(ForeignPictureTest, WhatIsSurmisedIsSaid) {
+    // The picture's own depth for one of its passes: likely, and said.
+    Part passes{rgbz(1, 4)};
+    passes.channels.merge(colours_of(2, "diffuse."));
+    const ForeignPicture pass = read({passes}, {.layer = "diffuse"});
+    EXPECT_EQ(pass.channels.z, "Z");
+    EXPECT_NE(warning(pass, "assumed").find("diffuse has none of its own"), std::string::npos);
+    EXPECT_EQ(warning(read({passes}), "assumed"), "");
+    // The only depth there is, of a part whose name says nothing.
+    const ForeignPicture only = read({{colours_of(1, ""), "render", ""}, {{{"Z", even(4)}}, "extra", ""}});
+    EXPECT_EQ(only.channels.z, "Z");
+    EXPECT_NE(warning(only, "assumed").find("Z of extra is taken"), std::string::npos);
+    // Places and directions have a Z that is no depth.
+    Part place{colours_of(1, "")};
+    for (const char* name : {"P.X", "P.Y", "P.Z", "normal.Z"}) place.channels[name] = even(4);
+    EXPECT_EQ(read({place}).channels.z, "");
+    // The mattes of another layer are not those of this one.
+    Part mattes{rgbz(1, 4, "a.")};
+    mattes.channels.merge(rgbz(2, 4, "b."));
+    for (const char* letter : {"R", "G", "B", "A"})
+        mattes.channels[std::string("a.CryptoObject00.") + letter] = even(1);
+    EXPECT_TRUE(read({mattes}, {.layer = "a"}).channels.matte.has_value());
+    const ForeignPicture b = read({mattes}, {.layer = "b"});
+    EXPECT_FALSE(b.channels.matte.has_value());
+    EXPECT_NE(warning(b, "ids").find("Cryptomatte a.CryptoObject belongs to a, not to b"), std::string::npos)
+        << warning(b, "ids");
+}
+
 TEST_F(ForeignPictureTest, ADepthOfAnyNameCanBeAskedFor) {
     Part part{rgbz(1, 2)};
     part.channels["camera.distance"] = even(4);
@@ -188,6 +291,35 @@ TEST_F(ForeignPictureTest, ADepthOfAnyNameCanBeAskedFor) {
               std::string::npos);
     part.channels.erase("Z");
     EXPECT_TRUE(warns(read({part}), "assumed"));
+}
+
+// Two volumes that fill the same place hold back, and shine, as much as both alone: A = 1 - (1 - A1)(1 - A2),
+// C = A (u1 C1 / A1 + u2 C2 / A2) / (u1 + u2), u = -log(1 - A).
+TEST_F(ForeignPictureTest, VolumesInOnePlaceAreMixedInAnyOrder) {
+    const std::array<float, 6> red{0.3F, 0, 0, 0.5F, 2, 4}, blue{0, 0, 0.6F, 0.75F, 2, 4};
+    const double u1 = std::log(2), u2 = std::log(4), alpha = 0.875;
+    const auto flat = [&](const std::vector<std::array<float, 6>>& samples) {
+        const Image image = read_deep(samples).flattened();
+        return std::array{image.rgb[0], image.rgb[2], image.alpha[0]};
+    };
+    const auto one = flat({red, blue}), other = flat({blue, red});
+    EXPECT_EQ(one, other);
+    EXPECT_NEAR(one[0], alpha * (u1 * 0.6) / (u1 + u2), 1e-6);
+    EXPECT_NEAR(one[1], alpha * (u2 * 0.8) / (u1 + u2), 1e-6);
+    EXPECT_NEAR(one[2], alpha, 1e-6);
+    // Where one begins inside the other, and where they only touch.
+    std::array<float, 6> later = blue;
+    later[4] = 3;
+    later[5] = 6;
+    EXPECT_EQ(flat({red, later}), flat({later, red}));
+    EXPECT_NEAR(flat({red, later})[2], alpha, 1e-6);
+    later[4] = 4;
+    const auto apart = flat({later, red});
+    EXPECT_NEAR(apart[0], 0.3, 1e-6);
+    EXPECT_NEAR(apart[1], 0.5 * 0.6, 1e-6);
+    // A surface inside a volume stays what it is.
+    const std::array<float, 6> wall{0, 1, 0, 1, 3, 3};
+    EXPECT_NEAR(read_deep({red, wall}).flattened().alpha.empty() ? 1 : 0, 1, 0);
 }
 
 TEST_F(ForeignPictureTest, GreyAndNothingButAlpha) {

@@ -1,6 +1,11 @@
 // Motion blur of flat pictures by their motion vectors.
 #include "motionblur/vector_frame.h"
 
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenImageIO/imageio.h>
 #include <cmath>
 #include <fstream>
@@ -84,10 +89,11 @@ double bar_share(double x, double x0, double x1, double d) {
 
 class VectorFrameTest : public CommandTest {
   protected:
-    VectorFrame frame_of(const FlatPicture& picture, const VectorChoice& choice = {}) {
+    VectorFrame frame_of(const FlatPicture& picture, const VectorChoice& vectors = {},
+                         const ForeignChoice& choice = {}) {
         const std::string path = in("flat.exr");
         picture.write(path);
-        return read_vector_frame(path, choice);
+        return read_vector_frame(path, vectors, choice);
     }
     // What the reader says against a picture; empty: nothing.
     std::string refusal(const FlatPicture& picture, ExitCode code = ExitCode::invalid_input) {
@@ -141,8 +147,8 @@ TEST_F(VectorFrameTest, TilesOfOneDepthPartByTheirIds) {
     };
     EXPECT_EQ(seam_px(7), std::pair(6.75F, 6.75F));
     EXPECT_EQ(seam_px(8), std::pair(6.0F, 7.5F));
-    EXPECT_EQ(frame_of(tiles, {.ids = "none"}).id_name, "");
-    EXPECT_EQ(frame_of(tiles, {.ids = "none"}).at(40, 3).id, 0U);
+    EXPECT_EQ(frame_of(tiles, {}, {.ids = "none"}).id_name, "");
+    EXPECT_EQ(frame_of(tiles, {}, {.ids = "none"}).at(40, 3).id, 0U);
     EXPECT_EQ(refusal(tiles), "");
     tiles.channels.back() = "CryptoObject00.R";  // without its coverage
     EXPECT_EQ(frame_of(tiles).id_name, "");
@@ -276,19 +282,58 @@ TEST_F(VectorFrameTest, ScaleAndSignAreWhatTheNamesOrTheUserSay) {
 }
 
 TEST_F(VectorFrameTest, PassesOfALayerBelongTogether) {
-    const std::vector<std::string> names{
-        "Top.Vector.X",   "Top.Vector.Y",   "Top.Vector.Z",   "Top.Vector.W",   "Top.Depth.V",
-        "Top.Combined.R", "Top.Combined.G", "Top.Combined.B", "Top.Combined.A", "Low.Depth.V"};
-    const VectorChannels c = find_vector_channels(names, "", {}, "f.exr");
-    EXPECT_EQ(c.u, "Top.Vector.Z");
-    EXPECT_EQ(c.v, "Top.Vector.W");
-    // Colours and depth are then looked for in that layer.
-    EXPECT_EQ(c.layer.substr(0, 3), "Top");
-    // Stereo: the colours without a view's name are those of the hero view, and so must be the vectors.
-    const std::vector<std::string> stereo{
-        "R", "G", "B", "forward.left.u", "forward.left.v", "forward.right.u", "forward.right.v"};
-    EXPECT_EQ(find_vector_channels(stereo, "right", {}, "f.exr").u, "forward.right.u");
-    EXPECT_EQ(find_vector_channels(stereo, "left", {}, "f.exr").u, "forward.left.u");
+    FlatPicture p;
+    p.channels = {"Low.Combined.R", "Low.Combined.G", "Low.Combined.B", "Low.Depth.V",
+                  "Top.Combined.R", "Top.Combined.G", "Top.Combined.B", "Top.Depth.V",
+                  "Top.Vector.X",   "Top.Vector.Y",   "Top.Vector.Z",   "Top.Vector.W"};
+    p.values = [](int, int) { return std::vector<float>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}; };
+    // Low has no vectors, and those of Top are not its own.
+    const VectorFrame frame = frame_of(p);
+    EXPECT_EQ(frame.u_name, "Top.Vector.Z");
+    EXPECT_EQ(frame.v_name, "Top.Vector.W");
+    EXPECT_EQ(frame.at(3, 3).rgb[0], 5);
+    EXPECT_EQ(frame.at(3, 3).inverse_z, 1.0F / 8);
+    try {
+        (void)read_vector_frame(in("flat.exr"), {}, {.layer = "Low"});
+        FAIL() << "taken";
+    } catch (const Error& e) {
+        EXPECT_NE(std::string(e.what()).find("no motion vectors of the colours' own layer"),
+                  std::string::npos)
+            << e.what();
+    }
+}
+
+// Stereo: the colours without a view's name are those of the hero view, and so must be the vectors.
+TEST_F(VectorFrameTest, VectorsAreThoseOfTheColoursView) {
+    for (const std::string hero : {"right", "left"}) {
+        const std::string other = hero == "right" ? "left" : "right";
+        Imf::Header h(2, 2);
+        Imf::addMultiView(h, {hero, other});
+        const std::vector<std::string> names{"R",
+                                             "G",
+                                             "B",
+                                             other + ".R",
+                                             other + ".G",
+                                             other + ".B",
+                                             "forward.left.u",
+                                             "forward.left.v",
+                                             "forward.right.u",
+                                             "forward.right.v"};
+        std::vector<float> zeros(4, 0.0F);
+        Imf::FrameBuffer pixels;
+        for (const std::string& n : names) {
+            h.channels().insert(n, Imf::Channel(Imf::FLOAT));
+            pixels.insert(n, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(zeros.data()), 4, 8));
+        }
+        {
+            Imf::OutputFile out(in("stereo.exr").c_str(), h);
+            out.setFrameBuffer(pixels);
+            out.writePixels(2);
+        }
+        EXPECT_EQ(read_vector_frame(in("stereo.exr"), {}).u_name, "forward." + hero + ".u");
+        EXPECT_EQ(read_vector_frame(in("stereo.exr"), {}, {.layer = other}).u_name,
+                  "forward." + other + ".u");
+    }
 }
 
 TEST_F(VectorFrameTest, RotationFieldTurnsThePictureWithoutCracks) {
@@ -480,7 +525,7 @@ TEST_F(VectorFrameTest, CommandRefusesInOneLine) {
     refused(with({"--shutter", "0:1", "--fit-paths", "1"}), ExitCode::wrong_arguments, "--fit-paths");
     refused(with({"--shutter", "0:1", "--views", "0"}), ExitCode::wrong_arguments, "--views");
     refused(with({"--shutter", "0:1", "--vectors", "u"}), ExitCode::wrong_arguments, "--vectors");
-    refused(with({"--shutter", "0:1", "--vectors-scale", "x"}), ExitCode::wrong_arguments, "--vectors-scale");
+    refused(with({"--shutter", "0:1", "--vector-scale", "x"}), ExitCode::wrong_arguments, "--vector-scale");
     refused(with({"--shutter", "0:1", "--vectors", "a,b"}), ExitCode::invalid_input, "no channel a");
     // A folder, nothing, and no permission.
     fs::create_directory(in("folder.exr"));

@@ -1,0 +1,29 @@
+// How the numbers of a depth channel mean distances.
+#pragma once
+
+namespace postlens {
+
+/// With v the number in the file and z the distance in the file's unit:
+///   distance    z = v
+///   inverse     z = 1 / v
+///   normalized  z = at_0 + v (at_1 - at_0), so that at_0 > at_1 says that near is 1
+struct DepthEncoding {
+    enum class Kind { distance, inverse, normalized };
+    Kind kind = Kind::distance;
+    double at_0 = 0, at_1 = 1;
+
+    /// 0 or infinite for what is infinitely far.
+    [[nodiscard]] float distance(float value) const {
+        switch (kind) {
+            case Kind::distance:
+                return value;
+            case Kind::inverse:
+                return 1 / value;
+            case Kind::normalized:
+                return static_cast<float>(at_0 + static_cast<double>(value) * (at_1 - at_0));
+        }
+        return value;
+    }
+};
+
+}  // namespace postlens
