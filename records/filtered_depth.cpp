@@ -33,10 +33,10 @@ class Mender {
     Mender(std::span<float> depth, std::span<const float> alpha, std::size_t width)
         : depth_(depth), alpha_(alpha), width_(width), height_(width > 0 ? depth.size() / width : 0) {}
 
-    FilteredDepths run() {
+    FilteredDepths run(bool means) {
         FilteredDepths out;
         divide_by_alpha(out);
-        find_ramps();
+        if (means) find_ramps();
         if (ramps_ >= few && 2 * ramps_ >= jumps_) {
             for (const auto& [pixel, found] : found_) settle(found, out);
         }
@@ -180,8 +180,9 @@ class Mender {
 
 }  // namespace
 
-FilteredDepths mend_filtered_depths(std::span<float> depth, std::span<const float> alpha, std::size_t width) {
-    return Mender(depth, alpha, width).run();
+FilteredDepths mend_filtered_depths(std::span<float> depth, std::span<const float> alpha, std::size_t width,
+                                    bool means) {
+    return Mender(depth, alpha, width).run(means);
 }
 
 }  // namespace postlens

@@ -29,8 +29,9 @@ struct FilteredDepths {
 /// Means: along rows and columns, up to 4 pixels that lead evenly from one plateau to another that differs by
 /// a tenth and more. A depth that was not filtered jumps instead. Where at least 4 edges are such, and half
 /// as many as jump, each of their pixels is a mean: with near and far on its sides, (v - far) / (near - far)
-/// of it is near. Before nothing, a rim with an alpha belongs to its thing alone.
+/// of it is near. Before nothing, a rim with an alpha belongs to its thing alone. Not looked for without
+/// `means`: a Cryptomatte says better what is mixed, and is used with depths as they are.
 [[nodiscard]] FilteredDepths mend_filtered_depths(std::span<float> depth, std::span<const float> alpha,
-                                                  std::size_t width);
+                                                  std::size_t width, bool means = true);
 
 }  // namespace postlens

@@ -262,7 +262,7 @@ class Reader {
     /// Gives the samples their depths, from numbers as they stand in the file.
     void take_depths(std::vector<float>& depths, const std::vector<float>& covered) {
         const auto width = static_cast<std::size_t>(part_->width());
-        const FilteredDepths filtered = mend_filtered_depths(depths, covered, width);
+        const FilteredDepths filtered = mend_filtered_depths(depths, covered, width, !out_.channels.matte);
         const auto place = [&](std::size_t i) {
             return std::pair(part_->data.x_min + static_cast<int>(i % width),
                              part_->data.y_min + static_cast<int>(i / width));
@@ -294,8 +294,6 @@ class Reader {
              fmt::format("{} depths are means of near and far: each part of the pixel gets its own",
                          filtered.mixed.size()),
              share(filtered.mixed.size())});
-        // A Cryptomatte knows better what is mixed.
-        if (out_.channels.matte) return;
         for (const MixedDepth& m : filtered.mixed) {
             const auto [x, y] = place(m.pixel);
             out_.mixed.push_back({m.pixel, out_.shares.size(), 2});
@@ -513,6 +511,8 @@ std::uint32_t surface_id(float value, bool whole) {
 }
 
 Image ForeignPicture::flattened() const {
+    require_memory(static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * 4 * sizeof(float),
+                   "the picture of the display window");
     Image out(width, height);
     std::vector<float> alpha(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0.0F);
     parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {

@@ -70,7 +70,8 @@ struct ForeignPicture {
     [[nodiscard]] bool stores(int x, int y) const {
         return x >= x_begin && x < x_end && y >= y_begin && y < y_end;
     }
-    /// The display window's picture: every stack laid together. `alpha` is absent where all is opaque.
+    /// The display window's picture: every stack laid together. `alpha` is absent where all is opaque. Throws
+    /// Error(out_of_memory).
     [[nodiscard]] Image flattened() const;
     /// Depth at which half of the light at a place of the raster is held back, m; infinity where none is.
     /// Throws Error(wrong_arguments) outside of what is stored.
