@@ -92,6 +92,8 @@ CommandResult run_lens_show(const LensShowOptions& o) {
     out.json["surfaces"] = lens.surfaces.size();
     out.json["stop_surface"] = lens.stop() + 1;
     out.json["wavelength_nm"] = nm;
+    const double behind = lens.image_index(nm);
+    out.json["image_index"] = behind;
     out.json["name"] = lens.name;
     out.json["stated_focal_length_mm"] =
         lens.stated_focal_length_mm ? json_number(*lens.stated_focal_length_mm) : nullptr;
@@ -105,6 +107,7 @@ CommandResult run_lens_show(const LensShowOptions& o) {
         lens.stop() + 1, nm, f.efl_mm, f.bfl_mm, f.ffl_mm, f.f_number, f.entrance_pupil_diameter_mm,
         f.entrance_pupil_z_mm, f.exit_pupil_diameter_mm, f.exit_pupil_z_mm, f.front_principal_z_mm,
         f.rear_principal_z_mm, f.film_distance_mm);
+    if (behind != 1) out.text += fmt::format("\nthe film lies in a medium of index {:.6g}", behind);
     if (lens.stated_focal_length_mm && nm == lens.wavelength_nm) {
         const double stated = *lens.stated_focal_length_mm;
         if (std::abs(f.efl_mm - stated) > 0.01 * std::abs(stated)) {

@@ -1,11 +1,34 @@
 // pbrt's table: one surface a line, "radius thickness index diameter", from the front to the film.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/text.h"
 #include "lens/prescription/formats.h"
 
 namespace postlens {
+
+namespace {
+
+/// A radius of 0 is the stop's row. Some write planes that way as well: where one such row leaves the medium
+/// as it is, which is what a stop does, the others, which refract, are planes.
+void find_planes(std::vector<Surface>& surfaces, double wavelength_nm) {
+    const auto refracts = [&](std::size_t i) {
+        const double before = i == 0 ? 1 : surfaces[i - 1].glass.index(wavelength_nm);
+        return surfaces[i].glass.index(wavelength_nm) != before;
+    };
+    std::size_t rows = 0, even = 0;
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+        if (!surfaces[i].is_stop) continue;
+        ++rows;
+        if (!refracts(i)) ++even;
+    }
+    if (rows < 2 || even != 1) return;
+    for (std::size_t i = 0; i < surfaces.size(); ++i)
+        surfaces[i].is_stop = surfaces[i].is_stop && !refracts(i);
+}
+
+}  // namespace
 
 Prescription parse_dat(const std::string& text, const std::string& file) {
     Prescription lens;
@@ -36,7 +59,9 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
                  file, line.number, words.size());
         }
         check_surface_count(file, line.number, lens.surfaces.size());
-        const double radius = number_in(file, line.number, words[0], "radius");
+        const bool is_plane = words[0] == "inf" || words[0] == "Infinity" || words[0] == "INF";
+        const double radius = is_plane ? std::numeric_limits<double>::infinity()
+                                       : number_in(file, line.number, words[0], "radius");
         const double index = number_in(file, line.number, words[2], "index");
         const double diameter = number_in(file, line.number, words[3], "clear diameter");
         Surface s;
@@ -50,6 +75,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
         before = s.glass;
         lens.surfaces.push_back(s);
     }
+    find_planes(lens.surfaces, lens.wavelength_nm);
     if (!lens.surfaces.empty() && lens.surfaces.back().thickness_mm != 0) {
         lens.film_distance_mm = lens.surfaces.back().thickness_mm;
     }

@@ -66,12 +66,13 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
              "{}: the lens is afocal (got a power of {:.3g} per mm; expected one that forms an image)",
              lens.file, -all.c);
     }
+    const double behind = lens.image_index(wavelength_nm);
     FirstOrder out;
     out.efl_mm = -1 / all.c;
-    out.bfl_mm = -all.a / all.c;
+    out.bfl_mm = -behind * all.a / all.c;
     out.ffl_mm = all.d / all.c;
     out.front_principal_z_mm = out.ffl_mm + out.efl_mm;
-    out.rear_principal_z_mm = out.bfl_mm - out.efl_mm;
+    out.rear_principal_z_mm = out.bfl_mm - behind * out.efl_mm;
     out.film_distance_mm = lens.film_distance_mm.value_or(out.bfl_mm);
     // The stop's plane from the front, before its own refraction.
     Matrix front = between(lens, wavelength_nm, 0, stop);
@@ -81,7 +82,7 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     const Matrix back = between(lens, wavelength_nm, stop, count);
     // y at the stop = a (y + b/a nu): what stands at z = b/a in front is imaged onto it, 1/a as large.
     out.entrance_pupil_z_mm = front.b / front.a;
-    out.exit_pupil_z_mm = -back.b / back.d;
+    out.exit_pupil_z_mm = -behind * back.b / back.d;
     double radius = lens.surfaces[stop].clear_radius_mm;
     if (lens.entrance_pupil_diameter_mm) radius = 0.5 * *lens.entrance_pupil_diameter_mm * std::abs(front.a);
     if (lens.f_number) radius = 0.5 * std::abs(out.efl_mm) / *lens.f_number * std::abs(front.a);
@@ -102,7 +103,7 @@ double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, doubl
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
     // From the axial point: y = -z nu at the first vertex; from infinity nu = 0.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
-    return -(m.a + m.b * t) / (m.c + m.d * t);
+    return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }
 
 }  // namespace postlens

@@ -6,9 +6,11 @@
 namespace postlens {
 
 /// z in mm along the axis, positive towards the film: of things in front from the first surface's vertex, of
-/// things behind from the last one's. [born1999, 4.4]
+/// things behind from the last one's. What is behind lies in the medium there, of index n'. [born1999, 4.4]
 struct FirstOrder {
-    double efl_mm = 0;               ///< equivalent focal length; negative for a diverging lens
+    /// Equivalent focal length, one over the power; negative for a diverging lens. Of the same for any n': an
+    /// image at infinity's angle t is efl t high, and the rear focal length is n' efl.
+    double efl_mm = 0;
     double bfl_mm = 0;               ///< z of the rear focal point
     double ffl_mm = 0;               ///< z of the front focal point; negative where it lies in front
     double f_number = 0;             ///< |efl| / entrance pupil's diameter
@@ -17,7 +19,7 @@ struct FirstOrder {
     double exit_pupil_z_mm = 0;  ///< image of the stop in what is behind it; infinite: telecentric
     double exit_pupil_diameter_mm = 0;
     double front_principal_z_mm = 0;  ///< ffl + efl
-    double rear_principal_z_mm = 0;   ///< bfl - efl
+    double rear_principal_z_mm = 0;   ///< bfl - n' efl
     double stop_radius_mm = 0;        ///< wide open
     double film_distance_mm = 0;      ///< from the last vertex: the prescription's, else bfl
 };

@@ -104,7 +104,7 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
         const double pupil_z = f.entrance_pupil_z_mm;
         const ParaxialRay end =
             paraxial_ray(lens, nm, {1 - pupil_z * inverse_depth_per_mm, inverse_depth_per_mm}, last);
-        return end.y_mm + end.nu * film;
+        return end.y_mm + end.nu * film / lens.image_index(nm);
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));

@@ -194,10 +194,6 @@ void check_prescription(const Prescription& lens) {
              lens.file, lens.wavelength_nm);
     }
     for (std::size_t i = 0; i < lens.surfaces.size(); ++i) check_surface(lens, i);
-    if (const double n = lens.index_after(lens.surfaces.size() - 1); std::abs(n - 1) > 1e-9) {
-        fail(ExitCode::invalid_input, "{}: the film is not in air (got index {} behind the last surface)",
-             place_of(lens, lens.surfaces.size() - 1), n);
-    }
     check_stop(lens);
     if (lens.film_distance_mm && !(*lens.film_distance_mm > 0 && std::isfinite(*lens.film_distance_mm))) {
         fail(ExitCode::invalid_input,

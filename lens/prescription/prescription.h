@@ -56,6 +56,8 @@ struct Prescription {
     [[nodiscard]] double index_after(std::size_t surface) const {
         return surfaces[surface].glass.index(wavelength_nm);
     }
+    /// Of what is between the last surface and the film: 1 in air, more in an eye or under water.
+    [[nodiscard]] double image_index(double at_nm) const { return surfaces.back().glass.index(at_nm); }
     /// From the first vertex to the last.
     [[nodiscard]] double length_mm() const;
 };
@@ -73,7 +75,7 @@ void clip_crossings(Prescription& lens);
 
 /// Throws Error(invalid_input) "FILE:LINE: ..." unless there are 1 to `most_surfaces` surfaces and exactly
 /// one stop, numbers are finite, thicknesses not negative, clear radii positive, indices at the wavelength
-/// between 1 and 5, air is behind the last surface, no two neighbouring surfaces cross within the smaller of
+/// between 1 and 5, no two neighbouring surfaces cross within the smaller of
 /// their clear radii (by more than a hundredth of it), and something says how wide the stop is.
 void check_prescription(const Prescription& lens);
 

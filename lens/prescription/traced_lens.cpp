@@ -71,6 +71,7 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
              "--film-width: out of range (got {} mm of radius; expected more than 0)",
              settings.film_radius_mm);
     }
+    film_index_squared_ = lens.image_index(wavelength_nm_) * lens.image_index(wavelength_nm_);
     set_focus(lens);
     find_rear_boxes();
     if (rear_boxes_.front().empty()) {
@@ -323,7 +324,8 @@ bool TracedLens::scene_ray(dvec2 film_mm, dvec2 uv, SceneRay& out) const noexcep
     out.origin_mm = ray.origin - dvec3(0, 0, pinhole_from_vertex_mm_);
     out.direction = ray.direction;
     // [kolb1995, eq. 4]
-    out.weight = area * cosine * cosine * cosine * cosine / (to_film * to_film) / axial_irradiance_sr_;
+    out.weight = film_index_squared_ * area * cosine * cosine * cosine * cosine / (to_film * to_film) /
+                 axial_irradiance_sr_;
     return true;
 }
 

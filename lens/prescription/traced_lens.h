@@ -85,9 +85,10 @@ class TracedLens {
     /// [0, 1)^2 cover a rectangle of the plane touching the last surface which holds all that gets through to
     /// this film point. Returns false where the ray is lost. The mean over (u, v) of weight times radiance
     /// (lost rays counting 0) is the film's irradiance, divided by what a uniform scene of radiance 1 gives
-    /// at the film's centre: weight = A cos^4(theta) / Z^2 / E0 [kolb1995, eq. 4], A the rectangle's area, Z
-    /// the distance of its plane from the film, theta between ray and axis. Vignetting and the fall-off of
-    /// light are in it. False beyond `film_radius_mm`. Costs one trace; no allocation.
+    /// at the film's centre: weight = n'^2 A cos^4(theta) / Z^2 / E0 [kolb1995, eq. 4], A the rectangle's
+    /// area, Z the distance of its plane from the film, theta between ray and axis, n' the index before the
+    /// film (radiance grows with its square). Vignetting and the fall-off of light are in it. False beyond
+    /// `film_radius_mm`. Costs one trace; no allocation.
     [[nodiscard]] bool scene_ray(glm::dvec2 film_mm, glm::dvec2 uv, SceneRay& out) const noexcept;
     /// E0, sr: irradiance at the film's centre per radiance of a uniform scene; about pi / (4 n^2).
     [[nodiscard]] double axial_irradiance_sr() const { return axial_irradiance_sr_; }
@@ -126,6 +127,7 @@ class TracedLens {
     double f_number_ = 0;
     double film_from_vertex_mm_ = 0, pinhole_from_vertex_mm_ = 0, extension_mm_ = 0;
     double axial_irradiance_sr_ = 1;
+    double film_index_squared_ = 1;
     std::vector<Box> rear_boxes_;  ///< by film radius, for film points on the +y axis
 };
 
