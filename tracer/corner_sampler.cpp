@@ -34,7 +34,7 @@ struct Cell {
 
 // Rows of pixels traced together: enough tiles for any machine, little enough memory for any raster.
 constexpr int band_rows = 64;
-constexpr int tile = 16;
+constexpr int tile = 32;
 constexpr std::size_t batch_size = 256;
 
 class BandSampler {

@@ -43,7 +43,7 @@ struct LobeHit {
 /// depend on the batch alone.
 class LobeMeans {
   public:
-    static constexpr double reach_px = 8;
+    static constexpr double reach_px = 16;
     /// Limits the cost of rough metals, which then have a noise of about 3/255 of white.
     static constexpr int most_rays = 2;
 
