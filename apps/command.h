@@ -94,6 +94,11 @@ struct FocusOptions {
     bool predict = false;  ///< how far it is expected to be from the truth
     bool strict = false;
     bool salvage = false;  ///< read what is whole of a damaged sample file
+
+    /// `auto` with nothing to plan by.
+    [[nodiscard]] bool takes_usual_method() const {
+        return method == FocusMethod::automatic && !target_db && !retrace.scene && !retrace.explain;
+    }
 };
 
 struct ImageOptions {

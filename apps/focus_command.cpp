@@ -101,8 +101,7 @@ CommandResult run_focus(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens_options, out.warnings);
     const ResolvedLens lens = resolve_lens(lens_options, file);
-    const bool unplanned = options.method == FocusMethod::automatic && !options.target_db &&
-                           !options.retrace.scene && !options.retrace.explain;
+    const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method(file.header());
     const FocusMethod method = unplanned ? usual.method : options.method;
     const FocusSettings settings{.lens = lens.lens,

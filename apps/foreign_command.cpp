@@ -112,8 +112,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
     ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, choice);
     const double stops = expose(picture, options.exposure);
     const bool pinhole = options.method == FocusMethod::pinhole;
-    const bool unplanned = options.method == FocusMethod::automatic && !options.target_db &&
-                           !options.retrace.scene && !options.retrace.explain;
+    const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
     const std::size_t unmixed = pinhole ? 0 : unmix_edges(picture);

@@ -412,11 +412,12 @@ void find_colours(const ForeignFile& file, const std::string& asked, ForeignChan
 std::vector<std::string> colour_layers(const ForeignPart& part) {
     Names out;
     for (const std::string& name : part.channels) {
-        auto [layer, letter] = split(name);
+        const auto words = split(name);
         const bool red = std::any_of(colour_names.begin(), colour_names.end(),
-                                     [&](const auto& names) { return letter == names[0]; });
+                                     [&](const auto& names) { return words.second == names[0]; });
+        const std::string& layer = words.first;
         if (red && colours_of(part, layer) && std::find(out.begin(), out.end(), layer) == out.end())
-            out.push_back(std::move(layer));
+            out.push_back(layer);
     }
     return out;
 }

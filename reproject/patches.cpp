@@ -11,6 +11,8 @@ namespace {
 
 /// px at the rim of the lens by which a patch's plane may miss a cell's depth, and as a share of the blur.
 constexpr double exact_px = 0.1, exact_share = 0.02;
+/// Of its depth: what was hidden is taken to be no farther by more.
+constexpr double most_back = 0.02;
 /// px, half width of the blur from which cells may be even squares: they add 1/12 px^2 to a variance of 9.
 constexpr double coarse_from_px = 6;
 
@@ -126,8 +128,8 @@ class Cutter {
         });
         if (cells == 0) return;
         fit.solve();
+        const double within = std::max(exact_px, exact_share * blur_px) / lens_.radius_px_m;
         if (width > 1 || height > 1) {
-            const double within = std::max(exact_px, exact_share * blur_px) / lens_.radius_px_m;
             double error = 0;
             each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const CellPlane* p) {
                 error = std::max(error, fit.error(x, y, p));
@@ -141,10 +143,10 @@ class Cutter {
                 return;
             }
         }
-        add(x0, y0, width, height, fit, blur_px);
+        add(x0, y0, width, height, fit, blur_px, within);
     }
 
-    void add(int x0, int y0, int width, int height, const Fit<values>& fit, double blur_px) {
+    void add(int x0, int y0, int width, int height, const Fit<values>& fit, double blur_px, double within) {
         Patch p;
         p.sheet = sheet_;
         p.x = static_cast<std::uint8_t>(x0);
@@ -165,6 +167,11 @@ class Cutter {
         p.depth = divided ? static_cast<std::uint8_t>(sheets_.sheets[sheet_].depth) : std::uint8_t{0};
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
+        if (sheets_.sheets[sheet_].key.hidden) {
+            // No farther than a share of its depth, for lenses that tell no depths apart.
+            const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
+            p.back_per_m = static_cast<float>(std::min(2 * within, most));
+        }
         out_.patches.push_back(p);
     }
 
@@ -261,6 +268,7 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
         out.from -= out.inverse_z.x * q;
         out.move[0] -= out.inverse_z.y * q;
         out.move[1] -= out.inverse_z.z * q;
+        out.inverse_z.x -= static_cast<double>(patch.back_per_m);
         return true;
     }
     const auto moved = [&](float CellPlane::*part) {
@@ -270,6 +278,7 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
     out.from -= moved(&CellPlane::value);
     out.move[0] -= moved(&CellPlane::x);
     out.move[1] -= moved(&CellPlane::y);
+    out.inverse_z.x -= static_cast<double>(patch.back_per_m);
     return true;
 }
 
@@ -290,6 +299,7 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& ray
     out.move[0] = back[0] - slope.x * by_depth;
     out.move[1] = back[1] - slope.y * by_depth;
     out.from = rays.at + middle - out.move * half;
+    out.inverse_z.x -= static_cast<double>(patch.back_per_m);
     return true;
 }
 

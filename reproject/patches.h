@@ -39,6 +39,7 @@ struct Patch {
     bool bent = false;              ///< somewhere W is off by more than most_bend_px
     std::uint8_t depth = 0;         ///< levels of the quadtrees that matter
     std::uint32_t first_plane = 0;  ///< `values` of PatchMesh::planes
+    float back_per_m = 0;  ///< by so much of 1/z' it is taken to be farther where depths are compared
 };
 
 /// How a patch comes to lie: raster px `from + move * (x, y)` of what was recorded at (x, y) px from the
@@ -84,6 +85,9 @@ struct PatchMesh {
     [[nodiscard]] glm::dvec2 corner(const Patch& p) const { return {sheet(p).x + p.x, sheet(p).y + p.y}; }
 };
 
+/// What was closely hidden where it was recorded counts as farther than its plane by what two planes may be
+/// off together (Patch::back_per_m): closely behind another surface, as the cap inside the end of an open
+/// cylinder, it must not show through that. Where the lens sees past what hides it, nothing is compared.
 /// Patches as large as planes stay within a tenth of a pixel, or a fiftieth of the blur, of every cell's own
 /// depth at the lens's rim; at least a cell each. Deterministic.
 [[nodiscard]] PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens);

@@ -8,11 +8,14 @@
 namespace postlens {
 namespace {
 
+/// Of the depth in front. Farther behind, planes that miss their depths by a percent keep their order.
+constexpr float closely_behind = 0.04F;
+
 struct KeyHash {
     std::size_t operator()(const SheetKey& k) const {
         std::uint64_t h = k.path.bits() * 0x9E3779B97F4A7C15ULL;
         h = (h ^ (h >> 29U) ^ k.parent_id) * 0xBF58476D1CE4E5B9ULL;
-        h = (h ^ (h >> 32U) ^ k.id) * 0x94D049BB133111EBULL;
+        h = (h ^ (h >> 32U) ^ k.id ^ (k.hidden ? std::uint64_t{1} << 40U : 0)) * 0x94D049BB133111EBULL;
         return static_cast<std::size_t>(h ^ (h >> 31U));
     }
 };
@@ -30,9 +33,13 @@ void find_sheet_keys(const SampleTrees& trees, SheetKeys& out) {
         bool known = false;
     };
     std::array<Recent, 256> recent;
+    std::size_t sample = 0;
     for (std::size_t i = 0; i < trees.nodes.size(); ++i) {
+        while (trees.offsets[sample + 1] <= i) ++sample;
         const TreeSurface& s = trees.nodes[i];
-        const SheetKey key{s.path, s.parent_id, s.id};
+        const bool hidden = s.path.bits() == 0 && i > trees.offsets[sample] &&
+                            s.inverse_z >= (1 - closely_behind) * trees.nodes[i - 1].inverse_z;
+        const SheetKey key{s.path, s.parent_id, s.id, hidden};
         Recent& r = recent[KeyHash()(key) % recent.size()];
         if (!r.known || !(r.key == key)) {
             const auto [found, is_new] =

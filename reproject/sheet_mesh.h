@@ -17,10 +17,12 @@ struct SheetKey {
     NodePath path;                ///< of a primary node: none
     std::uint32_t parent_id = 0;  ///< of the mirror or glass that it is seen in; 0 for primary nodes
     std::uint32_t id = 0;
+    bool hidden = false;  ///< of primary nodes: something is closely in front of it where it was recorded
     friend bool operator==(const SheetKey&, const SheetKey&) = default;
     [[nodiscard]] bool operator<(const SheetKey& o) const {
         if (path != o.path) return path.bits() < o.path.bits();
-        return parent_id != o.parent_id ? parent_id < o.parent_id : id < o.id;
+        if (parent_id != o.parent_id) return parent_id < o.parent_id;
+        return id != o.id ? id < o.id : hidden < o.hidden;
     }
 };
 

@@ -24,7 +24,7 @@ struct WhittedSettings {
     double bend_radius_m = 0;        ///< of a lens for which W.bend is measured; 0: for none
     /// Of the lens that decides which lobes of rough surfaces are averaged (lobe_is_wide); 0: all of them.
     double lens_radius_m = 0;
-    bool lit = true;  ///< false: lights are left out, for who asks where things are
+    bool lit = true;  ///< false: lights are left out, as only places are asked for
 };
 
 /// Rays traced, as the SPD counts them; `hidden`: rays that go on behind a surface; `lens`: from points of a
