@@ -57,11 +57,11 @@ void refuse_frames(const FrameOptions& options, const FrameFiles& names);
     const std::function<CommandResult(const FrameFiles& files, int frame)>& run);
 
 // The commands, for one picture or for a range (frame_commands.cpp).
-[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const TraceOptions& options);
-[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const RenderOptions& options);
-[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const ImageOptions& options);
-[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const FocusOptions& options);
-[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& options);
-[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const ShootOptions& options);
+[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const TraceOptions& asked);
+[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const RenderOptions& asked);
+[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const ImageOptions& asked);
+[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked);
+[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& asked);
+[[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const ShootOptions& asked);
 
 }  // namespace postlens

@@ -297,9 +297,8 @@ class Finder {
                                   part == out_.part && before == out_.layer ? 0
                                   : group.has_pass                          ? 2
                                                                             : 1});
-                } else if (group.has_pass && (last == "v" || last == "y")) {
-                    to.push_back({group, name, 3});
-                } else if (last == "depth" || last == "zdepth") {
+                } else if ((group.has_pass && (last == "v" || last == "y")) || last == "depth" ||
+                           last == "zdepth") {
                     to.push_back({group, name, 3});
                 } else if (group.has_pass && letter == "R") {
                     to.push_back({group, name, 4});

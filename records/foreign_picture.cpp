@@ -408,9 +408,9 @@ class Reader {
         const auto width = static_cast<std::size_t>(part_->width());
         const ForeignCamera& camera = out_.camera;
         const double pitch = out_.pixel_pitch_mm() / camera.film_distance_mm;
-        const double u = (out_.x_begin + static_cast<double>(pixel % width) + 0.5 - out_.width / 2.0) * pitch,
-                     v = (out_.y_begin + static_cast<double>(pixel / width) + 0.5 - out_.height / 2.0) *
-                         pitch;
+        const std::size_t column = pixel % width, row = pixel / width;
+        const double u = (out_.x_begin + static_cast<double>(column) + 0.5 - out_.width / 2.0) * pitch,
+                     v = (out_.y_begin + static_cast<double>(row) + 0.5 - out_.height / 2.0) * pitch;
         const bool along_ray = camera.depth_along == DepthAlong::ray;
         return static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) / camera.metres_per_unit);
     }

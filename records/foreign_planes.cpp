@@ -14,13 +14,14 @@ void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const st
     const int x_begin = std::max(from.data.x_min + right, onto.data.x_min),
               x_last = std::min(from.data.x_max + right, onto.data.x_max);
     if (x_begin > x_last) return;
+    const int columns = x_last - x_begin + 1, skipped = x_begin - right - from.data.x_min;
+    const auto count = static_cast<std::size_t>(columns), first = static_cast<std::size_t>(skipped);
     file.read_flat(part, channels, [&](int own_y, std::span<const float* const> values) {
         const int y = own_y + down;
         if (y < onto.data.y_min || y > onto.data.y_max) return;
         take(static_cast<std::size_t>(y - onto.data.y_min) * static_cast<std::size_t>(onto.width()) +
                  static_cast<std::size_t>(x_begin - onto.data.x_min),
-             static_cast<std::size_t>(x_last - x_begin + 1),
-             static_cast<std::size_t>(x_begin - right - from.data.x_min), values);
+             count, first, values);
     });
 }
 

@@ -43,7 +43,7 @@ class JoinedChannels {
 
   private:
     struct Channel {
-        std::size_t part;
+        std::size_t part = 0;
         std::string name;
         std::vector<float> plane;  ///< empty: in the part that is read
         std::size_t row = 0;       ///< number in its rows
