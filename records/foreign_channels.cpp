@@ -91,6 +91,18 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
+/// Whether a depth of the layer's own lies in its part.
+bool has_own_depth(const ForeignFile& file, const ChannelGroup& group) {
+    const ForeignPart& part = file.parts()[group.part];
+    return std::any_of(part.channels.begin(), part.channels.end(), [&](const std::string& name) {
+        const auto words = split(name);
+        const ChannelGroup depth = channel_group(file, group.part, words.first, depth_words);
+        const std::string letter = small(words.second);
+        return depth.view == group.view && depth.layer == group.layer &&
+               (letter == "z" || (letter == "v" && depth.has_pass));
+    });
+}
+
 /// Of the pictures' parts, what is best of all layers that `layers_of` gives; absent: none fits.
 template <typename LayersOf>
 std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
@@ -98,7 +110,7 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
                                                               const LayersOf& layers_of) {
     const std::vector<std::string> views = views_of(file);
     std::optional<std::pair<std::size_t, std::string>> best;
-    std::tuple<int, int, std::size_t> least{2, 0, 0};
+    std::tuple<int, int, std::size_t, bool> least{2, 0, 0, false};
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
@@ -107,7 +119,8 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
             const std::tuple order{misfit(file, i, layer, asked), rank(layer),
-                                   by_name ? static_cast<std::size_t>(view - views.begin()) : 0};
+                                   by_name ? static_cast<std::size_t>(view - views.begin()) : 0,
+                                   !has_own_depth(file, group)};
             if (order < least) {
                 least = order;
                 best = {i, layer};

@@ -50,14 +50,14 @@ struct ForeignChoice {
 /// Of the parts and layers that `choice.layer` allows (all where it is empty; a part by its name, a view by
 /// its name, a layer by what stands before the dot, else any whose names have all of its words), the first
 /// of: R, G, B; LAYER.Combined.R, .G, .B (Blender); rgba., beauty. or color. likewise; any layer with R, G,
-/// B; Y, with RY and BY where they are (grey without both); A with Z alone (black). Colours may be small
-/// letters or whole words. Everything else is the one that goes with them (match_group, for flat parts in
-/// any part, for deep ones in theirs): alpha A or alpha; depth Z, or V, Y or R of a pass named depth or the
-/// like; ids, by which surfaces are told apart, of a flat part a Cryptomatte (find_cryptomattes), which
-/// knows what edges are mixed of, else id, ID, objectid, object_id or IndexOB, each alone or followed by .X
-/// or .V. Where a pass has a file of its own it is looked for there alone. What is surmised, and what is not
-/// taken as it belongs to another view or layer, is said (`assumed`, `problems`). Throws Error(invalid_input)
-/// where nothing fits, and names what there is.
+/// B; Y, with RY and BY where they are (grey without both); A with Z alone (black); of equals, one that has a
+/// depth. Colours may be small letters or whole words. Everything else is the one that goes with them
+/// (match_group, for flat parts in any part, for deep ones in theirs): alpha A or alpha; depth Z, or V, Y or
+/// R of a pass named depth or the like; ids, by which surfaces are told apart, of a flat part a Cryptomatte
+/// (find_cryptomattes), which knows what edges are mixed of, else id, ID, objectid, object_id or IndexOB,
+/// each alone or followed by .X or .V. Where a pass has a file of its own it is looked for there alone. What
+/// is surmised, and what is not taken as it belongs to another view or layer, is said (`assumed`,
+/// `problems`). Throws Error(invalid_input) where nothing fits, and names what there is.
 [[nodiscard]] ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoice& choice);
 
 /// Whose the colours of the file are: a group for each layer that has some.

@@ -153,6 +153,12 @@ TEST_F(ForeignPictureTest, BlendersLayersBelongTogether) {
     const ForeignPicture first = read({{channels}});
     EXPECT_EQ(first.channels.r, "Ball.Combined.R");  // the first of the file, whose channels are sorted
     EXPECT_EQ(first.channels.z, "Ball.Depth.Z");
+    // What the compositor made has no depth, and comes first in the file's order all the same.
+    Part composed{channels};
+    for (const char* c : {"R", "G", "B"})
+        composed.channels[std::string("A composite.Combined.") + c] = even(1);
+    EXPECT_EQ(read({composed}).channels.r, "Ball.Combined.R");
+    EXPECT_EQ(read({composed}, {.layer = "A composite"}).channels.z, "");
     const ForeignPicture room = read({{channels}}, {.layer = "Room"});
     EXPECT_EQ(room.stack(0, 0)[0].r, 0.1F);
     EXPECT_EQ(room.stack(0, 0)[0].inverse_z, 0.5F);
