@@ -47,12 +47,12 @@ class Mender {
   private:
     [[nodiscard]] bool is_rim(std::size_t i) const { return alpha_[i] > transparent && alpha_[i] < opaque; }
 
-    /// Calls visit(pixel) for the eight pixels around.
+    /// Calls visit(pixel) for the pixels around.
     template <typename Visit>
-    void around(std::size_t i, const Visit& visit) const {
+    void around(std::size_t i, std::size_t reach, const Visit& visit) const {
         const std::size_t x = i % width_, y = i / width_;
-        for (std::size_t v = y > 0 ? y - 1 : 0; v <= std::min(y + 1, height_ - 1); ++v) {
-            for (std::size_t u = x > 0 ? x - 1 : 0; u <= std::min(x + 1, width_ - 1); ++u) {
+        for (std::size_t v = y - std::min(y, reach); v <= std::min(y + reach, height_ - 1); ++v) {
+            for (std::size_t u = x - std::min(x, reach); u <= std::min(x + reach, width_ - 1); ++u) {
                 if (u != x || v != y) visit(v * width_ + u);
             }
         }
@@ -63,7 +63,7 @@ class Mender {
         for (std::size_t i = 0; i < depth_.size(); ++i) {
             if (!is_rim(i) || is_nothing(depth_[i])) continue;
             bool fits = false, fits_divided = false;
-            around(i, [&](std::size_t k) {
+            around(i, 1, [&](std::size_t k) {
                 if (alpha_[k] < opaque || is_nothing(depth_[k])) return;
                 fits = fits || alike(depth_[k], depth_[i]);
                 fits_divided = fits_divided || alike(depth_[k], depth_[i] / alpha_[i]);
@@ -105,7 +105,12 @@ class Mender {
                 // The first and the last pixel may be mixed a little as well.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
-                for (std::size_t i = begin; i <= end; ++i) note(first + i * stride, at(i), before, after);
+                const auto is_empty = [&](std::size_t i) {
+                    return is_nothing(at(i)) || alpha_[first + i * stride] <= transparent;
+                };
+                const bool empty = at(begin) < at(end) ? is_empty(end + 1) : is_empty(begin - 1);
+                for (std::size_t i = begin; i <= end; ++i)
+                    note(first + i * stride, at(i), before, after, empty);
                 break;
             }
         }
@@ -129,10 +134,11 @@ class Mender {
         return true;
     }
 
-    void note(std::size_t pixel, float v, float a, float b) {
+    void note(std::size_t pixel, float v, float a, float b, bool far_is_empty) {
         const auto size = [](float x) { return is_nothing(x) ? nothing_z : std::abs(x); };
-        MixedDepth m{pixel, a, b, 0};
+        MixedDepth m{pixel, a, b, 0, far_is_empty};
         if (size(m.near) > size(m.far)) std::swap(m.near, m.far);
+        m.before_nothing = m.before_nothing || is_nothing(m.far);
         m.near_share = std::clamp((v - m.far) / (m.near - m.far), 0.0F, 1.0F);
         constexpr float hardly = 5e-4F;
         if (m.near_share > 1 - hardly || (m.near_share < hardly && alpha_[pixel] >= opaque)) return;
@@ -143,7 +149,7 @@ class Mender {
     }
 
     void settle(const MixedDepth& m, FilteredDepths& out) {
-        if (alpha_[m.pixel] < opaque && is_nothing(m.far)) {
+        if (alpha_[m.pixel] < opaque && m.before_nothing) {
             depth_[m.pixel] = m.near;
             ++out.taken_over;
             return;
@@ -156,10 +162,11 @@ class Mender {
     void take_over_rims(FilteredDepths& out) {
         std::vector<std::pair<std::size_t, float>> rims;
         for (std::size_t i = 0; i < depth_.size(); ++i) {
-            if (!is_rim(i) || !is_nothing(depth_[i])) continue;
+            if (!(alpha_[i] > 0 && alpha_[i] < opaque) || !is_nothing(depth_[i])) continue;
             bool before_nothing = false;
             float nearest = 0;
-            around(i, [&](std::size_t k) {
+            // As far as a filter mixes.
+            around(i, 2, [&](std::size_t k) {
                 before_nothing = before_nothing || alpha_[k] <= transparent;
                 if (alpha_[k] >= opaque && !is_nothing(depth_[k]) &&
                     (nearest == 0 || std::abs(depth_[k]) < std::abs(nearest)))

@@ -12,6 +12,7 @@ struct MixedDepth {
     std::size_t pixel = 0;
     float near = 0, far = 0;  ///< numbers as in the file, of the pixels on both sides; `far` may be nothing's
     float near_share = 0;     ///< 0 to 1
+    bool before_nothing = false;  ///< what is far is nothing, by its depth or its alpha
 };
 
 struct FilteredDepths {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "records/foreign_picture.h"
@@ -238,21 +239,24 @@ TEST_F(ForeignKinds, DepthsThatAreMeansGoToBothSides) {
     EXPECT_FALSE(warned("means of near and far"));
 }
 
-// Before nothing, whose depth is 1e10, a mean says nothing of the rim's depth.
+// Before nothing, whatever its depth is called, a mean says nothing of the rim's depth.
 TEST_F(ForeignKinds, DepthsThatAreMeansWithNothingGetTheirNeighbours) {
-    const Plane picture{64,
-                        64,
-                        [](int x, int y) {
-                            const auto share = static_cast<float>(coverage(x, y, 32, 17.3));
-                            return std::vector<float>{0.9F * share, 0.2F * share, 0.1F * share, share,
-                                                      share * 3 + (1 - share) * 1e10F};
-                        },
-                        {"R", "G", "B", "A", "Z"}};
-    picture.write(in("mean.exr"));
-    for (const std::string& method : both_methods) {
-        const Image image = focus(in("mean.exr"), {"--f-number", "0.5", "--focus", "3", "--method", method});
-        EXPECT_TRUE(warned("means with nothing")) << method;
-        EXPECT_LE(difference(image, flattened(in("mean.exr"))), to) << method;
+    for (const float nothing : {1e10F, 1000.0F, std::numeric_limits<float>::infinity()}) {
+        const Plane picture{64,
+                            64,
+                            [nothing](int x, int y) {
+                                const auto share = static_cast<float>(coverage(x, y, 32, 17.3));
+                                const float z = share == 1 ? 3 : share * 3 + (1 - share) * nothing;
+                                return std::vector<float>{0.9F * share, 0.2F * share, 0.1F * share, share, z};
+                            },
+                            {"R", "G", "B", "A", "Z"}};
+        picture.write(in("mean.exr"));
+        for (const std::string& method : both_methods) {
+            const Image image =
+                focus(in("mean.exr"), {"--f-number", "0.5", "--focus", "3", "--method", method});
+            EXPECT_TRUE(warned("means with nothing")) << method << nothing;
+            EXPECT_LE(difference(image, flattened(in("mean.exr"))), to) << method << " " << nothing;
+        }
     }
 }
 
