@@ -90,7 +90,8 @@ std::pair<double, double> parse_scale(std::string_view option, std::string_view 
     const auto one = parsed<double>(text);
     const auto two = one ? std::pair{*one, *one} : parsed_pair<double>(text, ",");
     if (two && std::isfinite(two->first) && std::isfinite(two->second)) return *two;
-    fail(ExitCode::wrong_arguments, "{}: not a scale (got {}; expected X or X,Y, e.g. 1,-1)", option, text);
+    fail(ExitCode::wrong_arguments, "{}: not one or two numbers (got {}; expected X or X,Y, e.g. 1,-1)",
+         option, text);
 }
 
 DepthEncoding parse_depth_encoding(std::string_view option, std::string_view text) {
