@@ -49,7 +49,7 @@ class Search {
         for (const float r : last_px_) {
             if (std::isfinite(r)) widest_px_ = std::max(widest_px_, std::abs(r));
         }
-        let_through_before_nothing();
+        find_translucent();
     }
 
     [[nodiscard]] std::size_t pixels() const {
@@ -65,9 +65,9 @@ class Search {
     }
 
   private:
-    /// What lets through, and shows nothing wherever one looks, is a surface like others; else it ends
-    /// nothing.
-    void let_through_before_nothing() {
+    /// Finds the translucent pixels (`fills_`) that have nothing behind them, here and around: they are
+    /// searched from like opaque ones. All others end what is opaque, as nothing does.
+    void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (int x = 0; x < width_; ++x) {
@@ -126,29 +126,53 @@ class Search {
         std::span<const StackSample> stack;  ///< from the first that is far enough on; empty: nothing
     };
 
-    /// Whether something farther than `own_px`, and not nothing, begins near enough to come to light here.
-    [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, float own_px) const {
+    /// Goes from a pixel in a direction, as far as circles reach: `take(distance_px, x, y)` until it returns
+    /// true. Where the raster is larger than what is stored, nothing is; beyond both nobody knows, and the
+    /// walk ends.
+    template <typename Take>
+    void walk(int x, int y, const Direction& d, float own_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
         const float limit_px = std::min(farthest_px, std::abs(own_px) + widest_px_ + 1);
-        float before_px = own_px;
         for (int s = 1; static_cast<float>(s) * step_px <= limit_px; ++s) {
             x += d.dx;
             y += d.dy;
-            if (x < 0 || x >= width_ || y < 0 || y >= height_) return false;
-            const float last_px = last_px_[index(x, y)];
-            if (!std::isfinite(last_px)) continue;
-            const bool begins = last_px - before_px >= least_step_px && last_px - own_px >= least_step_px;
-            before_px = last_px;
-            if (begins && static_cast<float>(s) * step_px <= std::abs(own_px) + std::abs(last_px) + 1)
-                return true;
+            if (!is_stored(x, y) && !in_raster(x, y)) return;
+            if (take(static_cast<float>(s) * step_px, x, y)) return;
         }
-        return false;
+    }
+    /// Whether a circle of this radius, at this distance, reaches one of the other radius.
+    [[nodiscard]] static bool reach_each_other(float distance_px, float own_px, float other_px) {
+        // Nothing is spread by no circle.
+        const float other = std::isfinite(other_px) ? std::abs(other_px) : 0;
+        return distance_px <= std::abs(own_px) + other + 1;
+    }
+
+    /// Whether something farther than `own_px`, and not nothing, begins near enough to come to light here.
+    [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, float own_px) const {
+        bool found = false;
+        float before_px = own_px;
+        walk(x, y, d, own_px, [&](float distance_px, int u, int v) {
+            const float last_px = last_at(u, v);
+            if (!std::isfinite(last_px)) return false;
+            found = begins(before_px, last_px, own_px) && reach_each_other(distance_px, own_px, last_px);
+            before_px = last_px;
+            return found;
+        });
+        return found;
     }
 
     [[nodiscard]] std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
     }
-    /// Of a pixel counted from the first that is stored.
+    // Pixels are counted from the first that is stored.
+    [[nodiscard]] bool is_stored(int x, int y) const { return x >= 0 && x < width_ && y >= 0 && y < height_; }
+    [[nodiscard]] float last_at(int x, int y) const {
+        return is_stored(x, y) ? last_px_[index(x, y)] : nothing_px_;
+    }
+    /// Whether something farther than a pixel of signed radius `own_px` begins between two neighbours.
+    [[nodiscard]] static bool begins(float before_px, float last_px, float own_px) {
+        return last_px - before_px >= least_step_px && last_px - own_px >= least_step_px;
+    }
     [[nodiscard]] bool in_raster(int x, int y) const {
         return x + p_.x_begin >= 0 && x + p_.x_begin < p_.width && y + p_.y_begin >= 0 &&
                y + p_.y_begin < p_.height;
@@ -158,30 +182,21 @@ class Search {
     }
 
     [[nodiscard]] Find look(int x, int y, const Direction& d, float own_px) const {
-        const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
-        const float limit_px = std::min(farthest_px, std::abs(own_px) + widest_px_ + 1);
+        Find found;
         float before_px = own_px;
-        for (int s = 1; static_cast<float>(s) * step_px <= limit_px; ++s) {
-            x += d.dx;
-            y += d.dy;
-            const bool stored = x >= 0 && x < width_ && y >= 0 && y < height_;
-            // Where the raster is larger than what is stored, nothing is; beyond both nobody knows.
-            if (!stored && !in_raster(x, y)) return {};
-            const std::size_t at = stored ? index(x, y) : 0;
-            const float last_px = stored ? last_px_[at] : nothing_px_;
-            const bool begins = last_px - before_px >= least_step_px && last_px - own_px >= least_step_px;
+        walk(x, y, d, own_px, [&](float distance_px, int u, int v) {
+            const float last_px = last_at(u, v);
+            const bool here = begins(before_px, last_px, own_px);
             before_px = last_px;
-            if (!begins) continue;
-            const float distance_px = static_cast<float>(s) * step_px;
-            // Nothing is spread by no circle.
-            const float other_px = std::isfinite(last_px) ? std::abs(last_px) : 0;
-            if (distance_px > std::abs(own_px) + other_px + 1) continue;
-            auto stack = stored ? p_.stack(p_.x_begin + x, p_.y_begin + y) : std::span<const StackSample>();
+            if (!here || !reach_each_other(distance_px, own_px, last_px)) return false;
+            auto stack =
+                is_stored(u, v) ? p_.stack(p_.x_begin + u, p_.y_begin + v) : std::span<const StackSample>();
             while (!stack.empty() && radius_px(stack[0].inverse_z) - own_px < least_step_px)
                 stack = stack.subspan(1);
-            return {distance_px, stack.empty() ? nothing_px_ : radius_px(stack[0].inverse_z), stack};
-        }
-        return {};
+            found = {distance_px, stack.empty() ? nothing_px_ : radius_px(stack[0].inverse_z), stack};
+            return true;
+        });
+        return found;
     }
 
     [[nodiscard]] static std::uint32_t id_of(const Find& f) { return f.stack.empty() ? 0 : f.stack[0].id; }
