@@ -467,7 +467,8 @@ ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoi
     finder.find_alpha();
     finder.find_depth();
     if (part.deep) {
-        out.z_back = first_of(part, {out.layer + "ZBack", "ZBack"});
+        // Where samples end is told beside where they begin.
+        out.z_back = first_of(part, {split(out.z).first + "ZBack"});
         if (out.z.empty()) {
             fail(ExitCode::invalid_input, "{}: no depth (got channels {}; expected Z in a deep picture)",
                  file.name(), listed(part.channels));

@@ -23,7 +23,7 @@ struct ForeignChannels {
     std::size_t alpha_part = 0;
     std::string a;
     std::size_t depth_part = 0;
-    std::string z, z_back;  ///< `z_back` lies in the part of the colours
+    std::string z, z_back;  ///< `z_back`: of deep parts, called like `z`
     std::size_t id_part = 0;
     std::string id;                     ///< of deep parts in the part of the colours; empty with `matte`
     std::optional<Cryptomatte> matte;   ///< of flat parts

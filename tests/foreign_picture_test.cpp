@@ -65,9 +65,11 @@ void write_parts(const std::string& path, const std::vector<Part>& parts) {
     }
 }
 
-/// One deep pixel of R, G, B, A, Z, ZBack.
-void write_deep_pixel(const std::string& path, const std::vector<std::array<float, 6>>& samples) {
-    const std::array<const char*, 6> names{"R", "G", "B", "A", "Z", "ZBack"};
+using DeepNames = std::array<const char*, 6>;
+
+/// One deep pixel.
+void write_deep_pixel(const std::string& path, const std::vector<std::array<float, 6>>& samples,
+                      const DeepNames& names = {"R", "G", "B", "A", "Z", "ZBack"}) {
     Imf::Header h(1, 1);
     h.setType(Imf::DEEPSCANLINE);
     h.compression() = Imf::ZIPS_COMPRESSION;
@@ -297,6 +299,17 @@ TEST_F(ForeignPictureTest, ADepthOfAnyNameCanBeAskedFor) {
               std::string::npos);
     part.channels.erase("Z");
     EXPECT_TRUE(warns(read({part}), "assumed"));
+}
+
+TEST_F(ForeignPictureTest, VolumesEndWhereTheirOwnLayerSays) {
+    const std::vector<std::array<float, 6>> fog{{0.3F, 0, 0, 0.5F, 2, 4}};
+    for (const bool own : {true, false}) {
+        write_deep_pixel(in("deep.exr"), fog,
+                         {"fog.R", "fog.G", "fog.B", "fog.A", "fog.Z", own ? "fog.ZBack" : "ZBack"});
+        const ForeignPicture p = read_foreign_picture(in("deep.exr"), {}, {});
+        EXPECT_EQ(p.channels.z_back, own ? "fog.ZBack" : "");
+        EXPECT_EQ(p.samples.size() > 1, own);
+    }
 }
 
 // Two volumes that fill the same place hold back, and shine, as much as both alone: A = 1 - (1 - A1)(1 - A2),
