@@ -233,7 +233,9 @@ class Killed : public SafeWriting {
         const std::string old_bytes = "what stood there before";
         std::mt19937 random(20);
         int killed = 0;
-        for (int i = 0; i < times; ++i) {
+        // More often where the machine was slower when the run was measured than it is now.
+        constexpr int at_most = 5 * times;
+        for (int i = 0; i < times || (killed <= times / 4 && i < at_most); ++i) {
             std::ofstream(target, std::ios::binary | std::ios::trunc) << old_bytes;
             const std::chrono::duration<double> wait =
                 std::uniform_real_distribution<double>(0.1, 1.0)(random) * whole_run;
@@ -242,7 +244,11 @@ class Killed : public SafeWriting {
             ::kill(child, SIGKILL);
             int status = 0;
             ASSERT_EQ(::waitpid(child, &status, 0), child);
-            killed += WIFSIGNALED(status) ? 1 : 0;
+            if (WIFSIGNALED(status)) {
+                ++killed;
+            } else {
+                whole_run = whole_run * 9 / 10;  // it had come to its end
+            }
             const bool is_old = text_of(target) == old_bytes;
             EXPECT_TRUE(is_old || is_new()) << "instant " << i << ", after " << wait.count() << " s";
             // Nothing but the target and hidden files whose names say what they are.
