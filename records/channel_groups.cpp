@@ -52,18 +52,6 @@ std::vector<std::string> words_of(std::string_view name) {
     return out;
 }
 
-std::vector<std::string> views_of(const ForeignFile& file) {
-    std::vector<std::string> out;
-    const auto add = [&](const std::string& view) {
-        if (!view.empty() && std::find(out.begin(), out.end(), view) == out.end()) out.push_back(view);
-    };
-    for (const ForeignPart& part : file.parts()) {
-        for (const std::string& view : part.views) add(view);
-    }
-    for (const ForeignPart& part : file.parts()) add(part.view);
-    return out;
-}
-
 ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::string_view prefix,
                            PassWords pass) {
     const ForeignPart& p = file.parts()[part];
@@ -71,7 +59,7 @@ ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::strin
     out.part = part;
     std::vector<std::string> words = sorted_words(p.name + "." + std::string(prefix));
     out.view = p.view;
-    for (const std::string& view : views_of(file)) {
+    for (const std::string& view : file.views()) {
         const std::vector<std::string> names = sorted_words(view);
         if (names.empty() || !contains(words, names)) continue;
         if (out.view.empty()) out.view = view;

@@ -42,9 +42,6 @@ struct ChannelGroup {
 /// The words of a name in small letters: what stands between characters that are no letters or digits.
 [[nodiscard]] std::vector<std::string> words_of(std::string_view name);
 
-/// Of all parts, `multiView`'s first; each once.
-[[nodiscard]] std::vector<std::string> views_of(const ForeignFile& file);
-
 /// One of several channels that could go with the colours.
 struct GroupCandidate {
     ChannelGroup group;

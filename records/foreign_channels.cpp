@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fmt/ranges.h>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -91,16 +92,26 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
-/// Whether a depth of the layer's own lies in its part.
-bool has_own_depth(const ForeignFile& file, const ChannelGroup& group) {
-    const ForeignPart& part = file.parts()[group.part];
-    return std::any_of(part.channels.begin(), part.channels.end(), [&](const std::string& name) {
-        const auto words = split(name);
-        const ChannelGroup depth = channel_group(file, group.part, words.first, depth_words);
-        const std::string letter = small(words.second);
-        return depth.view == group.view && depth.layer == group.layer &&
-               (letter == "z" || (letter == "v" && depth.has_pass));
-    });
+/// A part, a view and a layer.
+using Owner = std::tuple<std::size_t, std::string, std::vector<std::string>>;
+
+Owner owner_of(const ChannelGroup& group) {
+    return {group.part, group.view, group.layer};
+}
+
+/// Those that have a depth of their own in their part.
+std::set<Owner> owners_of_depths(const ForeignFile& file) {
+    std::set<Owner> out;
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        for (const std::string& name : file.parts()[i].channels) {
+            const auto words = split(name);
+            const std::string letter = small(words.second);
+            if (letter != "z" && letter != "v") continue;
+            const ChannelGroup depth = channel_group(file, i, words.first, depth_words);
+            if (letter == "z" || depth.has_pass) out.insert(owner_of(depth));
+        }
+    }
+    return out;
 }
 
 /// Of the pictures' parts, what is best of all layers that `layers_of` gives; absent: none fits.
@@ -108,7 +119,8 @@ template <typename LayersOf>
 std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
                                                               const std::string& asked,
                                                               const LayersOf& layers_of) {
-    const std::vector<std::string> views = views_of(file);
+    const auto views = file.views();
+    const std::set<Owner> with_depth = owners_of_depths(file);
     std::optional<std::pair<std::size_t, std::string>> best;
     std::tuple<int, int, std::size_t, bool> least{2, 0, 0, false};
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
@@ -120,7 +132,7 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
             const std::tuple order{misfit(file, i, layer, asked), rank(layer),
                                    by_name ? static_cast<std::size_t>(view - views.begin()) : 0,
-                                   !has_own_depth(file, group)};
+                                   !with_depth.contains(owner_of(group))};
             if (order < least) {
                 least = order;
                 best = {i, layer};

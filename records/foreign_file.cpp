@@ -141,7 +141,7 @@ Imf::PixelType read_as(const Imf::Header& h, const std::string& channel, const s
 }  // namespace foreign
 
 bool ForeignPart::has(const std::string& channel) const {
-    return std::find(channels.begin(), channels.end(), channel) != channels.end();
+    return std::binary_search(channels.begin(), channels.end(), channel);
 }
 
 ForeignFile::ForeignFile(const fs::path& path) : name_(path.string()), impl_(std::make_unique<Impl>()) {
@@ -205,6 +205,14 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
             check_chunks(part, h, opened.bytes, name);
         }
     });
+    const auto note_view = [&](const std::string& view) {
+        if (!view.empty() && std::find(views_.begin(), views_.end(), view) == views_.end())
+            views_.push_back(view);
+    };
+    for (std::size_t i = first; i < parts_.size(); ++i) {
+        for (const std::string& view : parts_[i].views) note_view(view);
+    }
+    for (std::size_t i = first; i < parts_.size(); ++i) note_view(parts_[i].view);
 }
 
 const std::string& ForeignFile::name_of(std::size_t part) const {

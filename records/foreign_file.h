@@ -27,7 +27,7 @@ struct ForeignPart {
     std::vector<std::string> views;  ///< `multiView`, the hero first; empty where the part has none
     Window data, display;            ///< inclusive corners; both hold at least one pixel
     bool deep = false, tiled = false;
-    std::vector<std::string> channels;  ///< in file order
+    std::vector<std::string> channels;  ///< in file order, which is sorted
 
     [[nodiscard]] int width() const { return data.x_max - data.x_min + 1; }
     [[nodiscard]] int height() const { return data.y_max - data.y_min + 1; }
@@ -71,6 +71,8 @@ class ForeignFile {
     /// Of the file that the part is in.
     [[nodiscard]] const std::string& name_of(std::size_t part) const;
     [[nodiscard]] std::span<const ForeignPart> parts() const { return parts_; }
+    /// The views that parts name, `multiView`'s first; each once.
+    [[nodiscard]] std::span<const std::string> views() const { return views_; }
     /// Whether a file was attached for a pass.
     [[nodiscard]] bool has_own_file(PartUse use) const;
 
@@ -108,6 +110,7 @@ class ForeignFile {
 
     std::string name_;
     std::vector<ForeignPart> parts_;
+    std::vector<std::string> views_;
     std::unique_ptr<Impl> impl_;
 };
 
