@@ -77,12 +77,12 @@ bool preview_fills(ByteView value) {
 }
 
 /// Bytes of the samples of a chunk, which the OpenEXR library makes room for when it opens a part: at most,
-/// as 4 bytes a channel. What is no header of a picture has none.
-std::uint64_t chunk_bytes(const ExrPart& part) {
+/// as 4 bytes a channel. What is no header of a picture has none. A part of rows may hold sizes of tiles too.
+std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");
     const auto compression = part.raw("compression", "compression");
-    if (!window || !channels || !compression || compression->size() != 1) return 0;
+    if (!window || !channels) return 0;
     constexpr std::size_t after_name = 16;
     std::uint64_t pixel = 0;
     for (std::size_t at = 0; at < channels->size() && (*channels)[at] != 0; pixel += 4) {
@@ -93,15 +93,17 @@ std::uint64_t chunk_bytes(const ExrPart& part) {
     pixel = std::min<std::uint64_t>(pixel, 1U << 20U);
     constexpr std::uint32_t widest_tile = 1U << 20U;
     constexpr std::array<std::uint64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+    // The library reads a part that names no compression as one of ZIP.
+    constexpr std::size_t zip = 3;
+    const std::size_t packed = compression && !compression->empty() ? (*compression)[0] : zip;
     std::array<std::uint32_t, 2> tile{};
     const auto tiles = part.raw("tiles", "tiledesc");
-    if (tiles && tiles->size() > sizeof(tile)) {
+    if (tiled && tiles && tiles->size() > sizeof(tile)) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
-    return width > 0 ? pixel * static_cast<std::uint64_t>(width) *
-                           rows[std::min<std::size_t>((*compression)[0], rows.size() - 1)]
+    return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]
                      : 0;
 }
 
@@ -128,7 +130,9 @@ void check_exr_headers(const std::filesystem::path& path) {
     const ExrHeaders headers =
         read_exr_headers(file, std::numeric_limits<std::size_t>::max(), AttributeSizes::filled);
     for (const ExrPart& part : headers.parts) {
-        const std::uint64_t bytes = chunk_bytes(part);
+        const std::string type = part.get_string("type").value_or("");
+        const bool tiled = headers.multi_part ? type.find("tile") != std::string::npos : headers.tiled;
+        const std::uint64_t bytes = chunk_bytes(part, tiled);
         if (bytes > largest_chunk_bytes) {
             fail(ExitCode::invalid_input, "{}: too wide (got {} bytes a chunk of rows; expected {} or less)",
                  file.name(), bytes, largest_chunk_bytes);

@@ -21,6 +21,7 @@ constexpr std::size_t most_attributes = 1000;
 constexpr std::size_t longest_name = 255;
 
 constexpr std::uint32_t exr_magic = 20000630;
+constexpr std::uint32_t tiled_flag = 0x200;
 constexpr std::uint32_t multi_part_flag = 0x1000;
 
 template <typename T>
@@ -220,8 +221,9 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, Attri
         fail(ExitCode::invalid_input, "{}: not a postlens sample file (got OpenEXR version {}; expected 2)",
              file.name(), version & 0xFFU);
     }
-    const bool multi_part = (version & multi_part_flag) != 0;
     ExrHeaders headers;
+    headers.multi_part = (version & multi_part_flag) != 0;
+    headers.tiled = (version & tiled_flag) != 0;
     for (;;) {
         std::string name = reader.take_name();
         if (name.empty()) {  // an empty header ends the list
@@ -252,7 +254,7 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, Attri
             part.add(std::move(name), std::move(type), value);
             name = reader.take_name();
         }
-        if (!multi_part) {
+        if (!headers.multi_part) {
             headers.end = reader.position();
             return headers;
         }

@@ -83,6 +83,8 @@ class ExrPart {
 struct ExrHeaders {
     std::vector<ExrPart> parts;  ///< at least one
     std::uint64_t end = 0;       ///< where the chunk offset tables begin
+    bool multi_part = false;     ///< each part has a type
+    bool tiled = false;          ///< where it is one part: of tiles, not of rows
 };
 
 enum class AttributeSizes {

@@ -13,6 +13,7 @@
 #include <OpenEXR/ImfStringVectorAttribute.h>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <gtest/gtest.h>
 #include <limits>
 #include <map>
@@ -572,6 +573,27 @@ TEST_F(ForeignPictureTest, RefusesAnAttributeOfAnotherSizeThanItsType) {
 TEST_F(ForeignPictureTest, RefusesRowsWiderThanThereIsReasonFor) {
     const auto too_wide = [](const std::string& what) { return what.find("too wide") != std::string::npos; };
     EXPECT_PRED1(too_wide, refusal([] { (void)read_image(data_folder + "damaged_window.exr"); }));
+
+    // 3 channels of 15.7 million pixels, uncompressed: a row is 189 MB, and is let through. A part that names
+    // no compression is one of ZIP, which packs 16 rows at a time. Sizes of tiles in a part of rows say
+    // nothing.
+    std::ifstream file(data_folder + "nan_inf.exr", std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    const auto wide = [&](auto&& change) {
+        std::string wider = bytes;
+        const std::string_view window("dataWindow\0box2i\0\x10\0\0", 21);
+        wider.replace(wider.find(window) + window.size() + 8, 4, std::string("\xff\xff\xef\0", 4));
+        change(wider);
+        std::ofstream(in("wide.exr"), std::ios::binary) << wider;
+        return refusal([&] { (void)read_image(in("wide.exr")); });
+    };
+    const std::string_view compression("compression\0compression\0\1\0\0\0", 28);
+    EXPECT_PRED1(std::not_fn(too_wide),
+                 wide([&](std::string& b) { b[b.find(compression) + compression.size()] = '\0'; }));
+    EXPECT_PRED1(too_wide, wide([&](std::string& b) { b[b.find(compression)] = 'K'; }));
+    EXPECT_PRED1(too_wide, wide([&](std::string& b) {
+                     b.insert(8, std::string("tiles\0tiledesc\0\x09\0\0\0\x08\0\0\0\x08\0\0\0\0", 28));
+                 }));
 }
 
 // The library makes room for as many bytes as a chunk of a deep part claims before it looks for them. Found
