@@ -213,13 +213,12 @@ class MotionBlur {
     }
 
     void reproject(const std::vector<std::uint32_t>& wanted) {
-        std::vector<SampleMesh> meshes;
-        for (std::size_t i = 0; i < file_.instants(); ++i) meshes.push_back(sample_mesh(file_, i));
+        const std::vector<SheetMesh> sheets = blur_sheets(file_);
         FieldBlurSettings by_field{.exposure = settings_.exposure,
                                    .curve = settings_.curve,
                                    .views = settings_.views,
                                    .crop = settings_.crop};
-        FieldBlur blur = field_blur(header_, meshes, motion_, motions_, wanted, by_field);
+        FieldBlur blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         const auto has_gaps = [&] {
             const std::vector<float>& u = blur.picture.unknown;
             return std::any_of(u.begin(), u.end(), [](float share) { return share > 0; });
@@ -229,13 +228,13 @@ class MotionBlur {
         if (by_field.crop && !covered.empty() && all_of(covered)) {
             // Gaps are then filled from all that the views know.
             by_field.crop.reset();
-            blur = field_blur(header_, meshes, motion_, motions_, wanted, by_field);
+            blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
         result_.views = blur.views;
-        if (meshes.size() > 1)
-            blend_stills(file_, blur.mesh_shares, ids_of(MotionMethod::convolve), touched_, result_.image);
+        if (sheets.size() > 1)
+            blend_stills(file_, blur.instant_shares, ids_of(MotionMethod::convolve), touched_, result_.image);
         Image filled;  // for what no view knows
-        const FieldPicture& p = blur.picture;
+        const PatchPicture& p = blur.picture;
         if (!covered.empty()) filled = fill_behind(p, covered);
         lay_over(result_.image, p, wanted_mark, filled);
         for (std::size_t k = 0; k < p.touched.size(); ++k) {
@@ -251,7 +250,7 @@ class MotionBlur {
 
     // Colours from around for what something that moves covers in the records. Where all moves: the pixel's
     // own mean over the views that know something.
-    [[nodiscard]] Image fill_behind(const FieldPicture& p, const std::vector<std::uint8_t>& covered) const {
+    [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();
         std::vector<float> weight(covered.size());

@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "motionblur/field_blur.h"
 #include "motionblur/motion_warnings.h"
 #include "motionblur/shutter_views.h"
-#include "motionblur/vector_mesh.h"
+#include "motionblur/vector_sheets.h"
 #include "records/crop.h"
 #include "reproject/fill_gaps.h"
-#include "reproject/light_field.h"
 
 namespace postlens {
 namespace {
@@ -29,24 +29,28 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-LightField views_of(const VectorFrame& frame, const SampleMesh& mesh, const VectorBlurSettings& s,
+/// px by which patches may miss a pixel's way, and by which they overlap: less than the places that views
+/// look at lie from the sides of a pixel.
+constexpr double exact_px = 0.02, overlap_px = 0.005;
+static_assert(overlap_px < 0.5 / most_places);
+
+PatchField views_of(const VectorFrame& frame, const PatchMesh& patches, const VectorBlurSettings& s,
                     int views) {
-    LightField field;
-    field.meshes = {&mesh};
+    PatchField field;
+    field.instants = {{&patches, nullptr}};
     field.width = frame.width;
     field.height = frame.height;
-    field.crop = s.crop;
-    field.motion_classes = 2;
     field.motion_class = [](std::uint32_t id) { return std::size_t{id}; };
     field.class_marks = {0, 1};
+    PatchViews set;
     for (const ShutterView& view : shutter_views(s.curve, s.exposure, views)) {
-        FieldView v;
+        PatchView v;
         v.sample = view.place;
-        FieldView::Use use;
-        use.elapsed = view.time_s;
-        v.uses.push_back(std::move(use));
-        field.views.push_back(std::move(v));
+        v.uses = {{0, 1, {}}};
+        v.lens.lens_px = {view.time_s, 0};
+        set.views.push_back(std::move(v));
     }
+    field.sets.push_back(std::move(set));
     return field;
 }
 
@@ -71,7 +75,7 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
 
 /// Colours for what nothing is known of: from what stands still, or, where next to nothing does, from what
 /// the views do know there and around.
-Image filled(std::vector<float> weight, const Image& picture, const FieldPicture& seen) {
+Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {
         weight.resize(seen.unknown.size());
@@ -95,17 +99,19 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     const Exposure& e = settings.exposure;
     if (frame.largest_px == 0 || (e.open_s == 0 && e.close_s == 0)) return result;
     result.views = settings.views.value_or(views_for_way(frame.largest_px * (e.close_s - e.open_s)));
-    const SampleMesh mesh = vector_mesh(frame);
-    LightField views = views_of(frame, mesh, settings, result.views);
-    FieldPicture seen = light_field(views);
+    const SheetMesh sheets = vector_sheets(frame);
+    PatchLens lens;
+    lens.radius_px_m = std::max(std::abs(e.open_s), std::abs(e.close_s));
+    lens.exact_px = exact_px;
+    lens.overlap_px = overlap_px;
+    const PatchMesh patches = cut_patches(sheets, lens);
+    PatchField views = views_of(frame, patches, settings, result.views);
+    PatchPicture seen = touched_picture(views, settings.crop);
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        if (still.empty() && views.crop) {
-            // Gaps are then filled from all that the views know.
-            views.crop.reset();
-            seen = light_field(views);
-        }
+        // Gaps are then filled from all that the views know.
+        if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }
     lay_over(result.image, seen, 0xFF, behind);

@@ -23,6 +23,7 @@ using Bins = std::vector<std::vector<std::uint32_t>>;  ///< by tile: patches tha
 struct TilePatches {
     PatchMesh mesh;
     std::vector<PatchReach> reach;
+    std::vector<std::uint32_t> motion_class;
 };
 
 /// Those of one chain of bounces: [begin, end).
@@ -43,6 +44,7 @@ struct Workplace {
     TreeSums trees;
     TileViews views;
     std::vector<double> light;
+    std::array<std::uint8_t, SeenTile::pixels> touched{};
 };
 
 class Field {
@@ -61,6 +63,11 @@ class Field {
         }
         farthest_px_ = glm::max(farthest_px_, field.lens_reach_px);
         for (std::size_t i = 0; i < field.instants.size(); ++i) {
+            marks_.emplace_back();
+            if (marked()) {
+                for (const Sheet& s : field.instants[i].primary->sheets->sheets)
+                    marks_[i].push_back(field.class_marks[field.motion_class(s.key.id)]);
+            }
             primary_.push_back(sorted(*field.instants[i].primary, i));
             deeper_.push_back(field.instants[i].deeper != nullptr ? sorted(*field.instants[i].deeper, i)
                                                                   : Bins());
@@ -86,7 +93,16 @@ class Field {
         const PatchSweep sweep(field_);
         std::vector<RasterRect> swept(mesh.patches.size());
         parallel_for(
-            swept.size(), [&](std::size_t i) { swept[i] = sweep.of(mesh, mesh.patches[i], instant); }, 256);
+            swept.size(),
+            [&](std::size_t i) {
+                const Patch& p = mesh.patches[i];
+                swept[i] = sweep.of(mesh, p, instant);
+                // What has gone from where it was recorded has to be drawn over there.
+                PatchPlace recorded;
+                if (marked() && marks_[instant][p.sheet] != 0 && place_patch(mesh, p, {}, {}, recorded))
+                    swept[i].add(covered(p, recorded));
+            },
+            256);
         Bins bins(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
         const auto tile_of = [](double px, int first, int count) {
             return static_cast<int>(
@@ -123,6 +139,7 @@ class Field {
                   y0 = static_cast<int>(tile) / columns_ * SeenTile::edge;
         const TilePlace at{field_.x + x0, field_.y + y0, std::min(SeenTile::edge, field_.width - x0),
                            std::min(SeenTile::edge, field_.height - y0)};
+        if (marked() && !has_wanted_marks(tile)) return;
         bool gathered = false;
         for (std::size_t set = 0; set < field_.sets.size(); ++set) {
             const auto& wanted = field_.sets[set].wanted;
@@ -138,6 +155,7 @@ class Field {
         const int x0 = at.x - field_.x, y0 = at.y - field_.y;
         w.sum.fill({});
         if (trees_) w.trees.begin(w.paths);
+        if (marked()) mark_recorded(at, w);
         const bool lights = set.lights != nullptr && set.lights->reach(x0, y0, at.width, at.height);
         if (lights) {
             w.views.x = x0;
@@ -162,6 +180,59 @@ class Field {
             set.lights->add(w.views, w.light);
         }
         store(at, total_[number], lights, w, out);
+    }
+
+    [[nodiscard]] bool marked() const { return !field_.class_marks.empty(); }
+
+    [[nodiscard]] bool has_wanted_marks(std::size_t tile) const {
+        for (std::size_t i = 0; i < primary_.size(); ++i) {
+            for (const std::uint32_t p : primary_[i][tile]) {
+                if ((marks_[i][field_.instants[i].primary->patches[p].sheet] & field_.wanted_marks) != 0)
+                    return true;
+            }
+        }
+        return false;
+    }
+
+    /// Pixels in which an instant shows something that moves: their recorded colours are not what views see.
+    void mark_recorded(const TilePlace& at, Workplace& w) const {
+        w.touched.fill(0);
+        for (std::size_t i = 0; i < w.primary.size(); ++i) {
+            const PatchMesh& mesh = w.primary[i].mesh;
+            for (const Patch& p : mesh.patches) {
+                const std::uint8_t mark = marks_[i][p.sheet];
+                if (mark == 0) continue;
+                const Sheet& s = mesh.sheet(p);
+                for (int y = p.y; y < p.y + p.height; ++y) {
+                    for (int x = p.x; x < p.x + p.width; ++x) {
+                        const int px = s.x + x - at.x, py = s.y + y - at.y;
+                        if (px < 0 || py < 0 || px >= at.width || py >= at.height) continue;
+                        const int cell = y * s.width + x, pixel = py * SeenTile::edge + px;
+                        if (mesh.sheets->fine[s.first_cell + static_cast<std::size_t>(cell)] !=
+                            SheetNode::none)
+                            w.touched[static_cast<std::size_t>(pixel)] |= mark;
+                    }
+                }
+            }
+        }
+    }
+
+    /// What moves in a view, and where it sees nothing.
+    void mark_seen(const PatchView& v, const TilePlace& at, Workplace& w) const {
+        for (int y = 0; y < at.height; ++y) {
+            for (int x = 0; x < at.width; ++x) {
+                const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+                bool any = false;
+                for (std::size_t u = 0; u < v.uses.size(); ++u) {
+                    const std::uint32_t texel = w.seen[u].texel[k];
+                    if (texel == SeenTile::no_texel) continue;
+                    any = true;
+                    const std::size_t i = v.uses[u].instant;
+                    w.touched[k] |= marks_[i][field_.instants[i].primary->sheets->texels[texel].sheet()];
+                }
+                if (!any) w.touched[k] = 0xFF;
+            }
+        }
     }
 
     /// What the tile has in any set.
@@ -200,11 +271,15 @@ class Field {
     /// A tile's patches one after the other, for every view to go through.
     void gather(const PatchMesh& mesh, const std::vector<std::uint32_t>& bin, TilePatches& out) const {
         out.mesh.sheets = mesh.sheets;
+        out.mesh.overlap_px = mesh.overlap_px;
         out.mesh.patches.clear();
         out.mesh.planes.clear();
         out.reach.clear();
+        out.motion_class.clear();
         for (const std::uint32_t i : bin) {
             Patch p = mesh.patches[i];
+            if (field_.motion_class)
+                out.motion_class.push_back(static_cast<std::uint32_t>(motion_class_of(field_, mesh, p)));
             out.reach.push_back(patch_reach(mesh, p, farthest_px_, farthest_shift_px_));
             const auto planes = mesh.planes.begin() + p.first_plane;
             p.first_plane = static_cast<std::uint32_t>(out.mesh.planes.size());
@@ -237,17 +312,33 @@ class Field {
         float x_, y_, x_end_, y_end_;
     };
 
+    /// The motions that a view gives to the patches of a tile.
+    class Motions {
+      public:
+        Motions(const PatchView::Use& use, const TilePatches& patches)
+            : maps_(use.motions), patches_(patches) {}
+        [[nodiscard]] bool still(std::size_t patch) const { return of(patch).identity(); }
+        [[nodiscard]] const RasterMap& of(std::size_t patch) const {
+            static const RasterMap none;
+            return maps_.empty() ? none : maps_[patches_.motion_class[patch]];
+        }
+
+      private:
+        const std::vector<RasterMap>& maps_;
+        const TilePatches& patches_;
+    };
+
     void draw_primary(const PatchView& v, const PatchView::Use& use, const TilePlace& at,
                       const TilePatches& patches, SeenTile& seen) const {
-        const bool still = use.motions.empty();
         const ViewReach reach(v.lens, at);
         seen.clear();
         PatchPlace place;
         const PatchMesh& mesh = patches.mesh;
+        const Motions motions(use, patches);
         for (std::size_t i = 0; i < mesh.patches.size(); ++i) {
-            if (still && reach.misses_tile(patches.reach[i])) continue;
+            if (motions.still(i) && reach.misses_tile(patches.reach[i])) continue;
             const Patch& patch = mesh.patches[i];
-            if (place_patch(mesh, patch, motion_of(field_, mesh, patch, use), v.lens, place))
+            if (place_patch(mesh, patch, motions.of(i), v.lens, place))
                 draw_patch(mesh, patch, place, at, seen);
         }
     }
@@ -257,8 +348,8 @@ class Field {
         const PatchInstant& instant = field_.instants[use.instant];
         w.trees.begin_use(*instant.primary, instant.deeper, seen);
         if (instant.deeper == nullptr) return;
-        const bool still = use.motions.empty();
         const TilePatches& patches = w.deeper[use.instant];
+        const Motions motions(use, patches);
         const PatchMesh& mesh = patches.mesh;
         const ViewReach reach(v.lens, at);
         PatchPlace place;
@@ -266,9 +357,9 @@ class Field {
             SeenTile* out = w.trees.begin_chain(chain.path, w.wanted);
             if (out == nullptr) continue;
             for (std::size_t i = chain.begin; i < chain.end; ++i) {
-                if (still && reach.misses(w.wanted.blocks, patches.reach[i])) continue;
+                if (motions.still(i) && reach.misses(w.wanted.blocks, patches.reach[i])) continue;
                 const Patch& patch = mesh.patches[i];
-                if (place_patch(mesh, patch, motion_of(field_, mesh, patch, use), v.lens, place))
+                if (place_patch(mesh, patch, motions.of(i), v.lens, place))
                     draw_patch_in(mesh, patch, place, at, w.wanted, *out);
             }
         }
@@ -277,6 +368,7 @@ class Field {
     void draw_view(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u)
             draw_primary(v, v.uses[u], at, w.primary[v.uses[u].instant], w.seen[u]);
+        if (marked()) mark_seen(v, at, w);
         const bool trees = trees_ && w.trees.any();
         // Per use: a pixel counts with the use's share where both show one surface, else the nearer counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
@@ -347,6 +439,7 @@ class Field {
                 const std::size_t p =
                     static_cast<std::size_t>(y0 + y) * static_cast<std::size_t>(field_.width) +
                     static_cast<std::size_t>(x0 + x);
+                if (marked()) out.touched[p] = w.touched[k];
                 const double known = w.sum[k][3];
                 out.unknown[p] = static_cast<float>(std::max(0.0, 1 - known / total));
                 if (known <= 0) {
@@ -375,6 +468,7 @@ class Field {
     glm::dvec2 farthest_px_{0};     ///< of the lens's points, by axis
     double farthest_shift_px_ = 0;  ///< by which a view moves everything
     bool trees_ = false;
+    std::vector<std::vector<std::uint8_t>> marks_;  ///< by instant and primary sheet
     std::vector<Bins> primary_, deeper_;
 };
 
@@ -390,6 +484,7 @@ void patch_field(const PatchField& field, std::span<PatchPicture> out) {
     for (const PatchViews& set : field.sets) {
         PatchPicture& picture = out[set.picture];
         if (set.lights != nullptr) picture.light_square.resize(picture.unknown.size());
+        if (!field.class_marks.empty()) picture.touched.resize(picture.unknown.size());
     }
     Field(field).draw(out);
 }

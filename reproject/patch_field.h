@@ -49,8 +49,12 @@ struct PatchViews {
 
 struct PatchField {
     std::vector<PatchInstant> instants;
-    /// The motion class of an id; not asked for where nothing moves.
+    /// The motion class of an id; not asked for where nothing moves and there are no marks.
     std::function<std::size_t(std::uint32_t id)> motion_class;
+    /// By class: bits that tell where what moves was seen; 0 for what stands still in every view. Empty: it
+    /// is not told.
+    std::vector<std::uint8_t> class_marks;
+    std::uint8_t wanted_marks = 0xFF;  ///< tiles that none of these can touch are left as they are
     /// Drawn together: where patches lie is found out once for all.
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the pictures' first pixel
@@ -101,6 +105,9 @@ struct PatchPicture {
     std::vector<float> guessed_below;
     /// The squares that `Lights` tell; empty without.
     std::vector<float> light_square;
+    /// With PatchField::class_marks: the marks of all that moves and is seen there in a view, or was recorded
+    /// there; all bits where a view sees nothing known. 0: all views see what was recorded.
+    std::vector<std::uint8_t> touched;
 };
 
 /// Into pictures of the field's size: what is not wanted keeps what it has. Same bits for any number of

@@ -10,8 +10,6 @@
 namespace postlens {
 namespace {
 
-/// px by which a patch reaches beyond its sides, so that neighbours whose planes differ leave no crack.
-constexpr float overlap = 0.02F;
 /// Less is seen from the edge and has no area.
 constexpr double smallest_area = 1e-6;
 
@@ -27,7 +25,8 @@ struct Run {
     glm::dvec2 from{0};    ///< raster px of the patch's corner
     int i0 = 0, count = 0, j0 = 0, j1 = 0;
     float by_x = 0, by_y = 0;
-    float width = 0, height = 0;    ///< of the patch
+    float width = 0, height = 0;  ///< of the patch
+    float overlap = 0;
     float z = 0, z_x = 0, z_y = 0;  ///< inverse depth in its coordinates
     const std::uint32_t* roots = nullptr;
     std::int32_t stride = 0;
@@ -60,7 +59,7 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
-    const float x_end = run.width + overlap, y_end = run.height + overlap;
+    const float overlap = run.overlap, x_end = run.width + overlap, y_end = run.height + overlap;
     const float x_last = run.width - 1, y_last = run.height - 1;
     const std::int32_t stride = run.stride, count = run.count;
     const float by_x = run.by_x, by_y = run.by_y, z = run.z, z_x = run.z_x, z_y = run.z_y;
@@ -189,7 +188,7 @@ std::optional<Run> run_of(const PatchMesh& mesh, const Patch& patch, const Patch
     const RasterRect rect = covered(patch, place);
     // Sample (i, j) lies at origin + (i, j).
     const glm::dvec2 origin = glm::dvec2(tile.x, tile.y) + tile.sample;
-    constexpr auto margin = static_cast<double>(overlap);
+    const auto margin = static_cast<double>(mesh.overlap_px);
     const double i_low = std::max<double>(part.x_begin, std::ceil(rect.x_min - margin - origin.x)),
                  i_high = std::min(part.x_end - 1.0, std::floor(rect.x_max + margin - origin.x)),
                  j_low = std::max<double>(part.y_begin, std::ceil(rect.y_min - margin - origin.y)),
@@ -209,6 +208,7 @@ std::optional<Run> run_of(const PatchMesh& mesh, const Patch& patch, const Patch
                .by_y = static_cast<float>(back[0].y),
                .width = static_cast<float>(patch.width),
                .height = static_cast<float>(patch.height),
+               .overlap = mesh.overlap_px,
                .z = static_cast<float>(place.inverse_z.x),
                .z_x = static_cast<float>(place.inverse_z.y),
                .z_y = static_cast<float>(place.inverse_z.z),

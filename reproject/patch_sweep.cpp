@@ -2,11 +2,9 @@
 
 namespace postlens {
 
-RasterMap motion_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch,
-                    const PatchView::Use& use) {
-    if (use.motions.empty()) return {};
+std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch) {
     const SheetKey& key = mesh.sheet(patch).key;
-    return use.motions[field.motion_class(key.path.bits() == 0 ? key.id : key.parent_id)];
+    return field.motion_class(key.path.bits() == 0 ? key.id : key.parent_id);
 }
 
 PatchSweep::PatchSweep(const PatchField& field) : field_(field) {
@@ -23,9 +21,9 @@ void PatchSweep::note(const PatchView& v) {
     for (const auto& use : v.uses) {
         if (boxes_.size() <= use.instant) boxes_.resize(use.instant + 1);
         Box& box = boxes_[use.instant];
-        if (!use.motions.empty()) {
-            box.still = false;
-            continue;
+        if (box.moves.size() < use.motions.size()) box.moves.resize(use.motions.size(), 0);
+        for (std::size_t c = 0; c < use.motions.size(); ++c) {
+            if (!use.motions[c].identity()) box.moves[c] = 1;
         }
         if (!box.any) box.low = box.high = v.lens;
         box.any = true;
@@ -44,11 +42,13 @@ RasterRect PatchSweep::of(const PatchMesh& mesh, const Patch& patch, std::size_t
         if (place_patch(mesh, patch, motion, lens, place)) out.add(covered(patch, place));
     };
     const Box& box = boxes_[instant];
-    if (!box.still) {
+    const std::size_t motion = box.moves.empty() ? 0 : motion_class_of(field_, mesh, patch);
+    if (motion < box.moves.size() && box.moves[motion] != 0) {
         for (const PatchViews& set : field_.sets) {
             for (const PatchView& v : set.views) {
                 for (const auto& use : v.uses) {
-                    if (use.instant == instant) add(motion_of(field_, mesh, patch, use), v.lens);
+                    if (use.instant != instant) continue;
+                    add(use.motions.empty() ? RasterMap() : use.motions[motion], v.lens);
                 }
             }
         }

@@ -9,9 +9,8 @@
 
 namespace postlens {
 
-/// The motion that a view gives to a patch, as PatchField says; none: it stands still.
-[[nodiscard]] RasterMap motion_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch,
-                                  const PatchView::Use& use);
+/// What a patch moves with: what is seen in a mirror or glass moves with that.
+[[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
 /// Rectangles that hold all that the views of a field have of a patch, and all that any point of the lens as
 /// far as `lens_reach_px` has.
@@ -23,11 +22,12 @@ class PatchSweep {
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:
-    /// Where nothing moves a patch lies affinely in the lens's point: the corners of a box around all of
-    /// them bound it.
+    /// A patch that does not move by itself lies affinely in the lens's point: the corners of a box around
+    /// all of them bound it.
     struct Box {
         LensShift low, high;
-        bool any = false, still = true;
+        bool any = false;
+        std::vector<std::uint8_t> moves;  ///< by motion class, as far as views have motions
     };
     void note(const PatchView& view);
     const PatchField& field_;

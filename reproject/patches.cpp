@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/threads.h"
 
 namespace postlens {
 namespace {
 
-/// px at the rim of the lens by which a patch's plane may miss a cell's depth, and as a share of the blur.
-constexpr double exact_px = 0.1, exact_share = 0.02;
+/// Of the blur: by which a patch's plane may miss a cell's place at the rim of the lens.
+constexpr double exact_share = 0.02;
 /// Of its depth: what was hidden is taken to be no farther by more.
 constexpr double most_back = 0.02;
 /// px, half width of the blur from which cells may be even squares: they add 1/12 px^2 to a variance of 9.
@@ -85,12 +86,16 @@ class Fit {
 template <std::size_t values>
 class Cutter {
   public:
-    Cutter(const SheetMesh& sheets, const PatchLens& lens, PatchMesh& out)
-        : sheets_(sheets), lens_(lens), out_(out) {}
+    Cutter(const SheetMesh& sheets, PatchLens lens, PatchMesh& out)
+        : sheets_(sheets), lens_(std::move(lens)), out_(out) {}
 
     void cut(std::uint32_t sheet) {
         sheet_ = sheet;
-        cut(0, 0, sheets_.sheets[sheet].width, sheets_.sheets[sheet].height);
+        const Sheet& s = sheets_.sheets[sheet];
+        // With W a motion is that of what it is seen in: its depth puts nothing anywhere.
+        const bool moves = values == 1 && lens_.motion_px_m;
+        within_for_motion_ = moves ? lens_.exact_px / lens_.motion_px_m(s) : HUGE_VAL;
+        cut(0, 0, s.width, s.height);
     }
 
   private:
@@ -128,7 +133,8 @@ class Cutter {
         });
         if (cells == 0) return;
         fit.solve();
-        const double within = std::max(exact_px, exact_share * blur_px) / lens_.radius_px_m;
+        const double within =
+            std::min(std::max(lens_.exact_px, exact_share * blur_px) / lens_.radius_px_m, within_for_motion_);
         if (width > 1 || height > 1) {
             double error = 0;
             each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const CellPlane* p) {
@@ -179,13 +185,18 @@ class Cutter {
     PatchLens lens_;
     PatchMesh& out_;
     std::uint32_t sheet_ = 0;
+    double within_for_motion_ = HUGE_VAL;  ///< 1/m
 };
 
 }  // namespace
 
 PatchLens patch_lens(const FocusGeometry& geometry) {
     const double radius_px_m = geometry.gain_px * geometry.aperture_radius_m;
-    return {radius_px_m, geometry.inverse_focus_per_m, radius_px_m * geometry.aperture_radius_m};
+    PatchLens lens;
+    lens.radius_px_m = radius_px_m;
+    lens.inverse_focus_per_m = geometry.inverse_focus_per_m;
+    lens.bend_px_m2 = radius_px_m * geometry.aperture_radius_m;
+    return lens;
 }
 
 double PatchLens::least_blur_px(const Mat2& w) const {
@@ -201,12 +212,14 @@ double PatchLens::least_blur_px(const Mat2& w) const {
 PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens) {
     PatchMesh out;
     out.sheets = &sheets;
+    out.overlap_px = static_cast<float>(lens.overlap_px);
     out.follows.reserve(sheets.sheets.size());
     for (const Sheet& sheet : sheets.sheets) {
         std::uint32_t follows = 0;
         for (std::size_t bounce = 0; bounce < 2; ++bounce) {
             const double strays_px = lens.radius_px_m * static_cast<double>(sheet.strays[bounce]);
-            if (strays_px <= lens.follow_px) follows |= 1U << bounce;
+            if (strays_px <= lens.follow_px || lens.follow_px == PatchLens::all_follow)
+                follows |= 1U << bounce;
         }
         out.follows.push_back(static_cast<std::uint8_t>(follows));
     }
@@ -246,21 +259,15 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
                          static_cast<double>(p[0].y)};
     } else {
         // First order around the middle, with the depth that the plane has there.
-        const glm::dvec2 half(patch.width / 2.0, patch.height / 2.0);
-        const auto at = [&](double x, double y) {
-            return motion({corner.x + x, corner.y + y,
-                           static_cast<double>(p[0].value) + static_cast<double>(p[0].x) * x +
-                               static_cast<double>(p[0].y) * y});
-        };
-        const auto left = at(0, half.y), right = at(2 * half.x, half.y), up = at(half.x, 0),
-                   down = at(half.x, 2 * half.y), middle = at(half.x, half.y);
-        if (!left || !right || !up || !down || !middle) return false;
-        out.move[0] = glm::dvec2(right->x - left->x, right->y - left->y) / (2 * half.x);
-        out.move[1] = glm::dvec2(down->x - up->x, down->y - up->y) / (2 * half.y);
-        out.from = glm::dvec2(middle->x, middle->y) - out.move * half;
-        const double by_x = (right->inverse_z - left->inverse_z) / (2 * half.x),
-                     by_y = (down->inverse_z - up->inverse_z) / (2 * half.y);
-        out.inverse_z = {middle->inverse_z - by_x * half.x - by_y * half.y, by_x, by_y};
+        const glm::dvec2 half(patch.width / 2.0, patch.height / 2.0), slope(p[0].x, p[0].y);
+        const RasterPoint middle{corner.x + half.x, corner.y + half.y,
+                                 static_cast<double>(p[0].value) + glm::dot(slope, half)};
+        const auto to = motion.tangent(middle, slope, half);
+        if (!to) return false;
+        out.move = {{to->by_x.x, to->by_x.y}, {to->by_y.x, to->by_y.y}};
+        out.from = glm::dvec2(to->at.x, to->at.y) - out.move * half;
+        out.inverse_z = {to->at.inverse_z - to->by_x.inverse_z * half.x - to->by_y.inverse_z * half.y,
+                         to->by_x.inverse_z, to->by_y.inverse_z};
     }
     const glm::dvec2 q = lens.lens_px;
     out.from += lens.inverse_focus_per_m * q + lens.offset_px;

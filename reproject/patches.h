@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
+#include <limits>
 #include <vector>
 
 #include "lens/focus_geometry.h"
@@ -19,9 +21,14 @@ struct PatchLens {
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< px by which a W.bend of 1/m^2 misses at the rim
     /// px at the rim by which what is seen in a mirror or in glass may part from it and yet be taken for its
-    /// own light; less than 0: none is.
+    /// own light; less than 0: none is; all_follow: all is.
     double follow_px = default_follow_px;
-    static constexpr double default_follow_px = 0.25;
+    static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
+    double exact_px = 0.1;  ///< by which a patch may miss a cell's place in a view; more where it is blurred
+    /// px by which a patch reaches beyond its sides, so that neighbours whose planes differ leave no crack.
+    double overlap_px = 0.02;
+    /// px by which the motion of any view moves what of a sheet is nearer by 1/m; none: nothing moves.
+    std::function<double(const Sheet&)> motion_px_m;
 
     /// Least half width of the blur of what has this W, px.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
@@ -52,6 +59,7 @@ struct PatchPlace {
 
 struct PatchMesh {
     const SheetMesh* sheets = nullptr;
+    float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
     /// By patch, `sheets->values` each, around the patch's corner: 1/z', xx, xy, yx, yy.
     std::vector<CellPlane> planes;
@@ -88,8 +96,8 @@ struct PatchMesh {
 /// What was closely hidden where it was recorded counts as farther than its plane by what two planes may be
 /// off together (Patch::back_per_m): closely behind another surface, as the cap inside the end of an open
 /// cylinder, it must not show through that. Where the lens sees past what hides it, nothing is compared.
-/// Patches as large as planes stay within a tenth of a pixel, or a fiftieth of the blur, of every cell's own
-/// depth at the lens's rim; at least a cell each. Deterministic.
+/// Patches as large as every cell is where its own depth puts it, within PatchLens::exact_px, for every view,
+/// or within a fiftieth of the blur at the lens's rim; at least a cell each. Deterministic.
 [[nodiscard]] PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens);
 
 /// Where a patch lies as `motion` (to first order around the patch's middle) and then the lens move it.

@@ -1,6 +1,7 @@
 #include "reproject/raster_map.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace postlens {
 
@@ -52,6 +53,30 @@ std::optional<RasterPoint> RasterMap::operator()(const RasterPoint& p) const {
     const dvec4 q = m_ * dvec4(p.x, p.y, 1 / p.inverse_z, 1);
     if (!(q.z > 0)) return std::nullopt;
     return RasterPoint{q.x, q.y, 1 / q.z};
+}
+
+std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm::dvec2& slope,
+                                                const glm::dvec2& reach) const {
+    const bool perspective = projection_ == Projection::perspective;
+    if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
+    // A homogeneous point and its derivatives by x and y. With z' in its third place a step of 1/z' is one of
+    // -z'^2.
+    const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
+    const glm::dmat4& m = m_;
+    const dvec4 depth = perspective ? m[3] : m[2];
+    const dvec4 q = m * (perspective ? dvec4(p.x, p.y, 1, p.inverse_z) : dvec4(p.x, p.y, z, 1)),
+                q_x = m[0] + by_depth * slope.x * depth, q_y = m[1] + by_depth * slope.y * depth;
+    if (!(q.z > std::abs(q_x.z) * reach.x + std::abs(q_y.z) * reach.y)) return std::nullopt;
+    const double w = 1 / q.z;
+    if (!perspective) {
+        const auto by = [&](const dvec4& d) { return RasterPoint{d.x, d.y, -d.z * w * w}; };
+        return RasterTangent{{q.x, q.y, w}, by(q_x), by(q_y)};
+    }
+    const RasterPoint at{q.x * w, q.y * w, p.inverse_z * w};
+    const auto by = [&](const dvec4& d, double step) {
+        return RasterPoint{(d.x - at.x * d.z) * w, (d.y - at.y * d.z) * w, (step - at.inverse_z * d.z) * w};
+    };
+    return RasterTangent{at, by(q_x, slope.x), by(q_y, slope.y)};
 }
 
 FrameMotion::FrameMotion(const SampleHeader& header)

@@ -19,23 +19,35 @@ struct RasterPoint {
     double x = 0, y = 0, inverse_z = 0;
 };
 
+/// Where a point of a surface comes to lie, and how its surroundings do: by px to the right and down.
+struct RasterTangent {
+    RasterPoint at;
+    RasterPoint by_x, by_y;
+};
+
 /// Raster and depth to raster and depth. Perspective: in homogeneous coordinates (x, y, 1, 1/z') a motion is
 /// a matrix, and what is infinitely far needs no case of its own. Orthographic: in (x, y, z', 1); what is
 /// infinitely far stays.
 class RasterMap {
   public:
     RasterMap() = default;
-    RasterMap(const glm::dmat4& matrix, Projection projection) : m_(matrix), projection_(projection) {}
+    RasterMap(const glm::dmat4& matrix, Projection projection)
+        : m_(matrix), projection_(projection), identity_(matrix == glm::dmat4(1)) {}
 
     /// Nothing where the point comes to lie behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
+    /// Of a surface whose inverse depth goes on from `p` by `slope` per px to the right and down, as far as
+    /// `reach` px either way. Nothing where any of that comes to lie behind the camera.
+    [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
+                                                       const glm::dvec2& reach) const;
     [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
     [[nodiscard]] Projection projection() const { return projection_; }
-    [[nodiscard]] bool identity() const { return m_ == glm::dmat4(1); }
+    [[nodiscard]] bool identity() const { return identity_; }
 
   private:
     glm::dmat4 m_{1};
     Projection projection_ = Projection::perspective;
+    bool identity_ = true;
 };
 
 /// What a point of the lens adds to the movement of what it sees: `(1/s I - W) lens_px + offset_px`, W being

@@ -192,7 +192,7 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
                 }
             };
             build(strip.primary, strip.primary_keys, made.primary);
-            build(strip.deeper, strip.deeper_keys, made.deeper);
+            if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
             // From here on others may work in this thread, and in `made`.
             TreeSheets& part = parts[first_part + t];
             part = made;
@@ -202,6 +202,7 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
     band = RecordBand();
     strips = std::vector<Strip>();
     TreeSheets out;
+    out.primary.time_s = out.deeper.time_s = file.instant_s(instant);
     out.deeper.values = 5;
     join(
         parts.size(), [&](std::size_t t) -> SheetMesh& { return parts[t].primary; }, out.primary);

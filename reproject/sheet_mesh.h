@@ -122,6 +122,7 @@ struct SheetChoice {
     /// the left, the sheets that are not wanted; highlights are not taken yet. From several threads. None:
     /// all are wanted.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
+    bool deeper = true;  ///< whether what is seen in mirrors and through glass is wanted
     /// Of rows that are not looked at: appends what is wanted of them nevertheless, from the left.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;

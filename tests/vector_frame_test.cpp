@@ -15,7 +15,7 @@
 
 #include "core/threads.h"
 #include "motionblur/vector_blur.h"
-#include "motionblur/vector_mesh.h"
+#include "motionblur/vector_sheets.h"
 #include "tests/command_test.h"
 
 namespace postlens {
@@ -137,10 +137,16 @@ TEST_F(VectorFrameTest, TilesOfOneDepthPartByTheirIds) {
         };
         const VectorFrame frame = frame_of(tiles);
         EXPECT_EQ(frame.id_name, "objectId");
-        const SampleMesh mesh = vector_mesh(frame);
-        std::vector<float> speeds;
-        for (std::size_t i = 0; i < mesh.x.size(); ++i) {
-            if (mesh.x[i] == 32) speeds.push_back(mesh.vx[i]);
+        const SheetMesh mesh = vector_sheets(frame);
+        std::vector<float> speeds;  // of the seam's pixels, at the side that they share
+        for (const Sheet& s : mesh.sheets) {
+            for (int k = 0; k < s.width * s.height; ++k) {
+                const int x = s.x + k % s.width;
+                if (x != 31 && x != 32) continue;
+                const CellPlane& w =
+                    mesh.planes[mesh.values * (s.first_cell + static_cast<std::size_t>(k)) + 1];
+                speeds.push_back(-(w.value + (x == 31 ? 0.5F : -0.5F) * w.x));
+            }
         }
         const auto [least, most] = std::minmax_element(speeds.begin(), speeds.end());
         return std::pair(*least, *most);
