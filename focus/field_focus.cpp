@@ -157,7 +157,6 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     // What moves, and what it shows, go their own ways.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
-    if (p.moves) p.lens.motion_px_m = parallax(instants);
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
     // What moves in mirrors, and what is large, blurs its highlights itself.
     if (p.rule.takes && p.moves) {
@@ -214,19 +213,6 @@ PatchField FieldFocuser::outline() const {
 double FieldFocuser::instant_s(double u) const {
     const FieldShutter& s = *settings_.shutter;
     return s.open_s + s.curve.time(u) * (s.close_s - s.open_s);
-}
-
-MotionParallax FieldFocuser::parallax(std::size_t instants) const {
-    const Motions& motions = *prepared_->motions;
-    MotionParallax out;
-    out.motion_class = [&motions](std::uint32_t id) { return motions.class_of(id); };
-    for (std::size_t i = 0; i < instants; ++i) {
-        for (int k = 0; k < parallax_views; ++k) {
-            const double u = (k + 0.5) / parallax_views;
-            out.views.push_back(motions.maps(frame_.file().instant_s(i), instant_s(u)));
-        }
-    }
-    return out;
 }
 
 std::vector<PatchView> FieldFocuser::views_at(const FieldViews& views,

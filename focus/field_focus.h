@@ -15,7 +15,6 @@
 #include "lens/shutter_curve.h"
 #include "records/image.h"
 #include "records/sample_file.h"
-#include "reproject/motion_parallax.h"
 #include "reproject/patch_field.h"
 #include "reproject/raster_map.h"
 #include "reproject/sheet_mesh.h"
@@ -101,8 +100,6 @@ class FieldFocuser {
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(const FieldViews& views,
                                                   std::span<const LensViewPoint> points) const;
-    /// Of what moves, as seen from all recorded instants.
-    [[nodiscard]] MotionParallax parallax(std::size_t instants) const;
     /// Where a set says that one surface is to be left out, of what the strips have or of all.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;

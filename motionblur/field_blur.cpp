@@ -6,7 +6,7 @@
 
 #include "motionblur/shutter_views.h"
 #include "reproject/instants_around.h"
-#include "reproject/motion_parallax.h"
+#include "reproject/motion_strain.h"
 
 namespace postlens {
 namespace {
@@ -82,12 +82,12 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& s
     }
     PatchLens lens;  // a pinhole
     lens.follow_px = PatchLens::all_follow;
-    MotionParallax parallax{{}, field.motion_class};
-    const std::size_t step = std::max<std::size_t>(1, set.views.size() / parallax_views);
+    StrainOfMotions strain{{}, field.motion_class};
+    const std::size_t step = std::max<std::size_t>(1, set.views.size() / strain_views);
     for (std::size_t i = 0; i < set.views.size(); i += step) {
-        for (const auto& use : set.views[i].uses) parallax.views.push_back(use.motions);
+        for (const auto& use : set.views[i].uses) strain.views.push_back(use.motions);
     }
-    lens.motion_px_m = std::move(parallax);
+    lens.motion = std::move(strain);
     std::vector<PatchMesh> patches;
     patches.reserve(sheets.size());
     for (const SheetMesh& m : sheets) patches.push_back(cut_patches(m, lens));

@@ -92,9 +92,6 @@ class Cutter {
     void cut(std::uint32_t sheet) {
         sheet_ = sheet;
         const Sheet& s = sheets_.sheets[sheet];
-        // With W a motion is that of what it is seen in: its depth puts nothing anywhere.
-        const bool moves = values == 1 && lens_.motion_px_m;
-        within_for_motion_ = moves ? lens_.exact_px / lens_.motion_px_m(s) : HUGE_VAL;
         cut(0, 0, s.width, s.height);
     }
 
@@ -133,14 +130,15 @@ class Cutter {
         });
         if (cells == 0) return;
         fit.solve();
-        const double within =
-            std::min(std::max(lens_.exact_px, exact_share * blur_px) / lens_.radius_px_m, within_for_motion_);
+        const MotionStrain strain = motion_of(x0, y0, width, height, fit);
+        const double within = std::min(std::max(lens_.exact_px, exact_share * blur_px) / lens_.radius_px_m,
+                                       lens_.exact_px / strain.px_m);
         if (width > 1 || height > 1) {
             double error = 0;
             each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const CellPlane* p) {
                 error = std::max(error, fit.error(x, y, p));
             });
-            if (!(error <= within)) {
+            if (!(error <= within) || 2 * strain.bend_px > lens_.overlap_px) {
                 const int left = (width + 1) / 2, upper = (height + 1) / 2;
                 cut(x0, y0, left, upper);
                 if (left < width) cut(x0 + left, y0, width - left, upper);
@@ -150,6 +148,17 @@ class Cutter {
             }
         }
         add(x0, y0, width, height, fit, blur_px, within);
+    }
+
+    [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
+                                         const Fit<values>& fit) const {
+        // With W a motion is that of what it is seen in: its depth puts nothing anywhere.
+        if (values != 1 || !lens_.motion) return {};
+        const Sheet& s = sheets_.sheets[sheet_];
+        const glm::dvec2 half(width / 2.0, height / 2.0);
+        const CellPlane plane = fit.plane(0);
+        return lens_.motion(s.key, {s.x + x0 + half.x, s.y + y0 + half.y, fit.at(0, half.x, half.y)},
+                            {plane.x, plane.y}, half);
     }
 
     void add(int x0, int y0, int width, int height, const Fit<values>& fit, double blur_px, double within) {
@@ -185,7 +194,6 @@ class Cutter {
     PatchLens lens_;
     PatchMesh& out_;
     std::uint32_t sheet_ = 0;
-    double within_for_motion_ = HUGE_VAL;  ///< 1/m
 };
 
 }  // namespace

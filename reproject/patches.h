@@ -15,6 +15,12 @@
 
 namespace postlens {
 
+/// The most that any of some motions does.
+struct MotionStrain {
+    double px_m = 0;     ///< RasterTangent::by_depth
+    double bend_px = 0;  ///< RasterTangent::bend_px
+};
+
 /// A lens for which patches are made: what it can tell apart, and what it blurs.
 struct PatchLens {
     double radius_px_m = 0;  ///< gain times the lens's radius: px by which 1/m out of focus moves its rim
@@ -27,8 +33,11 @@ struct PatchLens {
     double exact_px = 0.1;  ///< by which a patch may miss a cell's place in a view; more where it is blurred
     /// px by which a patch reaches beyond its sides, so that neighbours whose planes differ leave no crack.
     double overlap_px = 0.02;
-    /// px by which the motion of any view moves what of a sheet is nearer by 1/m; none: nothing moves.
-    std::function<double(const Sheet&)> motion_px_m;
+    /// What the motions of all views do to a part of a sheet; none: nothing moves. `middle`, `slope` and
+    /// `reach`: as RasterMap::tangent.
+    std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
+                               const glm::dvec2& reach)>
+        motion;
 
     /// Least half width of the blur of what has this W, px.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;

@@ -66,17 +66,23 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
     const dvec4 depth = perspective ? m[3] : m[2];
     const dvec4 q = m * (perspective ? dvec4(p.x, p.y, 1, p.inverse_z) : dvec4(p.x, p.y, z, 1)),
                 q_x = m[0] + by_depth * slope.x * depth, q_y = m[1] + by_depth * slope.y * depth;
-    if (!(q.z > std::abs(q_x.z) * reach.x + std::abs(q_y.z) * reach.y)) return std::nullopt;
+    const double change = std::abs(q_x.z) * reach.x + std::abs(q_y.z) * reach.y;
+    if (!(q.z > change)) return std::nullopt;
     const double w = 1 / q.z;
     if (!perspective) {
         const auto by = [&](const dvec4& d) { return RasterPoint{d.x, d.y, -d.z * w * w}; };
-        return RasterTangent{{q.x, q.y, w}, by(q_x), by(q_y)};
+        return RasterTangent{{q.x, q.y, w}, by(q_x), by(q_y), by_depth * glm::dvec2(depth), 0};
     }
     const RasterPoint at{q.x * w, q.y * w, p.inverse_z * w};
     const auto by = [&](const dvec4& d, double step) {
         return RasterPoint{(d.x - at.x * d.z) * w, (d.y - at.y * d.z) * w, (step - at.inverse_z * d.z) * w};
     };
-    return RasterTangent{at, by(q_x, slope.x), by(q_y, slope.y)};
+    RasterTangent out{at, by(q_x, slope.x), by(q_y, slope.y)};
+    out.by_depth = {(depth.x - at.x * depth.z) * w, (depth.y - at.y * depth.z) * w};
+    out.bend_px =
+        change * w *
+        (std::hypot(out.by_x.x, out.by_x.y) * reach.x + std::hypot(out.by_y.x, out.by_y.y) * reach.y);
+    return out;
 }
 
 FrameMotion::FrameMotion(const SampleHeader& header)

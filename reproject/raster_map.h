@@ -19,10 +19,12 @@ struct RasterPoint {
     double x = 0, y = 0, inverse_z = 0;
 };
 
-/// Where a point of a surface comes to lie, and how its surroundings do: by px to the right and down.
+/// Where a point of a surface comes to lie, and how its surroundings do.
 struct RasterTangent {
     RasterPoint at;
-    RasterPoint by_x, by_y;
+    RasterPoint by_x, by_y;  ///< per px to the right and down
+    glm::dvec2 by_depth{0};  ///< px by which what is nearer by 1/m comes to lie elsewhere
+    double bend_px = 0;      ///< by which what is `reach` away lies elsewhere than to first order, about
 };
 
 /// Raster and depth to raster and depth. Perspective: in homogeneous coordinates (x, y, 1, 1/z') a motion is

@@ -6,7 +6,7 @@
 
 #include "core/threads.h"
 #include "records/quadtree.h"
-#include "reproject/motion_parallax.h"
+#include "reproject/motion_strain.h"
 #include "reproject/patch_field.h"
 #include "reproject/patch_raster.h"
 #include "tests/random_records.h"
@@ -94,11 +94,11 @@ RasterMap map_of(const dmat4& m) {
 
 /// For a pinhole and these motions of moving_id.
 PatchLens lens_for(const std::vector<RasterMap>& motions) {
-    MotionParallax parallax{{}, [](std::uint32_t id) { return id == moving_id ? std::size_t{1} : 0; }};
-    for (const RasterMap& m : motions) parallax.views.push_back({RasterMap(), m});
+    StrainOfMotions strain{{}, [](std::uint32_t id) { return id == moving_id ? std::size_t{1} : 0; }};
+    for (const RasterMap& m : motions) strain.views.push_back({RasterMap(), m});
     PatchLens lens;
     lens.follow_px = PatchLens::all_follow;
-    lens.motion_px_m = std::move(parallax);
+    lens.motion = std::move(strain);
     return lens;
 }
 
@@ -197,16 +197,35 @@ TEST(RasterMap, TangentIsTheMapToFirstOrder) {
     EXPECT_FALSE(map_of(near).tangent({5, 0, 1}, {0, 0}, {6, 4}));
 }
 
-// Motion along the film moves 1/m by as many px as the matrix's last column says; a turn moves no depth.
-TEST(MotionParallax, IsTheSlopeOfTheMapByDepth) {
-    const MovingSheets f = plane(0.001, -0.002);
-    const Sheet& sheet = f.sheets.sheets.front();
-    EXPECT_NEAR(lens_for({map_of(step_aside(7)), map_of(step_aside(-11))}).motion_px_m(sheet), 11, 1e-6);
-    EXPECT_NEAR(lens_for({map_of(raster_turn(0.5))}).motion_px_m(sheet), 0, 1e-6);
-    EXPECT_EQ(lens_for({RasterMap()}).motion_px_m(sheet), 0);
-    Sheet other = sheet;
-    other.key.id = moving_id + 1;
-    EXPECT_EQ(lens_for({map_of(step_aside(7))}).motion_px_m(other), 0);
+// Motion along the film moves 1/m by as many px as the matrix's last column says; a turn in the film moves no
+// depth and bends nothing; a pan bends about as the differences of its map say.
+TEST(StrainOfMotions, IsTheMostOfAllViews) {
+    const SheetKey key{{}, 0, moving_id};
+    const auto of = [&](const std::vector<RasterMap>& motions, const SheetKey& k) {
+        return lens_for(motions).motion(k, {20, 15, 0.3}, {0, 0}, {8, 8});
+    };
+    const MotionStrain aside = of({map_of(step_aside(7)), map_of(step_aside(-11))}, key);
+    EXPECT_NEAR(aside.px_m, 11, 1e-9);
+    EXPECT_EQ(aside.bend_px, 0);
+    const MotionStrain turned = of({map_of(raster_turn(0.5))}, key);
+    EXPECT_NEAR(turned.px_m, 0, 1e-9);
+    EXPECT_EQ(turned.bend_px, 0);
+    dmat4 pan(1);
+    pan[0][2] = 0.001;
+    const RasterMap panned = map_of(pan);
+    const auto at = [&](double x, double y) {
+        const auto to = panned({x, y, 0.3});
+        return glm::dvec2(to->x, to->y);
+    };
+    const auto to = panned.tangent({20, 15, 0.3}, {0, 0}, {8, 8});
+    const glm::dvec2 corner = at(28, 23), first_order = glm::dvec2(to->at.x, to->at.y) +
+                                                        8.0 * glm::dvec2(to->by_x.x, to->by_x.y) +
+                                                        8.0 * glm::dvec2(to->by_y.x, to->by_y.y);
+    const double off = glm::length(corner - first_order), bend = of({panned}, key).bend_px;
+    EXPECT_GT(bend, off);
+    EXPECT_LT(bend, 2 * off);
+    EXPECT_EQ(of({RasterMap()}, key).px_m, 0);
+    EXPECT_EQ(of({map_of(step_aside(7))}, {{}, 0, moving_id + 1}).px_m, 0);
 }
 
 // A curved surface that moves by its depth: every cell comes to lie where its own depth puts it, within what
@@ -241,7 +260,7 @@ TEST(MovingPatches, AreCutAsFineAsTheMotionAsks) {
     };
     PatchLens pinhole = lens_for({});
     EXPECT_LT(worst_px(lens_for({map})), pinhole.exact_px + 1e-6);
-    pinhole.motion_px_m = {};
+    pinhole.motion = {};
     EXPECT_GT(worst_px(pinhole), 1);
 }
 
