@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -193,10 +194,12 @@ class BandSampler {
         }
     }
 
-    // What decides of one layer of a sample.
+    // What decides of one layer of a sample; its nodes are `count` from `first` on, by path.
     struct Seen {
         std::uint32_t id = 0;
         std::array<float, 3> rgb{};
+        const TracedSamples* chunk = nullptr;
+        std::uint32_t first = 0, count = 0;
     };
 
     [[nodiscard]] bool differ(const Cell& c, const Seen* s, int count) const {
@@ -211,8 +214,83 @@ class BandSampler {
                 lo = std::min(lo, s[i].rgb[channel]);
                 hi = std::max(hi, s[i].rgb[channel]);
             }
-            // 0.05 keeps dark noise from splitting; contrast as in [mitchell1987].
-            if (static_cast<double>(hi - lo) / (static_cast<double>(hi + lo) + 0.05) > settings_.threshold)
+            if (has_contrast(lo, hi)) return true;
+        }
+        return pattern_between(s, count);
+    }
+
+    // 0.05 keeps dark noise from splitting; contrast as in [mitchell1987].
+    [[nodiscard]] bool has_contrast(double lo, double hi) const {
+        return (hi - lo) / (hi + lo + 0.05) > settings_.threshold;
+    }
+
+    // Corners of one colour may lie on either side of a pattern, or in the shadows of different lights.
+    [[nodiscard]] bool pattern_between(const Seen* s, int count) const {
+        if (s[0].chunk->sources.empty()) return false;
+        for (std::uint32_t n = 0; n < s[0].count; ++n) {
+            std::array<std::uint32_t, 4> node{s[0].first + n};
+            bool all = true;
+            for (int i = 1; i < count && all; ++i) {
+                const auto found = node_like(s[0].chunk->records[node[0]], s[i]);
+                all = found.has_value();
+                if (all) node[static_cast<std::size_t>(i)] = *found;
+            }
+            if (all && (shadows_differ(s, node, count) || texture_differs(s, node, count))) return true;
+        }
+        return false;
+    }
+
+    // What has the same path and id.
+    [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in) {
+        for (std::uint32_t n = in.first; n < in.first + in.count; ++n) {
+            const Record& r = in.chunk->records[n];
+            if (r.path == wanted.path) return r.id == wanted.id ? std::optional(n) : std::nullopt;
+        }
+        return std::nullopt;
+    }
+
+    [[nodiscard]] static bool shadows_differ(const Seen* s, const std::array<std::uint32_t, 4>& node,
+                                             int count) {
+        for (int i = 1; i < count; ++i) {
+            if (s[i].chunk->sources[node[static_cast<std::size_t>(i)]].shadows !=
+                s[0].chunk->sources[node[0]].shadows)
+                return true;
+        }
+        return false;
+    }
+
+    // Whether the texture between the places that the corners look at has contrast, as it is lit there.
+    [[nodiscard]] bool texture_differs(const Seen* s, const std::array<std::uint32_t, 4>& node,
+                                       int count) const {
+        const Texture* texture = s[0].chunk->sources[node[0]].texture;
+        if (texture == nullptr) return false;
+        glm::vec3 low = s[0].chunk->sources[node[0]].place, high = low;
+        for (int i = 1; i < count; ++i) {
+            const ColourSource& source = s[i].chunk->sources[node[static_cast<std::size_t>(i)]];
+            if (source.texture != texture) return false;
+            low = glm::min(low, source.place);
+            high = glm::max(high, source.place);
+        }
+        const ColourRange range = texture->range(low, high);
+        if (range.low == range.high) return false;
+        for (int channel = 0; channel < 3; ++channel) {
+            // What is added to the texture's colour, and what that is multiplied by.
+            double times = 0, plus = HUGE_VAL;
+            std::array<double, 4> texel{};
+            for (int i = 0; i < count; ++i) {
+                const auto k = static_cast<std::size_t>(i);
+                texel[k] = texture->colour_at(s[i].chunk->sources[node[k]].place)[channel];
+                if (texel[k] > 1e-6)
+                    times = std::max(times,
+                                     static_cast<double>(steady(*s[i].chunk, node[k])[channel]) / texel[k]);
+            }
+            for (int i = 0; i < count; ++i) {
+                const auto k = static_cast<std::size_t>(i);
+                plus = std::min(plus, static_cast<double>(s[i].rgb[static_cast<std::size_t>(channel)]) -
+                                          times * texel[k]);
+            }
+            plus = std::max(plus, 0.0);
+            if (has_contrast(plus + times * range.low[channel], plus + times * range.high[channel]))
                 return true;
         }
         return false;
@@ -223,12 +301,13 @@ class BandSampler {
         const TracedSamples& chunk = chunks_[s.chunk];
         const Record* r = chunk.records.data() + s.first;
         const std::uint32_t layer = r[at].layer;
-        Seen out{r[at].id, {}};
+        Seen out{r[at].id, {}, &chunk, s.first + at, 0};
         for (; at < s.count && r[at].layer == layer; ++at) {
             const glm::vec3 c = steady(chunk, s.first + at);
             out.rgb[0] += c.r;
             out.rgb[1] += c.g;
             out.rgb[2] += c.b;
+            ++out.count;
         }
         return out;
     }
@@ -238,7 +317,7 @@ class BandSampler {
         bool hidden = false;
         for (std::size_t i = 0; i < 4; ++i) {
             const Sample& s = samples_[c.corner[i]];
-            seen[i] = {s.id, {s.r, s.g, s.b}};
+            seen[i] = {s.id, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
             hidden = hidden || s.count > s.visible;
         }
         return differ(c, seen.data(), 4) || (hidden && hidden_layers_differ(c)) ||
@@ -470,6 +549,7 @@ class BandSampler {
         const std::uint32_t edge = grid_y(y_end);
         carried_.records.clear();
         carried_.noisy.clear();
+        carried_.sources.clear();
         std::size_t kept = 0;
         for (Sample s : samples_) {
             if (s.y != edge) continue;
@@ -481,6 +561,11 @@ class BandSampler {
             if (!noisy.empty()) {
                 carried_.noisy.insert(carried_.noisy.end(), noisy.begin() + s.first,
                                       noisy.begin() + s.first + s.count);
+            }
+            const auto& sources = chunks_[s.chunk].sources;
+            if (!sources.empty()) {
+                carried_.sources.insert(carried_.sources.end(), sources.begin() + s.first,
+                                        sources.begin() + s.first + s.count);
             }
             s.chunk = 0;
             s.first = at;

@@ -27,9 +27,9 @@ struct SampledWindow {
 
 /// Traces the window band by band and hands each band, complete and in order, to `take`. A cell splits where
 /// the primary ids of its corners differ (down to `edge_levels`) or their colours do (contrast above
-/// `threshold`, down to `colour_levels`), of what is seen and of each hidden layer, and where `things` asks
-/// for it (down to `levels`). Memory stays bounded by a band. Deterministic for any number of threads.
-/// Returns the rays spent.
+/// `threshold`, down to `colour_levels`, of the texture between them, too), or the lights that are kept from
+/// them, of what is seen and of each hidden layer, and where `things` asks for it (down to `levels`). Memory
+/// stays bounded by a band. Deterministic for any number of threads. Returns the rays spent.
 RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window,
                          const SubdivisionSettings& settings,
                          const std::function<void(const RecordBand&)>& take, const SmallThings& things = {});

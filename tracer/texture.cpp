@@ -97,6 +97,34 @@ Texture::Texture(ImageTexture image) : is_image_(true), image_(std::move(image))
     assert(image_.rgb.size() ==
            3 * static_cast<std::size_t>(image_.width) * static_cast<std::size_t>(image_.height));
     for (const float value : image_.rgb) maximum_ = std::max(maximum_, static_cast<double>(value));
+    ranges_ = TexelRanges(image_.rgb, image_.width, image_.height);
+}
+
+ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const {
+    if (!is_image_) {
+        ColourRange out;
+        out.add(colour_at(low));
+        for (int axis = 0; axis < checker_.dimensions; ++axis) {
+            const double size = checker_.size[axis], offset = checker_.offset[axis];
+            if (exact_cell(high[axis], offset, size) == exact_cell(low[axis], offset, size)) continue;
+            out.add(checker_.even);
+            out.add(checker_.odd);
+        }
+        return out;
+    }
+    const glm::dvec2 repeat = image_.repeat, across = repeat * glm::dvec2(high - low);
+    if (!(across.x < 0.5 && across.y < 0.5)) {
+        ColourRange out;
+        out.add(colour_at(low));
+        out.add(colour_at(high));
+        return out;
+    }
+    // Texels from the upper left one on, whose centres lie at halves. As many as bilinear looks at.
+    const double x = repeat.x * low.x * image_.width, y = (1 - repeat.y * high.y) * image_.height;
+    const double x_end = x + across.x * image_.width, y_end = y + across.y * image_.height;
+    const double reach = image_.nearest ? 0 : 0.5;
+    return ranges_.of(image_.rgb, std::floor(x - reach), std::floor(x_end + reach), std::floor(y - reach),
+                      std::floor(y_end + reach), !image_.clamp_u, image_.wrap_v || repeat.y != 1);
 }
 
 glm::dvec3 Texture::colour(const glm::dvec3& object, const glm::dvec2& uv) const {

@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "tracer/texel_ranges.h"
+
 namespace postlens {
 
 /// A checker in object space, exact at cell borders: the cell of coordinate c is floor((c - offset) / size),
@@ -43,11 +45,23 @@ class Texture {
     [[nodiscard]] bool uses_uv() const { return is_image_ || checker_.dimensions == 2; }
     /// The greatest channel value that `colour` can return; bounds what a surface can add.
     [[nodiscard]] double maximum() const { return maximum_; }
+    /// What `colour` looks at: uv, or the object position.
+    [[nodiscard]] glm::dvec3 place(const glm::dvec3& object, const glm::dvec2& uv) const {
+        return uses_uv() ? glm::dvec3(uv, 0) : object;
+    }
+    /// The same by `place`.
+    [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
+        return colour(place, glm::dvec2(place));
+    }
+    /// What `colour` may be between two places, at least: that of all cells or texels that a box around them
+    /// meets. Half a picture apart they are on either side of a seam, and nothing lies between them.
+    [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:
     bool is_image_ = false;
     Checker checker_;
     ImageTexture image_;
+    TexelRanges ranges_;
     double maximum_ = 0;
 };
 

@@ -48,6 +48,7 @@ struct Node {
     dvec3 noisy{0};  // of the radiance, see TracedSamples::noisy
     dvec3 throughput{0};
     std::uint32_t sample = 0;
+    ColourSource source;
 };
 
 // Where a lobe's mean goes: to a node, times a share.
@@ -101,12 +102,13 @@ struct Workspace {
 };
 
 // Nodes come generation by generation; records go sample by sample, by layer and path.
-void collect(Workspace& w, bool noisy, TracedSamples& out) {
+void collect(Workspace& w, bool noisy, bool sources, TracedSamples& out) {
     out.offsets.assign(w.positions.size() + 1, 0);
     for (std::size_t i = 0; i < w.nodes.count; ++i) ++out.offsets[w.nodes[i].sample + 1];
     for (std::size_t i = 1; i < out.offsets.size(); ++i) out.offsets[i] += out.offsets[i - 1];
     out.records.resize(w.nodes.count);
     out.noisy.resize(noisy ? w.nodes.count : 0);
+    out.sources.resize(sources ? w.nodes.count : 0);
     std::vector<std::uint32_t>& next = w.order;
     next.assign(out.offsets.begin(), out.offsets.end() - 1);
     for (std::size_t i = 0; i < w.nodes.count; ++i) {
@@ -118,26 +120,39 @@ void collect(Workspace& w, bool noisy, TracedSamples& out) {
         n.record.g = static_cast<float>(c.y);
         n.record.b = static_cast<float>(c.z);
         if (noisy) out.noisy[next[n.sample]] = glm::vec3(n.noisy * n.throughput);
+        if (sources) out.sources[next[n.sample]] = n.source;
         out.records[next[n.sample]++] = n.record;
     }
     const auto before = [](const Record& a, const Record& b) {
         return a.layer != b.layer ? a.layer < b.layer : a.path.bits() < b.path.bits();
     };
-    std::vector<std::pair<Record, glm::vec3>> both;
+    struct All {
+        Record record;
+        glm::vec3 noisy{0};
+        ColourSource source;
+    };
+    std::vector<All> all;
     for (std::size_t i = 0; i < w.positions.size(); ++i) {
         const std::size_t begin = out.offsets[i], end = out.offsets[i + 1];
         const auto first = out.records.begin() + static_cast<std::ptrdiff_t>(begin),
                    last = out.records.begin() + static_cast<std::ptrdiff_t>(end);
         if (end - begin <= 2 || std::is_sorted(first, last, before)) continue;
-        if (!noisy) {
+        if (!noisy && !sources) {
             std::sort(first, last, before);
             continue;
         }
-        both.clear();
-        for (std::size_t k = begin; k < end; ++k) both.emplace_back(out.records[k], out.noisy[k]);
-        std::sort(both.begin(), both.end(),
-                  [&](const auto& a, const auto& b) { return before(a.first, b.first); });
-        for (std::size_t k = begin; k < end; ++k) std::tie(out.records[k], out.noisy[k]) = both[k - begin];
+        all.clear();
+        for (std::size_t k = begin; k < end; ++k) {
+            all.push_back({out.records[k], noisy ? out.noisy[k] : glm::vec3(0),
+                           sources ? out.sources[k] : ColourSource()});
+        }
+        std::sort(all.begin(), all.end(),
+                  [&](const All& a, const All& b) { return before(a.record, b.record); });
+        for (std::size_t k = begin; k < end; ++k) {
+            out.records[k] = all[k - begin].record;
+            if (noisy) out.noisy[k] = all[k - begin].noisy;
+            if (sources) out.sources[k] = all[k - begin].source;
+        }
     }
 }
 
@@ -156,6 +171,7 @@ struct WhittedTracer::Impl {
     bool has_extents = false;
     bool deeper_nodes = false;
     bool refocus = false;
+    bool has_sources = false;
     std::vector<double> bound;  // by nodes left below: the most radiance that a subtree can have
 
     void start(Workspace& w) const;
@@ -226,6 +242,7 @@ Node& WhittedTracer::Impl::add_node(const PathRay& ray, Workspace& w) {
     n.record.w_bend = 0;
     n.throughput = ray.throughput;
     n.noisy = dvec3(0);
+    n.source = {};
     n.sample = ray.sample;
     return n;
 }
@@ -259,6 +276,8 @@ void WhittedTracer::Impl::hit(const PathRay& ray, const SurfacePoint& s, const H
     }
     const dvec3 colour = surface_colour(m, s);
     n.radiance = own_radiance(scene, m, s, colour);
+    n.source.texture = m.colour_texture ? m.colour_texture.get() : m.emission_texture.get();
+    if (n.source.texture != nullptr) n.source.place = n.source.texture->place(s.object_position, s.uv);
     light(ray, s, f, key, m, colour, w, counts);
     spawn(ray, s, f, key, m, w, counts);
 }
@@ -413,7 +432,12 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
         rays.occlude(batch);
         for (std::size_t k = 0; k < w.shadows[i].count; ++k) {
             const Shadow& shadow = w.shadows[i][k];
-            w.nodes[shadow.node].radiance += shadow.radiance * batch.transmittance[k];
+            Node& node = w.nodes[shadow.node];
+            node.radiance += shadow.radiance * batch.transmittance[k];
+            // A light that adds little makes no shadow to speak of.
+            constexpr double little = 0.005;
+            if (largest(shadow.radiance * (1.0 - dvec3(batch.transmittance[k])) * node.throughput) > little)
+                node.source.shadows |= 1U << (i % 32U);
         }
     }
 }
@@ -608,6 +632,9 @@ WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
         impl_->lobe_means = std::make_unique<LobeMeans>(scene, impl_->settings);
     impl_->refocus = settings.refocus_matrices && impl_->deeper_nodes &&
                      camera.projection == Camera::Projection::perspective;
+    const auto has_texture = [](const Material& m) { return m.colour_texture || m.emission_texture; };
+    impl_->has_sources = !impl_->lights.empty() || std::any_of(scene.scene().materials.begin(),
+                                                               scene.scene().materials.end(), has_texture);
 }
 
 WhittedTracer::~WhittedTracer() = default;
@@ -634,7 +661,7 @@ void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& 
     if (!w.bent.empty()) impl_->trace_bends(w, counts);
     if (!w.lobes.empty()) impl_->average_lobes(w, counts);
     if (!w.extents.empty()) impl_->average_extents(w, counts);
-    collect(w, impl_->noisy(), out);
+    collect(w, impl_->noisy(), impl_->has_sources, out);
 }
 
 }  // namespace postlens

@@ -43,6 +43,13 @@ struct RayCounts {
     }
 };
 
+/// What a record's colour was found by: two of the same colour may lie on either side of a pattern.
+struct ColourSource {
+    const Texture* texture = nullptr;  ///< that most of the colour comes from; null: none
+    glm::vec3 place{0};                ///< where that was looked at (Texture::place)
+    std::uint32_t shadows = 0;         ///< a bit for each light, modulo 32, that something keeps away
+};
+
 /// Records of a batch: sample i has records [offsets[i], offsets[i + 1]), sorted by layer, then path, the
 /// primary first.
 struct TracedSamples {
@@ -51,6 +58,8 @@ struct TracedSamples {
     /// Per record, the part of r, g, b with sampling noise: radiance from lobes, and in a penumbra the
     /// difference from half of the unshadowed light. Empty if no record has such a part.
     std::vector<glm::vec3> noisy;
+    /// Per record; empty where the scene has neither textures nor lights.
+    std::vector<ColourSource> sources;
 };
 
 class WhittedTracer {

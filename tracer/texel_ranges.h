@@ -1,0 +1,43 @@
+// What colours a rectangle of a picture has, without looking at all of it.
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace postlens {
+
+/// As made, of nothing.
+struct ColourRange {
+    glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+    void add(const glm::dvec3& colour) {
+        low = glm::min(low, colour);
+        high = glm::max(high, colour);
+    }
+};
+
+/// The least and the greatest value of each channel in squares of 4, 8, 16, ... texels.
+class TexelRanges {
+  public:
+    TexelRanges() = default;
+    /// Of `rgb`, `width` times `height` texels, which is not kept.
+    TexelRanges(std::span<const float> rgb, int width, int height);
+
+    /// Of texels [x_first, x_last] x [y_first, y_last] of the same `rgb`, which may lie outside: there the
+    /// picture repeats, or goes on as its border. Of a rectangle longer than 9 texels that of some more
+    /// around it: less than two fifths of its greater length on each side.
+    [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
+                                 double y_last, bool wrap_x, bool wrap_y) const;
+
+  private:
+    struct Level {
+        int width = 0, height = 0;
+        std::vector<std::array<float, 6>> squares;  ///< least r, g, b; greatest r, g, b
+    };
+    int width_ = 0, height_ = 0;
+    std::vector<Level> levels_;
+};
+
+}  // namespace postlens
