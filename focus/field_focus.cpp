@@ -30,22 +30,6 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     };
 }
 
-/// The reversed binary digits of i, as a fraction: with i itself a set of low discrepancy.
-double reversed(std::uint32_t i) {
-    std::uint32_t out = 0;
-    for (std::uint32_t bit = 0x80000000U; i != 0; i >>= 1U, bit >>= 1U) out |= (i & 1U) != 0 ? bit : 0U;
-    return out / 4294967296.0;
-}
-
-/// From one set of views to the next, in time: far from the multiples of small fractions.
-constexpr double set_shift = 0.38196601125010515;
-
-/// Of the light, what has come in before a view's instant.
-double light_before(const FieldViews& views, std::size_t view) {
-    const double u = std::min(1.0, reversed(static_cast<std::uint32_t>(view)) + 0.5 / views.count);
-    return views.set > 0 ? std::fmod(u + views.set * set_shift, 1.0) : u;
-}
-
 /// Which ids move alike, and how.
 class Motions {
   public:
@@ -215,18 +199,17 @@ double FieldFocuser::instant_s(double u) const {
     return s.open_s + s.curve.time(u) * (s.close_s - s.open_s);
 }
 
-std::vector<PatchView> FieldFocuser::views_at(const FieldViews& views,
-                                              std::span<const LensViewPoint> points) const {
+std::vector<PatchView> FieldFocuser::views_at(std::span<const LensViewPoint> points) const {
     const Prepared& p = *prepared_;
     std::vector<PatchView> out;
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    for (const LensViewPoint& point : points) {
         PatchView v;
-        v.sample = points[i].place;
-        v.lens = points[i].shift;
-        v.passes = passing(settings_, points[i]);
+        v.sample = point.place;
+        v.lens = point.shift;
+        v.passes = passing(settings_, point);
         v.uses = {{0, 1, {}}};
         if (settings_.shutter && (p.moves || p.instants_s.size() > 1)) {
-            v.uses = uses_at(p.instants_s, instant_s(light_before(views, i)), *p.motions);
+            v.uses = uses_at(p.instants_s, instant_s(point.light_before), *p.motions);
             if (!p.moves) {
                 for (auto& use : v.uses) use.motions.clear();
             }
@@ -250,7 +233,7 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     std::size_t pictures = 0;
     for (const FieldViews& set : sets) {
         points.push_back(lens_view_points(settings_.aperture, g, set.count, set.set));
-        field.sets.push_back({views_at(set, points.back()), {}, nullptr, set.picture});
+        field.sets.push_back({views_at(points.back()), {}, nullptr, set.picture});
         pictures = std::max(pictures, set.picture + 1);
     }
     std::optional<FieldStrips> strips;
@@ -259,10 +242,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }
-    const auto instants_of = [&](const FieldViews& set) {
+    const auto instants_of = [&](const std::vector<LensViewPoint>& of_set) {
         std::vector<double> out;
-        for (int i = 0; p.moves && i < set.count; ++i)
-            out.push_back(light_before(set, static_cast<std::size_t>(i)));
+        for (std::size_t i = 0; p.moves && i < of_set.size(); ++i) out.push_back(of_set[i].light_before);
         return out;
     };
     const std::optional<OneSurface> simple = one_surface(sets, strips ? &*strips : nullptr);
@@ -274,7 +256,7 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {
             if (highlights.any())
-                lights.push_back(highlights.over(points[i], sets[i].set, instants_of(sets[i])));
+                lights.push_back(highlights.over(points[i], sets[i].set, instants_of(points[i])));
             field.sets[i].lights = highlights.any() ? lights.back().get() : nullptr;
             field.sets[i].wanted = [&, i](int x, int y, int width, int height) {
                 return part.meets(x, y, width, height) && !(simple && simple->all(x, y, width, height)) &&

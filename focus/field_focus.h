@@ -63,8 +63,7 @@ struct FieldFocus {
 /// Which views a picture is the mean of.
 struct FieldViews {
     int count = default_lens_views;
-    int set =
-        0;  ///< sets have different points, so that their errors are nearly independent; see lens_views.h
+    int set = 0;  ///< sets have points of their own, so that their errors are independent; see lens_views.h
     /// Whether a rectangle of the window is wanted; none: all is. What is not is left as filling gaps makes
     /// it.
     std::function<bool(int x, int y, int width, int height)> wanted;
@@ -98,8 +97,7 @@ class FieldFocuser {
     [[nodiscard]] PatchField outline() const;
     /// By which the share u of the shutter's light has come in.
     [[nodiscard]] double instant_s(double u) const;
-    [[nodiscard]] std::vector<PatchView> views_at(const FieldViews& views,
-                                                  std::span<const LensViewPoint> points) const;
+    [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
     /// Where a set says that one surface is to be left out, of what the strips have or of all.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;

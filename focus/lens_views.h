@@ -15,8 +15,9 @@ inline constexpr int default_lens_views = 64;
 inline constexpr int most_lens_views = 4096;
 
 struct LensViewPoint {
-    glm::dvec2 lens{0};     ///< in units of the lens's radius, raster axes
-    glm::dvec2 place{0.5};  ///< where in every pixel the view looks, px
+    glm::dvec2 lens{0};         ///< in units of the lens's radius, raster axes
+    glm::dvec2 place{0.5};      ///< where in every pixel the view looks, px
+    double light_before = 0.5;  ///< of the shutter's light, what has come in before
     LensShift shift;
 };
 
@@ -25,11 +26,11 @@ struct LensViewPoint {
 /// Throws Error(wrong_arguments) for those that none has.
 void check_has_points(const Impulse& impulse);
 
-/// `views` points of the aperture, as even as its light, each with its place in the pixel: together a
-/// low-discrepancy set of four dimensions, the lens's part of which is a Vogel spiral [vogel1979] for a disc
-/// and a lattice along the golden ratio for other apertures. Throws Error(wrong_arguments) for a number
-/// outside 1..most_lens_views. `set`: 0, 1, ...; another set is turned about the axis by an irrational angle
-/// and shifted in the pixel.
+/// `views` points of the aperture, as even as its light, each with its place in the pixel and its share of
+/// the shutter's light: the first of the Sobol points of five dimensions [joe2008], scrambled [owen1995].
+/// More views begin with the same ones. Sets are scrambled independently of each other: half the squared
+/// difference of the means of two is an unbiased estimate of the squared error of either. Throws
+/// Error(wrong_arguments) for a number outside 1..most_lens_views.
 [[nodiscard]] std::vector<LensViewPoint> lens_view_points(const Aperture& aperture,
                                                           const FocusGeometry& geometry, int views,
                                                           int set = 0);

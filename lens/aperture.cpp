@@ -226,4 +226,12 @@ std::uint64_t Aperture::fingerprint() const {
     return out.value();
 }
 
+dvec2 disc_point(double u, double v) {
+    const double a = 2 * u - 1, b = 2 * v - 1;
+    if (a == 0 && b == 0) return {0, 0};
+    constexpr double quarter = std::numbers::pi / 4;
+    if (std::abs(a) > std::abs(b)) return {a * std::cos(quarter * b / a), a * std::sin(quarter * b / a)};
+    return {b * std::sin(quarter * a / b), b * std::cos(quarter * a / b)};
+}
+
 }  // namespace postlens

@@ -16,6 +16,9 @@ struct AperturePicture {
     std::vector<double> light;  ///< >= 0, not all 0
 };
 
+/// The point of the unit disc that (u, v) picks, evenly by area; neighbours stay neighbours [shirley1997].
+[[nodiscard]] glm::dvec2 disc_point(double u, double v);
+
 /// Points of the lens in units of its radius F / 2n, in raster axes: x to the right, y down. A place of the
 /// field is counted from the picture's middle, its corners at length 1.
 ///

@@ -78,8 +78,7 @@ Pilot::Pilot(FocusFrame& frame, const HybridSettings& lens, int views, int first
 }
 
 double noise_of_set(int pilot_views, int views) {
-    const double of_one = views <= pilot_views ? 1 : two_sets * std::pow(2, noise_exponent);
-    return of_one * std::pow(static_cast<double>(pilot_views) / views, noise_exponent);
+    return std::pow(static_cast<double>(pilot_views) / views, noise_exponent);
 }
 
 double noise_of_views(double pilot_mse, int pilot_views, int views) {

@@ -44,9 +44,8 @@ class Pilot {
 /// weighted by what it is worth.
 [[nodiscard]] double noise_of_views(double pilot_mse, int pilot_views, int views);
 
-/// Of two sets together, where one of them is off by 1: not quite a half, as both are evenly spread over the
-/// lens.
-inline constexpr double two_sets = 0.6;
+/// Of two sets together, where one of them is off by 1: they are independent.
+inline constexpr double two_sets = 0.5;
 
 /// Of the floor of pixels that are traced again, what is in others: edges run on where no corner sees them.
 /// In calibrating tiles that had a third of their pixels or fewer traced again 0.11 to 0.39, mostly 0.2.

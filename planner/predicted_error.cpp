@@ -16,9 +16,6 @@ namespace {
 /// Where the noise of the views is all that has to be known, and where they are what is compared with. Sets
 /// of their own, so that what happens to be alike in the picture's views is not in theirs.
 constexpr int views_for_noise = 8, views_to_compare = 32, first_set = 3;
-/// What the errors of two sets have in common, of the square of one's: as both together are off by two_sets
-/// of one alone, 0.5 (1 + common).
-constexpr double common = 2 * two_sets - 1;
 
 double product_of_errors(const Image& image, const Pilot& pilot, std::size_t k) {
     double sum = 0;
@@ -29,8 +26,7 @@ double product_of_errors(const Image& image, const Pilot& pilot, std::size_t k) 
         const double value = encoded(image, c);
         sum += (value - encoded(pilot.a, c)) * (value - encoded(pilot.b, c)) / 3;
     }
-    // Half the squared difference of two sets is what each is off by, without what both have in common.
-    return sum - common / (1 - common) * static_cast<double>(pilot.noise[k]);
+    return sum;
 }
 
 }  // namespace

@@ -138,12 +138,16 @@ TEST(PredictError, CountsWhatTheRecordsLack) {
     FocusSettings f = with(FocusMethod::lightfield, 256);
     f.focus_distance_m = 10;  // the edge of the bar is over a hand wide
     const Image truth = rays(b.scene, f);
-    const auto expected_of = [&](const TracedFrame& frame) {
+    // Of what no record shows it is known how much, and that it differs from what hides it by twice the
+    // standard deviation around: so it is where either fills half of that. Where the bar fills a sixth, 4 p
+    // (1 - p) is 0.56.
+    constexpr double uneven_db = 2.55;
+    const auto expected_of = [&](const TracedFrame& frame, double more_db = 0) {
         const Image image = focus_picture(frame.file(), f).image;
         FocusFrame of(frame.file());
         const PredictedError e = predict_error(of, {.focus = f}, {&image, f.method, f.views, {}});
         const double is = is_db(image, truth);
-        expect_near(e.predicted_db, is, "");
+        expect_near(std::max(e.predicted_db - more_db, std::min(e.predicted_db, is)), is, "");
         const double hidden = std::accumulate(
                          e.tiles.begin(), e.tiles.end(), 0.0,
                          [](double sum, const PredictedTile&t) { return sum + t.hidden_mse; }),
@@ -152,7 +156,7 @@ TEST(PredictError, CountsWhatTheRecordsLack) {
                                          [](double sum, const PredictedTile&t) { return sum + t.floor_mse; });
         return std::pair(hidden, floor);
     };
-    const auto all = expected_of(fine), few = expected_of(coarse), visible = expected_of(open);
+    const auto all = expected_of(fine), few = expected_of(coarse), visible = expected_of(open, uneven_db);
     EXPECT_GT(few.second, 10 * all.second);
     EXPECT_GT(visible.first, 10 * all.first);
 }

@@ -22,9 +22,6 @@ struct LensSamples {
     alignas(64) std::array<float, 16> x, y, lens_u, lens_v, time;
 };
 
-/// The point of the unit disc that (u, v) picks, evenly by area; neighbours stay neighbours [shirley1997].
-[[nodiscard]] glm::dvec2 disc_point(double u, double v);
-
 class LensCamera {
   public:
     struct Settings {

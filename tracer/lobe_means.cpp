@@ -7,8 +7,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "tracer/sample_hash.h"
-#include "tracer/sobol.h"
+#include "core/sample_hash.h"
+#include "core/sobol.h"
 
 namespace postlens {
 namespace {

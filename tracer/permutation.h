@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cstdint>
 
-#include "tracer/sample_hash.h"
+#include "core/sample_hash.h"
 
 namespace postlens {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tracer/sample_hash.h"
+#include "core/sample_hash.h"
 
 namespace postlens {
 

@@ -6,9 +6,9 @@
 #include <glm/vec2.hpp>
 #include <optional>
 
+#include "core/sample_hash.h"
+#include "core/sobol.h"
 #include "tracer/poisson_points.h"
-#include "tracer/sample_hash.h"
-#include "tracer/sobol.h"
 #include "tracer/strata.h"
 
 namespace postlens {

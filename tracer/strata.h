@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "tracer/sample_hash.h"
+#include "core/sample_hash.h"
 
 namespace postlens {
 

@@ -9,13 +9,13 @@
 #include <tuple>
 #include <vector>
 
+#include "core/sample_hash.h"
 #include "tracer/averaged_shading.h"
 #include "tracer/light_means.h"
 #include "tracer/lobe_means.h"
 #include "tracer/radiance_bounds.h"
 #include "tracer/ray_differentials.h"
 #include "tracer/refocus_bend.h"
-#include "tracer/sample_hash.h"
 #include "tracer/shading.h"
 
 namespace postlens {

@@ -1,4 +1,4 @@
-#include "tracer/sobol.h"
+#include "core/sobol.h"
 
 #include <array>
 #include <bit>

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "tracer/sample_hash.h"
+#include "core/sample_hash.h"
 
 namespace postlens {
 
