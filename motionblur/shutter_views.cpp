@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/sobol.h"
 
 namespace postlens {
 
@@ -16,14 +17,7 @@ void check_views(const std::optional<int>& views) {
 }
 
 glm::dvec2 place_in_pixel(std::uint32_t j, double places) {
-    std::uint32_t x = 0, y = 0;
-    for (std::uint32_t bit = 0x80000000U, direction = 0x80000000U, i = j; i != 0;
-         i >>= 1U, bit >>= 1U, direction ^= direction >> 1U) {
-        if ((i & 1U) != 0) {
-            x ^= bit;
-            y ^= direction;
-        }
-    }
+    const std::uint32_t x = reverse_bits(sobol_reversed(0, j)), y = reverse_bits(sobol_reversed(1, j));
     constexpr double scale = 1.0 / 4294967296.0;
     return {x * scale + 0.5 / places, y * scale + 0.5 / places};
 }
