@@ -223,15 +223,14 @@ void add_records(CLI::App& root, State& s) {
 }
 
 void retrace_options(CLI::App& app, RetraceOptions& o) {
-    reads(app.add_option(
-              "--scene", o.scene,
-              "The scene that the frame was traced from: hybrid traces again what no record shows [default: "
-              "nothing is]"))
+    reads(app.add_option("--scene", o.scene,
+                         "The scene that the frame was traced from: rays look wherever the records do not "
+                         "tell what a point "
+                         "of the lens sees [default: they tell what they can]"))
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.metres_per_unit,
            "Size of the unit of the scene, or of another program's depths, m [default: 1]", "X", units_m);
     lumens_option(app, o.lumens_per_watt, "With --scene: ");
-    whole(app, "--retrace-spp", o.spp, "Rays for each such pixel", "N", {.low = 1});
     writes(app.add_option(
                "--explain", o.explain,
                "Picture of what was done where: blue scattered, grey light field (auto: the paler the more "

@@ -85,12 +85,11 @@ void method_options(CLI::App& app, SweepOptions& o) {
                          "Paths of objects, in place of what the file says (docs/motion_paths.md)"))
         ->type_name("PATHS.toml");
     reads(app.add_option("--scene", o.retrace.scene,
-                         "The scene that the frame was traced from: hybrid traces again what no record shows "
-                         "[default: nothing is]"))
+                         "The scene that the frame was traced from: rays look wherever the records do not "
+                         "tell what a point of the lens sees [default: they tell what they can]"))
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.retrace.metres_per_unit, "Size of the scene's unit", "X", units_m);
     lumens_option(app, o.retrace.lumens_per_watt, "With --scene: ");
-    whole(app, "--retrace-spp", o.retrace.spp, "Rays for each such pixel", "N", {.low = 1});
 }
 
 void folder_options(CLI::App& app, SweepOptions& o) {

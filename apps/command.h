@@ -59,12 +59,11 @@ struct LensOptions {
     Framing framing = Framing::keep;
 };
 
-/// What `hybrid` may trace again.
+/// The scene that `hybrid` and `auto` may look at.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
     std::optional<double> metres_per_unit;  ///< absent: 1
     std::optional<double> lumens_per_watt;  ///< absent: as the sample file says
-    int spp = 128;
 };
 
 /// How a picture of another program is to be read.

@@ -4,6 +4,7 @@
 #include "apps/exposure.h"
 #include "apps/numbers.h"
 #include "apps/plan_command.h"
+#include "core/text.h"
 #include "focus/bend_warning.h"
 #include "focus/usual_method.h"
 #include "lens/prescription/first_order.h"
@@ -165,6 +166,7 @@ CommandResult run_focus(const FocusOptions& options) {
                 {"largest_coc_px", json_number(result.largest_coc_px)}};
     if (result.method == FocusMethod::hybrid || !plan.is_null()) out.json.update(shares_json(hybrid));
     if (!plan.is_null()) out.json["plan"] = plan;
+    if (!plan.is_null()) out.json["predicted_db"] = plan.at("predicted_db");
     out.text +=
         fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {}, widest CoC {}",
                     options.output, result.image.width, result.image.height, method_name(result.method),
@@ -172,6 +174,11 @@ CommandResult run_focus(const FocusOptions& options) {
                     result.views > 0 ? counted(static_cast<std::uint64_t>(result.views), "view")
                                      : counted(static_cast<std::uint64_t>(result.depths), "depth"),
                     px_text(result.largest_coc_px));
+    if (hybrid.stated) {
+        out.text += fmt::format(", {:.1f} dB ({:.1f} to {:.1f}), {} % rays", hybrid.stated->db(),
+                                hybrid.stated->low_db(), hybrid.stated->high_db(),
+                                rough(100 * hybrid.retraced_share));
+    }
     if (told) out.text += fmt::format("\n  {}, {}", method_name(method), usual.reason);
     if (predict) {
         report_prediction(predict_error(frame, {.focus = settings},

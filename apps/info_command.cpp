@@ -83,6 +83,7 @@ CommandResult sample_file_info(const std::string& input, bool salvage) {
          h.lumens_per_watt ? nlohmann::ordered_json(*h.lumens_per_watt) : nlohmann::ordered_json(nullptr)},
         {"refocus_matrices", h.has_w},
         {"refocus_bends", h.has_bend},
+        {"marks", h.has_marks},
         {"scene", h.scene_name},
         {"scene_sha256", h.scene_sha256},
         {"moving_ids", h.moving_ids},

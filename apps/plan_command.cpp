@@ -33,10 +33,6 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
 std::optional<Scene> scene_of(const RetraceOptions& retrace, const SampleFileReader& file,
                               const std::string& picture, CommandResult& out) {
     if (retrace.explain) check_image_path(*retrace.explain);
-    if (retrace.spp < 1) {
-        fail(ExitCode::wrong_arguments, "--retrace-spp: out of range (got {}; expected 1 or more)",
-             retrace.spp);
-    }
     if (!retrace.scene) return std::nullopt;
     std::vector<std::filesystem::path> written{picture};
     if (retrace.explain) written.emplace_back(*retrace.explain);
@@ -50,16 +46,23 @@ HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings, const Retrac
                         const std::string& picture, CommandResult& out) {
     const std::optional<Scene> scene = scene_of(retrace, frame.file(), picture, out);
     settings.scene = scene ? &*scene : nullptr;
-    settings.retrace_spp = retrace.spp;
     HybridResult result = hybrid_picture(frame, settings);
     if (retrace.explain) write_explanation(*retrace.explain, result, nullptr, settings.focus.crop);
     return result;
 }
 
 nlohmann::ordered_json shares_json(const HybridResult& r) {
-    return {{"scattered_share", r.scattered_share},
-            {"insufficient_share", r.wanted_share},
-            {"rays", rays_json(r.rays)}};
+    nlohmann::ordered_json out{{"scattered_share", r.scattered_share},
+                               {"insufficient_share", r.wanted_share},
+                               {"ray_share", r.retraced_share},
+                               {"rays", rays_json(r.rays)}};
+    if (!r.stated) return out;
+    out["stated_db"] = out["predicted_db"] = json_number(r.stated->db());
+    out["stated_low_db"] = json_number(r.stated->low_db());
+    out["stated_high_db"] = json_number(r.stated->high_db());
+    out["stated"] = {{"noise_mse", r.stated->noise_mse}, {"bias_mse", r.stated->bias_mse}};
+    out["check_rays"] = r.stated->check_rays;
+    return out;
 }
 
 AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,

@@ -28,7 +28,8 @@ nlohmann::ordered_json node_json(const Record& r, const std::string& name,
                                    {"rgb", {r.r, r.g, r.b}},
                                    {"layer", r.layer},
                                    {"w_per_m", {{r.w.xx, r.w.xy}, {r.w.yx, r.w.yy}}},
-                                   {"w_bend_per_m2", json_number(static_cast<double>(r.w_bend))}};
+                                   {"w_bend_per_m2", json_number(static_cast<double>(r.w_bend))},
+                                   {"mark", r.mark}};
     if (lens) {
         const CocAxes coc = coc_axes(*lens, r.w);
         node["coc_px"] = {coc.longer_px, coc.shorter_px};
@@ -42,6 +43,7 @@ std::string node_text(const Record& r, const std::string& name, const std::optio
     const bool isotropic = r.w.xx == r.w.yy && r.w.xy == 0 && r.w.yx == 0;
     line += isotropic ? fmt::format("  W {:.5g}", r.w.xx)
                       : fmt::format("  W {:.5g} {:.5g} / {:.5g} {:.5g}", r.w.xx, r.w.xy, r.w.yx, r.w.yy);
+    if (r.mark != 0) line += "  fine texture";
     if (r.w_bend != 0) line += fmt::format("  bend {:.4g}", r.w_bend);
     if (lens) {
         const CocAxes coc = coc_axes(*lens, r.w);

@@ -124,16 +124,11 @@ CommandResult run_sweep(const SweepOptions& o) {
         settings.depends_on.emplace_back(*o.paths);
     }
     settings.picture.curve = shutter_curve(o.curve);
-    if (o.retrace.spp < 1) {
-        fail(ExitCode::wrong_arguments, "--retrace-spp: out of range (got {}; expected 1 or more)",
-             o.retrace.spp);
-    }
     if (o.retrace.scene) {
         const SampleFileReader file(o.input, settings.damage, settings.exposure_stops);
         scene = read_scene_of_file(*o.retrace.scene, o.retrace.metres_per_unit.value_or(1),
                                    o.retrace.lumens_per_watt, file, {}, out);
         settings.picture.scene = &*scene;
-        settings.picture.retrace_spp = o.retrace.spp;
     }
     const SweepResult result = sweep(o.input, settings, o.output);
     warn(header, result, out.warnings);

@@ -19,7 +19,7 @@ float mean_around(const Image& image, int x, int y, std::size_t channel) {
 void write_recoloured(const SampleFileReader& file, const Image& image, const std::filesystem::path& path) {
     SampleHeader h = file.header();
     h.subdivide_levels = 0;
-    h.has_layers = h.has_w = h.has_bend = false;
+    h.has_layers = h.has_w = h.has_bend = h.has_marks = false;
     h.exposure_stops = image.exposure_stops.value_or(0);
     h.overscan_px = 0;
     h.key_times_s.clear();
@@ -33,6 +33,7 @@ void write_recoloured(const SampleFileReader& file, const Image& image, const st
             r.r = mean_around(image, x, y, 0);
             r.g = mean_around(image, x, y, 1);
             r.b = mean_around(image, x, y, 2);
+            r.mark = 0;
             to.records.push_back(r);
             to.offsets.push_back(static_cast<std::uint32_t>(to.records.size()));
         }

@@ -8,6 +8,7 @@
 
 #include "focus/field_highlights.h"
 #include "focus/field_surfaces.h"
+#include "focus/highlights_with_rays.h"
 #include "focus/lens_views.h"
 #include "focus/one_surface.h"
 #include "records/crop.h"
@@ -101,6 +102,8 @@ FieldFocus finished(PatchPicture seen, const std::optional<OneSurface>& simple) 
     out.unknown = std::move(seen.unknown);
     out.unknown_below = std::move(seen.unknown_below);
     out.guessed_below = std::move(seen.guessed_below);
+    out.traced = std::move(seen.traced);
+    out.checks = std::move(seen.checks);
     out.light_square = std::move(seen.light_square);
     return out;
 }
@@ -118,6 +121,7 @@ struct FieldFocuser::Prepared {
     bool moves = false;
     PatchLens lens;
     HighlightRule rule;
+    LightElsewhere less;  ///< what it takes, for rays
     std::optional<HighlightMotion> highlight_motion;
     [[nodiscard]] const HighlightMotion* moving() const {
         return highlight_motion ? &*highlight_motion : nullptr;
@@ -167,6 +171,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
+        // What of a surface's light all of the picture spreads is not known strip by strip.
+        if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
             frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
@@ -176,8 +182,13 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
         return;
     }
     p.all.emplace();
-    for (std::size_t i = 0; i < instants; ++i)
-        p.all->add(frame.sheets(i, p.rule, i == 0 ? settings_.also : RecordsRead{}), p.lens);
+    for (std::size_t i = 0; i < instants; ++i) {
+        const std::shared_ptr<TreeSheets> sheets =
+            frame.sheets(i, p.rule, i == 0 ? settings_.also : RecordsRead{});
+        if (settings_.rays != nullptr && p.rule.takes)
+            p.less = leave_to_lens(*sheets, *settings_.rays, p.moves, p.rule);
+        p.all->add(sheets, p.lens);
+    }
     p.of_all = std::make_unique<FieldHighlights>(*p.all->sheets[0], settings_.aperture, g, settings_.window,
                                                  p.moving());
 }
@@ -190,6 +201,9 @@ PatchField FieldFocuser::outline() const {
     field.y = settings_.window.y_begin;
     field.width = settings_.window.width();
     field.height = settings_.window.height();
+    const SampleFileReader& file = frame_.file();
+    field.recorded_begin = {file.x_begin(), file.y_begin()};
+    field.recorded_end = {file.x_end() - 1, file.y_end() - 1};  // the last are corners alone
     if (p.moves) field.motion_class = [&p](std::uint32_t id) { return p.motions->class_of(id); };
     return field;
 }
@@ -206,6 +220,8 @@ std::vector<PatchView> FieldFocuser::views_at(std::span<const LensViewPoint> poi
         PatchView v;
         v.sample = point.place;
         v.lens = point.shift;
+        v.lens_point = point.lens;
+        v.light_before = point.light_before;
         v.passes = passing(settings_, point);
         v.uses = {{0, 1, {}}};
         if (settings_.shutter && (p.moves || p.instants_s.size() > 1)) {
@@ -233,7 +249,15 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     std::size_t pictures = 0;
     for (const FieldViews& set : sets) {
         points.push_back(lens_view_points(settings_.aperture, g, set.count, set.set));
-        field.sets.push_back({views_at(points.back()), {}, nullptr, set.picture});
+        PatchViews views;
+        views.views = views_at(points.back());
+        for (PatchView& v : views.views) v.set = static_cast<std::uint32_t>(set.set);
+        views.rays = settings_.rays;
+        views.less = p.less;
+        views.left_to_rays = set.left_to_rays;
+        views.checked = set.checked;
+        views.picture = set.picture;
+        field.sets.push_back(std::move(views));
         pictures = std::max(pictures, set.picture + 1);
     }
     std::optional<FieldStrips> strips;
@@ -295,7 +319,9 @@ std::optional<OneSurface> FieldFocuser::one_surface(std::span<const FieldViews> 
                                                     FieldStrips* strips) const {
     const Prepared& p = *prepared_;
     const FocusGeometry& g = settings_.geometry;
-    if (!sets.front().leave_out_from_share || p.moves || p.instants_s.size() != 1) return std::nullopt;
+    if (!sets.front().leave_out_from_share || settings_.rays != nullptr || p.moves ||
+        p.instants_s.size() != 1)
+        return std::nullopt;
     const glm::dvec2 lens_box_px = g.gain_px * g.aperture_radius_m * settings_.aperture.half_extent();
     OneSurfaceFinder finder(lens_box_px, g.inverse_focus_per_m, settings_.window);
     if (p.all) {
@@ -310,7 +336,8 @@ std::optional<OneSurface> FieldFocuser::one_surface(std::span<const FieldViews> 
 }
 
 FieldFocus field_focus(FocusFrame& frame, const FieldFocusSettings& settings) {
-    return FieldFocuser(frame, settings).draw({settings.views, 0, {}, settings.leave_out_from_share});
+    return FieldFocuser(frame, settings)
+        .draw({.count = settings.views, .leave_out_from_share = settings.leave_out_from_share});
 }
 
 }  // namespace postlens

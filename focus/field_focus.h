@@ -18,6 +18,7 @@
 #include "reproject/patch_field.h"
 #include "reproject/raster_map.h"
 #include "reproject/sheet_mesh.h"
+#include "reproject/sight_rays.h"
 
 namespace postlens {
 
@@ -44,6 +45,10 @@ struct FieldFocusSettings {
     /// What the surfaces may take; where they would take more, they are read for each picture, strip by strip
     /// of it, a quarter of that at a time. The same bits.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
+    /// Looks wherever the records are not sure what a view sees; none: what they have stands. Of highlights
+    /// only those of surfaces that rays can see without are spread by themselves; nothing is left out, and
+    /// nothing stays unknown.
+    const SightRays* rays = nullptr;
 };
 
 struct FieldFocus {
@@ -51,6 +56,9 @@ struct FieldFocus {
     std::vector<float> unknown;        ///< by pixel, the share of its light that no record shows
     std::vector<float> unknown_below;  ///< the same of what is seen in mirrors and through glass
     std::vector<float> guessed_below;  ///< and of it, what no other view sees either
+    /// By pixel, with rays: the share of its views that was traced. Else empty.
+    std::vector<float> traced;
+    std::vector<PixelCheck> checks;  ///< by pixel, of sets with `checked`; else empty
     /// By pixel, of highlights that are spread by themselves: the mean square of the light that single rays
     /// would meet, which is what makes rays noisy there. Empty where there are none.
     std::vector<float> light_square;
@@ -68,6 +76,9 @@ struct FieldViews {
     /// it.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< as in FieldFocusSettings; of a set alone
+    /// With rays: PatchViews's.
+    std::function<bool(int x, int y)> left_to_rays;
+    std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     /// Which of the pictures that are drawn together they belong to. Those of one picture want different
     /// tiles of SeenTile::edge px.
     std::size_t picture = 0;

@@ -86,8 +86,8 @@ void FocusFrame::visit_rows(int y_begin, int y_end, const std::function<void(con
     }
 }
 
-std::shared_ptr<const TreeSheets> FocusFrame::sheets(std::size_t instant, const HighlightRule& rule,
-                                                     const RecordsRead& also) {
+std::shared_ptr<TreeSheets> FocusFrame::sheets(std::size_t instant, const HighlightRule& rule,
+                                               const RecordsRead& also) {
     const auto read = [&] {
         if (instant != 0 || !file_.header().has_bend)
             return std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, also));

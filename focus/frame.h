@@ -49,8 +49,8 @@ class FocusFrame {
 
     /// `tree_sheets`; good until the next call for the same instant. All rules must have the same limit.
     /// `also` is told of the records of the instant, each row of the file once, and with instant 0 only.
-    [[nodiscard]] std::shared_ptr<const TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
-                                                           const RecordsRead& also = {});
+    [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
+                                                     const RecordsRead& also = {});
 
     /// Of rows [y_begin, y_end) of the picture at least. What the sheets of instant 0 were made of has not to
     /// be read for it again.

@@ -67,23 +67,25 @@ int HighlightMotion::moments_wanted(const Highlight& light, const SheetKey& key)
     if (!moves(key)) return 1;
     double fastest_px = 0;  // from one look to the next
     double blur_px = HUGE_VAL;
-    std::optional<Highlight> last;
+    Highlight last;
+    bool has_last = false;
     const std::shared_ptr<const Maps> ways = maps(key.id, looks);
     for (const RasterMap& map : *ways) {
         Highlight here;
         if (!moved(light, map, here)) {
-            last.reset();
+            has_last = false;
             continue;
         }
         blur_px = std::min(blur_px, lens_.least_blur_px(here.w));
-        if (last) {
+        if (has_last) {
             const double way =
-                std::hypot(static_cast<double>(here.x - last->x), static_cast<double>(here.y - last->y));
+                std::hypot(static_cast<double>(here.x - last.x), static_cast<double>(here.y - last.y));
             const double rim =
-                lens_.radius_px_m * std::abs(static_cast<double>(here.inverse_z - last->inverse_z));
+                lens_.radius_px_m * std::abs(static_cast<double>(here.inverse_z - last.inverse_z));
             fastest_px = std::max(fastest_px, way + rim);
         }
         last = here;
+        has_last = true;
     }
     const double step = std::max(step_px, step_of_blur * (std::isfinite(blur_px) ? blur_px : 0));
     int count = 1;

@@ -159,7 +159,7 @@ class SheetMaker {
                     s.first_cell + static_cast<std::size_t>((p.y - low.y) * s.width + p.x - low.x);
                 out.cells[k] = SheetNode::leaf | static_cast<std::uint32_t>(out.texels.size());
                 const auto& rgb = c.pixel->rgb;
-                out.texels.push_back({rgb[0], rgb[1], rgb[2], number << 2U});
+                out.texels.push_back({rgb[0], rgb[1], rgb[2], Texel::info_of(number, 0)});
                 const auto& v = c.velocity;
                 const glm::vec2 middle = (v[0] + v[1] + v[2] + v[3]) / 4.0F,
                                 by_x = (v[1] + v[3] - v[0] - v[2]) / 2.0F,
@@ -216,7 +216,7 @@ class SheetMaker {
             mesh_.fine.push_back(c == SheetNode::none ? c : c + texels);
         mesh_.planes.insert(mesh_.planes.end(), square.planes.begin(), square.planes.end());
         for (Texel t : square.texels) {
-            t.info += sheets << 2U;
+            t.info += sheets << Texel::sheet_shift;
             mesh_.texels.push_back(t);
         }
     }

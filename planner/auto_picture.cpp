@@ -179,7 +179,7 @@ class Planner {
             const auto wanted = [&, views = views](int x, int y, int /*width*/, int /*height*/) {
                 return out_.tiles[out_.grid.at(x, y)].views == views;
             };
-            sets.push_back({views - both_pilots, 2, wanted, {}, 0});
+            sets.push_back({.count = views - both_pilots, .set = 2, .wanted = wanted});
         }
         const FieldFocus drawn = std::move(focuser.draw(sets).front());
         Image& picture = out_.hybrid.focus.image;

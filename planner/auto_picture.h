@@ -15,7 +15,7 @@ inline constexpr double default_target_db = 40;
 inline constexpr double promised_share = 0.9;
 
 struct AutoSettings {
-    HybridSettings hybrid;  ///< `focus.views`, `retrace_spp` and `tolerated` do not count
+    HybridSettings hybrid;  ///< `focus.views` and `tolerated` do not count
     /// PSNR wanted of every tile, encoded values; 10 to 80.
     double target_db = default_target_db;
 };

@@ -7,11 +7,14 @@
 #include "core/text.h"
 #include "focus/bend_warning.h"
 #include "focus/depth_levels.h"
-#include "focus/field_focus.h"
 #include "planner/hidden_error.h"
 #include "planner/retrace.h"
+#include "planner/stated_error.h"
+#include "planner/tile_grid.h"
 #include "records/aperture_file.h"
 #include "records/crop.h"
+#include "tracer/render_setup.h"
+#include "tracer/scene_rays.h"
 
 namespace postlens {
 namespace {
@@ -34,59 +37,22 @@ std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vect
     return out;
 }
 
-/// Leaves out those where so many rays, most of which miss a highlight that the lens spreads, are expected to
-/// be further off than the views.
-void leave_to_views(std::vector<std::uint32_t>& pixels, const FieldFocus& field,
-                    const MisplacedLight& misplaced, double apart, int spp) {
-    if (field.light_square.empty()) return;
-    HiddenError hidden(field.image, misplaced, apart);
-    std::erase_if(pixels, [&](std::uint32_t k) {
-        return noise_of_rays(field.image, k, field.light_square[k], spp) >
-               hidden.at(k, HiddenError::shares(field, k));
-    });
-}
-
 /// Scattering costs about as much as so many views of the whole picture, so that it pays for few views only
 /// where it saves most of the picture.
 constexpr double scatter_costs_views = 200;
 
-}  // namespace
-
-HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings) {
-    FocusFrame frame(file);
-    return hybrid_picture(frame, settings);
-}
-
-HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
+/// What the records alone tell.
+HybridResult from_records(FocusFrame& frame, const HybridSettings& settings, FieldFocusSettings by_field) {
     const SampleFileReader& file = frame.file();
     const SampleHeader& h = file.header();
     FocusSettings focus = settings.focus;
-    if (focus.framing != Framing::keep) {
-        fail(ExitCode::wrong_arguments,
-             "--framing: hybrid and shoot keep the framing of the trace (expected keep)");
-    }
-    check_has_points(focus.impulse);
-    if (settings.scene != nullptr) check_exposed_alike(*settings.scene, file);
-    check_crop(focus.crop, h.width, h.height);
-    // Which pixels are traced again, and with which others, is decided over the whole picture.
-    if (settings.scene != nullptr) focus.crop.reset();
     const auto drawn = static_cast<double>(wanted_pixels(focus.crop, h.width, h.height));
-    const std::string camera = settings.scene != nullptr ? checked_camera(h, *settings.scene) : "";
-    const FocusGeometry geometry = focus_geometry(focus.lens, focus.focus_distance_m, Framing::keep,
-                                                  {h.film_distance_mm, h.pixel_pitch_mm});
-    const bool moves = settings.motion != nullptr && settings.shutter;
     HybridResult out;
-    FieldFocusSettings by_field{
-        geometry,  read_aperture(focus.impulse), {0, h.width, 0, h.height}, focus.views, {}, {}, {},
-        focus.crop};
-    MisplacedLight misplaced(h, geometry);
+    MisplacedLight misplaced(h, by_field.geometry);
     by_field.also.rows = [&](const RecordBand& band, int y_begin, int y_end) {
         misplaced.add(band, y_begin, y_end);
     };
-    if (!moves) by_field.leave_out_from_share = scatter_costs_views / std::max(focus.views, 1);
-    if (moves)
-        by_field.shutter = {settings.motion, settings.shutter->open_s, settings.shutter->close_s,
-                            settings.curve};
+    if (!by_field.shutter) by_field.leave_out_from_share = scatter_costs_views / std::max(focus.views, 1);
     const FieldFocus field = field_focus(frame, by_field);
     out.what.assign(field.unknown.size(), 0);
     if (std::find(field.left_out.begin(), field.left_out.end(), 1) != field.left_out.end()) {
@@ -110,26 +76,141 @@ HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
         out.scattered_share = static_cast<double>(scattered) / drawn;
     } else {
         out.focus.image = field.image;
-        out.focus.largest_coc_px = largest_coc_px(depth_range(file), geometry);
+        out.focus.largest_coc_px = largest_coc_px(depth_range(file), by_field.geometry);
     }
+    const std::size_t pixels =
+        insufficient(field, misplaced.picture(), settings.tolerated, focus.crop).size();
+    out.wanted_share = static_cast<double>(pixels) / drawn;
+    if (out.wanted_share > 1e-3) {
+        out.focus.warnings.push_back(
+            {"uncovered", out.wanted_share,
+             fmt::format("the records do not suffice for {} % of the pixels (expected --scene, for rays to "
+                         "look there, or a trace with --hidden-layers for this lens)",
+                         rough(100 * out.wanted_share))});
+    }
+    return out;
+}
+
+/// Of two halves, pixel by pixel, by what they are worth.
+void mix(const std::vector<float>& from, double share, std::vector<float>& to) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] += static_cast<float>(share) * (from[i] - to[i]);
+}
+
+/// Puts tiles of another drawing in their place.
+void replace_tiles(const std::vector<std::uint8_t>& which, FieldFocus&& from, FieldFocus& to) {
+    const TileGrid grid{to.image.width, to.image.height};
+    for (int y = 0; y < to.image.height; ++y) {
+        for (int x = 0; x < to.image.width; ++x) {
+            if (which[grid.at(x, y)] == 0) continue;
+            const auto k = static_cast<std::size_t>(y) * static_cast<std::size_t>(to.image.width) +
+                           static_cast<std::size_t>(x);
+            std::copy_n(from.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * k), 3,
+                        to.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * k));
+            to.traced[k] = from.traced[k];
+            const std::uint32_t rays = to.checks[k].rays;
+            to.checks[k] = {};  // nothing is left to the records
+            to.checks[k].rays = rays;
+        }
+    }
+}
+
+/// With the scene: in two halves, so that their difference tells the noise.
+HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings, FieldFocusSettings by_field) {
+    const SampleHeader& h = frame.file().header();
+    const RenderSettings render =
+        retrace_settings(h, settings, checked_camera(h, *settings.scene), by_field.aperture);
+    const RenderSetup setup(*settings.scene, render);
+    const SceneRays rays(setup, render.tracing, std::max(settings.focus.views, 1));
+    by_field.rays = &rays;
+    const FieldFocuser focuser(frame, by_field);
+    const int second = settings.focus.views / 2, first = settings.focus.views - second;
+    std::vector<FieldViews> halves;
+    for (const int count : {first, second}) {
+        if (count == 0) continue;
+        const int set = static_cast<int>(halves.size());
+        FieldViews views{.count = count, .set = set, .picture = static_cast<std::size_t>(set)};
+        views.checked = settings.checked ? settings.checked
+                                         : [set, count](int x, int y, std::vector<std::uint32_t>& some) {
+                                               CheckedPixels::views(x, y, set, count, some);
+                                           };
+        halves.push_back(std::move(views));
+    }
+    std::vector<FieldFocus> drawn = focuser.draw(halves);
+    HybridResult out;
+    if (drawn.size() == 2 && !settings.checked) {
+        const std::vector<std::uint8_t> biased = biased_tiles(drawn[0], drawn[1]);
+        if (std::find(biased.begin(), biased.end(), 1) != biased.end()) {
+            const TileGrid grid{h.width, h.height};
+            for (FieldViews& views : halves) {
+                views.wanted = [&](int x, int y, int, int) { return biased[grid.at(x, y)] != 0; };
+                views.left_to_rays = [](int, int) { return true; };
+                views.checked = nullptr;
+            }
+            std::vector<FieldFocus> again = focuser.draw(halves);
+            for (std::size_t i = 0; i < 2; ++i) replace_tiles(biased, std::move(again[i]), drawn[i]);
+        }
+        out.stated = stated_error(drawn[0], drawn[1], settings.focus.crop);
+    }
+    FieldFocus& all = drawn[0];
+    if (drawn.size() == 2) {
+        const double share = static_cast<double>(second) / settings.focus.views;
+        mix(drawn[1].image.rgb, share, all.image.rgb);
+        mix(drawn[1].traced, share, all.traced);
+        for (std::size_t k = 0; k < all.checks.size(); ++k) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                all.checks[k].sum[c] += drawn[1].checks[k].sum[c];
+                all.checks[k].squares[c] += drawn[1].checks[k].squares[c];
+            }
+            all.checks[k].views += drawn[1].checks[k].views;
+            all.checks[k].rays += drawn[1].checks[k].rays;
+        }
+    }
+    out.what.assign(all.traced.size(), 0);
+    double traced = 0;
+    for (std::size_t k = 0; k < all.traced.size(); ++k) {
+        traced += static_cast<double>(all.traced[k]);
+        if (all.traced[k] > 0.5F) out.what[k] = 2;
+    }
+    out.retraced_share = traced / static_cast<double>(wanted_pixels(settings.focus.crop, h.width, h.height));
+    out.rays = rays.counts();
+    out.focus.image = std::move(all.image);
+    out.focus.largest_coc_px = largest_coc_px(depth_range(frame.file()), by_field.geometry);
+    out.traced = std::move(all.traced);
+    out.checks = std::move(all.checks);
+    return out;
+}
+
+}  // namespace
+
+HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings) {
+    FocusFrame frame(file);
+    return hybrid_picture(frame, settings);
+}
+
+HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
+    const SampleFileReader& file = frame.file();
+    const SampleHeader& h = file.header();
+    const FocusSettings& focus = settings.focus;
+    if (focus.framing != Framing::keep) {
+        fail(ExitCode::wrong_arguments,
+             "--framing: hybrid and shoot keep the framing of the trace (expected keep)");
+    }
+    check_has_points(focus.impulse);
+    if (settings.scene != nullptr) check_exposed_alike(*settings.scene, file);
+    check_crop(focus.crop, h.width, h.height);
+    const FocusGeometry geometry = focus_geometry(focus.lens, focus.focus_distance_m, Framing::keep,
+                                                  {h.film_distance_mm, h.pixel_pitch_mm});
+    FieldFocusSettings by_field{
+        geometry,  read_aperture(focus.impulse), {0, h.width, 0, h.height}, focus.views, {}, {}, {},
+        focus.crop};
+    if (settings.motion != nullptr && settings.shutter)
+        by_field.shutter = {settings.motion, settings.shutter->open_s, settings.shutter->close_s,
+                            settings.curve};
+    HybridResult out = settings.scene != nullptr ? with_rays(frame, settings, std::move(by_field))
+                                                 : from_records(frame, settings, std::move(by_field));
     out.focus.image.exposure_stops = file.exposure_stops();
     out.focus.views = focus.views;
     out.focus.geometry = geometry;
-    std::vector<std::uint32_t> pixels =
-        insufficient(field, misplaced.picture(), settings.tolerated, focus.crop);
-    out.wanted_share = static_cast<double>(pixels.size()) / drawn;
-    if (settings.scene != nullptr) {
-        leave_to_views(pixels, field, misplaced, apart_px(file, geometry, moves), settings.retrace_spp);
-        limit_retraced(settings.most_retraced, pixels, out);
-        retrace(*settings.scene, retrace_settings(h, settings, camera, by_field.aperture), std::move(pixels),
-                out);
-    } else if (out.wanted_share > 1e-3) {
-        out.focus.warnings.push_back(
-            {"uncovered", out.wanted_share,
-             fmt::format("the records do not suffice for {} % of the pixels (expected --scene, to trace them "
-                         "again, or a trace with --hidden-layers for this lens)",
-                         rough(100 * out.wanted_share))});
-    }
     return out;
 }
 

@@ -5,8 +5,10 @@
 #include <optional>
 #include <string>
 
+#include "focus/field_focus.h"
 #include "focus/focus.h"
 #include "lens/shutter_curve.h"
+#include "planner/stated_error.h"
 #include "reproject/raster_map.h"
 #include "tracer/ray_scene.h"
 #include "tracer/scene.h"
@@ -22,7 +24,9 @@ struct HybridSettings {
     ShutterCurve curve = ShutterCurve::box();
     /// The scene that the file was traced from, for what the records do not show; null: stays as it is.
     const Scene* scene = nullptr;
-    int retrace_spp = 128;
+    /// With the scene: FieldViews's, of either half of the views, in place of the usual checks; nothing is
+    /// then decided or stated by them. For measurements.
+    std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     double most_retraced = 0.1;  ///< share of the pixels
     /// Share of a pixel's light that may be unknown, and radiance that may be misplaced (W.bend), before it
     /// is traced again.
@@ -37,6 +41,10 @@ struct HybridResult {
     double wanted_share = 0;  ///< that records do not suffice for
     double retraced_share = 0;
     RayCounts rays;
+    std::optional<StatedError> stated;  ///< with the scene and more than one view
+    /// By pixel of the whole picture, with the scene: FieldFocus's.
+    std::vector<float> traced;
+    std::vector<PixelCheck> checks;
     std::vector<std::uint8_t>
         what;  ///< by pixel of the whole picture: 0 light field, 1 scattered, 2 traced again
 };

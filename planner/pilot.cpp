@@ -51,7 +51,8 @@ Pilot::Pilot(FocusFrame& frame, const HybridSettings& lens, int views, int first
     spread = record_floor.spread();
     floor = std::move(record_floor).picture();
 
-    const std::array<FieldViews, 2> sets{{{views, first_set, {}, {}, 0}, {views, first_set + 1, {}, {}, 1}}};
+    const std::array<FieldViews, 2> sets{
+        {{.count = views, .set = first_set}, {.count = views, .set = first_set + 1, .picture = 1}}};
     std::vector<FieldFocus> drawn = focuser_->draw(sets);
     const FieldFocus &one = drawn[0], &other = drawn[1];
     const std::vector<float> ea = encoded(one.image), eb = encoded(other.image);

@@ -68,7 +68,6 @@ RenderSettings retrace_settings(const SampleHeader& h, const HybridSettings& s, 
     r.aperture = std::make_shared<Aperture>(aperture);
     r.shutter = s.shutter;
     r.curve = s.curve;
-    r.spp = s.retrace_spp;
     r.tracing = {h.max_depth, h.min_contribution};
     return r;
 }

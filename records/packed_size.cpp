@@ -14,7 +14,7 @@ std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compres
     // Of each row: what stands before its chunk and its row of part scanlines, and their places in the
     // tables.
     constexpr std::uint64_t around_row = 32 + 12 + layout::ScanlineRow::byte_count + 2 * 8;
-    const RecordChannels channels{header.has_w, header.has_layers, header.has_bend};
+    const RecordChannels channels{header.has_w, header.has_layers, header.has_bend, header.has_marks};
     ScanlineBytes bytes(band.width(), channels);
     ChunkCodec codec;
     Bytes packed;

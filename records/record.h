@@ -62,6 +62,13 @@ struct Mat2 {
     [[nodiscard]] static constexpr Mat2 isotropic(float v) { return {v, 0, 0, v}; }
 };
 
+/// What a record does not tell.
+struct RecordMark {
+    /// Between this point and those around it the surface's texture has contrast, and they are as close as
+    /// the trace takes them.
+    static constexpr std::uint8_t fine_texture = 1, all = fine_texture;
+};
+
 /// One node. Colours are scene-linear radiance times the path's throughput: the nodes of a point sample add
 /// up.
 struct Record {
@@ -76,6 +83,7 @@ struct Record {
     /// W is exact or nothing was measured; infinity where other points of the lens do not see the node by
     /// this path. What a half float holds.
     float w_bend = 0;
+    std::uint8_t mark = 0;  ///< bits of RecordMark: what it does not tell
     friend bool operator==(const Record&, const Record&) = default;
 };
 

@@ -33,6 +33,8 @@ const char* problem_of_record(const Record& r, int x, int y, RecordChannels chan
     }
     if (!(r.w_bend >= 0)) return "W.bend is less than 0";
     if (!channels.has_bend && r.w_bend != 0) return "W.bend needs its channel";
+    if ((r.mark & ~RecordMark::all) != 0) return "mark has unknown bits";
+    if (!channels.has_marks && r.mark != 0) return "mark needs its channel";
     if (!channels.has_layers && r.layer != 0) return "a hidden surface needs the layer channel";
     return nullptr;
 }

@@ -65,12 +65,13 @@ struct Planes {
         z = take(4);
         id = take(4);
         if (channels.has_layers) layer = take(4);
+        if (channels.has_marks) mark = take(2);
         path = take(4);
         x = take(2);
         y = take(2);
     }
     Byte *b, *g, *r, *z, *id, *path, *x, *y;
-    Byte *layer = nullptr, *bend = nullptr;
+    Byte *layer = nullptr, *bend = nullptr, *mark = nullptr;
     std::array<Byte*, 4> w{};
 };
 
@@ -80,6 +81,12 @@ float float_of_half(std::uint16_t bits) {
     return h;
 }
 
+/// All bits, which no record may have, where it is none.
+std::uint8_t mark_of_half(std::uint16_t bits) {
+    const float value = float_of_half(bits);
+    return value >= 0 && value <= 255 && value == std::floor(value) ? static_cast<std::uint8_t>(value) : 255;
+}
+
 std::uint16_t half_of_offset(const HalfOffsets& table, float position, float pixel) {
     return table.half_of_step[static_cast<std::size_t>((position - pixel) * position_steps)];
 }
@@ -87,7 +94,8 @@ std::uint16_t half_of_offset(const HalfOffsets& table, float position, float pix
 }  // namespace
 
 std::size_t bytes_per_record(RecordChannels channels) {
-    return 28 + (channels.has_w ? 16U : 0U) + (channels.has_bend ? 2U : 0U) + (channels.has_layers ? 4U : 0U);
+    return 28 + (channels.has_w ? 16U : 0U) + (channels.has_bend ? 2U : 0U) +
+           (channels.has_layers ? 4U : 0U) + (channels.has_marks ? 2U : 0U);
 }
 
 void ScanlineBytes::prepare(int y, std::uint32_t records) {
@@ -123,6 +131,7 @@ void ScanlineBytes::pack(int y, int x_begin, std::span<const std::uint32_t> offs
             store(planes.y, k, half_of_offset(table, record->y, pixel_y));
             if (channels_.has_layers) store(planes.layer, k, record->layer);
             if (channels_.has_bend) store(planes.bend, k, Imath::half(record->w_bend).bits());
+            if (channels_.has_marks) store(planes.mark, k, Imath::half(record->mark).bits());
             if (channels_.has_w) {
                 store(planes.w[0], k, record->w.xx);
                 store(planes.w[1], k, record->w.xy);
@@ -171,6 +180,8 @@ bool ScanlineBytes::unpack_records(int x_begin, std::span<const std::uint32_t> o
             r.w = channels_.has_w ? Mat2{load<float>(planes.w[0], k), load<float>(planes.w[1], k),
                                          load<float>(planes.w[2], k), load<float>(planes.w[3], k)}
                                   : Mat2::isotropic(1.0F / r.z);
+            r.mark =
+                channels_.has_marks ? mark_of_half(load<std::uint16_t>(planes.mark, k)) : std::uint8_t{0};
             r.w_bend = channels_.has_bend ? float_of_half(load<std::uint16_t>(planes.bend, k)) : 0;
         }
     }

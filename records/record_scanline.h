@@ -10,12 +10,12 @@
 
 namespace postlens {
 
-/// Bytes that a record takes before compression: 28, W 16 more, W.bend 2 more, layer 4 more.
+/// Bytes that a record takes before compression: 28, W 16 more, W.bend and mark 2 more each, layer 4 more.
 [[nodiscard]] std::size_t bytes_per_record(RecordChannels channels);
 
 /// A scanline before compression, little-endian: int32 y; per pixel the uint32 sum of the counts of the
 /// pixels up to and with it; then each channel in the order of their names (B G R W.bend W.xx W.xy W.yx W.yy
-/// Z id layer node.path sample.x sample.y), each with the values of all records, pixel by pixel.
+/// Z id layer mark node.path sample.x sample.y), each with the values of all records, pixel by pixel.
 class ScanlineBytes {
   public:
     ScanlineBytes(int width, RecordChannels channels) : width_(width), channels_(channels) {}

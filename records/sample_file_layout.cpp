@@ -69,6 +69,7 @@ std::vector<ExrChannel> channels_of(Part part, RecordChannels channels) {
     list.push_back({"Z", Type::float32});
     list.push_back({"id", Type::uint32});
     if (channels.has_layers) list.push_back({"layer", Type::uint32});
+    if (channels.has_marks) list.push_back({"mark", Type::half});
     list.push_back({"node.path", Type::uint32});
     list.push_back({"sample.x", Type::half});
     list.push_back({"sample.y", Type::half});

@@ -45,7 +45,7 @@ SampleFileReader::Impl::Impl(const std::filesystem::path& path, Damage on_damage
     header = sample_header_of(headers, file.name());
     exposure_stops = asked_stops.value_or(header.exposure_stops);
     gain = exposure_gain(exposure_stops);
-    channels = {header.has_w, header.has_layers, header.has_bend};
+    channels = {header.has_w, header.has_layers, header.has_bend, header.has_marks};
     window = data_window(records_part, header);
     workplaces.emplace(columns_of(window), channels);
     codec = *headers.parts[records_part].compression();

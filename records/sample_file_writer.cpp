@@ -47,7 +47,7 @@ ScanlineFacts facts_of(std::span<const Record> records) {
 struct SampleFileWriter::Impl {
     Impl(const std::filesystem::path& path, SampleHeader sample_header, RecordCompression compression)
         : header(std::move(sample_header)),
-          channels{header.has_w, header.has_layers, header.has_bend},
+          channels{header.has_w, header.has_layers, header.has_bend, header.has_marks},
           codec(codec_of(compression)),
           picture_codec(compression == RecordCompression::zips ? ChunkCompression::zip : codec),
           name(path.string()) {

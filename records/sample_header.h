@@ -62,6 +62,7 @@ struct SampleHeader {
     bool has_w = false;       ///< false: no node is deeper than primary, W is I / z' everywhere
     bool has_layers = false;  ///< false: every record is of layer 0
     bool has_bend = false;    ///< only with W; false: how far W errs was not measured
+    bool has_marks = false;   ///< false: no record says what it does not tell
     SufficientRange sufficient;
 };
 

@@ -77,6 +77,7 @@ std::string header_checksum(const SampleHeader& h) {
     later(2, h.exposure_stops != 0 ? std::optional(h.exposure_stops) : std::nullopt);
     later(3, h.auto_exposure_stops);
     later(4, h.lumens_per_watt);
+    if (h.has_marks) bytes.number<std::uint8_t>(5);
     return bytes.checksum();
 }
 

@@ -64,7 +64,7 @@ std::vector<std::uint32_t> ids_of_text(const std::string& text, const std::strin
 
 /// The parts are those of a sample file of this size; their channels say which optional ones there are.
 void check_parts(const ExrHeaders& headers, const SampleHeader& header, const std::string& file) {
-    const RecordChannels channels{header.has_w, header.has_layers, header.has_bend};
+    const RecordChannels channels{header.has_w, header.has_layers, header.has_bend, header.has_marks};
     for (std::size_t i = 0; i < headers.parts.size(); ++i) {
         const ExrPart& part = headers.parts[i];
         const PartPlace place = part_at(i);
@@ -170,6 +170,7 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
         h.has_w = h.has_w || c.name == "W.xx";
         h.has_layers = h.has_layers || c.name == "layer";
         h.has_bend = h.has_bend || c.name == "W.bend";
+        h.has_marks = h.has_marks || c.name == "mark";
     }
     check_sample_header(h, file);
     check_parts(headers, h, file);

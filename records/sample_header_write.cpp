@@ -110,7 +110,7 @@ void add_own_attributes(Imf::Header& out, const SampleHeader& h) {
 std::vector<Imf::Header> exr_headers_of(const SampleHeader& header, ChunkCompression records,
                                         ChunkCompression picture) {
     const auto box = [](const Window& w) { return Imath::Box2i({w.x_min, w.y_min}, {w.x_max, w.y_max}); };
-    const RecordChannels channels{header.has_w, header.has_layers, header.has_bend};
+    const RecordChannels channels{header.has_w, header.has_layers, header.has_bend, header.has_marks};
     std::vector<Imf::Header> headers;
     for (std::size_t i = 0; i < parts_of(header.key_times_s.size()); ++i) {
         const PartPlace place = part_at(i);

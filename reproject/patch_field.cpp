@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/threads.h"
+#include "reproject/border_reach.h"
 #include "reproject/patch_raster.h"
 #include "reproject/patch_reach.h"
 #include "reproject/patch_sweep.h"
@@ -45,7 +46,31 @@ struct Workplace {
     TileViews views;
     std::vector<double> light;
     std::array<std::uint8_t, SeenTile::pixels> touched{};
+    /// Of what is traced: lines, their pixels and weights, and what they see, once that is known.
+    struct Traced {
+        bool whole_tile = false;
+        std::vector<SightLine> lines;
+        std::vector<std::uint16_t> pixel;
+        std::vector<double> weight;
+        std::vector<std::array<float, 3>> radiance;
+        LightSums sum{};
+        std::array<std::uint8_t, SeenTile::pixels> uses{};  ///< bits of a view's uses that are left to it
+    } traced;
+    /// Of what is compared with rays: by view the pixels, each as often as it is to be; then what the records
+    /// have, and the sums of what rays have more.
+    struct Checked {
+        std::vector<std::vector<std::uint16_t>> pixels;
+        std::vector<std::uint32_t> views;
+        std::vector<SightLine> lines;
+        std::vector<std::uint16_t> pixel;
+        std::vector<glm::dvec3> recorded;
+        std::vector<std::array<float, 3>> radiance;
+        std::vector<PixelCheck> sums;
+    } checked;
 };
+
+/// Lines are traced together: as many as keep a tracer busy, no more than stay in its caches.
+constexpr std::size_t lines_together = 4096;
 
 class Field {
   public:
@@ -73,6 +98,11 @@ class Field {
                                                                   : Bins());
             trees_ = trees_ || field.instants[i].deeper != nullptr;
         }
+        if (std::none_of(field.sets.begin(), field.sets.end(),
+                         [](const PatchViews& set) { return set.rays != nullptr; }))
+            return;
+        for (std::size_t i = 0; i < field.instants.size(); ++i)
+            borders_.emplace_back(*field.instants[i].primary, field, i);
     }
 
     void draw(std::span<PatchPicture> out) {
@@ -154,6 +184,10 @@ class Field {
         const PatchViews& set = field_.sets[number];
         const int x0 = at.x - field_.x, y0 = at.y - field_.y;
         w.sum.fill({});
+        w.traced.uses.fill(0);
+        if (set.rays != nullptr) w.traced.sum.fill({});
+        w.traced.whole_tile = set.left_to_rays && set.left_to_rays(x0, y0);
+        if (set.checked) begin_checks(set, at, w.checked);
         if (trees_) w.trees.begin(w.paths);
         if (marked()) mark_recorded(at, w);
         const bool lights = set.lights != nullptr && set.lights->reach(x0, y0, at.width, at.height);
@@ -169,17 +203,147 @@ class Field {
         }
         for (std::size_t i = 0; i < set.views.size(); ++i) {
             at.sample = set.views[i].sample;
-            draw_view(set.views[i], at, w);
-            if (!lights) continue;
-            const auto to = static_cast<std::ptrdiff_t>(i * TileViews::view);
-            std::copy_n(w.seen[0].inverse_z.begin(), TileViews::view, w.views.inverse_z.begin() + to);
-            std::copy_n(w.seen[0].texel.begin(), TileViews::view, w.views.texel.begin() + to);
+            draw_view(set, i, lights, at, w);
         }
         if (lights) {
             w.light.assign(Lights::values * SeenTile::pixels, 0);
             set.lights->add(w.views, w.light);
         }
-        store(at, total_[number], lights, w, out);
+        if (set.rays != nullptr) trace(set, w.traced);
+        if (set.checked) check(set, w.checked);
+        if (set.checked) {
+            for (int y = 0; y < at.height; ++y) {
+                std::copy_n(w.checked.sums.begin() + y * SeenTile::edge, at.width,
+                            out.checks.begin() + (y0 + y) * static_cast<std::ptrdiff_t>(field_.width) + x0);
+            }
+        }
+        store(at, total_[number], lights, set.rays != nullptr, w, out);
+    }
+
+    static void trace(const PatchViews& set, Workplace::Traced& t) {
+        t.radiance.resize(t.lines.size());
+        set.rays->trace(t.lines, set.less, t.radiance);
+        for (std::size_t i = 0; i < t.lines.size(); ++i) {
+            auto& sum = t.sum[t.pixel[i]];
+            for (std::size_t c = 0; c < 3; ++c) sum[c] += t.weight[i] * static_cast<double>(t.radiance[i][c]);
+            sum[3] += t.weight[i];
+        }
+        t.lines.clear();
+        t.pixel.clear();
+        t.weight.clear();
+    }
+
+    void begin_checks(const PatchViews& set, const TilePlace& at, Workplace::Checked& c) const {
+        c.pixels.resize(set.views.size());
+        for (auto& of_view : c.pixels) of_view.clear();
+        c.sums.assign(SeenTile::pixels, {});
+        for (int y = 0; y < at.height; ++y) {
+            for (int x = 0; x < at.width; ++x) {
+                c.views.clear();
+                set.checked(at.x - field_.x + x, at.y - field_.y + y, c.views);
+                const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+                c.sums[k].views = static_cast<std::uint32_t>(c.views.size());
+                for (const std::uint32_t view : c.views)
+                    c.pixels[view].push_back(static_cast<std::uint16_t>(k));
+            }
+        }
+    }
+
+    /// Notes what the records have where a view is compared with rays, unless it was left to them.
+    void note_checked(const PatchView& v, std::size_t view, std::size_t u, const TilePlace& at, bool trees,
+                      Workplace& w) const {
+        const PatchMesh& mesh = *field_.instants[v.uses[u].instant].primary;
+        for (const std::uint16_t k : w.checked.pixels[view]) {
+            const std::uint32_t texel = w.seen[u].texel[k];
+            // Of two instants that show one surface the first stands for both.
+            if (texel == SeenTile::no_texel || (w.traced.uses[k] >> u & 1U) != 0) continue;
+            if (v.uses.size() == 2 && (u == 1 || share(v, u, k, w) == 0)) continue;
+            const int x = k % SeenTile::edge, y = k / SeenTile::edge;
+            if (v.passes && !v.passes(at.x - field_.x + x, at.y - field_.y + y)) continue;
+            w.checked.lines.push_back({at.x + x, at.y + y, v.sample, v.lens_point, v.light_before,
+                                       static_cast<std::uint32_t>(view)});
+            w.checked.pixel.push_back(k);
+            w.checked.recorded.push_back(glm::dvec3(mesh.light(texel)) +
+                                         (trees ? w.trees.light(k) : glm::dvec3(0)));
+        }
+    }
+
+    static void check(const PatchViews& set, Workplace::Checked& c) {
+        c.radiance.resize(c.lines.size());
+        set.rays->trace(c.lines, set.less, c.radiance);
+        for (std::size_t i = 0; i < c.lines.size(); ++i) {
+            PixelCheck& of = c.sums[c.pixel[i]];
+            ++of.rays;
+            for (std::size_t n = 0; n < 3; ++n) {
+                const double more =
+                    static_cast<double>(c.radiance[i][n]) - c.recorded[i][static_cast<int>(n)];
+                of.sum[n] += more;
+                of.squares[n] += more * more;
+            }
+        }
+        c.lines.clear();
+        c.pixel.clear();
+        c.recorded.clear();
+    }
+
+    /// Leaves a view's pixel to rays, with some of its weight.
+    void leave_to_rays(const PatchView& v, std::size_t view, const TilePlace& at, int x, int y, double weight,
+                       Workplace& w) const {
+        const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+        if (v.passes && !v.passes(at.x - field_.x + x, at.y - field_.y + y)) {
+            w.sum[k][3] += weight;
+            return;
+        }
+        w.traced.lines.push_back({at.x + x, at.y + y, v.sample, v.lens_point, v.light_before, v.set,
+                                  static_cast<std::uint32_t>(view)});
+        w.traced.pixel.push_back(static_cast<std::uint16_t>(k));
+        w.traced.weight.push_back(weight);
+    }
+
+    /// Whether the records tell what one of a view's uses sees directly in a pixel.
+    [[nodiscard]] bool sure(const PatchView& v, std::size_t u, std::size_t k, const Workplace& w) const {
+        const std::uint32_t texel = w.seen[u].texel[k];
+        return texel != SeenTile::no_texel && !w.seen[u].may_be_hidden(k) &&
+               !field_.instants[v.uses[u].instant].primary->unsure(texel);
+    }
+
+    /// Pixels that the records are not sure of by what is seen directly.
+    void set_aside(const PatchView& v, std::size_t view, const TilePlace& at, Workplace& w) const {
+        for (int y = 0; y < at.height; ++y) {
+            for (int x = 0; x < at.width; ++x) {
+                const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+                bool sure_of_all = !w.traced.whole_tile;
+                for (std::size_t u = 0; u < v.uses.size(); ++u) sure_of_all = sure_of_all && sure(v, u, k, w);
+                if (sure_of_all && v.uses.size() == 2)
+                    sure_of_all = id_seen(v, 0, k, w) == id_seen(v, 1, k, w);
+                w.traced.uses[k] = 0;
+                if (sure_of_all) continue;
+                leave_to_rays(v, view, at, x, y, v.weight, w);
+                for (std::size_t u = 0; u < v.uses.size(); ++u) w.seen[u].texel[k] = SeenTile::no_texel;
+            }
+        }
+    }
+
+    /// The same of what one use shows in mirrors and through glass.
+    void set_aside_trees(const PatchView& v, std::size_t view, std::size_t u, const TilePlace& at,
+                         Workplace& w) const {
+        const PatchMesh& mesh = *field_.instants[v.uses[u].instant].primary;
+        for (int y = 0; y < at.height; ++y) {
+            for (int x = 0; x < at.width; ++x) {
+                const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+                const std::uint32_t texel = w.seen[u].texel[k];
+                if (texel == SeenTile::no_texel || mesh.drawn_children(texel) == 0 || w.trees.sure(k))
+                    continue;
+                if (v.uses.size() == 1) {
+                    leave_to_rays(v, view, at, x, y, v.weight, w);
+                    w.seen[u].texel[k] = SeenTile::no_texel;
+                    continue;
+                }
+                const double weight = v.weight * share(v, u, k, w);
+                if (weight > 0) leave_to_rays(v, view, at, x, y, weight, w);
+                w.traced.uses[k] |= static_cast<std::uint8_t>(1U << u);
+            }
+        }
     }
 
     [[nodiscard]] bool marked() const { return !field_.class_marks.empty(); }
@@ -365,20 +529,37 @@ class Field {
         }
     }
 
-    void draw_view(const PatchView& v, const TilePlace& at, Workplace& w) const {
+    void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
+                   Workplace& w) const {
+        const PatchView& v = set.views[view];
         for (std::size_t u = 0; u < v.uses.size(); ++u)
             draw_primary(v, v.uses[u], at, w.primary[v.uses[u].instant], w.seen[u]);
         if (marked()) mark_seen(v, at, w);
+        if (lights) {
+            const auto to = static_cast<std::ptrdiff_t>(view * TileViews::view);
+            std::copy_n(w.seen[0].inverse_z.begin(), TileViews::view, w.views.inverse_z.begin() + to);
+            std::copy_n(w.seen[0].texel.begin(), TileViews::view, w.views.texel.begin() + to);
+        }
+        const bool rays = set.rays != nullptr;
+        if (rays) {
+            for (std::size_t u = 0; u < v.uses.size(); ++u)
+                borders_[v.uses[u].instant].mark(v, v.uses[u], at, w.seen[u]);
+            set_aside(v, view, at, w);
+        }
         const bool trees = trees_ && w.trees.any();
         // Per use: a pixel counts with the use's share where both show one surface, else the nearer counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
+            if (rays && trees) set_aside_trees(v, view, u, at, w);
+            if (set.checked) note_checked(v, view, u, at, trees, w);
             if (v.uses.size() == 1 && !v.passes) {
                 add_all(v, at, trees, w);
             } else {
                 add_some(v, u, at, trees, w);
             }
         }
+        if (rays && w.traced.lines.size() >= lines_together) trace(set, w.traced);
+        if (set.checked && w.checked.lines.size() >= lines_together) check(set, w.checked);
     }
 
     /// Into the sums: all that a view of one use sees.
@@ -396,7 +577,7 @@ class Field {
             for (int x = 0; x < at.width; ++x) {
                 const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
                 const std::uint32_t texel = w.seen[u].texel[k];
-                if (texel == SeenTile::no_texel) continue;
+                if (texel == SeenTile::no_texel || (w.traced.uses[k] >> u & 1U) != 0) continue;
                 const double weight = v.uses.size() == 1 ? v.weight : v.weight * share(v, u, k, w);
                 if (weight == 0) continue;
                 w.sum[k][3] += weight;
@@ -421,16 +602,20 @@ class Field {
     [[nodiscard]] double share(const PatchView& v, std::size_t u, std::size_t k, const Workplace& w) const {
         const std::size_t o = 1 - u;
         if (w.seen[o].texel[k] == SeenTile::no_texel) return 1;
-        const auto id = [&](std::size_t n) {
-            return field_.instants[v.uses[n].instant].primary->id_of(w.seen[n].texel[k]);
-        };
         const float mine = w.seen[u].inverse_z[k], other = w.seen[o].inverse_z[k];
-        if (id(u) == id(o) && std::abs(mine - other) <= same_depth * std::max(mine, other))
+        if (id_seen(v, u, k, w) == id_seen(v, o, k, w) &&
+            std::abs(mine - other) <= same_depth * std::max(mine, other))
             return v.uses[u].share;
         return mine > other || (mine == other && u == 0) ? 1 : 0;
     }
 
-    void store(const TilePlace& at, double total, bool lights, Workplace& w, PatchPicture& out) const {
+    [[nodiscard]] std::uint32_t id_seen(const PatchView& v, std::size_t u, std::size_t k,
+                                        const Workplace& w) const {
+        return field_.instants[v.uses[u].instant].primary->id_of(w.seen[u].texel[k]);
+    }
+
+    void store(const TilePlace& at, double total, bool lights, bool rays, Workplace& w,
+               PatchPicture& out) const {
         const int x0 = at.x - field_.x, y0 = at.y - field_.y;
         if (trees_) w.trees.end_views();
         for (int y = 0; y < at.height; ++y) {
@@ -440,17 +625,22 @@ class Field {
                     static_cast<std::size_t>(y0 + y) * static_cast<std::size_t>(field_.width) +
                     static_cast<std::size_t>(x0 + x);
                 if (marked()) out.touched[p] = w.touched[k];
-                const double known = w.sum[k][3];
+                const double recorded = w.sum[k][3], traced = rays ? w.traced.sum[k][3] : 0,
+                             known = recorded + traced;
+                if (rays) out.traced[p] = static_cast<float>(traced / total);
                 out.unknown[p] = static_cast<float>(std::max(0.0, 1 - known / total));
                 if (known <= 0) {
                     out.unknown[p] = 1;
                     continue;
                 }
                 std::array<double, 3> sum{w.sum[k][0], w.sum[k][1], w.sum[k][2]};
-                if (trees_) {
-                    const TreeSums::Unknown below = w.trees.sum_up(k, known, sum);
+                if (trees_ && recorded > 0) {
+                    const TreeSums::Unknown below = w.trees.sum_up(k, recorded, sum);
                     out.unknown_below[p] = static_cast<float>(below.all / total);
                     out.guessed_below[p] = static_cast<float>(below.guessed / total);
+                }
+                if (traced > 0) {
+                    for (std::size_t c = 0; c < 3; ++c) sum[c] += w.traced.sum[k][c];
                 }
                 float* rgb = out.image.pixel(x0 + x, y0 + y);
                 for (std::size_t c = 0; c < 3; ++c) {
@@ -470,6 +660,7 @@ class Field {
     bool trees_ = false;
     std::vector<std::vector<std::uint8_t>> marks_;  ///< by instant and primary sheet
     std::vector<Bins> primary_, deeper_;
+    std::vector<BorderReach> borders_;  ///< by instant, where there are rays
 };
 
 }  // namespace
@@ -484,6 +675,8 @@ void patch_field(const PatchField& field, std::span<PatchPicture> out) {
     for (const PatchViews& set : field.sets) {
         PatchPicture& picture = out[set.picture];
         if (set.lights != nullptr) picture.light_square.resize(picture.unknown.size());
+        if (set.rays != nullptr) picture.traced.resize(picture.unknown.size());
+        if (set.checked) picture.checks.resize(picture.unknown.size());
         if (!field.class_marks.empty()) picture.touched.resize(picture.unknown.size());
     }
     Field(field).draw(out);

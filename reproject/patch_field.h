@@ -9,6 +9,7 @@
 #include "records/image.h"
 #include "reproject/patch_raster.h"
 #include "reproject/patches.h"
+#include "reproject/sight_rays.h"
 
 namespace postlens {
 
@@ -32,6 +33,9 @@ struct PatchView {
     LensShift lens;         ///< after the motion
     /// Whether light gets through to the pixel (x, y) of the picture; none: to all. What does not is black.
     std::function<bool(int x, int y)> passes;
+    glm::dvec2 lens_point{0};   ///< SightLine's, where there are rays
+    double light_before = 0.5;  ///< likewise
+    std::uint32_t set = 0;      ///< likewise
 };
 
 /// Views that a picture, or some of its tiles, is the mean of.
@@ -43,6 +47,14 @@ struct PatchViews {
     /// May add light of its own to a tile, knowing what every view sees there; from several threads. None:
     /// nothing is added.
     const class Lights* lights = nullptr;
+    /// Looks where the records are not sure what a view sees; none: what they have stands.
+    const SightRays* rays = nullptr;
+    /// With rays: whether a tile of the picture is left to them altogether. None: no tile is.
+    std::function<bool(int x, int y)> left_to_rays;
+    LightElsewhere less;  ///< what rays are not to see, as `lights` add it
+    /// With rays: which views of a pixel of the picture are compared with a ray, into `views`, each as often
+    /// as it is named; they change nothing in the picture. None: no view is.
+    std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     /// Which of the pictures they are of. Sets that share one want different tiles.
     std::size_t picture = 0;
 };
@@ -59,6 +71,8 @@ struct PatchField {
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the pictures' first pixel
     int width = 0, height = 0;
+    /// Raster px that have records: their first and the first after them. Of sets with rays.
+    glm::ivec2 recorded_begin{0}, recorded_end{0};
     /// Where a set's `lights` look at TileViews::patches: how far the lens goes from its middle, as
     /// LensShift::lens_px.
     glm::dvec2 lens_reach_px{0};
@@ -92,6 +106,13 @@ class Lights {
     static constexpr std::size_t values = 4;
 };
 
+/// What rays have shown more than the records, of some of a pixel's views: 0 of those that were traced
+/// anyhow.
+struct PixelCheck {
+    std::uint32_t views = 0, rays = 0;
+    std::array<double, 3> sum{}, squares{};  ///< radiance, and its square
+};
+
 struct PatchPicture {
     PatchPicture() = default;
     /// Of which nothing is known yet.
@@ -103,6 +124,10 @@ struct PatchPicture {
     std::vector<float> unknown_below;
     /// That of it for which too few views see the same to stand in: what the pinhole saw there does.
     std::vector<float> guessed_below;
+    /// Share of the views' weight that was traced, of sets with rays; else empty.
+    std::vector<float> traced;
+    /// Of sets with `checked`; else empty.
+    std::vector<PixelCheck> checks;
     /// The squares that `Lights` tell; empty without.
     std::vector<float> light_square;
     /// With PatchField::class_marks: the marks of all that moves and is seen there in a view, or was recorded

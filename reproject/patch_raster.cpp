@@ -45,6 +45,17 @@ struct Lanes {
     alignas(64) std::array<float, most_lanes> x, y, z;
 };
 
+/// Where a run draws to: SeenTile's, from some pixel on.
+struct Seen {
+    float* z;
+    std::uint32_t* texel;
+    float* maybe;
+    [[nodiscard]] Seen from(std::size_t k) const { return {z + k, texel + k, maybe + k}; }
+};
+Seen seen_in(SeenTile& tile) {
+    return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
+}
+
 /// 1 << n: shifts of lanes by different numbers are not in every instruction set.
 alignas(64) constexpr std::uint32_t bit[most_lanes] = {
     1,       1U << 1, 1U << 2,  1U << 3,  1U << 4,  1U << 5,  1U << 6,  1U << 7,
@@ -110,60 +121,61 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
 
 /// Draws those samples that are `found` and have something. One by one, since reading sixteen places at once
 /// is no faster, and half of them are not there.
-POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, float* z,
-                                std::uint32_t* texel) {
+POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));
         const std::uint32_t node = leaf_at(run, run.roots[lane.cell[n]], lane.x[n], lane.y[n]);
-        if (node == SheetNode::none) continue;
-        z[n] = lane.z[n];
-        texel[n] = (node & ~SheetNode::leaf) | run.mark;
+        if (SheetNode::empty(node)) {
+            if (node == SheetNode::maybe) seen.maybe[n] = std::max(seen.maybe[n], lane.z[n]);
+            continue;
+        }
+        seen.z[n] = lane.z[n];
+        seen.texel[n] = (node & ~SheetNode::leaf) | run.mark;
     }
 }
 
 template <int lanes>
-POSTLENS_PART void draw_run(const Run& run, float* z, std::uint32_t* texel) {
+POSTLENS_PART void draw_run(const Run& run, const Seen& seen) {
     Lanes lane;  // NOLINT(cppcoreguidelines-pro-type-member-init): find_samples fills it
     for (int j = run.j0; j <= run.j1; ++j) {
         const glm::vec2 first = run.first(j);
         for (int i = 0; i < run.count; i += lanes) {
             const std::size_t k = run.pixel(j) + static_cast<std::size_t>(i);
-            draw_samples(run, lane, find_samples<lanes>(run, first, i, z + k, lane), z + k, texel + k);
+            draw_samples(run, lane, find_samples<lanes>(run, first, i, seen.z + k, lane), seen.from(k));
         }
     }
 }
 
 template <int lanes>
-POSTLENS_PART void draw_run_in(const Run& run, const std::uint32_t* in, std::uint32_t id, float* z,
-                               std::uint32_t* texel) {
+POSTLENS_PART void draw_run_in(const Run& run, const std::uint32_t* in, std::uint32_t id, const Seen& seen) {
     Lanes lane;  // NOLINT(cppcoreguidelines-pro-type-member-init): find_samples fills it
     for (int j = run.j0; j <= run.j1; ++j) {
         const glm::vec2 first = run.first(j);
         for (int i = 0; i < run.count; i += lanes) {
             const std::size_t k = run.pixel(j) + static_cast<std::size_t>(i);
             const std::uint32_t found =
-                find_samples<lanes>(run, first, i, z + k, lane) & wanted_in<lanes>(in + k, id);
-            draw_samples(run, lane, found, z + k, texel + k);
+                find_samples<lanes>(run, first, i, seen.z + k, lane) & wanted_in<lanes>(in + k, id);
+            draw_samples(run, lane, found, seen.from(k));
         }
     }
 }
 
 #undef POSTLENS_PART
 
-POSTLENS_MULTIVERSION void draw_rows(const Run& run, float* z, std::uint32_t* texel) {
+POSTLENS_MULTIVERSION void draw_rows(const Run& run, const Seen& seen) {
     if (run.count <= few_lanes) {
-        draw_run<few_lanes>(run, z, texel);
+        draw_run<few_lanes>(run, seen);
     } else {
-        draw_run<most_lanes>(run, z, texel);
+        draw_run<most_lanes>(run, seen);
     }
 }
 
-POSTLENS_MULTIVERSION void draw_rows_in(const Run& run, const std::uint32_t* in, std::uint32_t id, float* z,
-                                        std::uint32_t* texel) {
+POSTLENS_MULTIVERSION void draw_rows_in(const Run& run, const std::uint32_t* in, std::uint32_t id,
+                                        const Seen& seen) {
     if (run.count <= few_lanes) {
-        draw_run_in<few_lanes>(run, in, id, z, texel);
+        draw_run_in<few_lanes>(run, in, id, seen);
     } else {
-        draw_run_in<most_lanes>(run, in, id, z, texel);
+        draw_run_in<most_lanes>(run, in, id, seen);
     }
 }
 
@@ -226,7 +238,7 @@ void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& pla
                 SeenTile& out) {
     if (!(glm::determinant(place.move) > smallest_area)) return;
     const auto run = run_of(mesh, patch, place, tile, {0, tile.width, 0, tile.height});
-    if (run) draw_rows(*run, out.inverse_z.data(), out.texel.data());
+    if (run) draw_rows(*run, seen_in(out));
 }
 
 TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen) {
@@ -251,6 +263,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
         // Whole rows: patches are drawn from the left on.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
+        std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
         for (int x = part.x_begin; x < part.x_end; ++x) {
             const std::size_t k = row + static_cast<std::size_t>(x);
             if (in.texel[k] == SeenTile::no_texel) {
@@ -280,10 +293,9 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;
-    draw_rows_in(*run, wanted.in.data(), parent_id, out.inverse_z.data(), out.texel.data());
+    draw_rows_in(*run, wanted.in.data(), parent_id, seen_in(out));
     if (!wanted.any_gaps || patch.bent) return;
-    draw_rows_in(*run, wanted.in.data(), WantedPixels::in_gap(parent_id), out.inverse_z.data(),
-                 out.texel.data());
+    draw_rows_in(*run, wanted.in.data(), WantedPixels::in_gap(parent_id), seen_in(out));
 }
 
 }  // namespace postlens

@@ -24,10 +24,18 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
+    /// Of the nearest surface that may be there (SheetNode::maybe) and would be in front of what was then
+    /// seen.
+    alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
         inverse_z.fill(nothing);
         texel.fill(no_texel);
+        maybe_inverse_z.fill(nothing);
+    }
+    /// Whether something that the records do not decide may hide what is seen.
+    [[nodiscard]] bool may_be_hidden(std::size_t pixel) const {
+        return maybe_inverse_z[pixel] > inverse_z[pixel];
     }
 };
 

@@ -81,6 +81,11 @@ struct PatchMesh {
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
+    /// Whether an edge cuts what a texel was made of, or the light that moves with it.
+    [[nodiscard]] bool unsure(std::uint32_t texel) const {
+        const Texel& t = sheets->texels[texel];
+        return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
+    }
     /// The light that moves with a texel of `sheets`, beside its own.
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
@@ -92,6 +97,12 @@ struct PatchMesh {
             for (std::size_t c = 0; c < 3; ++c) rgb[c] += sheets->below[texel][bounce][c];
         }
         return rgb;
+    }
+    /// Its own light and that.
+    [[nodiscard]] glm::vec3 light(std::uint32_t texel) const {
+        const Texel& t = sheets->texels[texel];
+        const std::array<float, 3> more = following(texel);
+        return {t.r + more[0], t.g + more[1], t.b + more[2]};
     }
     /// Of what has a texel of `sheets`.
     [[nodiscard]] std::uint32_t id_of(std::uint32_t texel) const {

@@ -171,6 +171,7 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
         s.path = r.path;
         s.w = r.w;
         s.bend = r.w_bend;
+        s.mark = r.mark;
         return s;
     };
     for_each_layer(

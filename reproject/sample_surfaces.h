@@ -28,6 +28,7 @@ struct TreeSurface {
     std::uint8_t children = 0;    ///< child_bit of the bounces that have a node here
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
+    std::uint8_t mark = 0;        ///< Record::mark
     /// The colours of all nodes that go on from here by the reflection, by the transmission.
     std::array<std::array<float, 3>, 2> below{};
     /// How far W of any of them departs from this node's, 1/m: the greatest that a lens direction of length 1

@@ -10,6 +10,8 @@ namespace {
 
 constexpr int edge = SheetMesh::square_px;
 constexpr std::uint32_t none = 0xFFFFFFFFU;
+/// Where a file has no subdivision, and names no contrast for it.
+constexpr float usual_contrast = 0.1F;
 
 }  // namespace
 
@@ -21,6 +23,9 @@ SheetBuilder::SheetBuilder(const PixelLeaves& leaves, const SampleTrees& trees, 
       rule_(rule),
       out_(out),
       per_px_(across_per_px(header)),
+      contrast_(header.subdivide_threshold > 0 ? static_cast<float>(header.subdivide_threshold)
+                                               : usual_contrast),
+      black_(static_cast<float>(0.05 * std::exp2(-header.exposure_stops))),
       perspective_(header.projection == Projection::perspective),
       key_pieces_(keys.keys.size(), 0),
       key_group_(keys.keys.size(), none) {}
@@ -74,7 +79,7 @@ void SheetBuilder::add_leaf(const Leaf& leaf, int cell) {
                  keys_.of_node[begin[k]] == keys_.of_node[begin[0]];
     }
     if (simple) {  // by far the most
-        add_group(keys_.of_node[begin[0]], begin, x, y, leaf.size, cell);
+        add_group(keys_.of_node[begin[0]], begin, x, y, leaf.size, cell, leaf);
         return;
     }
     // The n-th of a key with the n-th.
@@ -96,7 +101,7 @@ void SheetBuilder::add_leaf(const Leaf& leaf, int cell) {
         }
     }
     for (const Group& g : groups_) {
-        add_group(g.key, g.corners, x, y, leaf.size, cell);
+        add_group(g.key, g.corners, x, y, leaf.size, cell, leaf);
         key_group_[g.key] = none;
     }
 }
@@ -107,29 +112,98 @@ void SheetBuilder::add_piece(const Piece& piece) {
 }
 
 void SheetBuilder::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
-                             float size, int cell) {
+                             float size, int cell, const Leaf& leaf) {
     if (std::find(corners.begin(), corners.end(), none) == corners.end()) {
         const auto [low, high] = std::minmax({node(corners[0]).inverse_z, node(corners[1]).inverse_z,
                                               node(corners[2]).inverse_z, node(corners[3]).inverse_z});
         if (continuous(low, high, size)) {
-            add_piece({key, cell, x, y, size, corners, 4, 0, 0});
+            add_piece({key, cell, x, y, size, corners});
             return;
         }
     }
+    std::uint32_t nearest = none;
+    for (const std::uint32_t c : corners) {
+        if (c != none && (nearest == none || node(c).inverse_z > node(nearest).inverse_z)) nearest = c;
+    }
+    const bool cut_before = std::any_of(leaf.corner.begin(), leaf.corner.end(), [&](std::uint32_t c) {
+        return shows_before(c, node(nearest), size);
+    });
     const float half = size / 2;
-    for (std::size_t k = 0; k < 4; ++k) {
-        if (corners[k] == none) continue;
+    const auto quarter = [&](std::size_t k, std::uint32_t of, bool maybe) {
         const bool right = (k & 1U) != 0, down = (k & 2U) != 0;
         add_piece({key,
                    cell,
                    right ? x + half : x,
                    down ? y + half : y,
                    half,
-                   {corners[k]},
+                   {of},
                    1,
                    right ? x + size : x,
-                   down ? y + size : y});
+                   down ? y + size : y,
+                   cut_before,
+                   maybe});
+    };
+    for (std::size_t k = 0; k < 4; ++k) {
+        if (corners[k] != none) quarter(k, corners[k], false);
     }
+    for (std::size_t k = 0; k < 4; ++k) {
+        if (shows_behind(leaf.corner[k], node(nearest), size)) quarter(k, nearest, true);
+    }
+}
+
+bool SheetBuilder::shows_before(std::uint32_t corner, const TreeSurface& of, float size) const {
+    for (std::uint32_t i = trees_.offsets[corner]; i < trees_.offsets[corner + 1]; ++i) {
+        const TreeSurface& s = node(i);
+        if (s.path != of.path || s.parent_id != of.parent_id) continue;
+        if (s.id == of.id &&
+            continuous(std::min(s.inverse_z, of.inverse_z), std::max(s.inverse_z, of.inverse_z), size))
+            return false;
+        if (s.inverse_z > of.inverse_z) return true;
+    }
+    return false;
+}
+
+bool SheetBuilder::shows_behind(std::uint32_t corner, const TreeSurface& of, float size) const {
+    bool behind = false;
+    for (std::uint32_t i = trees_.offsets[corner]; i < trees_.offsets[corner + 1]; ++i) {
+        const TreeSurface& s = node(i);
+        if (s.path != of.path || s.parent_id != of.parent_id) continue;
+        const auto [low, high] = std::minmax(s.inverse_z, of.inverse_z);
+        if (s.id == of.id && continuous(low, high, size)) return false;
+        behind = behind || s.inverse_z < of.inverse_z;
+    }
+    return behind;
+}
+
+bool SheetBuilder::has_contrast(const Piece& piece) const {
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (is_contrast(node(piece.node[0]).rgb[c], node(piece.node[1]).rgb[c], node(piece.node[2]).rgb[c],
+                        node(piece.node[3]).rgb[c]))
+            return true;
+    }
+    return false;
+}
+
+bool SheetBuilder::is_marked(const Piece& piece) const {
+    return std::all_of(piece.node.begin(), piece.node.end(),
+                       [&](std::uint32_t n) { return node(n).mark != 0; });
+}
+
+bool SheetBuilder::has_contrast_below(const Piece& piece) const {
+    for (std::size_t n = 0; n < 2; ++n) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            if (is_contrast(node(piece.node[0]).below[n][c], node(piece.node[1]).below[n][c],
+                            node(piece.node[2]).below[n][c], node(piece.node[3]).below[n][c]))
+                return true;
+        }
+    }
+    return false;
+}
+
+// Contrast as in [mitchell1987], in which the trace divides pixels.
+bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
+    const auto [low, high] = std::minmax({a, b, c, d});
+    return high - low > contrast_ * (high + low + black_);
 }
 
 void SheetBuilder::add_sheets(std::span<const Piece* const> pieces) {
@@ -201,6 +275,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
     std::array<float, 2>& strays = drafts_[sheet].strays;
     Texel t;
     const float share = 1.0F / static_cast<float>(piece.corners);
+    const bool whole = piece.corners == 4;
     for (int k = 0; k < piece.corners; ++k) {
         const TreeSurface& s = node(piece.node[static_cast<std::size_t>(k)]);
         std::array<float, 3> colour = s.rgb, excess{};
@@ -218,7 +293,6 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
         for (std::size_t n = 0; n < 2; ++n) strays[n] = std::max(strays[n], s.strays[n]);
         if (excess == std::array<float, 3>{}) continue;
         // The quarter of the square next to this corner.
-        const bool whole = piece.corners == 4;
         const float area = share * piece.size * piece.size;
         const float x = piece.x + piece.size * (whole ? ((k & 1) != 0 ? 0.75F : 0.25F) : 0.5F),
                     y = piece.y + piece.size * (whole ? ((k & 2) != 0 ? 0.75F : 0.25F) : 0.5F);
@@ -231,12 +305,16 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
         light.w = s.path.bits() == 0 ? Mat2::isotropic(s.inverse_z) : s.w;
         light.inverse_z = s.inverse_z;
         light.sheet = drafts_[sheet].number;
+        light.cut_before = piece.cut_before;
         out_.bright.push_back(light);
     }
     t.r = rgb[0];
     t.g = rgb[1];
     t.b = rgb[2];
-    t.info = (drafts_[sheet].number << 2U) | children;
+    t.info = Texel::info_of(
+        drafts_[sheet].number, children,
+        (!whole || has_contrast(piece) || is_marked(piece) ? Texel::unsure_bit : 0U) |
+            (children != 0 && (!whole || has_contrast_below(piece)) ? Texel::unsure_below_bit : 0U));
     out_.texels.push_back(t);
     note_bright(first_light, piece.size * piece.size);
     if (children != 0) {
@@ -268,7 +346,8 @@ void SheetBuilder::add_cell(std::size_t sheet, std::span<const Piece* const> pie
     draft.coarse.push_back(draft.fine.back());
     if (mean_.texels > 1 && mean_.area > 1 - 1e-9) {
         out_.texels.push_back({static_cast<float>(mean_.rgb[0]), static_cast<float>(mean_.rgb[1]),
-                               static_cast<float>(mean_.rgb[2]), (draft.number << 2U) | mean_.children});
+                               static_cast<float>(mean_.rgb[2]),
+                               Texel::info_of(draft.number, mean_.children)});
         note_bright(first_light, 1);
         if (!out_.below.empty()) {
             out_.below.resize(out_.texels.size());
@@ -299,12 +378,16 @@ void SheetBuilder::add_cell(std::size_t sheet, std::span<const Piece* const> pie
 std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*>& pieces, std::size_t begin,
                                      std::size_t end, float x, float y, float size, int depth) {
     if (begin == end) return SheetNode::none;
-    if (pieces[begin]->size >= size) return add_texel(sheet, *pieces[begin]);
+    const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
+    if (pieces[begin]->size >= size) {
+        // What is there counts before what may be.
+        const auto there = std::find_if(at(begin), at(end), [](const Piece* p) { return !p->maybe; });
+        return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
+    }
     drafts_[sheet].depth = std::max(drafts_[sheet].depth, depth + 1);
     const float half = size / 2;
     const auto first = static_cast<std::uint32_t>(out_.nodes.size());
     out_.nodes.resize(out_.nodes.size() + 4, SheetNode::none);
-    const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     std::size_t from = begin;
     for (std::uint32_t k = 0; k < 4; ++k) {
         const float cx = (k & 1U) != 0 ? x + half : x, cy = (k & 2U) != 0 ? y + half : y;
@@ -329,6 +412,7 @@ void SheetBuilder::fit(std::span<const Piece* const> pieces, CellPlane* planes) 
     std::array<double, values> mean{}, vx{}, vy{};
     const auto each = [&](const auto& visit) {
         for (const Piece* p : pieces) {
+            if (p->maybe) continue;
             const double area = static_cast<double>(p->size) * static_cast<double>(p->size) / p->corners;
             for (int k = 0; k < p->corners; ++k) {
                 const auto x = static_cast<double>(p->corners == 1 ? p->at_x

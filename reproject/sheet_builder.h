@@ -37,6 +37,8 @@ class SheetBuilder {
         std::array<std::uint32_t, 4> node{};
         int corners = 4;  ///< 1: node[0] alone, which stands at (at_x, at_y)
         float at_x = 0, at_y = 0;
+        bool cut_before = false;  ///< Highlight's
+        bool maybe = false;       ///< SheetNode::maybe: the surface of node[0] may reach as far as here
     };
     /// What the corners of a leaf have in common: the n-th node of a key at each.
     struct Group {
@@ -46,7 +48,17 @@ class SheetBuilder {
     };
     void add_leaf(const Leaf& leaf, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
-                   float size, int cell);
+                   float size, int cell, const Leaf& leaf);
+    /// Whether a corner of a leaf shows something before the surface of `of`, and not that.
+    [[nodiscard]] bool shows_before(std::uint32_t corner, const TreeSurface& of, float size) const;
+    /// Whether a corner of a leaf does not show the surface of `of`, but something behind it.
+    [[nodiscard]] bool shows_behind(std::uint32_t corner, const TreeSurface& of, float size) const;
+    /// Whether an edge of a shadow or a texture lies between a piece's corners.
+    [[nodiscard]] bool has_contrast(const Piece& piece) const;
+    /// Whether all its corners are marked: what lies between them is not known.
+    [[nodiscard]] bool is_marked(const Piece& piece) const;
+    [[nodiscard]] bool has_contrast_below(const Piece& piece) const;
+    [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_piece(const Piece& piece);
     void sort_pieces();
     void add_sheets(std::span<const Piece* const> pieces);
@@ -79,6 +91,7 @@ class SheetBuilder {
     const HighlightRule& rule_;
     SheetMesh& out_;
     double per_px_;
+    float contrast_, black_;
     bool perspective_;
     SheetSquare square_;
     std::vector<Piece> pieces_;

@@ -13,7 +13,7 @@ namespace postlens {
 namespace {
 
 std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint32_t first_texel) {
-    if (node == SheetNode::none) return node;
+    if (SheetNode::empty(node)) return node;
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
@@ -67,7 +67,7 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     if (out.has_w()) each(&SheetMesh::bends, &Before::cells, 1, same);
     each(&SheetMesh::nodes, &Before::nodes, 1, moved_node);
     each(&SheetMesh::texels, &Before::texels, 1, [](Texel t, const Before& b) {
-        t.info += static_cast<std::uint32_t>(b.sheets) << 2U;
+        t.info += static_cast<std::uint32_t>(b.sheets) << Texel::sheet_shift;
         return t;
     });
     each(&SheetMesh::bright, &Before::bright, 1, [](Highlight h, const Before& b) {

@@ -34,15 +34,30 @@ struct CellPlane {
 /// The colour of a square, with what else is known of it.
 struct Texel {
     float r = 0, g = 0, b = 0;  ///< scene-linear, of this node of the shading tree alone
-    std::uint32_t info = 0;     ///< sheet << 2 | children (child_bit of the bounces that have a node there)
-    [[nodiscard]] std::uint32_t sheet() const { return info >> 2U; }
+    std::uint32_t info = 0;     ///< as `info_of` packs it
+    /// `unsure`: some of unsure_bit and unsure_below_bit.
+    [[nodiscard]] static constexpr std::uint32_t info_of(std::uint32_t sheet, std::uint8_t children,
+                                                         std::uint32_t unsure = 0) {
+        return sheet << sheet_shift | unsure | children;
+    }
+    static constexpr std::uint32_t sheet_shift = 4, unsure_bit = 4, unsure_below_bit = 8;
+    [[nodiscard]] std::uint32_t sheet() const { return info >> sheet_shift; }
+    /// child_bit of the bounces that have a node there.
     [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & 3U); }
+    /// Whether an edge cuts the leaf it was made of: of the surface, a shadow or a texture. What lies between
+    /// the leaf's corners is then not known.
+    [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
+    /// The same of the light of all that is seen in it.
+    [[nodiscard]] bool unsure_below() const { return (info & unsure_below_bit) != 0; }
+    [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
-/// A node of a pixel's quadtree: `none`, a leaf with its texel, or the first of four nodes (up-left,
-/// up-right, down-left, down-right).
+/// A node of a pixel's quadtree: `none`, `maybe`, a leaf with its texel, or the first of four nodes (up-left,
+/// up-right, down-left, down-right). `maybe`: the surface's edge cuts the leaf, and this corner of it shows
+/// something farther away; how far the surface reaches into its quarter is not known.
 struct SheetNode {
-    static constexpr std::uint32_t none = 0xFFFFFFFFU, leaf = 0x80000000U;
+    static constexpr std::uint32_t none = 0xFFFFFFFFU, maybe = 0xFFFFFFFEU, leaf = 0x80000000U;
+    [[nodiscard]] static constexpr bool empty(std::uint32_t node) { return node >= maybe; }
 };
 
 /// One surface within one square of the raster.
@@ -64,6 +79,8 @@ struct Highlight {
     Mat2 w;                      ///< 1/m
     float inverse_z = 0;         ///< 1/m
     std::uint32_t sheet = 0;
+    bool cut_before =
+        false;  ///< something nearer cuts the leaf it was found in: there may be more of it behind that
 };
 
 /// A texel that has light above the limit.

@@ -49,7 +49,7 @@ class Subset {
 
   private:
     std::uint32_t tree(std::uint32_t node) {
-        if (node == SheetNode::none) return node;
+        if (SheetNode::empty(node)) return node;
         if ((node & SheetNode::leaf) != 0) return SheetNode::leaf | texel(node & ~SheetNode::leaf);
         if (node_[node] != SheetNode::none) return node_[node];
         const auto first = static_cast<std::uint32_t>(to_.nodes.size());
@@ -65,7 +65,7 @@ class Subset {
         if (texel_[old] != SheetNode::none) return texel_[old];
         texel_[old] = static_cast<std::uint32_t>(to_.texels.size());
         Texel t = from_.texels[old];
-        t.info = number_ << 2U | t.children();
+        t.info = Texel::info_of(number_, t.children(), t.unsure_bits());
         to_.texels.push_back(t);
         if (!from_.below.empty()) to_.below.push_back(from_.below[old]);
         return texel_[old];

@@ -90,6 +90,40 @@ std::uint32_t TreeSums::id_around(const Chain& chain, std::size_t k) const {
     return deeper_mesh_->id_of(texel & ~SeenTile::bent);
 }
 
+bool TreeSums::sure(std::size_t k) const {
+    const std::uint32_t in = primary_->texel[k];
+    return in != SeenTile::no_texel && sure(k, first_, primary_mesh_->drawn_children(in));
+}
+
+bool TreeSums::sure(std::size_t k, const Children& chains, std::uint8_t children) const {
+    for (std::size_t bounce = 0; bounce < chains.size(); ++bounce) {
+        if ((children >> bounce & 1U) == 0) continue;
+        if (chains[bounce] == no_chain) return false;
+        const Chain& c = chains_[chains[bounce]];
+        const std::uint32_t texel = c.part.empty() ? SeenTile::no_texel : c.seen->texel[k];
+        if (texel == SeenTile::no_texel || (texel & SeenTile::bent) != 0 || c.seen->may_be_hidden(k) ||
+            deeper_mesh_->unsure(texel) || !sure(k, c.children, deeper_mesh_->drawn_children(texel)))
+            return false;
+    }
+    return true;
+}
+
+glm::dvec3 TreeSums::light(std::size_t k) const {
+    return light(k, first_, primary_mesh_->drawn_children(primary_->texel[k]));
+}
+
+glm::dvec3 TreeSums::light(std::size_t k, const Children& chains, std::uint8_t children) const {
+    glm::dvec3 out(0);
+    for (std::size_t bounce = 0; bounce < chains.size(); ++bounce) {
+        if ((children >> bounce & 1U) == 0) continue;
+        const Chain& c = chains_[chains[bounce]];
+        const std::uint32_t texel = c.seen->texel[k];
+        out += glm::dvec3(deeper_mesh_->light(texel)) +
+               light(k, c.children, deeper_mesh_->drawn_children(texel));
+    }
+    return out;
+}
+
 void TreeSums::add(std::size_t k, double weight) {
     const std::uint32_t in = primary_->texel[k];
     if (in == SeenTile::no_texel) return;
@@ -122,15 +156,13 @@ void TreeSums::add(std::size_t k, double weight, const Children& chains, std::ui
 void TreeSums::add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                         std::uint32_t primary_texel) {
     const std::uint32_t number = texel & ~SeenTile::bent;
-    const Texel& t = deeper_mesh_->sheets->texels[number];
-    std::array<float, 3> light = deeper_mesh_->following(number);
-    light = {t.r + light[0], t.g + light[1], t.b + light[2]};
+    const glm::vec3 light = deeper_mesh_->light(number);
     Sums& s = chain.sums[k];
     if ((texel & SeenTile::bent) != 0) s.bent += weight;
     chain.brightest = std::max({chain.brightest, light[0], light[1], light[2]});
     chain.any_seen = true;
     s.known += weight;
-    for (std::size_t c = 0; c < 3; ++c) s.seen[c] += weight * static_cast<double>(light[c]);
+    for (std::size_t c = 0; c < 3; ++c) s.seen[c] += weight * static_cast<double>(light[static_cast<int>(c)]);
     const std::uint8_t children = deeper_mesh_->drawn_children(number);
     if (children != 0) add(k, weight, chain.children, children, primary_texel);
 }

@@ -28,6 +28,11 @@ class TreeSums {
     /// Where a chain is drawn, once its parent is: made ready for the use, with where it is wanted in
     /// `wanted`. Null where no pixel wants it, and for a chain that `begin` was not told of.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
+    /// Whether the records are sure of all that is drawn for itself in pixel k: every chain is seen, nowhere
+    /// at an edge, and by no bent patch.
+    [[nodiscard]] bool sure(std::size_t k) const;
+    /// What the view shows so in pixel k, where it is sure.
+    [[nodiscard]] glm::dvec3 light(std::size_t k) const;
     /// Takes in pixel k: what is drawn for itself there.
     void add(std::size_t k, double weight);
     /// Before the pixels are summed up, once all views are in.
@@ -67,6 +72,8 @@ class TreeSums {
     };
     void add(std::size_t k, double weight, const Children& chains, std::uint8_t children,
              std::uint32_t primary_texel);
+    [[nodiscard]] bool sure(std::size_t k, const Children& chains, std::uint8_t children) const;
+    [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
     /// What goes on from a chain that is not seen in pixel k. Whether anything does.

@@ -86,7 +86,6 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
 
 MadePicture PictureMaker::by_hybrid(HybridSettings settings) {
     settings.scene = settings_.scene;
-    settings.retrace_spp = settings_.retrace_spp;
     HybridResult r = hybrid_picture(frame_, settings);
     MadePicture out = made(std::move(r.focus), method_name(method_));
     predict(out, settings, FocusMethod::hybrid, r.what);

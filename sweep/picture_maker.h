@@ -32,7 +32,6 @@ struct PictureSettings {
     ShutterCurve curve = ShutterCurve::box();
     std::vector<ObjectPath> paths;  ///< in place of the file's motion
     const Scene* scene = nullptr;   ///< for hybrid and automatic
-    int retrace_spp = 128;
     /// Of `automatic`; without it and a scene that is the usual method.
     std::optional<double> target_db;
     bool predict = false;  ///< of each picture how far it is expected to be from the truth

@@ -221,11 +221,11 @@ class Sweep {
 
     [[nodiscard]] std::string common_key(const std::filesystem::path& frame) const {
         const PictureSettings& p = settings_.picture;
-        std::string key = fmt::format(
-            "1 {} {} {} {} {} {} {} {} {:x} {}", checksum_text(frame), method_name(maker_.method()),
-            static_cast<int>(p.framing), static_cast<int>(p.spacing), static_cast<int>(p.depth_model),
-            p.depths.value_or(0), p.views.value_or(0), settings_.coc_limit_px, p.curve.fingerprint(),
-            p.scene != nullptr ? fmt::format("{} {}", p.scene->sha256, p.retrace_spp) : "");
+        std::string key = fmt::format("1 {} {} {} {} {} {} {} {} {:x} {}", checksum_text(frame),
+                                      method_name(maker_.method()), static_cast<int>(p.framing),
+                                      static_cast<int>(p.spacing), static_cast<int>(p.depth_model),
+                                      p.depths.value_or(0), p.views.value_or(0), settings_.coc_limit_px,
+                                      p.curve.fingerprint(), p.scene != nullptr ? p.scene->sha256 : "");
         if (file_.exposure_stops() != 0) key += fmt::format(" exposure {}", file_.exposure_stops());
         if (p.scene != nullptr && p.scene->lumens_per_watt)
             key += fmt::format(" lumens {}", *p.scene->lumens_per_watt);

@@ -62,7 +62,7 @@ MovingSheets plane(double tilt_x, double tilt_y) {
 
 /// px^2 of what a node of a pixel's quadtree has of the pixel.
 double area(const SheetMesh& mesh, std::uint32_t node, double size = 1) {
-    if (node == SheetNode::none) return 0;
+    if (SheetNode::empty(node)) return 0;
     if ((node & SheetNode::leaf) != 0) return size * size;
     double sum = 0;
     for (std::uint32_t k = 0; k < 4; ++k) sum += area(mesh, mesh.nodes[node + k], size / 2);

@@ -47,7 +47,7 @@ struct MadeSheets {
 
 /// The texel at a place of a cell, (x, y) in [0, 1) px; none where the sheet has nothing there.
 std::uint32_t texel_at(const SheetMesh& mesh, std::uint32_t node, double x, double y) {
-    while (node != SheetNode::none && (node & SheetNode::leaf) == 0) {
+    while (!SheetNode::empty(node) && (node & SheetNode::leaf) == 0) {
         x *= 2;
         y *= 2;
         const bool right = x >= 1, down = y >= 1;
@@ -55,7 +55,7 @@ std::uint32_t texel_at(const SheetMesh& mesh, std::uint32_t node, double x, doub
         if (right) x -= 1;
         if (down) y -= 1;
     }
-    return node == SheetNode::none ? SeenTile::no_texel : node & ~SheetNode::leaf;
+    return SheetNode::empty(node) ? SeenTile::no_texel : node & ~SheetNode::leaf;
 }
 
 // Of layer 0 every place of every pixel belongs to one sheet, and its means are the traced picture.
@@ -384,7 +384,10 @@ TEST(PatchField, WhatIsNotWantedStaysUnknown) {
     field.height = height;
     PatchView v;
     v.uses = {{0, 1, {}}};
-    field.sets = {{{v}, [](int, int, int, int) { return false; }, nullptr, 0}, {{v}, {}, nullptr, 1}};
+    field.sets.resize(2);
+    for (PatchViews& set : field.sets) set.views = {v};
+    field.sets[0].wanted = [](int, int, int, int) { return false; };
+    field.sets[1].picture = 1;
     std::vector<PatchPicture> pictures(2, PatchPicture(width, height));
     patch_field(field, pictures);
     for (const float u : pictures[0].unknown) EXPECT_EQ(u, 1);

@@ -143,6 +143,35 @@ TEST(CornersAndPatterns, ACheckerIsSeenThoughAllCornersHaveOneColour) {
     for (const float v : TracedFrame(fine_wall(), settings).file().picture().rgb) EXPECT_EQ(v, 0.9F);
 }
 
+// Corners of one colour tell nothing of what lies between them, unless they are divided.
+TEST(CornersAndPatterns, TextureFinerThanTheSamplesIsMarked) {
+    const auto marked_share = [](const Scene& scene, int levels) {
+        TraceSettings settings;
+        settings.subdivision.levels = levels;
+        const TracedFrame frame(scene, settings);
+        EXPECT_TRUE(frame.file().header().has_marks);
+        RecordBand band;
+        frame.file().read(frame.file().y_begin(), frame.file().y_end(), band);
+        std::size_t marked = 0;
+        for (const Record& r : band.records) marked += r.mark == RecordMark::fine_texture ? 1 : 0;
+        return static_cast<double>(marked) / static_cast<double>(band.records.size());
+    };
+    EXPECT_EQ(marked_share(fine_wall(), 0), 1);
+    // Two borders a pixel, either way: of leaves of 1/16 px most lie between them.
+    const double divided = marked_share(fine_wall(), 4);
+    EXPECT_GT(divided, 0.1);
+    EXPECT_LT(divided, 0.95);
+    Scene wide = fine_wall();
+    Checker one_cell;
+    one_cell.size = dvec3(1000);
+    one_cell.offset = dvec3(500);
+    for (Material& m : wide.materials) m.emission_texture = std::make_shared<const Texture>(one_cell);
+    EXPECT_EQ(marked_share(wide, 0), 0);
+    SceneBuilder plain;
+    plain.add(square({0, 0, -4}, {0, 0, 1}, 10), glowing(dvec3(0.5)));
+    EXPECT_FALSE(TracedFrame(plain.scene).file().header().has_marks);
+}
+
 // A strip before a wall, narrower than a pixel and between two corners, with a light from either side: each
 // corner lies in the shadow of one, and both have one colour. Between them the wall has both lights.
 TEST(CornersAndPatterns, ShadowsOfTwoLightsAreToldApart) {

@@ -42,6 +42,7 @@ struct RandomOptions {
     bool has_w = false;
     bool has_layers = false;
     bool has_bend = false;
+    bool has_marks = false;
     int keys = 0;  ///< further instants
 };
 
@@ -84,6 +85,7 @@ inline RecordBand random_band(std::mt19937& random, int x_begin, int x_end, int 
             if (options.has_bend)
                 r.w_bend = uniform(random) < 0.2F ? std::numeric_limits<float>::infinity()
                                                   : static_cast<float>(random() % 2048) / 64;
+            if (options.has_marks) r.mark = static_cast<std::uint8_t>(random() % 2);
             r.w = options.has_w
                       ? Mat2{uniform(random), uniform(random) - 1, uniform(random), -uniform(random)}
                       : Mat2::isotropic(1.0F / r.z);
@@ -143,6 +145,7 @@ inline SampleHeader full_header(int width, int height, int overscan_px, const Ra
     h.has_w = options.has_w;
     h.has_layers = options.has_layers;
     h.has_bend = options.has_bend;
+    h.has_marks = options.has_marks;
     h.sufficient = {1.4, 0.8, std::numeric_limits<double>::infinity(), 0.1, 0.15};
     for (int k = 0; k < options.keys; ++k) h.key_times_s.push_back(0.1 + 0.05 * k + 1e-3);
     return h;

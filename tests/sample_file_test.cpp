@@ -108,6 +108,7 @@ void expect_equal_headers(const SampleHeader& a, const SampleHeader& b) {
     EXPECT_EQ(a.has_w, b.has_w);
     EXPECT_EQ(a.has_layers, b.has_layers);
     EXPECT_EQ(a.has_bend, b.has_bend);
+    EXPECT_EQ(a.has_marks, b.has_marks);
     EXPECT_EQ(a.sufficient.smallest_f_number, b.sufficient.smallest_f_number);
     EXPECT_EQ(a.sufficient.nearest_focus_m, b.sufficient.nearest_focus_m);
     EXPECT_EQ(a.sufficient.farthest_focus_m, b.sufficient.farthest_focus_m);
@@ -148,6 +149,8 @@ std::vector<Case> round_trip_cases() {
         {4, 21, 2, {.has_layers = true}},
         {33, 40, 3, {.levels = 1, .has_w = true, .has_layers = true}},
         {33, 40, 3, {.levels = 1, .has_w = true, .has_layers = true, .has_bend = true}},
+        {33, 40, 3, {.levels = 1, .has_w = true, .has_layers = true, .has_bend = true, .has_marks = true}},
+        {9, 7, 0, {.levels = 2, .has_marks = true}},
         {9, 7, 1, {.levels = 5, .probability = 0.4, .has_w = true, .has_layers = true}},
         {100, 70, 5, {.levels = 2, .probability = 0.2, .has_w = true}},
         {1, 1, 0, {.keys = 1}},

@@ -125,7 +125,6 @@ TEST_F(SweepCommand, RefusesInOneLine) {
     refuse({"--at", "999,1"}, ExitCode::wrong_arguments, "--at");
     refuse({"--depths", "1"}, ExitCode::wrong_arguments, "depths");
     refuse({"--views", "0", "--method", "lightfield"}, ExitCode::wrong_arguments, "views");
-    refuse({"--retrace-spp", "0"}, ExitCode::wrong_arguments, "--retrace-spp");
     refuse({}, ExitCode::cannot_write, "is a file", in("file"));
     refuse({}, ExitCode::cannot_write, "/proc/none", "/proc/none");
     refused({"sweep", in("scene.toml"), "-o", in("out")}, ExitCode::invalid_input, "scene.toml");

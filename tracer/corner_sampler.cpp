@@ -240,6 +240,39 @@ class BandSampler {
         return false;
     }
 
+    // Notes which nodes of a leaf, as small as colours ask for, have a texture between them that has
+    // contrast.
+    void mark_leaf(const Cell& c, std::size_t row) {
+        if (!tracer_.has_textures() ||
+            c.size > std::max(1U, unit_ >> std::min(settings_.colour_levels, settings_.levels)))
+            return;
+        std::array<Seen, 4> seen;
+        std::array<std::uint32_t, 4> at{};
+        for (std::size_t i = 0; i < 4; ++i) seen[i] = take_layer(samples_[c.corner[i]], at[i]);
+        mark_textures(seen, row);
+        while (std::all_of(at.begin(), at.end(), [&, i = std::size_t{0}](std::uint32_t a) mutable {
+            return a < samples_[c.corner[i++]].count;
+        })) {
+            for (std::size_t i = 0; i < 4; ++i) seen[i] = take_layer(samples_[c.corner[i]], at[i]);
+            mark_textures(seen, row);
+        }
+    }
+
+    void mark_textures(const std::array<Seen, 4>& s, std::size_t row) {
+        for (std::uint32_t n = 0; n < s[0].count; ++n) {
+            std::array<std::uint32_t, 4> node{s[0].first + n};
+            bool all = true;
+            for (std::size_t i = 1; i < 4 && all; ++i) {
+                const auto found = node_like(s[0].chunk->records[node[0]], s[i]);
+                all = found.has_value();
+                if (all) node[i] = *found;
+            }
+            if (!all || !texture_differs(s.data(), node, 4)) continue;
+            for (std::size_t i = 0; i < 4; ++i)
+                marks_[row].emplace_back(static_cast<std::uint32_t>(s[i].chunk - chunks_.data()), node[i]);
+        }
+    }
+
     // What has the same path and id.
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in) {
         for (std::uint32_t n = in.first; n < in.first + in.count; ++n) {
@@ -371,7 +404,15 @@ class BandSampler {
     using CellRows = std::vector<std::vector<Cell>>;  // by row of pixels
 
     void refine(int y_begin, int y_end) {
-        if (settings_.levels == 0) return;
+        marks_.assign(static_cast<std::size_t>(y_end - y_begin), {});
+        refine_cells(y_begin, y_end);
+        for (const auto& row : marks_) {
+            for (const auto& [chunk, record] : row)
+                chunks_[chunk].records[record].mark |= RecordMark::fine_texture;
+        }
+    }
+
+    void refine_cells(int y_begin, int y_end) {
         CellRows cells = split_pixels(y_begin, y_end), next(cells.size());
         while (std::any_of(cells.begin(), cells.end(), [](const auto& row) { return !row.empty(); })) {
             trace_missing(cells, y_begin, y_end);
@@ -383,7 +424,7 @@ class BandSampler {
         }
     }
 
-    [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) const {
+    [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin));
         parallel_for(cells.size(), [&](std::size_t r) {
             const int row = static_cast<int>(r);
@@ -393,7 +434,11 @@ class BandSampler {
                     grid_y(y_begin + row),
                     unit_,
                     {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
-                if (splits(c)) cells[r].push_back(c);
+                if (settings_.levels > 0 && splits(c)) {
+                    cells[r].push_back(c);
+                } else {
+                    mark_leaf(c, r);
+                }
             }
         });
         return cells;
@@ -467,9 +512,8 @@ class BandSampler {
         return out;
     }
 
-    void split(const Cell& c, std::size_t row, std::vector<Cell>& next) const {
+    void split(const Cell& c, std::size_t row, std::vector<Cell>& next) {
         const std::uint32_t h = c.size / 2;
-        if (h == 1) return;  // the quarters are leaves, whatever they hold
         const auto at = [&](std::uint32_t dx, std::uint32_t dy) {
             return sample_at(key(c.x + dx, c.y + dy), row);
         };
@@ -480,7 +524,11 @@ class BandSampler {
                                            Cell{c.x, c.y + h, h, {left, centre, c.corner[2], bottom}},
                                            Cell{c.x + h, c.y + h, h, {centre, right, bottom, c.corner[3]}}};
         for (const Cell& q : quarters) {
-            if (splits(q)) next.push_back(q);
+            if (h > 1 && splits(q)) {
+                next.push_back(q);
+            } else {
+                mark_leaf(q, row);
+            }
         }
     }
 
@@ -594,6 +642,8 @@ class BandSampler {
     std::vector<Key> wanted_;
     std::vector<std::size_t> wanted_rows_;
     std::uint32_t first_wanted_ = 0;
+    /// By row of pixels: chunks and records that are to be marked.
+    std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> marks_;
     std::vector<std::uint32_t> first_, order_, next_;  // of emit, kept for their memory
 };
 

@@ -19,7 +19,16 @@ SampleSet set_for(Purpose purpose, NodePath path, std::size_t which) {
     return sample_set(static_cast<std::uint32_t>(purpose), path.bits(), static_cast<std::uint32_t>(which));
 }
 
+constexpr std::uint32_t no_node = 0xFFFFFFFFU;
+
 struct Shadow {
+    std::uint32_t sample = 0;
+    std::uint32_t node = no_node;  ///< of those that are limited
+    dvec3 radiance{0};
+};
+
+/// A node of which only so much is to be seen: all its light comes together before it counts.
+struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
 };
@@ -31,6 +40,7 @@ struct DistributedTracer::PathRay {
     std::uint32_t sample = 0;
     float time = 0;
     NodePath path;
+    std::uint32_t parent_id = 0;
 };
 
 // Buffers of one thread, kept from batch to batch.
@@ -39,6 +49,7 @@ struct DistributedTracer::Workspace {
     RayBatch batch, next_batch;
     std::vector<Shadow> shadows;
     RayBatch shadow_rays;
+    std::vector<LimitedNode> limited;
 };
 
 dvec3 spread_direction(const dvec3& axis, double exponent, const glm::dvec2& uv) {
@@ -77,8 +88,8 @@ DistributedTracer::DistributedTracer(const RayScene& scene, const Sampler& sampl
 }
 
 void DistributedTracer::light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
-                              const Material& m, const dvec3& colour, EyeRays& eye, Workspace& w,
-                              RayCounts& counts) const {
+                              const Material& m, const dvec3& colour, std::uint32_t limited, EyeRays& eye,
+                              Workspace& w, RayCounts& counts) const {
     const std::size_t sample = ray.sample;
     for (std::size_t i = 0; i < lights_.size(); ++i) {
         PlacedLight moved;
@@ -97,11 +108,11 @@ void DistributedTracer::light(const PathRay& ray, const SurfacePoint& s, const F
         if (lit.radiance == dvec3(0)) continue;
         const dvec3 radiance = ray.throughput * lit.radiance;
         if (!lit.casts_shadow) {
-            eye.radiance[sample] += radiance;
+            (limited == no_node ? eye.radiance[sample] : w.limited[limited].radiance) += radiance;
             continue;
         }
         ++counts.shadow;
-        w.shadows.push_back({ray.sample, radiance});
+        w.shadows.push_back({ray.sample, limited, radiance});
         w.shadow_rays.add(lit.origin, lit.segment, lit.reach, key, ray.time);
     }
 }
@@ -138,8 +149,8 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
             if (through < 0) direction -= 2 * through * off;
         }
         ++count;
-        w.next_rays.push_back(
-            {s.position, direction, throughput, ray.sample, ray.time, ray.path.child(bounce)});
+        w.next_rays.push_back({s.position, direction, throughput, ray.sample, ray.time,
+                               ray.path.child(bounce), scene_.scene().objects[s.object].id});
         w.next_batch.add(s.position + RayScene::offset(s.position) * off, direction,
                          std::numeric_limits<float>::infinity(), key, ray.time);
     };
@@ -159,21 +170,37 @@ void DistributedTracer::shade(const PathRay& ray, const SurfacePoint& s, const H
     const Scene& scene = scene_.scene();
     const Material& m = scene.materials[scene.objects[s.object].material];
     const dvec3 colour = surface_colour(m, s);
-    eye.radiance[ray.sample] += ray.throughput * own_radiance(scene, m, s, colour);
+    const dvec3 own = ray.throughput * own_radiance(scene, m, s, colour);
+    std::uint32_t limited = no_node;
+    if (limits(ray, s.object, s.t, eye)) {
+        limited = static_cast<std::uint32_t>(w.limited.size());
+        w.limited.push_back({ray.sample, own});
+    } else {
+        eye.radiance[ray.sample] += own;
+    }
     const bool spawns = m.reflects() || m.transmission != dvec3(0);
     const bool answers = m.diffuse != dvec3(0) || m.has_highlight() || m.diffuse_transmission != dvec3(0);
     if (!spawns && (lights_.empty() || !answers)) return;
     const Facing f = face(s, ray.direction);
-    if (answers) light(ray, s, f, key, m, colour, eye, w, counts);
+    if (answers) light(ray, s, f, key, m, colour, limited, eye, w, counts);
     if (spawns) spawn(ray, s, f, key, m, eye, w, counts);
 }
 
+bool DistributedTracer::limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const {
+    return eye.less != nullptr &&
+           eye.less->of(ray.path, ray.parent_id, scene_.scene().objects[object].id,
+                        ray.path.bits() == 0 ? eye.recorded_at(ray.sample, t) : glm::dvec2(0));
+}
+
 void DistributedTracer::resolve_shadows(EyeRays& eye, Workspace& w) const {
-    if (w.shadow_rays.count == 0) return;
-    scene_.occlude(w.shadow_rays);
+    if (w.shadow_rays.count != 0) scene_.occlude(w.shadow_rays);
     for (std::size_t k = 0; k < w.shadows.size(); ++k) {
-        eye.radiance[w.shadows[k].sample] += w.shadows[k].radiance * w.shadow_rays.transmittance[k];
+        const Shadow& s = w.shadows[k];
+        (s.node == no_node ? eye.radiance[s.sample] : w.limited[s.node].radiance) +=
+            s.radiance * w.shadow_rays.transmittance[k];
     }
+    for (const LimitedNode& n : w.limited)
+        eye.radiance[n.sample] += glm::min(n.radiance, dvec3(static_cast<double>(eye.less->above)));
 }
 
 void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
@@ -189,6 +216,7 @@ void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
         w.next_batch.clear(true, times);
         w.shadows.clear();
         w.shadow_rays.clear(true, times);
+        w.limited.clear();
     };
     begin();
     const RayBatch& b = eye.rays;
@@ -201,20 +229,24 @@ void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
         }
         ++counts.eye_hits;
         const std::uint32_t object = scene_.object(key);
+        PathRay ray;
+        ray.sample = static_cast<std::uint32_t>(i);
+        const bool limited = limits(ray, object, static_cast<double>(b.t[i]), eye);
+        const auto seen = [&](const dvec3& radiance) {
+            return limited ? glm::min(radiance, dvec3(static_cast<double>(eye.less->above))) : radiance;
+        };
         if (answers_[object] == Answer::constant) {
-            eye.radiance[i] = constant_[object];
+            eye.radiance[i] = seen(constant_[object]);
             continue;
         }
-        PathRay ray;
         ray.origin = dvec3(glm::vec3(b.ox[i], b.oy[i], b.oz[i]));
         ray.direction = glm::normalize(dvec3(glm::vec3(b.dx[i], b.dy[i], b.dz[i])));
-        ray.sample = static_cast<std::uint32_t>(i);
         ray.time = times ? b.time[i] : 0.0F;
         const auto t = static_cast<double>(b.t[i]), time = static_cast<double>(ray.time);
         if (answers_[object] == Answer::texture) {
             const Material& m = scene_.scene().materials[scene_.scene().objects[object].material];
             const SurfacePoint s = scene_.texture_point(key, ray.origin, ray.direction, t, time);
-            eye.radiance[i] = own_radiance(scene_.scene(), m, s, surface_colour(m, s));
+            eye.radiance[i] = seen(own_radiance(scene_.scene(), m, s, surface_colour(m, s)));
             continue;
         }
         shade(ray, scene_.surface(key, ray.origin, ray.direction, t, time), key, eye, w, counts);

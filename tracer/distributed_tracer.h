@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "records/record.h"
+#include "reproject/sight_rays.h"
 #include "tracer/ray_scene.h"
 #include "tracer/sampler.h"
 #include "tracer/shading.h"
@@ -30,6 +31,9 @@ struct EyeRays {
     std::vector<float> weight;         ///< how much of its light the lens lets through; empty: all
     /// What the radiance of each ray is multiplied with in the end, for `min_contribution`; empty: 1.
     std::vector<double> importance;
+    const LightElsewhere* less = nullptr;  ///< what no ray is to see; null: all is seen
+    /// With that: where the pinhole sees what a ray meets after t, raster px.
+    std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
 };
 
@@ -60,11 +64,13 @@ class DistributedTracer {
     void shade(const PathRay& ray, const SurfacePoint& s, const HitKey& key, EyeRays& eye, Workspace& w,
                RayCounts& counts) const;
     void light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
-               const Material& m, const glm::dvec3& colour, EyeRays& eye, Workspace& w,
+               const Material& m, const glm::dvec3& colour, std::uint32_t limited, EyeRays& eye, Workspace& w,
                RayCounts& counts) const;
     void spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
                const Material& m, const EyeRays& eye, Workspace& w, RayCounts& counts) const;
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
+    /// Whether some of a node's light is not to be seen.
+    [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
 
     const RayScene& scene_;
     const Sampler& sampler_;

@@ -83,20 +83,23 @@ dvec2 LensCamera::field_of(const dvec2& tangent) const {
 void LensCamera::local_rays_of_aperture(const LensSamples& s, Local& out,
                                         std::array<float, 16>& weight) const {
     for (std::size_t i = 0; i < lanes; ++i) {
-        const dvec2 px(static_cast<double>(s.x[i]) - 0.5 * width_,
-                       static_cast<double>(s.y[i]) - 0.5 * height_);
         const dvec2 unit =
             aperture_->sample(static_cast<double>(s.lens_u[i]), static_cast<double>(s.lens_v[i]));
-        const dvec2 q = lens_.aperture_radius_m * unit;
-        const double inverse_focus =
-            lens_.inverse_focus_per_m + aperture_->spherical_per_m() * glm::dot(unit, unit);
-        const dvec2 tangent = px / lens_.gain_px - q * inverse_focus;
-        weight[i] = !loses_rays() || aperture_->passes(unit, field_of(tangent)) ? 1.0F : 0.0F;
-        out.tx[i] = static_cast<float>(tangent.x);
-        out.ty[i] = static_cast<float>(tangent.y);
-        out.qx[i] = static_cast<float>(q.x);
-        out.qy[i] = static_cast<float>(q.y);
+        weight[i] =
+            local_ray(static_cast<double>(s.x[i]), static_cast<double>(s.y[i]), unit, i, out) ? 1.0F : 0.0F;
     }
+}
+
+bool LensCamera::local_ray(double x, double y, const dvec2& unit, std::size_t lane, Local& out) const {
+    const dvec2 px(x - 0.5 * width_, y - 0.5 * height_);
+    const dvec2 q = lens_.aperture_radius_m * unit;
+    const double spherical = aperture_ ? aperture_->spherical_per_m() * glm::dot(unit, unit) : 0;
+    const dvec2 tangent = px / lens_.gain_px - q * (lens_.inverse_focus_per_m + spherical);
+    out.tx[lane] = static_cast<float>(tangent.x);
+    out.ty[lane] = static_cast<float>(tangent.y);
+    out.qx[lane] = static_cast<float>(q.x);
+    out.qy[lane] = static_cast<float>(q.y);
+    return !loses_rays() || aperture_->passes(unit, field_of(tangent));
 }
 
 void LensCamera::local_rays_of_view(const LensSamples& s, Local& out, std::array<float, 16>& weight) const {
@@ -146,10 +149,34 @@ void LensCamera::add_rays(const LensSamples& samples, RayBatch& batch, std::vect
     } else {
         local_rays(samples, optics_, local);
     }
+    add_local(local, samples.time, weight, batch, weights);
+}
+
+void LensCamera::add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const {
+    assert(!view_);
+    Local local;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled lane by lane
+    std::array<float, lanes> weight{};
+    for (std::size_t i = 0; i < lanes; ++i) {
+        const auto x = static_cast<double>(samples.x[i]), y = static_cast<double>(samples.y[i]);
+        if (!orthographic_) {
+            weight[i] = local_ray(x, y, samples.lens[i], i, local) ? 1.0F : 0.0F;
+            continue;
+        }
+        const auto metres_per_px = static_cast<double>(optics_.metres_per_px);
+        local.tx[i] = local.ty[i] = 0;
+        local.qx[i] = static_cast<float>((x - 0.5 * width_) * metres_per_px);
+        local.qy[i] = static_cast<float>((y - 0.5 * height_) * metres_per_px);
+        weight[i] = 1;
+    }
+    add_local(local, samples.time, weight, batch, weights);
+}
+
+void LensCamera::add_local(const Local& local, std::array<float, lanes> time,
+                           const std::array<float, lanes>& weight, RayBatch& batch,
+                           std::vector<float>& weights) const {
     const std::size_t first = batch.add_group();
     float* const to[6] = {batch.ox.data() + first, batch.oy.data() + first, batch.oz.data() + first,
                           batch.dx.data() + first, batch.dy.data() + first, batch.dz.data() + first};
-    std::array<float, lanes> time = samples.time;
     if (!even_time_ && (moves_ || batch.has_times)) {
         for (float& t : time) t = static_cast<float>(curve_.time(static_cast<double>(t)));
     }
@@ -207,6 +234,16 @@ LensCamera::Ray LensCamera::ray(double x, double y, double lens_u, double lens_v
     out.origin = f.position + q.x * f.right + q.y * f.down;
     out.direction = glm::normalize(f.forward + tx * f.right + ty * f.down);
     return out;
+}
+
+dvec2 LensCamera::pinhole_px(double x, double y, const dvec2& unit, double t) const {
+    if (orthographic_) return {x, y};
+    const dvec2 middle(0.5 * width_, 0.5 * height_), q = lens_.aperture_radius_m * unit;
+    const double spherical = aperture_ ? aperture_->spherical_per_m() * glm::dot(unit, unit) : 0;
+    const dvec2 tangent =
+        (dvec2(x, y) - middle) / lens_.gain_px - q * (lens_.inverse_focus_per_m + spherical);
+    const double z = t / std::sqrt(1 + glm::dot(tangent, tangent));
+    return middle + lens_.gain_px * (q / z + tangent);
 }
 
 double LensCamera::px_per_m(const dvec3& world, double time_s) const {

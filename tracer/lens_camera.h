@@ -35,6 +35,16 @@ class LensCamera {
     /// pinhole.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
+    /// Sixteen samples whose points of the lens are known: in units of its radius, raster axes. Not for a
+    /// real lens.
+    struct PointSamples {
+        alignas(64) std::array<float, 16> x, y;
+        std::array<glm::dvec2, 16> lens;
+        alignas(64) std::array<float, 16> time;
+    };
+    /// As add_rays: of the same points of the lens the same rays, but for rounding.
+    void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
+
     /// Adds one group of 16 rays to the batch: unit directions, times where the batch has them. `weights`, by
     /// ray, gets the share of its light that each lets through, where not all do; rays without any reach
     /// nothing.
@@ -49,6 +59,10 @@ class LensCamera {
         double weight = 1;
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
+
+    /// Where the pinhole sees what a ray through a point of the lens (in units of its radius), which it would
+    /// see at (x, y) in the plane in focus, meets after `t` m; raster px. Not for a real lens.
+    [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// px per metre across the view for a point of the world; 0 behind the camera.
     [[nodiscard]] double px_per_m(const glm::dvec3& world, double time_s) const;
@@ -68,6 +82,11 @@ class LensCamera {
         float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
+    /// Towards the point of the focal plane that the pinhole sees at (x, y). Whether it gets through.
+    bool local_ray(double x, double y, const glm::dvec2& unit, std::size_t lane, Local& out) const;
+    /// From rays in the camera's frame on.
+    void add_local(const Local& local, std::array<float, 16> time, const std::array<float, 16>& weight,
+                   RayBatch& batch, std::vector<float>& weights) const;
     void local_rays_of_view(const LensSamples& samples, Local& out, std::array<float, 16>& weight) const;
     void local_rays_of_aperture(const LensSamples& samples, Local& out, std::array<float, 16>& weight) const;
     [[nodiscard]] glm::dvec2 field_of(const glm::dvec2& tangent) const;

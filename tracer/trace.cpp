@@ -324,6 +324,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     header.has_w = instant->tracer().has_deeper_nodes();
     header.has_layers = instant->has_hidden_layers();
     header.has_bend = instant->tracer().measures_bends();
+    header.has_marks = instant->tracer().has_textures();
     header.key_times_s = keys_s;
     SampleFileWriter writer(path, header, settings.compression);
     if (settings.on_expected_bytes) {

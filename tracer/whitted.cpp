@@ -171,7 +171,7 @@ struct WhittedTracer::Impl {
     bool has_extents = false;
     bool deeper_nodes = false;
     bool refocus = false;
-    bool has_sources = false;
+    bool has_sources = false, has_textures = false;
     std::vector<double> bound;  // by nodes left below: the most radiance that a subtree can have
 
     void start(Workspace& w) const;
@@ -633,14 +633,19 @@ WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
     impl_->refocus = settings.refocus_matrices && impl_->deeper_nodes &&
                      camera.projection == Camera::Projection::perspective;
     const auto has_texture = [](const Material& m) { return m.colour_texture || m.emission_texture; };
-    impl_->has_sources = !impl_->lights.empty() || std::any_of(scene.scene().materials.begin(),
-                                                               scene.scene().materials.end(), has_texture);
+    impl_->has_textures =
+        std::any_of(scene.scene().materials.begin(), scene.scene().materials.end(), has_texture);
+    impl_->has_sources = !impl_->lights.empty() || impl_->has_textures;
 }
 
 WhittedTracer::~WhittedTracer() = default;
 
 bool WhittedTracer::has_deeper_nodes() const {
     return impl_->deeper_nodes;
+}
+
+bool WhittedTracer::has_textures() const {
+    return impl_->has_textures;
 }
 
 bool WhittedTracer::measures_bends() const {

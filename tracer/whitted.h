@@ -87,6 +87,8 @@ class WhittedTracer {
     [[nodiscard]] bool has_deeper_nodes() const;
     /// Whether W.bend is measured.
     [[nodiscard]] bool measures_bends() const;
+    /// Whether some material has a texture.
+    [[nodiscard]] bool has_textures() const;
 
   private:
     struct Impl;

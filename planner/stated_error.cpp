@@ -1,0 +1,151 @@
+#include "planner/stated_error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/sample_hash.h"
+#include "planner/tile_grid.h"
+#include "records/crop.h"
+#include "records/srgb.h"
+
+namespace postlens {
+namespace {
+
+std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
+    return mix64(mix64(mix64(x) ^ y) ^ purpose);
+}
+
+/// d encoded / d linear; 0 where values are clamped.
+double slope(double linear) {
+    if (!(linear >= 0) || linear >= 1) return 0;
+    return linear <= 0.0031308 ? 12.92 : 1.055 / 2.4 * std::pow(linear, 1 / 2.4 - 1);
+}
+
+double encoded(float linear) {
+    return static_cast<double>(srgb_from_linear(linear));
+}
+
+/// Of the mean of both pictures in a pixel.
+double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
+    double sum = 0;
+    for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
+        const double d = encoded(a.image.rgb[c]) - encoded(b.image.rgb[c]);
+        sum += d * d / 4;
+    }
+    return sum / 3;
+}
+
+/// The product of what rays had more in a view of either set.
+double bias_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
+    double sum = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t k = 3 * pixel + c;
+        const double s =
+            slope((static_cast<double>(a.image.rgb[k]) + static_cast<double>(b.image.rgb[k])) / 2);
+        sum += s * s * a.checks[pixel].sum[c] * b.checks[pixel].sum[c];
+    }
+    return sum / 3;
+}
+
+struct Mean {
+    double count = 0, sum = 0, squares = 0;
+    void add(double value) {
+        ++count;
+        sum += value;
+        squares += value * value;
+    }
+    [[nodiscard]] double mean() const { return count > 0 ? sum / count : 0; }
+    /// Of the mean.
+    [[nodiscard]] double variance() const {
+        return count > 1 ? std::max(0.0, squares / count - mean() * mean()) / (count - 1) : 0;
+    }
+};
+
+}  // namespace
+
+CheckedPixels::Use CheckedPixels::use(int x, int y) {
+    const auto bx = static_cast<std::uint64_t>(x / edge), by = static_cast<std::uint64_t>(y / edge);
+    const auto place = static_cast<std::uint64_t>(y % edge) * edge + static_cast<std::uint64_t>(x % edge);
+    constexpr std::uint64_t pixels = edge * edge;
+    const std::uint64_t h = hash_of(bx, by, 1), stating = h % pixels,
+                        deciding = (stating + 1 + (h >> 32U) % (pixels - 1)) % pixels;
+    return place == stating ? Use::stating : place == deciding ? Use::deciding : Use::none;
+}
+
+void CheckedPixels::views(int x, int y, int set, int count, std::vector<std::uint32_t>& out) {
+    if (use(x, y) == Use::none) return;
+    const std::uint64_t h = hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
+                                    2 + static_cast<std::uint64_t>(set));
+    out.push_back(static_cast<std::uint32_t>(h % static_cast<std::uint64_t>(count)));
+}
+
+double StatedError::db() const {
+    return -10 * std::log10(std::max(mse(), 1e-12));
+}
+double StatedError::low_db() const {
+    return -10 * std::log10(std::max(high_mse, 1e-12));
+}
+double StatedError::high_db() const {
+    return -10 * std::log10(std::max(low_mse, 1e-12));
+}
+
+StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::optional<Crop>& crop) {
+    constexpr int block = 16;
+    const int width = a.image.width, height = a.image.height;
+    Mean noise, bias;
+    double noise_sum = 0, pixels = 0;
+    StatedError out;
+    for (int y0 = 0; y0 < height; y0 += block) {
+        for (int x0 = 0; x0 < width; x0 += block) {
+            double sum = 0, count = 0;
+            for (int y = y0; y < std::min(y0 + block, height); ++y) {
+                for (int x = x0; x < std::min(x0 + block, width); ++x) {
+                    if (crop && !crop->contains(x, y)) continue;
+                    const auto k = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                   static_cast<std::size_t>(x);
+                    sum += noise_at(a, b, k);
+                    ++count;
+                    if (CheckedPixels::use(x, y) == CheckedPixels::Use::none) continue;
+                    out.check_rays += a.checks[k].rays + b.checks[k].rays;
+                    if (CheckedPixels::use(x, y) == CheckedPixels::Use::stating) bias.add(bias_at(a, b, k));
+                }
+            }
+            if (count == 0) continue;
+            noise.add(sum / count);
+            noise_sum += sum;
+            pixels += count;
+        }
+    }
+    out.noise_mse = noise_sum / std::max(pixels, 1.0);
+    out.bias_mse = std::max(0.0, bias.mean());
+    const double mse = out.mse(), deviation = std::sqrt(noise.variance() + bias.variance());
+    if (!(mse > 0)) return out;
+    // Normal in the logarithm: 1.96 standard deviations either way.
+    const double factor = std::exp(1.96 * deviation / mse);
+    out.low_mse = mse / factor;
+    out.high_mse = mse * factor;
+    return out;
+}
+
+std::vector<std::uint8_t> biased_tiles(const FieldFocus& a, const FieldFocus& b) {
+    const TileGrid grid{a.image.width, a.image.height};
+    std::vector<Mean> noise(grid.count()), bias(grid.count());
+    for (int y = 0; y < a.image.height; ++y) {
+        for (int x = 0; x < a.image.width; ++x) {
+            const auto k = static_cast<std::size_t>(y) * static_cast<std::size_t>(a.image.width) +
+                           static_cast<std::size_t>(x);
+            const std::size_t tile = grid.at(x, y);
+            noise[tile].add(noise_at(a, b, k));
+            if (CheckedPixels::use(x, y) == CheckedPixels::Use::deciding) bias[tile].add(bias_at(a, b, k));
+        }
+    }
+    std::vector<std::uint8_t> out(grid.count(), 0);
+    for (std::size_t t = 0; t < out.size(); ++t) {
+        const double found = bias[t].mean();
+        out[t] = found > noise[t].mean() && found > 2 * std::sqrt(bias[t].variance()) ? 1 : 0;
+    }
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,50 @@
+// How far a picture of views and rays is from the truth: measured, not predicted.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "focus/field_focus.h"
+
+namespace postlens {
+
+/// Which views of a pixel are compared with rays. A pixel in each block of edge x edge has one view of each
+/// set, picked at random, for the statement; another one, for deciding what is traced altogether.
+class CheckedPixels {
+  public:
+    enum class Use : std::uint8_t { none, deciding, stating };
+    static constexpr int edge = 4;
+    [[nodiscard]] static Use use(int x, int y);
+    /// Appends the view of a set of so many that is compared in the pixel, if any is.
+    static void views(int x, int y, int set, int count, std::vector<std::uint32_t>& out);
+};
+
+/// Squared errors of encoded values, clamped to [0, 1], mean of pixels and channels.
+struct StatedError {
+    double noise_mse = 0;  ///< of the views: half the squared difference of two independent halves, halved
+    double bias_mse = 0;   ///< of what the records were sure of, by what rays of the checks found
+    double low_mse = 0, high_mse = 0;  ///< 95 % interval of their sum
+    std::uint64_t check_rays = 0;
+    [[nodiscard]] double mse() const { return noise_mse + bias_mse; }
+    [[nodiscard]] double db() const;
+    [[nodiscard]] double low_db() const;   ///< of high_mse
+    [[nodiscard]] double high_db() const;  ///< of low_mse
+};
+
+/// Of the mean of two pictures whose views are independent sets, of as many views, each with its checks.
+///
+/// The squared difference of the halves, over four, has the mean square of the noise of their mean as its
+/// expectation. Of the two residuals of a checked pixel, one of each set, the product has the square of
+/// what both have in common: neither noise of views nor of rays adds to it. Both are taken to encoded values,
+/// the residuals by the slope of the curve at the picture's value. The interval is normal in the logarithm;
+/// its variance that of means of blocks of 16 px and of the products.
+[[nodiscard]] StatedError stated_error(const FieldFocus& a, const FieldFocus& b,
+                                       const std::optional<Crop>& crop);
+
+/// Tiles of 64 px, row by row, in which what the records are sure of is off by as much as the noise: where
+/// the products of the deciding checks add up to more than twice their standard error, and to more than that.
+[[nodiscard]] std::vector<std::uint8_t> biased_tiles(const FieldFocus& a, const FieldFocus& b);
+
+}  // namespace postlens

@@ -1,0 +1,117 @@
+#include "reproject/border_reach.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace postlens {
+
+BorderReach::BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant) {
+    const SheetMesh& mesh = *primary.sheets;
+    const int x0 = field.recorded_begin.x, y0 = field.recorded_begin.y, x1 = field.recorded_end.x,
+              y1 = field.recorded_end.y;
+    const auto length = [](int begin, int end) {
+        return std::vector<Cell>(static_cast<std::size_t>(end - begin));
+    };
+    sides_ = {Side{true, false, y0, static_cast<double>(x0), length(y0, y1)},
+              Side{true, true, y0, static_cast<double>(x1), length(y0, y1)},
+              Side{false, false, x0, static_cast<double>(y0), length(x0, x1)},
+              Side{false, true, x0, static_cast<double>(y1), length(x0, x1)}};
+    for (const Sheet& s : mesh.sheets) {
+        if (s.key.hidden) continue;
+        for (Side& side : sides_) {
+            const int low = side.across ? s.x : s.y, high = side.across ? s.x + s.width : s.y + s.height;
+            if ((side.after ? high : low) != static_cast<int>(side.at)) continue;
+            const int along = side.across ? s.height : s.width;
+            for (int i = 0; i < along; ++i) {
+                const int x = side.across ? (side.after ? s.width - 1 : 0) : i,
+                          y = side.across ? i : (side.after ? s.height - 1 : 0);
+                const std::size_t k = s.first_cell + static_cast<std::size_t>(y * s.width + x);
+                if (mesh.fine[k] == SheetNode::none) continue;
+                Cell& cell = side.cells[static_cast<std::size_t>((side.across ? s.y : s.x) + i - side.first)];
+                const float z = mesh.planes[k * mesh.values].value;
+                if (cell.any && z <= cell.inverse_z) continue;
+                cell = {z, field.motion_class ? field.motion_class(s.key.id) : 0, true};
+            }
+        }
+    }
+    for (Side& side : sides_) {
+        for (const PatchViews& set : field.sets) {
+            for (const PatchView& view : set.views) {
+                for (const PatchView::Use& use : view.uses) {
+                    if (use.instant != instant) continue;
+                    for (std::size_t i = 0; i < side.cells.size(); ++i) {
+                        const Seen seen = see(side, i, view, use);
+                        if (!seen.any) continue;
+                        side.deepest_px = std::max(
+                            side.deepest_px, side.after ? side.at - seen.across : seen.across - side.at);
+                        side.sideways_px =
+                            std::max(side.sideways_px,
+                                     std::abs(seen.along - (side.first + static_cast<double>(i) + 0.5)));
+                    }
+                }
+            }
+        }
+    }
+}
+
+BorderReach::Seen BorderReach::see(const Side& side, std::size_t i, const PatchView& view,
+                                   const PatchView::Use& use) {
+    const Cell& cell = side.cells[i];
+    if (!cell.any) return {};
+    const double along = side.first + static_cast<double>(i) + 0.5;
+    RasterPoint p{side.across ? side.at : along, side.across ? along : side.at,
+                  static_cast<double>(cell.inverse_z)};
+    if (!use.motions.empty() && !use.motions[cell.motion_class].identity()) {
+        const auto moved = use.motions[cell.motion_class](p);
+        if (!moved) return {};
+        p = *moved;
+    }
+    const glm::dvec2 to = glm::dvec2(p.x, p.y) +
+                          (view.lens.inverse_focus_per_m - p.inverse_z) * view.lens.lens_px +
+                          view.lens.offset_px;
+    return {side.across ? to.y : to.x, side.across ? to.x : to.y, p.inverse_z, true};
+}
+
+void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at,
+                       SeenTile& seen) const {
+    for (const Side& side : sides_) {
+        const double low = side.across ? at.x : at.y, high = low + (side.across ? at.width : at.height),
+                     begin = side.across ? at.y : at.x, end = begin + (side.across ? at.height : at.width);
+        if (side.cells.empty() ||
+            (side.after ? high < side.at - side.deepest_px : low > side.at + side.deepest_px))
+            continue;
+        const double reach = side.sideways_px + 2;
+        const auto cells = static_cast<double>(side.cells.size());
+        const auto first = static_cast<std::ptrdiff_t>(std::floor(begin - reach - side.first)),
+                   last = static_cast<std::ptrdiff_t>(std::ceil(end + reach - side.first));
+        const double sample_along = side.across ? at.sample.y : at.sample.x,
+                     sample_across = side.across ? at.sample.x : at.sample.y;
+        for (std::ptrdiff_t i = first; i <= last; ++i) {
+            // What the first and last cells show goes on around the corner.
+            const auto k = static_cast<std::size_t>(std::clamp(static_cast<double>(i), 0.0, cells - 1));
+            const Seen s = see(side, k, view, use);
+            if (!s.any) continue;
+            const double along = s.along + static_cast<double>(i - static_cast<std::ptrdiff_t>(k));
+            // A pixel to either side: what is cut need not go on at a right angle.
+            const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
+                      a1 = std::min(static_cast<int>(end - begin) - 1,
+                                    static_cast<int>(std::floor(along + 1 - begin - sample_along)));
+            const double edge = s.across - low - sample_across;
+            const int b0 = side.after ? std::max(0, static_cast<int>(std::ceil(std::clamp(edge, -1.0, 1e6))))
+                                      : 0,
+                      b1 = side.after ? static_cast<int>(high - low) - 1
+                                      : std::min(static_cast<int>(high - low) - 1,
+                                                 static_cast<int>(std::floor(std::clamp(edge, -1.0, 1e6))));
+            for (int a = a0; a <= a1; ++a) {
+                for (int b = b0; b <= b1; ++b) {
+                    const int x = side.across ? b : a, y = side.across ? a : b;
+                    float& maybe = seen.maybe_inverse_z[static_cast<std::size_t>(y) * SeenTile::edge +
+                                                        static_cast<std::size_t>(x)];
+                    maybe = std::max(maybe, static_cast<float>(s.inverse_z));
+                }
+            }
+        }
+    }
+}
+
+}  // namespace postlens
