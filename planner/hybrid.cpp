@@ -114,6 +114,13 @@ void replace_tiles(const std::vector<std::uint8_t>& which, FieldFocus&& from, Fi
     }
 }
 
+/// Tiles whose views are scrambled independently, across and down: neighbours have errors of their own, and
+/// there are as many to tell the noise by. Where things move, where they lie in all views takes too long.
+constexpr int scrambles_across = 4, scrambles = scrambles_across * scrambles_across;
+int scramble_of(int x, int y) {
+    return y / TileGrid::edge % scrambles_across * scrambles_across + x / TileGrid::edge % scrambles_across;
+}
+
 /// With the scene: in two halves, so that their difference tells the noise.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings, FieldFocusSettings by_field) {
     const SampleHeader& h = frame.file().header();
@@ -122,18 +129,23 @@ HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings, FieldF
     const RenderSetup setup(*settings.scene, render);
     const SceneRays rays(setup, render.tracing, std::max(settings.focus.views, 1));
     by_field.rays = &rays;
+    const bool moves = by_field.shutter.has_value();
     const FieldFocuser focuser(frame, by_field);
     const int second = settings.focus.views / 2, first = settings.focus.views - second;
     std::vector<FieldViews> halves;
-    for (const int count : {first, second}) {
-        if (count == 0) continue;
-        const int set = static_cast<int>(halves.size());
-        FieldViews views{.count = count, .set = set, .picture = static_cast<std::size_t>(set)};
-        views.checked = settings.checked ? settings.checked
-                                         : [set, count](int x, int y, std::vector<std::uint32_t>& some) {
-                                               CheckedPixels::views(x, y, set, count, some);
-                                           };
-        halves.push_back(std::move(views));
+    for (std::size_t half = 0; half < (second > 0 ? 2U : 1U); ++half) {
+        const int count = half == 0 ? first : second;
+        for (int scramble = 0; scramble < (moves ? 1 : scrambles); ++scramble) {
+            FieldViews views{.count = count, .set = 2 * scramble + static_cast<int>(half), .picture = half};
+            if (!moves)
+                views.wanted = [scramble](int x, int y, int, int) { return scramble_of(x, y) == scramble; };
+            views.checked = settings.checked
+                                ? settings.checked
+                                : [half, count](int x, int y, std::vector<std::uint32_t>& some) {
+                                      CheckedPixels::views(x, y, static_cast<int>(half), count, some);
+                                  };
+            halves.push_back(std::move(views));
+        }
     }
     std::vector<FieldFocus> drawn = focuser.draw(halves);
     HybridResult out;
@@ -142,7 +154,9 @@ HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings, FieldF
         if (std::find(biased.begin(), biased.end(), 1) != biased.end()) {
             const TileGrid grid{h.width, h.height};
             for (FieldViews& views : halves) {
-                views.wanted = [&](int x, int y, int, int) { return biased[grid.at(x, y)] != 0; };
+                views.wanted = [&, before = views.wanted](int x, int y, int width, int height) {
+                    return biased[grid.at(x, y)] != 0 && (!before || before(x, y, width, height));
+                };
                 views.left_to_rays = [](int, int) { return true; };
                 views.checked = nullptr;
             }
