@@ -22,8 +22,8 @@ constexpr double farthest_px = 1e5;
 
 }  // namespace
 
-HighlightMotion::HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, const PatchLens& lens)
-    : moves_(std::move(moves)), map_(std::move(map)), lens_(lens) {}
+HighlightMotion::HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens)
+    : moves_(std::move(moves)), map_(std::move(map)), lens_(std::move(lens)) {}
 
 bool HighlightMotion::takes(const Highlight& light, float area_px2) {
     return area_px2 < largest_px2 &&

@@ -25,7 +25,7 @@ class HighlightMotion {
     /// From the recorded instant to the one until which the share `u` (0 to 1) of the light has come in.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
     /// `lens`: what the responses are of.
-    HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, const PatchLens& lens);
+    HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens);
 
     /// Whether what is in such a sheet is seen directly and moves.
     [[nodiscard]] bool moves(const SheetKey& key) const { return key.path.bits() == 0 && moves_(key.id); }

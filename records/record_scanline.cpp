@@ -76,7 +76,7 @@ struct Planes {
 };
 
 float float_of_half(std::uint16_t bits) {
-    Imath::half h;
+    Imath::half h(0);
     h.setBits(bits);
     return h;
 }
