@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <numeric>
 
 #include "core/error.h"
 #include "core/text.h"
 #include "focus/bend_warning.h"
 #include "focus/depth_levels.h"
-#include "planner/hidden_error.h"
 #include "planner/retrace.h"
 #include "planner/stated_error.h"
 #include "planner/tile_grid.h"
@@ -171,21 +171,17 @@ HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings, FieldF
         mix(drawn[1].image.rgb, share, all.image.rgb);
         mix(drawn[1].traced, share, all.traced);
         for (std::size_t k = 0; k < all.checks.size(); ++k) {
-            for (std::size_t c = 0; c < 3; ++c) {
-                all.checks[k].sum[c] += drawn[1].checks[k].sum[c];
-                all.checks[k].squares[c] += drawn[1].checks[k].squares[c];
-            }
+            for (std::size_t c = 0; c < 3; ++c) all.checks[k].sum[c] += drawn[1].checks[k].sum[c];
             all.checks[k].views += drawn[1].checks[k].views;
             all.checks[k].rays += drawn[1].checks[k].rays;
         }
     }
     out.what.assign(all.traced.size(), 0);
-    double traced = 0;
     for (std::size_t k = 0; k < all.traced.size(); ++k) {
-        traced += static_cast<double>(all.traced[k]);
         if (all.traced[k] > 0.5F) out.what[k] = 2;
     }
-    out.retraced_share = traced / static_cast<double>(wanted_pixels(settings.focus.crop, h.width, h.height));
+    const std::vector<float> asked = cut(all.traced, h.width, settings.focus.crop);
+    out.retraced_share = std::accumulate(asked.begin(), asked.end(), 0.0) / static_cast<double>(asked.size());
     out.rays = rays.counts();
     out.focus.image = std::move(all.image);
     out.focus.largest_coc_px = largest_coc_px(depth_range(frame.file()), by_field.geometry);

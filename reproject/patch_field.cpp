@@ -210,8 +210,8 @@ class Field {
             set.lights->add(w.views, w.light);
         }
         if (set.rays != nullptr) trace(set, w.traced);
-        if (set.checked) check(set, w.checked);
         if (set.checked) {
+            check(set, w.checked);
             for (int y = 0; y < at.height; ++y) {
                 std::copy_n(w.checked.sums.begin() + y * SeenTile::edge, at.width,
                             out.checks.begin() + (y0 + y) * static_cast<std::ptrdiff_t>(field_.width) + x0);
@@ -249,6 +249,18 @@ class Field {
         }
     }
 
+    /// Along which a view looks at a pixel of a tile.
+    [[nodiscard]] static SightLine line_of(const PatchView& v, std::size_t view, const TilePlace& at, int x,
+                                           int y) {
+        return {at.x + x,
+                at.y + y,
+                v.sample,
+                v.lens_point,
+                v.light_before,
+                v.set,
+                static_cast<std::uint32_t>(view)};
+    }
+
     /// Notes what the records have where a view is compared with rays, unless it was left to them.
     void note_checked(const PatchView& v, std::size_t view, std::size_t u, const TilePlace& at, bool trees,
                       Workplace& w) const {
@@ -260,8 +272,7 @@ class Field {
             if (v.uses.size() == 2 && (u == 1 || share(v, u, k, w) == 0)) continue;
             const int x = k % SeenTile::edge, y = k / SeenTile::edge;
             if (v.passes && !v.passes(at.x - field_.x + x, at.y - field_.y + y)) continue;
-            w.checked.lines.push_back({at.x + x, at.y + y, v.sample, v.lens_point, v.light_before,
-                                       static_cast<std::uint32_t>(view)});
+            w.checked.lines.push_back(line_of(v, view, at, x, y));
             w.checked.pixel.push_back(k);
             w.checked.recorded.push_back(glm::dvec3(mesh.light(texel)) +
                                          (trees ? w.trees.light(k) : glm::dvec3(0)));
@@ -275,10 +286,7 @@ class Field {
             PixelCheck& of = c.sums[c.pixel[i]];
             ++of.rays;
             for (std::size_t n = 0; n < 3; ++n) {
-                const double more =
-                    static_cast<double>(c.radiance[i][n]) - c.recorded[i][static_cast<int>(n)];
-                of.sum[n] += more;
-                of.squares[n] += more * more;
+                of.sum[n] += static_cast<double>(c.radiance[i][n]) - c.recorded[i][static_cast<int>(n)];
             }
         }
         c.lines.clear();
@@ -294,8 +302,7 @@ class Field {
             w.sum[k][3] += weight;
             return;
         }
-        w.traced.lines.push_back({at.x + x, at.y + y, v.sample, v.lens_point, v.light_before, v.set,
-                                  static_cast<std::uint32_t>(view)});
+        w.traced.lines.push_back(line_of(v, view, at, x, y));
         w.traced.pixel.push_back(static_cast<std::uint16_t>(k));
         w.traced.weight.push_back(weight);
     }

@@ -110,7 +110,7 @@ class Lights {
 /// anyhow.
 struct PixelCheck {
     std::uint32_t views = 0, rays = 0;
-    std::array<double, 3> sum{}, squares{};  ///< radiance, and its square
+    std::array<double, 3> sum{};  ///< radiance
 };
 
 struct PatchPicture {

@@ -125,9 +125,10 @@ void SheetBuilder::add_group(std::uint32_t key, const std::array<std::uint32_t, 
     for (const std::uint32_t c : corners) {
         if (c != none && (nearest == none || node(c).inverse_z > node(nearest).inverse_z)) nearest = c;
     }
-    const bool cut_before = std::any_of(leaf.corner.begin(), leaf.corner.end(), [&](std::uint32_t c) {
-        return shows_before(c, node(nearest), size);
-    });
+    std::array<Beside, 4> around;
+    for (std::size_t k = 0; k < 4; ++k) around[k] = beside(leaf.corner[k], node(nearest), size);
+    const bool cut_before =
+        std::any_of(around.begin(), around.end(), [](const Beside& b) { return b.before; });
     const float half = size / 2;
     const auto quarter = [&](std::size_t k, std::uint32_t of, bool maybe) {
         const bool right = (k & 1U) != 0, down = (k & 2U) != 0;
@@ -147,32 +148,22 @@ void SheetBuilder::add_group(std::uint32_t key, const std::array<std::uint32_t, 
         if (corners[k] != none) quarter(k, corners[k], false);
     }
     for (std::size_t k = 0; k < 4; ++k) {
-        if (shows_behind(leaf.corner[k], node(nearest), size)) quarter(k, nearest, true);
+        if (around[k].behind) quarter(k, nearest, true);
     }
 }
 
-bool SheetBuilder::shows_before(std::uint32_t corner, const TreeSurface& of, float size) const {
-    for (std::uint32_t i = trees_.offsets[corner]; i < trees_.offsets[corner + 1]; ++i) {
-        const TreeSurface& s = node(i);
-        if (s.path != of.path || s.parent_id != of.parent_id) continue;
-        if (s.id == of.id &&
-            continuous(std::min(s.inverse_z, of.inverse_z), std::max(s.inverse_z, of.inverse_z), size))
-            return false;
-        if (s.inverse_z > of.inverse_z) return true;
-    }
-    return false;
-}
-
-bool SheetBuilder::shows_behind(std::uint32_t corner, const TreeSurface& of, float size) const {
-    bool behind = false;
+SheetBuilder::Beside SheetBuilder::beside(std::uint32_t corner, const TreeSurface& of, float size) const {
+    Beside out;
+    // The nearest comes first.
     for (std::uint32_t i = trees_.offsets[corner]; i < trees_.offsets[corner + 1]; ++i) {
         const TreeSurface& s = node(i);
         if (s.path != of.path || s.parent_id != of.parent_id) continue;
         const auto [low, high] = std::minmax(s.inverse_z, of.inverse_z);
-        if (s.id == of.id && continuous(low, high, size)) return false;
-        behind = behind || s.inverse_z < of.inverse_z;
+        if (s.id == of.id && continuous(low, high, size)) return {out.before, false};
+        out.before = out.before || s.inverse_z > of.inverse_z;
+        out.behind = out.behind || s.inverse_z < of.inverse_z;
     }
-    return behind;
+    return out;
 }
 
 bool SheetBuilder::has_contrast(const Piece& piece) const {

@@ -49,10 +49,12 @@ class SheetBuilder {
     void add_leaf(const Leaf& leaf, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
                    float size, int cell, const Leaf& leaf);
-    /// Whether a corner of a leaf shows something before the surface of `of`, and not that.
-    [[nodiscard]] bool shows_before(std::uint32_t corner, const TreeSurface& of, float size) const;
-    /// Whether a corner of a leaf does not show the surface of `of`, but something behind it.
-    [[nodiscard]] bool shows_behind(std::uint32_t corner, const TreeSurface& of, float size) const;
+    /// What a corner of a leaf shows beside a surface: something before it, and, where it does not show the
+    /// surface itself, something behind it.
+    struct Beside {
+        bool before = false, behind = false;
+    };
+    [[nodiscard]] Beside beside(std::uint32_t corner, const TreeSurface& of, float size) const;
     /// Whether an edge of a shadow or a texture lies between a piece's corners.
     [[nodiscard]] bool has_contrast(const Piece& piece) const;
     /// Whether all its corners are marked: what lies between them is not known.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <mutex>
 #include <random>
 
 #include "core/threads.h"
@@ -392,6 +393,58 @@ TEST(PatchField, WhatIsNotWantedStaysUnknown) {
     patch_field(field, pictures);
     for (const float u : pictures[0].unknown) EXPECT_EQ(u, 1);
     for (const float u : pictures[1].unknown) EXPECT_EQ(u, 0);
+}
+
+/// Notes along which lines it is asked to look.
+class NotedLines : public SightRays {
+  public:
+    void trace(std::span<const SightLine> lines, const LightElsewhere& /*less*/,
+               std::span<std::array<float, 3>> radiance) const override {
+        const std::scoped_lock lock(mutex_);
+        noted_.insert(noted_.end(), lines.begin(), lines.end());
+        std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
+    }
+    [[nodiscard]] bool steady(NodePath, std::uint32_t) const override { return true; }
+    [[nodiscard]] const std::vector<SightLine>& noted() const { return noted_; }
+
+  private:
+    mutable std::mutex mutex_;
+    mutable std::vector<SightLine> noted_;
+};
+
+// A check is made along the line of its view, whose lights and lobes are those of its set.
+TEST(PatchField, ChecksLookAlongTheLinesOfTheirViews) {
+    const MadeSheets f({.levels = 1}, [](Record& r) { r.id = 5; });
+    const PatchMesh mesh = cut_patches(f.sheets.primary, {1, 0.1});
+    NotedLines rays;
+    PatchField field;
+    field.instants = {{&mesh, nullptr}};
+    field.width = width;
+    field.height = height;
+    field.recorded_end = {width, height};
+    field.sets.resize(1);
+    for (const double at : {0.25, 0.75}) {
+        PatchView v;
+        v.sample = v.lens_point = glm::dvec2(at);
+        v.light_before = at;
+        v.set = 7;
+        v.uses = {{0, 1, {}}};
+        field.sets[0].views.push_back(v);
+    }
+    field.sets[0].rays = &rays;
+    field.sets[0].checked = [](int, int, std::vector<std::uint32_t>& views) { views = {0, 1}; };
+    std::vector<PatchPicture> pictures(1, PatchPicture(width, height));
+    patch_field(field, pictures);
+    // Every view of every pixel is either left to a ray or checked by one.
+    EXPECT_EQ(rays.noted().size(), static_cast<std::size_t>(2 * width * height));
+    for (const SightLine& line : rays.noted()) {
+        ASSERT_EQ(line.set, 7U);
+        ASSERT_LT(line.view, 2U);
+        const double at = line.view == 0 ? 0.25 : 0.75;
+        EXPECT_EQ(line.place, glm::dvec2(at));
+        EXPECT_EQ(line.lens, glm::dvec2(at));
+        EXPECT_EQ(line.light_before, at);
+    }
 }
 
 }  // namespace

@@ -228,14 +228,8 @@ class BandSampler {
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const {
         if (s[0].chunk->sources.empty()) return false;
         for (std::uint32_t n = 0; n < s[0].count; ++n) {
-            std::array<std::uint32_t, 4> node{s[0].first + n};
-            bool all = true;
-            for (int i = 1; i < count && all; ++i) {
-                const auto found = node_like(s[0].chunk->records[node[0]], s[i]);
-                all = found.has_value();
-                if (all) node[static_cast<std::size_t>(i)] = *found;
-            }
-            if (all && (shadows_differ(s, node, count) || texture_differs(s, node, count))) return true;
+            const auto node = nodes_like(s, count, n);
+            if (node && (shadows_differ(s, *node, count) || texture_differs(s, *node, count))) return true;
         }
         return false;
     }
@@ -260,17 +254,24 @@ class BandSampler {
 
     void mark_textures(const std::array<Seen, 4>& s, std::size_t row) {
         for (std::uint32_t n = 0; n < s[0].count; ++n) {
-            std::array<std::uint32_t, 4> node{s[0].first + n};
-            bool all = true;
-            for (std::size_t i = 1; i < 4 && all; ++i) {
-                const auto found = node_like(s[0].chunk->records[node[0]], s[i]);
-                all = found.has_value();
-                if (all) node[i] = *found;
-            }
-            if (!all || !texture_differs(s.data(), node, 4)) continue;
+            const auto node = nodes_like(s.data(), 4, n);
+            if (!node || !texture_differs(s.data(), *node, 4)) continue;
             for (std::size_t i = 0; i < 4; ++i)
-                marks_[row].emplace_back(static_cast<std::uint32_t>(s[i].chunk - chunks_.data()), node[i]);
+                marks_[row].emplace_back(static_cast<std::uint32_t>(s[i].chunk - chunks_.data()), (*node)[i]);
         }
+    }
+
+    // The n-th node of the first, and what all others have of the same path and id; nothing where one has
+    // none.
+    [[nodiscard]] static std::optional<std::array<std::uint32_t, 4>> nodes_like(const Seen* s, int count,
+                                                                                std::uint32_t n) {
+        std::array<std::uint32_t, 4> node{s[0].first + n};
+        for (int i = 1; i < count; ++i) {
+            const auto found = node_like(s[0].chunk->records[node[0]], s[i]);
+            if (!found) return std::nullopt;
+            node[static_cast<std::size_t>(i)] = *found;
+        }
+        return node;
     }
 
     // What has the same path and id.
