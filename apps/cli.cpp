@@ -240,7 +240,7 @@ void retrace_options(CLI::App& app, RetraceOptions& o) {
 
 void target_option(CLI::App& app, std::optional<double>& to, const std::string& without) {
     number(app, "--target-db", to,
-           "With --method auto: PSNR wanted of every tile of 64 px [default: " + without + "]", "DB",
+           "With --method auto: PSNR wanted of the picture [default: " + without + "]", "DB",
            target_decibels);
 }
 

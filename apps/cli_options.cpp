@@ -151,8 +151,9 @@ void common_options(CLI::App& app, ParsedCommand& to) {
 
 void predict_option(CLI::App& app, bool& to) {
     app.add_flag("--predict", to,
-                 "Say how far the picture is expected to be from the truth, tile by tile with --json: looks "
-                 "at the records through 16 other points of the lens, or 64 where it was not made of views");
+                 "Say how far the picture is from what the light field of its records comes to, and at least "
+                 "from the truth, by tile with --json: looks at the records from as many points of the lens "
+                 "again, 64 at least");
 }
 
 void salvage_option(CLI::App& app, bool& to) {

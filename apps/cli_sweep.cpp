@@ -55,7 +55,7 @@ void method_options(CLI::App& app, SweepOptions& o) {
            "How, as for focus [default: as focus; with --shutter lightfield]")
         ->type_name("scatter|layers|lightfield|hybrid|auto|pinhole");
     number(app, "--target-db", p.target_db,
-           "With --method auto: PSNR wanted of every tile of 64 px [default: the usual method]", "DB",
+           "With --method auto: PSNR wanted of the picture [default: the usual method]", "DB",
            target_decibels);
     whole(app, "--depths", p.depths, "Number K of impulse responses [default: CoC right to half a pixel]",
           "K", depth_counts);

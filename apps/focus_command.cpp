@@ -118,16 +118,14 @@ CommandResult run_focus(const FocusOptions& options) {
     const bool predict = options.predict && method != FocusMethod::automatic;
     if (predict) check_predictable(file.header(), settings);
     warn_of_lost_rows(file, out.warnings);
-    FocusFrame frame(file, method == FocusMethod::automatic);
+    FocusFrame frame(file);
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
     if (method == FocusMethod::automatic && std::isfinite(lens.lens.f_number)) {
-        AutoResult planned = run_auto(
-            frame,
-            {.hybrid = {.focus = settings}, .target_db = options.target_db.value_or(default_target_db)},
-            options.retrace, options.output, out);
-        plan = plan_json(planned);
+        AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
+                                      options.retrace, options.output, out);
+        plan = auto_json(planned);
         hybrid = std::move(planned.hybrid);
         result = std::move(hybrid.focus);
         result.method = FocusMethod::automatic;
@@ -157,16 +155,17 @@ CommandResult run_focus(const FocusOptions& options) {
                 {"method_reason", told ? nlohmann::ordered_json(usual.reason) : nullptr},
                 {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
                 {"depths", result.depths},
-                {"predicted_db", plan.is_null() ? nlohmann::ordered_json(nullptr) : plan.at("predicted_db")},
+                {"predicted_db", nullptr},
                 {"retraced_share", hybrid.retraced_share},
                 {"focus_m", json_number(lens.focus_m)},
                 {"focal_length_mm", lens.lens.focal_length_mm},
                 {"f_number", json_number(lens.lens.f_number)},
                 {"impulse", impulse_text(options.impulse)},
                 {"largest_coc_px", json_number(result.largest_coc_px)}};
-    if (result.method == FocusMethod::hybrid || !plan.is_null()) out.json.update(shares_json(hybrid));
-    if (!plan.is_null()) out.json["plan"] = plan;
-    if (!plan.is_null()) out.json["predicted_db"] = plan.at("predicted_db");
+    if (!plan.is_null())
+        out.json.update(plan);
+    else if (result.method == FocusMethod::hybrid)
+        out.json.update(shares_json(hybrid));
     out.text +=
         fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {}, widest CoC {}",
                     options.output, result.image.width, result.image.height, method_name(result.method),
@@ -180,10 +179,8 @@ CommandResult run_focus(const FocusOptions& options) {
                                 rough(100 * hybrid.retraced_share));
     }
     if (told) out.text += fmt::format("\n  {}, {}", method_name(method), usual.reason);
-    if (predict) {
-        report_prediction(predict_error(frame, {.focus = settings},
-                                        {&result.image, result.method, result.views, std::span(hybrid.what)}),
-                          out);
+    if (predict && !hybrid.stated) {
+        report_prediction(predict_error(frame, {.focus = settings}, result.image, result.views), out);
     }
     report_crop(options.crop, out);
     report_exposure(options.output, result.image, options.crop, out);

@@ -214,7 +214,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
                            .motion = &motion,
                            .shutter = TimeSpan{settings.exposure.open_s, settings.exposure.close_s},
                            .curve = settings.curve},
-                          {.image = &result.image}),
+                          result.image, 0),
             out);
     }
     constexpr std::size_t most_lines = 20;

@@ -70,7 +70,7 @@ AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptio
     const std::optional<Scene> scene = scene_of(retrace, frame.file(), picture, out);
     settings.hybrid.scene = scene ? &*scene : nullptr;
     AutoResult result = auto_picture(frame, settings);
-    if (!result.met(settings.target_db)) out.exit_code = ExitCode::shortfall;
+    if (!result.met) out.exit_code = ExitCode::shortfall;
     if (retrace.explain)
         write_explanation(*retrace.explain, result.hybrid, &result, settings.hybrid.focus.crop);
     return result;
@@ -78,33 +78,35 @@ AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptio
 
 void report_prediction(const PredictedError& predicted, CommandResult& out) {
     out.json["predicted_db"] = json_number(predicted.predicted_db);
+    out.json["bound_db"] = json_number(predicted.bound_db);
+    out.json["unsure_share"] = predicted.unsure_share;
     nlohmann::ordered_json tiles = nlohmann::ordered_json::array();
     for (const PredictedTile& t : predicted.tiles) {
-        tiles.push_back(
-            {{"method_mse", t.method_mse}, {"floor_mse", t.floor_mse}, {"hidden_mse", t.hidden_mse}});
+        tiles.push_back({{"method_mse", t.method_mse}, {"bound_mse", t.bound_mse}});
     }
     out.json["prediction"] = {{"views", predicted.views},
                               {"tile_px", TileGrid::edge},
                               {"columns", predicted.grid.columns()},
                               {"tiles", std::move(tiles)}};
-    out.text += fmt::format(", {:.1f} dB expected", predicted.predicted_db);
+    out.text += fmt::format(", {:.1f} dB beside what the records are not sure of, at least {:.1f} dB",
+                            predicted.predicted_db, predicted.bound_db);
 }
 
-nlohmann::ordered_json plan_json(const AutoResult& r) {
-    nlohmann::ordered_json out{{"predicted_db", json_number(r.predicted_db)},
-                               {"met_share", r.met_share},
-                               {"mean_views", r.mean_views},
-                               {"tile_px", TileGrid::edge},
-                               {"columns", r.grid.columns()},
-                               {"tiles", nlohmann::ordered_json::array()}};
-    for (const TilePlan& t : r.tiles) {
-        out["tiles"].push_back({{"views", t.views},
-                                {"noise_mse", t.noise_mse},
-                                {"floor_mse", t.floor_mse},
-                                {"hidden_mse", t.hidden_mse},
-                                {"retraced_share", t.retraced},
-                                {"met_chance", t.chance}});
+nlohmann::ordered_json auto_json(const AutoResult& r) {
+    nlohmann::ordered_json out = shares_json(r.hybrid);
+    if (!r.hybrid.stated) {
+        out["predicted_db"] = json_number(r.noise_db());
+        out["bound_db"] = json_number(r.bound_db());
+        out["unsure_share"] = r.unsure_share;
     }
+    nlohmann::ordered_json tiles = nlohmann::ordered_json::array();
+    for (const AutoTile& t : r.tiles) {
+        tiles.push_back({{"views", t.views}, {"left_to_rays", t.left_to_rays}, {"noise_mse", t.noise_mse}});
+    }
+    out["plan"] = {{"mean_views", r.mean_views},
+                   {"tile_px", TileGrid::edge},
+                   {"columns", r.grid.columns()},
+                   {"tiles", std::move(tiles)}};
     return out;
 }
 

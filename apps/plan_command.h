@@ -14,7 +14,7 @@ namespace postlens {
                                   const std::string& picture, CommandResult& out);
 /// `--predict`: adds what is expected of a picture to what is said of it.
 void report_prediction(const PredictedError& predicted, CommandResult& out);
-/// What `--json` says of a plan.
-[[nodiscard]] nlohmann::ordered_json plan_json(const AutoResult& result);
+/// What `--json` says of `auto` beside what it says of every picture.
+[[nodiscard]] nlohmann::ordered_json auto_json(const AutoResult& result);
 
 }  // namespace postlens

@@ -36,11 +36,10 @@ CommandResult run_shoot(const ShootOptions& options) {
     const bool automatic = o.method == FocusMethod::automatic;
     const bool predict = o.predict && !automatic;
     if (predict) check_predictable(h, settings.focus);
-    FocusFrame frame(file, automatic);
+    FocusFrame frame(file);
     AutoResult planned;
     if (automatic) {
-        planned = run_auto(frame, {.hybrid = settings, .target_db = o.target_db.value_or(default_target_db)},
-                           o.retrace, o.output, out);
+        planned = run_auto(frame, {.hybrid = settings, .target_db = o.target_db}, o.retrace, o.output, out);
     } else {
         planned.hybrid = run_hybrid(frame, settings, o.retrace, o.output, out);
     }
@@ -53,23 +52,19 @@ CommandResult run_shoot(const ShootOptions& options) {
     if (o.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
     const char* method = automatic ? "auto" : o.method == FocusMethod::hybrid ? "hybrid" : "lightfield";
     const int views = automatic ? result.focus.views : o.views;
-    out.json = {
-        {"method", method},
-        {"views", views},
-        {"depths", nullptr},
-        {"predicted_db", automatic ? json_number(planned.predicted_db) : nlohmann::ordered_json(nullptr)},
-        {"retraced_share", result.retraced_share},
-        {"focus_m", json_number(lens.focus_m)},
-        {"focal_length_mm", lens.lens.focal_length_mm},
-        {"f_number", json_number(lens.lens.f_number)},
-        {"shutter_open_s", exposure.open_s},
-        {"shutter_close_s", exposure.close_s},
-        {"instants", file.instants()}};
-    out.json.update(shares_json(result));
-    if (automatic) {
-        out.json["plan"] = plan_json(planned);
-        out.text = planned.plan + "\n";
-    }
+    out.json = {{"method", method},
+                {"views", views},
+                {"depths", nullptr},
+                {"predicted_db", nullptr},
+                {"retraced_share", result.retraced_share},
+                {"focus_m", json_number(lens.focus_m)},
+                {"focal_length_mm", lens.lens.focal_length_mm},
+                {"f_number", json_number(lens.lens.f_number)},
+                {"shutter_open_s", exposure.open_s},
+                {"shutter_close_s", exposure.close_s},
+                {"instants", file.instants()}};
+    out.json.update(automatic ? auto_json(planned) : shares_json(result));
+    if (automatic) out.text = planned.plan + "\n";
     out.text += fmt::format(
         "{}: {}x{} px, {}, {} views, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, shutter {:.6g} to {:.6g} s, "
         "{:.1f} % "
@@ -77,10 +72,8 @@ CommandResult run_shoot(const ShootOptions& options) {
         o.output, result.focus.image.width, result.focus.image.height, method, views,
         lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m, exposure.open_s, exposure.close_s,
         100 * result.retraced_share);
-    if (predict) {
-        report_prediction(
-            predict_error(frame, settings, {&result.focus.image, FocusMethod::hybrid, views, result.what}),
-            out);
+    if (predict && !result.stated) {
+        report_prediction(predict_error(frame, settings, result.focus.image, views), out);
     }
     report_crop(o.crop, out);
     report_exposure(o.output, result.focus.image, o.crop, out);

@@ -201,6 +201,7 @@ PatchField FieldFocuser::outline() const {
     field.y = settings_.window.y_begin;
     field.width = settings_.window.width();
     field.height = settings_.window.height();
+    field.piece_px = settings_.piece_px;
     const SampleFileReader& file = frame_.file();
     field.recorded_begin = {file.x_begin(), file.y_begin()};
     field.recorded_end = {file.x_end() - 1, file.y_end() - 1};  // the last are corners alone
@@ -248,10 +249,13 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     PatchField field = outline();
     std::size_t pictures = 0;
     for (const FieldViews& set : sets) {
-        points.push_back(lens_view_points(settings_.aperture, g, set.count, set.set));
+        points.push_back(lens_view_points(settings_.aperture, g, set.count, set.set, set.first));
         PatchViews views;
         views.views = views_at(points.back());
-        for (PatchView& v : views.views) v.set = static_cast<std::uint32_t>(set.set);
+        for (std::size_t i = 0; i < views.views.size(); ++i) {
+            views.views[i].set = static_cast<std::uint32_t>(set.set);
+            views.views[i].number = static_cast<std::uint32_t>(set.first) + static_cast<std::uint32_t>(i);
+        }
         views.rays = settings_.rays;
         views.less = p.less;
         views.left_to_rays = set.left_to_rays;
@@ -283,7 +287,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
                 lights.push_back(highlights.over(points[i], sets[i].set, instants_of(points[i])));
             field.sets[i].lights = highlights.any() ? lights.back().get() : nullptr;
             field.sets[i].wanted = [&, i](int x, int y, int width, int height) {
-                return part.meets(x, y, width, height) && !(simple && simple->all(x, y, width, height)) &&
+                return part.meets(x / SeenTile::edge * SeenTile::edge, y / SeenTile::edge * SeenTile::edge,
+                                  SeenTile::edge, SeenTile::edge) &&
+                       !(simple && simple->all(x, y, width, height)) &&
                        (!sets[i].wanted || sets[i].wanted(x, y, width, height));
             };
         }

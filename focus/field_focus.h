@@ -42,6 +42,7 @@ struct FieldFocusSettings {
     /// Only these pixels of the window are drawn; whatever else is in the result says nothing. What is drawn
     /// has the same bits as without.
     std::optional<Crop> crop;
+    int piece_px = SeenTile::edge;  ///< PatchField's
     /// What the surfaces may take; where they would take more, they are read for each picture, strip by strip
     /// of it, a quarter of that at a time. The same bits.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
@@ -71,7 +72,8 @@ struct FieldFocus {
 /// Which views a picture is the mean of.
 struct FieldViews {
     int count = default_lens_views;
-    int set = 0;  ///< sets have points of their own, so that their errors are independent; see lens_views.h
+    int set = 0;    ///< sets have points of their own, so that their errors are independent; see lens_views.h
+    int first = 0;  ///< of the set, the number of the first: what a picture lacks of more views
     /// Whether a rectangle of the window is wanted; none: all is. What is not is left as filling gaps makes
     /// it.
     std::function<bool(int x, int y, int width, int height)> wanted;

@@ -21,8 +21,8 @@ void check_has_points(const Impulse& impulse) {
 }
 
 std::vector<LensViewPoint> lens_view_points(const Aperture& aperture, const FocusGeometry& geometry,
-                                            int views, int set) {
-    if (views < 1 || views > most_lens_views) {
+                                            int views, int set, int first) {
+    if (views < 1 || first < 0 || views > most_lens_views - first) {
         fail(ExitCode::wrong_arguments, "--views: out of range (got {}; expected 1 to {})", views,
              most_lens_views);
     }
@@ -34,7 +34,7 @@ std::vector<LensViewPoint> lens_view_points(const Aperture& aperture, const Focu
     };
     std::vector<LensViewPoint> out;
     out.reserve(static_cast<std::size_t>(views));
-    for (int i = 0; i < views; ++i) {
+    for (int i = first; i < first + views; ++i) {
         LensViewPoint p;
         const double u = coordinate(0, i), v = coordinate(1, i);
         p.lens = aperture.is_round() ? disc_point(u, v) : aperture.sample(u, v);

@@ -27,12 +27,12 @@ struct LensViewPoint {
 void check_has_points(const Impulse& impulse);
 
 /// `views` points of the aperture, as even as its light, each with its place in the pixel and its share of
-/// the shutter's light: the first of the Sobol points of five dimensions [joe2008], scrambled [owen1995].
-/// More views begin with the same ones. Sets are scrambled independently of each other: half the squared
-/// difference of the means of two is an unbiased estimate of the squared error of either. Throws
-/// Error(wrong_arguments) for a number outside 1..most_lens_views.
+/// the shutter's light: from the `first` on, of the Sobol points of five dimensions [joe2008], scrambled
+/// [owen1995]. More views begin with the same ones. Sets are scrambled independently of each other: half the
+/// squared difference of the means of two is an unbiased estimate of the squared error of either. Throws
+/// Error(wrong_arguments) for a number below 1, and where a set would have more than most_lens_views.
 [[nodiscard]] std::vector<LensViewPoint> lens_view_points(const Aperture& aperture,
                                                           const FocusGeometry& geometry, int views,
-                                                          int set = 0);
+                                                          int set = 0, int first = 0);
 
 }  // namespace postlens

@@ -16,9 +16,6 @@ namespace postlens {
 inline constexpr double edge_cell_variance = 0.0388;
 /// The same of an edge along a side of the square: anywhere in it with equal chance.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
-/// As all cells along such an edge err alike, nothing averages: nine of ten edges err by less than this many
-/// times the mean, (0.9 / 2)^2 over a twelfth.
-inline constexpr double aligned_nine_in_ten = 2.43;
 
 /// A corner's colour, encoded, with what else is wanted of it.
 struct CellCorner {

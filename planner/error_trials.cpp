@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "planner/retrace.h"
+#include "planner/picture_request.h"
 #include "planner/scratch_file.h"
 #include "tracer/trace.h"
 
@@ -50,8 +50,7 @@ void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSetti
 
 std::vector<ErrorTrial> error_trials(const SampleHeader& h, const Scene& scene, const HybridSettings& view,
                                      const FieldFocusSettings& by_field) {
-    const TraceSettings as_it_was =
-        settings_of(h, retrace_settings(h, view, checked_camera(h, scene), by_field.aperture));
+    const TraceSettings as_it_was = settings_of(h, ray_settings(h, view, by_field.aperture));
     TraceSettings wider = as_it_was, whole = as_it_was, finer = as_it_was;
     know_the_view(view, h, wider);
     if (wider.for_f_number || wider.for_shutter) wider.overscan_auto = true;

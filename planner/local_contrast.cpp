@@ -47,12 +47,4 @@ std::vector<float> local_contrast(const Image& image, int radius_px) {
     return out;
 }
 
-double Contrasts::at(std::size_t k, double radius_px) {
-    std::size_t octave = 0;
-    while (octave + 1 < octaves && static_cast<double>(1U << octave) < radius_px) ++octave;
-    std::vector<float>& known = by_octave_[octave];
-    if (known.empty()) known = local_contrast(image_, 1 << octave);
-    return static_cast<double>(known[k]);
-}
-
 }  // namespace postlens

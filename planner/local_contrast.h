@@ -22,19 +22,4 @@ namespace postlens {
     return light * light / 4;
 }
 
-/// local_contrast for several distances.
-class Contrasts {
-  public:
-    static constexpr int largest_px = 32;
-    explicit Contrasts(const Image& image) : image_(image), by_octave_(octaves) {}
-    /// Of pixel k within `radius_px`, rounded up to a power of two, largest_px at most. Not for several
-    /// threads at once.
-    [[nodiscard]] double at(std::size_t k, double radius_px);
-
-  private:
-    static constexpr std::size_t octaves = 6;
-    const Image& image_;
-    std::vector<std::vector<float>> by_octave_;  ///< empty: not asked for yet
-};
-
 }  // namespace postlens

@@ -5,26 +5,25 @@
 
 #include "core/error.h"
 #include "focus/lens_views.h"
-#include "planner/pilot.h"
-#include "planner/record_floor.h"
+#include "planner/halved_views.h"
+#include "planner/records_bound.h"
 #include "records/crop.h"
 #include "records/srgb.h"
 
 namespace postlens {
 namespace {
 
-/// Where the noise of the views is all that has to be known, and where they are what is compared with. Sets
-/// of their own, so that what happens to be alike in the picture's views is not in theirs.
-constexpr int views_for_noise = 8, views_to_compare = 32, first_set = 3;
+/// Sets of their own, so that what happens to be alike in the picture's views is not in theirs.
+constexpr int least_views = 64, first_set = 1 << 20;
 
-double product_of_errors(const Image& image, const Pilot& pilot, std::size_t k) {
+double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {
     double sum = 0;
     const auto encoded = [](const Image& of, std::size_t c) {
         return static_cast<double>(srgb_from_linear(of.rgb[c]));
     };
     for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {
         const double value = encoded(image, c);
-        sum += (value - encoded(pilot.a, c)) * (value - encoded(pilot.b, c)) / 3;
+        sum += (value - encoded(a, c)) * (value - encoded(b, c)) / 3;
     }
     return sum;
 }
@@ -49,15 +48,16 @@ void check_predictable(const SampleHeader& h, const FocusSettings& focus) {
     check_crop(focus.crop, h.width, h.height);
 }
 
-PredictedError predict_error(FocusFrame& frame, const HybridSettings& lens, const MadeOfRecords& made) {
+PredictedError predict_error(FocusFrame& frame, const HybridSettings& lens, const Image& image, int views) {
     const SampleHeader& h = frame.file().header();
     check_predictable(h, lens.focus);
-    const bool by_views = made.method == FocusMethod::lightfield || made.method == FocusMethod::hybrid;
-    const int views = by_views ? views_for_noise : views_to_compare;
-    const Pilot pilot(frame, lens, views, first_set);
-    const double noise_share = by_views ? noise_of_set(views, made.views) : 0;
-
-    PredictedError out{{h.width, h.height}, {}, 0, 2 * views};
+    HybridSettings records = lens;
+    records.scene = nullptr;
+    HalvedViews halves(frame, records, first_set);
+    const int count = std::clamp(views, least_views, most_lens_views);
+    halves.draw(std::vector<int>(halves.grid().count(), count));
+    const RecordsBound bound = records_bound(frame, records, image);
+    PredictedError out{.grid = halves.grid(), .views = count};
     out.tiles.resize(out.grid.count());
     std::vector<int> pixels(out.tiles.size());
     const Crop asked = lens.focus.crop.value_or(Crop{0, 0, h.width, h.height});
@@ -66,35 +66,26 @@ PredictedError predict_error(FocusFrame& frame, const HybridSettings& lens, cons
             const std::size_t k = static_cast<std::size_t>(y) * static_cast<std::size_t>(h.width) +
                                   static_cast<std::size_t>(x),
                               t = out.grid.at(x, y);
-            PredictedTile& to = out.tiles[t];
             ++pixels[t];
-            const std::uint8_t what = made.what.empty() ? 0 : made.what[k];
-            if (what == 2) {  // traced again
-                to.floor_mse +=
-                    floor_unseen * (still_unseen * static_cast<double>(pilot.floor[k] - pilot.spread[k]) +
-                                    static_cast<double>(pilot.spread[k]));
-                continue;
-            }
-            if (!by_views)
-                to.method_mse += product_of_errors(*made.image, pilot, k);
-            else if (what == 0)
-                to.method_mse += noise_share * static_cast<double>(pilot.noise[k]);
-            to.floor_mse += floor_unseen * static_cast<double>(pilot.floor[k]);
-            to.hidden_mse += static_cast<double>(pilot.hidden[k]);
+            out.tiles[t].method_mse +=
+                product_of_errors(image, halves.half(0).image, halves.half(1).image, k);
+            out.tiles[t].bound_mse += static_cast<double>(bound.mse[k]);
         }
     }
     PredictedTile all;
     for (std::size_t t = 0; t < out.tiles.size(); ++t) {
         PredictedTile& tile = out.tiles[t];
         all.method_mse += tile.method_mse;
-        all.floor_mse += tile.floor_mse;
-        all.hidden_mse += tile.hidden_mse;
-        const double count = std::max(1, pixels[t]);
-        tile = {std::max(0.0, tile.method_mse / count), tile.floor_mse / count, tile.hidden_mse / count};
+        all.bound_mse += tile.bound_mse;
+        const double in_tile = std::max(1, pixels[t]);
+        tile = {std::max(0.0, tile.method_mse / in_tile), tile.bound_mse / in_tile};
     }
-    const double count = static_cast<double>(asked.width) * asked.height;
-    all = {std::max(0.0, all.method_mse / count), all.floor_mse / count, all.hidden_mse / count};
-    out.predicted_db = -10 * std::log10(std::max(all.mse(), 1e-12));
+    const double in_all = static_cast<double>(asked.width) * asked.height,
+                 method = std::max(0.0, all.method_mse / in_all);
+    const auto db = [](double mse) { return -10 * std::log10(std::max(mse, 1e-12)); };
+    out.predicted_db = db(method);
+    out.bound_db = db(together_mse(method, all.bound_mse / in_all));
+    out.unsure_share = bound.unsure_share(h.width, lens.focus.crop);
     return out;
 }
 

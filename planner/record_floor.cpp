@@ -19,8 +19,6 @@ double averaged_by(double coc_px, bool aligned) {
 RecordFloor::RecordFloor(const SampleHeader& header, const FocusGeometry& geometry)
     : width_(header.width), height_(header.height), geometry_(geometry) {
     mse_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0F);
-    aligned_ = mse_;
-    spread_ = mse_;
 }
 
 void RecordFloor::add(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves) {
@@ -32,21 +30,17 @@ void RecordFloor::add(const RecordBand& band, int y_begin, int y_end, const Pixe
     for (int y = begin; y < end; ++y) {
         for (int x = 0; x < width_; ++x) {
             const std::size_t k = band.pixel(x, y) - band.pixel(band.x_begin, y_begin);
-            const PixelError error = pixel_error(
-                std::span(leaves.leaves)
-                    .subspan(leaves.leaf_offsets[k], leaves.leaf_offsets[k + 1] - leaves.leaf_offsets[k]),
-                corners);
-            const std::size_t to =
-                static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
-            mse_[to] = error.mse;
-            aligned_[to] = error.aligned;
-            spread_[to] = error.spread;
+            mse_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                 static_cast<std::size_t>(x)] =
+                pixel_error(
+                    std::span(leaves.leaves)
+                        .subspan(leaves.leaf_offsets[k], leaves.leaf_offsets[k + 1] - leaves.leaf_offsets[k]),
+                    corners);
         }
     }
 }
 
-RecordFloor::PixelError RecordFloor::pixel_error(std::span<const Leaf> leaves,
-                                                 std::span<const CellCorner> corners) const {
+float RecordFloor::pixel_error(std::span<const Leaf> leaves, std::span<const CellCorner> corners) const {
     PixelEdges edges;
     SpreadLight spread;
     double coc_px = std::numeric_limits<double>::infinity();
@@ -62,9 +56,7 @@ RecordFloor::PixelError RecordFloor::pixel_error(std::span<const Leaf> leaves,
     }
     double mse = edges.mse();
     if (mse > 0 && std::isfinite(coc_px)) mse /= averaged_by(coc_px, edges.aligned());
-    const double bright = spread.error();
-    return {static_cast<float>(mse + bright), static_cast<float>(edges.aligned() ? mse : 0),
-            static_cast<float>(bright)};
+    return static_cast<float>(mse + spread.error());
 }
 
 std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry) {

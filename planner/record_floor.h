@@ -37,22 +37,13 @@ class RecordFloor {
     }
     [[nodiscard]] std::vector<float> picture() && { return std::move(mse_); }
     [[nodiscard]] const std::vector<float>& picture() const& { return mse_; }
-    /// What of it comes from edges along the cells, and may therefore be aligned_nine_in_ten times as much.
-    [[nodiscard]] const std::vector<float>& aligned() const { return aligned_; }
-    /// What of it comes from light above 1 that circles of confusion spread: all of it that the pixel's
-    /// records make, wherever it goes.
-    [[nodiscard]] const std::vector<float>& spread() const { return spread_; }
 
   private:
-    struct PixelError {
-        float mse = 0, aligned = 0, spread = 0;
-    };
-    [[nodiscard]] PixelError pixel_error(std::span<const Leaf> leaves,
-                                         std::span<const CellCorner> corners) const;
+    [[nodiscard]] float pixel_error(std::span<const Leaf> leaves, std::span<const CellCorner> corners) const;
 
     int width_, height_;
     FocusGeometry geometry_;
-    std::vector<float> mse_, aligned_, spread_;
+    std::vector<float> mse_;
 };
 
 /// The same of a whole file, whose records it reads once.

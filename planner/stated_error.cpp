@@ -73,10 +73,11 @@ CheckedPixels::Use CheckedPixels::use(int x, int y) {
     return place == stating ? Use::stating : place == deciding ? Use::deciding : Use::none;
 }
 
-void CheckedPixels::views(int x, int y, int set, int count, std::vector<std::uint32_t>& out) {
+void CheckedPixels::views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) {
     if (use(x, y) == Use::none) return;
-    const std::uint64_t h = hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
-                                    2 + static_cast<std::uint64_t>(set));
+    const std::uint64_t h =
+        hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
+                2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
     out.push_back(static_cast<std::uint32_t>(h % static_cast<std::uint64_t>(count)));
 }
 
@@ -90,37 +91,41 @@ double StatedError::high_db() const {
     return -10 * std::log10(std::max(low_mse, 1e-12));
 }
 
-StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::optional<Crop>& crop) {
-    constexpr int block = 16;
-    const int width = a.image.width, height = a.image.height;
-    Mean noise, bias;
-    double noise_sum = 0, pixels = 0;
+StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::optional<Crop>& crop,
+                         CheckedPixels::Use checks) {
+    const int width = a.image.width, height = a.image.height, piece = piece_px(width, height);
+    Mean bias;
+    double noise_sum = 0, noise_squares = 0, pixels = 0;
     StatedError out;
-    for (int y0 = 0; y0 < height; y0 += block) {
-        for (int x0 = 0; x0 < width; x0 += block) {
-            double sum = 0, count = 0;
-            for (int y = y0; y < std::min(y0 + block, height); ++y) {
-                for (int x = x0; x < std::min(x0 + block, width); ++x) {
+    for (int y0 = 0; y0 < height; y0 += piece) {
+        for (int x0 = 0; x0 < width; x0 += piece) {
+            double sum = 0;
+            for (int y = y0; y < std::min(y0 + piece, height); ++y) {
+                for (int x = x0; x < std::min(x0 + piece, width); ++x) {
                     if (crop && !crop->contains(x, y)) continue;
                     const auto k = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                                    static_cast<std::size_t>(x);
                     sum += noise_at(a, b, k);
-                    ++count;
-                    if (CheckedPixels::use(x, y) == CheckedPixels::Use::none) continue;
+                    ++pixels;
+                    if (a.checks.empty() || CheckedPixels::use(x, y) == CheckedPixels::Use::none) continue;
                     out.check_rays += a.checks[k].rays + b.checks[k].rays;
-                    if (CheckedPixels::use(x, y) == CheckedPixels::Use::stating) bias.add(bias_at(a, b, k));
+                    if (CheckedPixels::use(x, y) == checks) bias.add(bias_at(a, b, k));
                 }
             }
-            if (count == 0) continue;
-            noise.add(sum / count);
             noise_sum += sum;
-            pixels += count;
+            noise_squares += sum * sum;
         }
     }
-    out.noise_mse = noise_sum / std::max(pixels, 1.0);
+    pixels = std::max(pixels, 1.0);
+    out.noise_mse = noise_sum / pixels;
     out.bias_mse = std::max(0.0, bias.mean());
-    const double mse = out.mse(), deviation = std::sqrt(noise.variance() + bias.variance());
+    const double mse = out.mse();
     if (!(mse > 0)) return out;
+    // Were the errors of a piece all alike and normal, their square s would vary by twice the square of its
+    // expectation, and s^2 have three times that. The noise that the picture happens to have varies as much
+    // as that by which it is told.
+    const double noise_variance = 2 * 2.0 / 3 * noise_squares / (pixels * pixels),
+                 deviation = std::sqrt(noise_variance + bias.variance());
     // Normal in the logarithm: 1.96 standard deviations either way.
     const double factor = std::exp(1.96 * deviation / mse);
     out.low_mse = mse / factor;
@@ -128,7 +133,7 @@ StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::op
     return out;
 }
 
-std::vector<std::uint8_t> biased_tiles(const FieldFocus& a, const FieldFocus& b) {
+std::vector<TileError> tile_errors(const FieldFocus& a, const FieldFocus& b) {
     const TileGrid grid{a.image.width, a.image.height};
     std::vector<Mean> noise(grid.count()), bias(grid.count());
     for (int y = 0; y < a.image.height; ++y) {
@@ -137,14 +142,21 @@ std::vector<std::uint8_t> biased_tiles(const FieldFocus& a, const FieldFocus& b)
                            static_cast<std::size_t>(x);
             const std::size_t tile = grid.at(x, y);
             noise[tile].add(noise_at(a, b, k));
-            if (CheckedPixels::use(x, y) == CheckedPixels::Use::deciding) bias[tile].add(bias_at(a, b, k));
+            if (!a.checks.empty() && CheckedPixels::use(x, y) == CheckedPixels::Use::deciding)
+                bias[tile].add(bias_at(a, b, k));
         }
     }
-    std::vector<std::uint8_t> out(grid.count(), 0);
-    for (std::size_t t = 0; t < out.size(); ++t) {
-        const double found = bias[t].mean();
-        out[t] = found > noise[t].mean() && found > 2 * std::sqrt(bias[t].variance()) ? 1 : 0;
-    }
+    std::vector<TileError> out;
+    for (std::size_t t = 0; t < grid.count(); ++t)
+        out.push_back({noise[t].mean(), bias[t].mean(), std::sqrt(bias[t].variance())});
+    return out;
+}
+
+std::vector<std::uint8_t> biased_tiles(const std::vector<TileError>& tiles) {
+    std::vector<std::uint8_t> out(tiles.size(), 0);
+    std::transform(tiles.begin(), tiles.end(), out.begin(), [](const TileError& t) {
+        return static_cast<std::uint8_t>(t.bias_mse > t.noise_mse && t.bias_mse > 2 * t.bias_deviation);
+    });
     return out;
 }
 

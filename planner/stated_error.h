@@ -17,15 +17,16 @@ class CheckedPixels {
     enum class Use : std::uint8_t { none, deciding, stating };
     static constexpr int edge = 4;
     [[nodiscard]] static Use use(int x, int y);
-    /// Appends the view of a set of so many that is compared in the pixel, if any is.
-    static void views(int x, int y, int set, int count, std::vector<std::uint32_t>& out);
+    /// Appends which of so many views of a set, from the `first` of it on, is compared in the pixel, if any
+    /// is.
+    static void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out);
 };
 
 /// Squared errors of encoded values, clamped to [0, 1], mean of pixels and channels.
 struct StatedError {
     double noise_mse = 0;  ///< of the views: half the squared difference of two independent halves, halved
     double bias_mse = 0;   ///< of what the records were sure of, by what rays of the checks found
-    double low_mse = 0, high_mse = 0;  ///< 95 % interval of their sum
+    double low_mse = 0, high_mse = 0;  ///< 95 % interval of the picture's
     std::uint64_t check_rays = 0;
     [[nodiscard]] double mse() const { return noise_mse + bias_mse; }
     [[nodiscard]] double db() const;
@@ -39,12 +40,23 @@ struct StatedError {
 /// expectation. Of the two residuals of a checked pixel, one of each set, the product has the square of
 /// what both have in common: neither noise of views nor of rays adds to it. Both are taken to encoded values,
 /// the residuals by the slope of the curve at the picture's value. The interval is normal in the logarithm;
-/// its variance that of means of blocks of 16 px and of the products.
+/// its variance that of the halves and once more for the picture, as if a piece's pixels (piece_px) erred
+/// alike and the pieces independently, and that of the products.
 [[nodiscard]] StatedError stated_error(const FieldFocus& a, const FieldFocus& b,
-                                       const std::optional<Crop>& crop);
+                                       const std::optional<Crop>& crop,
+                                       CheckedPixels::Use checks = CheckedPixels::Use::stating);
 
-/// Tiles of 64 px, row by row, in which what the records are sure of is off by as much as the noise: where
-/// the products of the deciding checks add up to more than twice their standard error, and to more than that.
-[[nodiscard]] std::vector<std::uint8_t> biased_tiles(const FieldFocus& a, const FieldFocus& b);
+/// Of a tile, encoded values, means of pixels and channels.
+struct TileError {
+    double noise_mse = 0;
+    double bias_mse = 0;        ///< by the deciding checks; may be negative
+    double bias_deviation = 0;  ///< standard error of it
+};
+/// By tile of 64 px, row by row.
+[[nodiscard]] std::vector<TileError> tile_errors(const FieldFocus& a, const FieldFocus& b);
+
+/// Those, 1, in which what the records are sure of is off by as much as the noise: the products of the
+/// deciding checks add up to more than twice their standard error, and to more than that.
+[[nodiscard]] std::vector<std::uint8_t> biased_tiles(const std::vector<TileError>& tiles);
 
 }  // namespace postlens

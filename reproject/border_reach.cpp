@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace postlens {
 
@@ -34,23 +35,44 @@ BorderReach::BorderReach(const PatchMesh& primary, const PatchField& field, std:
             }
         }
     }
+    // What does not move by itself lies affinely in the lens's point: the farthest bounds all of them.
+    glm::dvec2 lens_px(0), offset_px(0);
+    double nearest_focus = 0, farthest_focus = std::numeric_limits<double>::infinity();
+    for (const PatchViews& set : field.sets) {
+        for (const PatchView& view : set.views) {
+            lens_px = glm::max(lens_px, glm::abs(view.lens.lens_px));
+            offset_px = glm::max(offset_px, glm::abs(view.lens.offset_px));
+            nearest_focus = std::max(nearest_focus, view.lens.inverse_focus_per_m);
+            farthest_focus = std::min(farthest_focus, view.lens.inverse_focus_per_m);
+        }
+    }
     for (Side& side : sides_) {
+        for (std::size_t i = 0; i < side.cells.size(); ++i) {
+            const Cell& cell = side.cells[i];
+            if (!cell.any) continue;
+            const auto z = static_cast<double>(cell.inverse_z);
+            const glm::dvec2 away =
+                std::max(std::abs(nearest_focus - z), std::abs(farthest_focus - z)) * lens_px + offset_px;
+            side.deepest_px = std::max(side.deepest_px, side.across ? away.x : away.y);
+            side.sideways_px = std::max(side.sideways_px, side.across ? away.y : away.x);
+        }
         for (const PatchViews& set : field.sets) {
             for (const PatchView& view : set.views) {
                 for (const PatchView::Use& use : view.uses) {
-                    if (use.instant != instant) continue;
-                    for (std::size_t i = 0; i < side.cells.size(); ++i) {
-                        const Seen seen = see(side, i, view, use);
-                        if (!seen.any) continue;
-                        side.deepest_px = std::max(
-                            side.deepest_px, side.after ? side.at - seen.across : seen.across - side.at);
-                        side.sideways_px =
-                            std::max(side.sideways_px,
-                                     std::abs(seen.along - (side.first + static_cast<double>(i) + 0.5)));
-                    }
+                    if (use.instant == instant && !use.motions.empty()) side.reach(view, use);
                 }
             }
         }
+    }
+}
+
+void BorderReach::Side::reach(const PatchView& view, const PatchView::Use& use) {
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (use.motions[cells[i].motion_class].identity()) continue;
+        const Seen seen = see(*this, i, view, use);
+        if (!seen.any) continue;
+        deepest_px = std::max(deepest_px, after ? at - seen.across : seen.across - at);
+        sideways_px = std::max(sideways_px, std::abs(seen.along - (first + static_cast<double>(i) + 0.5)));
     }
 }
 

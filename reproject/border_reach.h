@@ -33,7 +33,9 @@ class BorderReach {
         int first = 0;        ///< raster px of its first cell, along it
         double at = 0;        ///< raster px of the side
         std::vector<Cell> cells;
-        double deepest_px = 0, sideways_px = 0;  ///< how far any view moves it into the raster, and along
+        double deepest_px = 0, sideways_px = 0;  ///< how far any view may move it into the raster, and along
+        /// Takes in a view's motions.
+        void reach(const PatchView& view, const PatchView::Use& use);
     };
     /// Where a view sees the middle of the side of cell `i`: along the side, and across.
     struct Seen {

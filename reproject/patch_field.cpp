@@ -171,12 +171,19 @@ class Field {
                            std::min(SeenTile::edge, field_.height - y0)};
         if (marked() && !has_wanted_marks(tile)) return;
         bool gathered = false;
+        const int edge = field_.piece_px;
         for (std::size_t set = 0; set < field_.sets.size(); ++set) {
             const auto& wanted = field_.sets[set].wanted;
-            if (wanted && !wanted(x0, y0, at.width, at.height)) continue;
-            if (!gathered) gather(tile, w);
-            gathered = true;
-            draw_set(set, at, w, out[field_.sets[set].picture]);
+            for (int y = 0; y < at.height; y += edge) {
+                for (int x = 0; x < at.width; x += edge) {
+                    const TilePlace piece{at.x + x, at.y + y, std::min(edge, at.width - x),
+                                          std::min(edge, at.height - y)};
+                    if (wanted && !wanted(x0 + x, y0 + y, piece.width, piece.height)) continue;
+                    if (!gathered) gather(tile, w);
+                    gathered = true;
+                    draw_set(set, piece, w, out[field_.sets[set].picture]);
+                }
+            }
         }
     }
 
@@ -250,15 +257,8 @@ class Field {
     }
 
     /// Along which a view looks at a pixel of a tile.
-    [[nodiscard]] static SightLine line_of(const PatchView& v, std::size_t view, const TilePlace& at, int x,
-                                           int y) {
-        return {at.x + x,
-                at.y + y,
-                v.sample,
-                v.lens_point,
-                v.light_before,
-                v.set,
-                static_cast<std::uint32_t>(view)};
+    [[nodiscard]] static SightLine line_of(const PatchView& v, const TilePlace& at, int x, int y) {
+        return {at.x + x, at.y + y, v.sample, v.lens_point, v.light_before, v.set, v.number};
     }
 
     /// Notes what the records have where a view is compared with rays, unless it was left to them.
@@ -272,7 +272,7 @@ class Field {
             if (v.uses.size() == 2 && (u == 1 || share(v, u, k, w) == 0)) continue;
             const int x = k % SeenTile::edge, y = k / SeenTile::edge;
             if (v.passes && !v.passes(at.x - field_.x + x, at.y - field_.y + y)) continue;
-            w.checked.lines.push_back(line_of(v, view, at, x, y));
+            w.checked.lines.push_back(line_of(v, at, x, y));
             w.checked.pixel.push_back(k);
             w.checked.recorded.push_back(glm::dvec3(mesh.light(texel)) +
                                          (trees ? w.trees.light(k) : glm::dvec3(0)));
@@ -295,14 +295,14 @@ class Field {
     }
 
     /// Leaves a view's pixel to rays, with some of its weight.
-    void leave_to_rays(const PatchView& v, std::size_t view, const TilePlace& at, int x, int y, double weight,
+    void leave_to_rays(const PatchView& v, const TilePlace& at, int x, int y, double weight,
                        Workplace& w) const {
         const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
         if (v.passes && !v.passes(at.x - field_.x + x, at.y - field_.y + y)) {
             w.sum[k][3] += weight;
             return;
         }
-        w.traced.lines.push_back(line_of(v, view, at, x, y));
+        w.traced.lines.push_back(line_of(v, at, x, y));
         w.traced.pixel.push_back(static_cast<std::uint16_t>(k));
         w.traced.weight.push_back(weight);
     }
@@ -315,7 +315,7 @@ class Field {
     }
 
     /// Pixels that the records are not sure of by what is seen directly.
-    void set_aside(const PatchView& v, std::size_t view, const TilePlace& at, Workplace& w) const {
+    void set_aside(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (int y = 0; y < at.height; ++y) {
             for (int x = 0; x < at.width; ++x) {
                 const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
@@ -325,15 +325,14 @@ class Field {
                     sure_of_all = id_seen(v, 0, k, w) == id_seen(v, 1, k, w);
                 w.traced.uses[k] = 0;
                 if (sure_of_all) continue;
-                leave_to_rays(v, view, at, x, y, v.weight, w);
+                leave_to_rays(v, at, x, y, v.weight, w);
                 for (std::size_t u = 0; u < v.uses.size(); ++u) w.seen[u].texel[k] = SeenTile::no_texel;
             }
         }
     }
 
     /// The same of what one use shows in mirrors and through glass.
-    void set_aside_trees(const PatchView& v, std::size_t view, std::size_t u, const TilePlace& at,
-                         Workplace& w) const {
+    void set_aside_trees(const PatchView& v, std::size_t u, const TilePlace& at, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[u].instant].primary;
         for (int y = 0; y < at.height; ++y) {
             for (int x = 0; x < at.width; ++x) {
@@ -342,12 +341,12 @@ class Field {
                 if (texel == SeenTile::no_texel || mesh.drawn_children(texel) == 0 || w.trees.sure(k))
                     continue;
                 if (v.uses.size() == 1) {
-                    leave_to_rays(v, view, at, x, y, v.weight, w);
+                    leave_to_rays(v, at, x, y, v.weight, w);
                     w.seen[u].texel[k] = SeenTile::no_texel;
                     continue;
                 }
                 const double weight = v.weight * share(v, u, k, w);
-                if (weight > 0) leave_to_rays(v, view, at, x, y, weight, w);
+                if (weight > 0) leave_to_rays(v, at, x, y, weight, w);
                 w.traced.uses[k] |= static_cast<std::uint8_t>(1U << u);
             }
         }
@@ -551,13 +550,13 @@ class Field {
         if (rays) {
             for (std::size_t u = 0; u < v.uses.size(); ++u)
                 borders_[v.uses[u].instant].mark(v, v.uses[u], at, w.seen[u]);
-            set_aside(v, view, at, w);
+            set_aside(v, at, w);
         }
         const bool trees = trees_ && w.trees.any();
         // Per use: a pixel counts with the use's share where both show one surface, else the nearer counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
-            if (rays && trees) set_aside_trees(v, view, u, at, w);
+            if (rays && trees) set_aside_trees(v, u, at, w);
             if (set.checked) note_checked(v, view, u, at, trees, w);
             if (v.uses.size() == 1 && !v.passes) {
                 add_all(v, at, trees, w);

@@ -36,13 +36,14 @@ struct PatchView {
     glm::dvec2 lens_point{0};   ///< SightLine's, where there are rays
     double light_before = 0.5;  ///< likewise
     std::uint32_t set = 0;      ///< likewise
+    std::uint32_t number = 0;   ///< of the set's views, likewise
 };
 
 /// Views that a picture, or some of its tiles, is the mean of.
 struct PatchViews {
     std::vector<PatchView> views;
-    /// Whether a rectangle of the picture is wanted of them; none: all is. What is not stays black and
-    /// unknown.
+    /// Whether a piece of the picture (PatchField::piece_px) is wanted of them; none: all is. What is not
+    /// stays black and unknown.
     std::function<bool(int x, int y, int width, int height)> wanted;
     /// May add light of its own to a tile, knowing what every view sees there; from several threads. None:
     /// nothing is added.
@@ -67,6 +68,8 @@ struct PatchField {
     /// is not told.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles that none of these can touch are left as they are
+    /// Sets are asked for by squares of so many px, a tile of SeenTile::edge or some even part of it.
+    int piece_px = SeenTile::edge;
     /// Drawn together: where patches lie is found out once for all.
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the pictures' first pixel

@@ -80,7 +80,7 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
     FocusResult r = focus_picture(frame_, focus);
     const FocusMethod method = r.method;
     MadePicture out = made(std::move(r), method_name(method));
-    predict(out, {.focus = focus}, method);
+    predict(out, {.focus = focus});
     return out;
 }
 
@@ -88,23 +88,23 @@ MadePicture PictureMaker::by_hybrid(HybridSettings settings) {
     settings.scene = settings_.scene;
     HybridResult r = hybrid_picture(frame_, settings);
     MadePicture out = made(std::move(r.focus), method_name(method_));
-    predict(out, settings, FocusMethod::hybrid, r.what);
+    if (r.stated)
+        out.predicted_db = r.stated->db();
+    else
+        predict(out, settings);
     return out;
 }
 
-void PictureMaker::predict(MadePicture& picture, const HybridSettings& settings, FocusMethod method,
-                           std::span<const std::uint8_t> what) {
+void PictureMaker::predict(MadePicture& picture, const HybridSettings& settings) {
     if (!settings_.predict) return;
-    picture.predicted_db =
-        predict_error(frame_, settings, {&picture.image, method, picture.views, what}).predicted_db;
+    picture.predicted_db = predict_error(frame_, settings, picture.image, picture.views).predicted_db;
 }
 
 MadePicture PictureMaker::planned(HybridSettings settings) {
     settings.scene = settings_.scene;
-    AutoResult r = auto_picture(
-        frame_, {.hybrid = settings, .target_db = settings_.target_db.value_or(default_target_db)});
+    AutoResult r = auto_picture(frame_, {.hybrid = settings, .target_db = settings_.target_db});
     MadePicture out = made(std::move(r.hybrid.focus), method_name(FocusMethod::automatic));
-    out.predicted_db = r.predicted_db;
+    out.predicted_db = r.hybrid.stated ? r.hybrid.stated->db() : r.noise_db();
     return out;
 }
 
@@ -129,7 +129,7 @@ MadePicture PictureMaker::moving(const SweepSetting& s, const FocusSettings& foc
     }
     for (const MotionWarning& w : r.warnings) out.warnings.push_back({w.code, w.share, w.text});
     // Parts of it may be convolved.
-    predict(out, settings, FocusMethod::scatter);
+    predict(out, settings);
     return out;
 }
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -71,8 +70,7 @@ class PictureMaker {
     [[nodiscard]] MadePicture by_hybrid(HybridSettings settings);
     [[nodiscard]] MadePicture moving(const SweepSetting& setting, const FocusSettings& focus);
     /// Adds what is expected of it, if that is asked for.
-    void predict(MadePicture& picture, const HybridSettings& settings, FocusMethod method,
-                 std::span<const std::uint8_t> what = {});
+    void predict(MadePicture& picture, const HybridSettings& settings);
 
     const SampleFileReader& file_;
     PictureSettings settings_;

@@ -74,8 +74,8 @@ TEST(Sheets, CoverEveryPixelOnceWithThePinholesColours) {
                 const std::uint32_t root =
                     mesh.fine[s.first_cell + static_cast<std::size_t>(j * s.width + i)];
                 for (int k = 0; k < steps * steps; ++k) {
-                    const std::uint32_t t =
-                        texel_at(mesh, root, (k % steps + 0.5) / steps, (k / steps + 0.5) / steps);
+                    const int column = k % steps, row = k / steps;
+                    const std::uint32_t t = texel_at(mesh, root, (column + 0.5) / steps, (row + 0.5) / steps);
                     if (t == SeenTile::no_texel) continue;
                     auto& to = sum[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
                     to[0] += static_cast<double>(mesh.texels[t].r) / (steps * steps);
@@ -168,7 +168,8 @@ TEST(Sheets, SomeOfThemHaveWhatTheyHadAmongAll) {
             const auto cells = static_cast<std::uint32_t>(now.width * now.height);
             for (std::uint32_t c = 0; c < cells; ++c) {
                 for (int k = 0; k < 64; ++k) {
-                    const double x = (k % 8 + 0.5) / 8, y = (k / 8 + 0.5) / 8;
+                    const int column = k % 8, row = k / 8;
+                    const double x = (column + 0.5) / 8, y = (row + 0.5) / 8;
                     for (const auto lists : {&SheetMesh::fine, &SheetMesh::coarse}) {
                         const std::uint32_t a = texel_at(some, (some.*lists)[now.first_cell + c], x, y),
                                             b = texel_at(*mesh, (mesh->*lists)[was.first_cell + c], x, y);
@@ -428,6 +429,7 @@ TEST(PatchField, ChecksLookAlongTheLinesOfTheirViews) {
         v.sample = v.lens_point = glm::dvec2(at);
         v.light_before = at;
         v.set = 7;
+        v.number = static_cast<std::uint32_t>(field.sets[0].views.size());
         v.uses = {{0, 1, {}}};
         field.sets[0].views.push_back(v);
     }

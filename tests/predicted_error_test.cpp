@@ -9,7 +9,6 @@
 #include "core/error.h"
 #include "core/threads.h"
 #include "motionblur/motion_blur.h"
-#include "planner/hidden_error.h"
 #include "records/srgb.h"
 #include "tests/motion_frame.h"
 #include "tracer/render.h"
@@ -89,15 +88,15 @@ double is_db(const Image& image, const Image& truth, const std::optional<Crop>& 
 
 double expected_db(const SampleFileReader& file, const FocusSettings& focus, const Image& image) {
     FocusFrame frame(file);
-    return predict_error(frame, {.focus = focus}, {&image, focus.method, focus.views, {}}).predicted_db;
+    return predict_error(frame, {.focus = focus}, image, focus.views).predicted_db;
 }
 
-// Within a factor of two of the squared error, either way; but what the views that a picture is compared with
-// err by alike counts against it, which is 47 dB and less here.
+// Within a factor of two of the squared error, either way; but by how much the errors of the halves that a
+// picture is compared with go together by chance is not known, which is 47 dB and less here.
 constexpr double factor_of_two_db = 3.01, told_db = 47;
 
 void expect_near(double expected_db, double is_db, const std::string& what) {
-    EXPECT_LT(expected_db, is_db + factor_of_two_db) << what;
+    EXPECT_LT(std::min(expected_db, told_db), is_db + factor_of_two_db) << what;
     EXPECT_GT(expected_db, std::min(is_db, told_db) - factor_of_two_db) << what;
 }
 
@@ -131,46 +130,37 @@ TEST(PredictError, KnowsAWrongPictureFromARightOne) {
                 -10 * std::log10(0.05 * 0.05 + std::pow(10, -right / 10)), 0.3);
 }
 
-TEST(PredictError, CountsWhatTheRecordsLack) {
+TEST(PredictError, BoundsWhatTheRecordsLack) {
     const SceneBuilder b = bar_and_wall();
-    const TracedFrame fine(b.scene, traced(true)), coarse(b.scene, traced(true, 1)),
-        open(b.scene, traced(false));
     FocusSettings f = with(FocusMethod::lightfield, 256);
     f.focus_distance_m = 10;  // the edge of the bar is over a hand wide
     const Image truth = rays(b.scene, f);
-    // What no record shows is predicted from the contrast around it, as if what hides and what is hidden
-    // filled half of that each. Allowed for: one of them fills a sixth, 4 p (1 - p) = 0.56. Here that part of
-    // the prediction is 0.00038 of an error of 0.00083; with the views of a spiral it was 0.00058.
-    constexpr double uneven_db = 2.55;
-    const auto expected_of = [&](const TracedFrame& frame, double more_db = 0) {
+    double least_unsure = 0;
+    // With what the bar hides; coarse; and without it.
+    for (const TraceSettings& t : {traced(true), traced(true, 1), traced(false)}) {
+        const TracedFrame frame(b.scene, t);
         const Image image = focus_picture(frame.file(), f).image;
         FocusFrame of(frame.file());
-        const PredictedError e = predict_error(of, {.focus = f}, {&image, f.method, f.views, {}});
-        const double is = is_db(image, truth);
-        expect_near(std::max(e.predicted_db - more_db, std::min(e.predicted_db, is)), is, "");
-        const double hidden = std::accumulate(
-                         e.tiles.begin(), e.tiles.end(), 0.0,
-                         [](double sum, const PredictedTile&t) { return sum + t.hidden_mse; }),
-                     floor =
-                         std::accumulate(e.tiles.begin(), e.tiles.end(), 0.0,
-                                         [](double sum, const PredictedTile&t) { return sum + t.floor_mse; });
-        return std::pair(hidden, floor);
-    };
-    const auto all = expected_of(fine), few = expected_of(coarse), visible = expected_of(open, uneven_db);
-    EXPECT_GT(few.second, 10 * all.second);
-    EXPECT_GT(visible.first, 10 * all.first);
+        const PredictedError e = predict_error(of, {.focus = f}, image, f.views);
+        EXPECT_GT(is_db(image, truth), e.bound_db);
+        EXPECT_LT(e.bound_db, e.predicted_db);
+        // The fine records with all layers are the surest.
+        EXPECT_GT(e.unsure_share, least_unsure);
+        if (least_unsure == 0) least_unsure = e.unsure_share;
+    }
 }
 
 TEST(PredictError, OfACropIsOfItsPixels) {
     const SceneBuilder b = bar_and_wall();
     const TracedFrame frame(b.scene, traced(true));
     FocusSettings f = with(FocusMethod::scatter);
-    const Image truth = rays(b.scene, f);
+    // What the light field of the records comes to.
+    const Image all = focus_picture(frame.file(), with(FocusMethod::lightfield, most_lens_views)).image;
     // With the bar's edges, and without.
     for (const Crop& crop : {Crop{0, 0, 24, 48}, Crop{40, 4, 20, 40}}) {
         f.crop = crop;
         const Image image = focus_picture(frame.file(), f).image;
-        expect_near(expected_db(frame.file(), f, image), is_db(image, truth, crop), std::to_string(crop.x));
+        expect_near(expected_db(frame.file(), f, image), is_db(image, all, crop), std::to_string(crop.x));
     }
 }
 
@@ -184,12 +174,12 @@ TEST(PredictError, WithTheShutterOpen) {
         .focus = with(FocusMethod::lightfield, 64), .motion = &motion, .shutter = TimeSpan{0, 1}};
     FocusFrame of(frame.file(), true);
     const Image both = hybrid_picture(of, s).focus.image;
-    expect_near(predict_error(of, s, {&both, FocusMethod::hybrid, 64, {}}).predicted_db,
-                is_db(both, rays(b.scene, s.focus, s.shutter)), "");
+    expect_near(predict_error(of, s, both, 64).predicted_db, is_db(both, rays(b.scene, s.focus, s.shutter)),
+                "");
     // A pinhole's.
     s.focus.lens.f_number = std::numeric_limits<double>::infinity();
     const MotionBlurResult blurred = frame.blur(MotionMethod::convolve);
-    expect_near(predict_error(of, s, {.image = &blurred.image}).predicted_db,
+    expect_near(predict_error(of, s, blurred.image, 0).predicted_db,
                 is_db(blurred.image, rays(b.scene, s.focus, s.shutter)), "");
 }
 
@@ -226,7 +216,7 @@ TEST(PredictError, RefusesWhatItCannotTell) {
 
 // A mirror close by, out of focus: beyond its outline the lens sees in it what no ray of the pinhole met, and
 // all views alike are given what the pinhole saw next to it.
-TEST(PredictError, OfAMirrorsRimIsWhatNobodySawInIt) {
+TEST(PredictError, BoundsWhatNobodySawInAMirrorsRim) {
     SceneBuilder b;
     b.add(board(-4, 4, -4, 4, 4), glowing({0.4, 0.4, 0.4}));
     b.add(board(-0.12, 0.12, -0.09, 0.09, 0.7), mirror());
@@ -242,25 +232,11 @@ TEST(PredictError, OfAMirrorsRimIsWhatNobodySawInIt) {
     FocusSettings f = with(FocusMethod::lightfield, 256);
     f.focus_distance_m = 4;
     const Image image = focus_picture(frame.file(), f).image;
-    expect_near(expected_db(frame.file(), f, image), is_db(image, rays(b.scene, f)), "rim");
-}
-
-// A ramp of encoded values: what is d px away differs by its slope times d.
-TEST(HiddenError, GoesWithHowFarAwayIsWhatStandsForIt) {
-    Image ramp(128, 64);
-    constexpr double slope = 1.0 / 256;
-    for (int y = 0; y < 64; ++y) {
-        for (int x = 0; x < 128; ++x)
-            std::fill_n(ramp.pixel(x, y), 3, linear_from_srgb(static_cast<float>(0.2 + slope * x)));
-    }
-    Contrasts contrasts(ramp);
-    for (const int radius : {1, 2, 4, 8, 16, 32}) {
-        // The variance of 2 r + 1 neighbouring values.
-        EXPECT_NEAR(contrasts.at(32 * 128 + 64, radius) / (slope * slope), radius * (radius + 1) / 3.0,
-                    0.02 * radius * radius);
-    }
-    EXPECT_EQ(contrasts.at(32 * 128 + 64, 5), contrasts.at(32 * 128 + 64, 8));
-    EXPECT_EQ(contrasts.at(32 * 128 + 64, 500), contrasts.at(32 * 128 + 64, 32));
+    FocusFrame of(frame.file());
+    const PredictedError e = predict_error(of, {.focus = f}, image, f.views);
+    const double is = is_db(image, rays(b.scene, f));
+    EXPECT_GT(e.predicted_db, is + factor_of_two_db);
+    EXPECT_GT(is, e.bound_db);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "compare/pixel_errors.h"
 #include "planner/hybrid.h"
+#include "planner/tile_grid.h"
 #include "tests/motion_frame.h"
 #include "tracer/render.h"
 #include "tracer/render_setup.h"
@@ -112,21 +113,22 @@ TEST(UnsureViews, ChecksTellTheDifferenceToRays) {
     r.focus_m = c.focus_m;
     const RenderSetup setup(scene, r);
     const SceneRays rays(setup, {}, views);
-    // Tiles of 64 px have scrambles of their own, of which the first two columns are in the picture.
-    std::array<std::vector<SightLine>, 2> ways;
-    for (std::uint32_t column = 0; column < 2; ++column) {
-        for (std::uint32_t set = 2 * column; set < 2 * column + 2; ++set) {
+    // Pieces of 8 px, eight across and down, have scrambles of their own.
+    ASSERT_EQ(piece_px(96, 54), 8);
+    std::array<std::vector<SightLine>, 64> ways;
+    for (std::uint32_t scramble = 0; scramble < ways.size(); ++scramble) {
+        for (std::uint32_t set = 2 * scramble; set < 2 * scramble + 2; ++set) {
             const auto points = lens_view_points(Aperture(Impulse{}), *checked.focus.geometry, views / 2,
                                                  static_cast<int>(set));
             for (std::uint32_t v = 0; v < views / 2; ++v)
-                ways[column].push_back(
+                ways[scramble].push_back(
                     {0, 0, points[v].place, points[v].lens, points[v].light_before, set, v});
         }
     }
     double found = 0;
     for (int y = 0; y < 54; ++y) {
         for (int x = 0; x < 96; ++x) {
-            std::vector<SightLine> lines = ways[x < 64 ? 0 : 1];
+            std::vector<SightLine> lines = ways[static_cast<std::size_t>(y / 8 % 8 * 8 + x / 8 % 8)];
             for (SightLine& line : lines) {
                 line.x = x;
                 line.y = y;

@@ -1,12 +1,13 @@
-#include "planner/retrace.h"
+#include "planner/picture_request.h"
 
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
+#include <memory>
 
 #include "core/error.h"
-#include "core/text.h"
-#include "tracer/eye_rays.h"
+#include "focus/lens_views.h"
+#include "records/aperture_file.h"
+#include "records/crop.h"
 
 namespace postlens {
 namespace {
@@ -49,18 +50,36 @@ std::string checked_camera(const SampleHeader& h, const Scene& scene) {
     return camera_of(h, scene);
 }
 
-void check_exposed_alike(const Scene& scene, const SampleFileReader& file) {
-    if (scene.exposure_stops == file.exposure_stops()) return;
+void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method) {
+    const SampleHeader& h = file.header();
+    if (settings.focus.framing != Framing::keep) {
+        fail(ExitCode::wrong_arguments, "--framing: {} keeps the framing of the trace (expected keep)",
+             method);
+    }
+    check_has_points(settings.focus.impulse);
+    check_crop(settings.focus.crop, h.width, h.height);
+    if (settings.scene == nullptr || settings.scene->exposure_stops == file.exposure_stops()) return;
     fail(ExitCode::wrong_arguments,
-         "{}: exposed otherwise than the sample file (got {} stops; expected {} stops)", scene.name,
-         scene.exposure_stops, file.exposure_stops());
+         "{}: exposed otherwise than the sample file (got {} stops; expected {} stops)", settings.scene->name,
+         settings.scene->exposure_stops, file.exposure_stops());
 }
 
-RenderSettings retrace_settings(const SampleHeader& h, const HybridSettings& s, const std::string& camera,
-                                const Aperture& aperture) {
+FieldFocusSettings field_settings(const SampleHeader& h, const HybridSettings& s) {
+    FieldFocusSettings out{.geometry = focus_geometry(s.focus.lens, s.focus.focus_distance_m, Framing::keep,
+                                                      {h.film_distance_mm, h.pixel_pitch_mm}),
+                           .aperture = read_aperture(s.focus.impulse),
+                           .window = {0, h.width, 0, h.height},
+                           .views = s.focus.views,
+                           .crop = s.focus.crop};
+    if (s.motion != nullptr && s.shutter)
+        out.shutter = {s.motion, s.shutter->open_s, s.shutter->close_s, s.curve};
+    return out;
+}
+
+RenderSettings ray_settings(const SampleHeader& h, const HybridSettings& s, const Aperture& aperture) {
     RenderSettings r;
     r.camera = overrides_of(h);
-    r.camera_name = camera;
+    r.camera_name = checked_camera(h, *s.scene);
     r.time_s = h.time_s;
     r.focal_length_mm = s.focus.lens.focal_length_mm;
     r.f_number = s.focus.lens.f_number;
@@ -70,32 +89,6 @@ RenderSettings retrace_settings(const SampleHeader& h, const HybridSettings& s, 
     r.curve = s.curve;
     r.tracing = {h.max_depth, h.min_contribution};
     return r;
-}
-
-void limit_retraced(double most_retraced, std::vector<std::uint32_t>& pixels, HybridResult& out) {
-    if (out.wanted_share <= most_retraced) return;
-    const auto most = static_cast<std::size_t>(most_retraced * static_cast<double>(out.what.size()));
-    out.focus.warnings.push_back(
-        {"retraced", out.wanted_share - most_retraced,
-         fmt::format(
-             "the records do not suffice for {} % of the pixels; {} %, the worst of them, are traced "
-             "again (expected a trace for this lens, or render where mirrors and glass show too much)",
-             rough(100 * out.wanted_share), rough(100 * most_retraced))});
-    pixels.resize(std::min(pixels.size(), most));
-}
-
-void retrace(const Scene& scene, const RenderSettings& render, std::vector<std::uint32_t> pixels,
-             HybridResult& out) {
-    if (pixels.empty()) return;
-    std::sort(pixels.begin(), pixels.end());  // neighbours together
-    const RenderedPixels traced = render_pixels(scene, render, pixels);
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-        std::copy(traced.rgb[i].begin(), traced.rgb[i].end(),
-                  out.focus.image.rgb.begin() + 3 * std::ptrdiff_t{pixels[i]});
-        out.what[pixels[i]] = 2;
-    }
-    out.rays += traced.rays;
-    out.retraced_share += static_cast<double>(pixels.size()) / static_cast<double>(out.what.size());
 }
 
 }  // namespace postlens
