@@ -13,9 +13,9 @@
 namespace postlens {
 namespace {
 
-/// Pieces whose views are scrambled independently, across and down. Where things move there is one piece:
-/// where they lie in all views takes too long.
-constexpr int scrambles_across = 8, scrambles = scrambles_across * scrambles_across;
+/// Pieces whose views are scrambled independently, across and down; fewer where things move, of which every
+/// view has its own places.
+constexpr int scrambles_across = 8, scrambles_across_moving = 4;
 
 /// Moves values of a pixel by a share of the way to others.
 template <typename T>
@@ -47,16 +47,16 @@ HalvedViews::HalvedViews(FocusFrame& frame, const HybridSettings& settings, int 
                                             most_lens_views);
         by_field_.rays = rays_.get();
     }
-    if (!by_field_.shutter) by_field_.piece_px = piece_px(grid_.width, grid_.height);
+    by_field_.piece_px = piece_px(grid_.width, grid_.height);
     focuser_ = std::make_unique<FieldFocuser>(frame, by_field_);
     views_.assign(grid_.count(), 0);
     left_.assign(grid_.count(), 0);
 }
 
 void HalvedViews::draw(const std::vector<int>& views) {
-    const bool moves = by_field_.shutter.has_value();
-    const auto scramble_of = [piece = by_field_.piece_px](int x, int y) {
-        return y / piece % scrambles_across * scrambles_across + x / piece % scrambles_across;
+    const int across = by_field_.shutter ? scrambles_across_moving : scrambles_across;
+    const auto scramble_of = [across, piece = by_field_.piece_px](int x, int y) {
+        return y / piece % across * across + x / piece % across;
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
@@ -66,16 +66,16 @@ void HalvedViews::draw(const std::vector<int>& views) {
             if (span.first < span.second) spans.insert(span);
         }
         for (const auto& [first, end] : spans) {
-            for (int scramble = 0; scramble < (moves ? 1 : scrambles); ++scramble) {
+            for (int scramble = 0; scramble < across * across; ++scramble) {
                 FieldViews set{.count = end - first,
                                .set = first_set_ + 2 * scramble + static_cast<int>(half),
                                .first = first,
                                .picture = half};
-                set.wanted = [&, this, first = first, end = end, half, scramble, moves, scramble_of](
-                                 int x, int y, int, int) {
+                set.wanted = [&, this, first = first, end = end, half, scramble, scramble_of](int x, int y,
+                                                                                              int, int) {
                     const std::size_t t = grid_.at(x, y);
                     return of_half(views_[t], half) == first && of_half(views[t], half) == end &&
-                           (moves || scramble_of(x, y) == scramble);
+                           scramble_of(x, y) == scramble;
                 };
                 if (rays_) {
                     set.left_to_rays = [this](int x, int y) { return left_[grid_.at(x, y)] != 0; };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace postlens {
 
@@ -35,44 +34,57 @@ BorderReach::BorderReach(const PatchMesh& primary, const PatchField& field, std:
             }
         }
     }
-    // What does not move by itself lies affinely in the lens's point: the farthest bounds all of them.
-    glm::dvec2 lens_px(0), offset_px(0);
-    double nearest_focus = 0, farthest_focus = std::numeric_limits<double>::infinity();
+    LensReach lens;
     for (const PatchViews& set : field.sets) {
-        for (const PatchView& view : set.views) {
-            lens_px = glm::max(lens_px, glm::abs(view.lens.lens_px));
-            offset_px = glm::max(offset_px, glm::abs(view.lens.offset_px));
-            nearest_focus = std::max(nearest_focus, view.lens.inverse_focus_per_m);
-            farthest_focus = std::min(farthest_focus, view.lens.inverse_focus_per_m);
-        }
+        for (const PatchView& view : set.views) lens.add(view.lens);
     }
+    const std::vector<TimeSpanViews> spans = time_spans(field, instant);
     for (Side& side : sides_) {
         for (std::size_t i = 0; i < side.cells.size(); ++i) {
-            const Cell& cell = side.cells[i];
-            if (!cell.any) continue;
-            const auto z = static_cast<double>(cell.inverse_z);
-            const glm::dvec2 away =
-                std::max(std::abs(nearest_focus - z), std::abs(farthest_focus - z)) * lens_px + offset_px;
-            side.deepest_px = std::max(side.deepest_px, side.across ? away.x : away.y);
-            side.sideways_px = std::max(side.sideways_px, side.across ? away.y : away.x);
+            if (side.cells[i].any) side.widen({0, 0}, lens.px(static_cast<double>(side.cells[i].inverse_z)));
         }
-        for (const PatchViews& set : field.sets) {
-            for (const PatchView& view : set.views) {
-                for (const PatchView::Use& use : view.uses) {
-                    if (use.instant == instant && !use.motions.empty()) side.reach(view, use);
-                }
-            }
-        }
+        for (const TimeSpanViews& span : spans) side.widen(span, lens);
     }
 }
 
-void BorderReach::Side::reach(const PatchView& view, const PatchView::Use& use) {
+void BorderReach::LensReach::add(const LensShift& view) {
+    lens_px = glm::max(lens_px, glm::abs(view.lens_px));
+    offset_px = glm::max(offset_px, glm::abs(view.offset_px));
+    nearest_focus_per_m = std::max(nearest_focus_per_m, view.inverse_focus_per_m);
+    farthest_focus_per_m = std::min(farthest_focus_per_m, view.inverse_focus_per_m);
+}
+
+glm::dvec2 BorderReach::LensReach::px(double inverse_z) const {
+    return std::max(std::abs(nearest_focus_per_m - inverse_z), std::abs(farthest_focus_per_m - inverse_z)) *
+               lens_px +
+           offset_px;
+}
+
+void BorderReach::Side::widen(const glm::dvec2& moved_px, const glm::dvec2& around_px) {
+    const double into = (after ? -1 : 1) * (across ? moved_px.x : moved_px.y),
+                 along = std::abs(across ? moved_px.y : moved_px.x);
+    deepest_px = std::max(deepest_px, into + (across ? around_px.x : around_px.y));
+    sideways_px = std::max(sideways_px, along + (across ? around_px.y : around_px.x));
+}
+
+void BorderReach::Side::widen(const TimeSpanViews& span, const LensReach& lens) {
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        if (use.motions[cells[i].motion_class].identity()) continue;
-        const Seen seen = see(*this, i, view, use);
-        if (!seen.any) continue;
-        deepest_px = std::max(deepest_px, after ? at - seen.across : seen.across - at);
-        sideways_px = std::max(sideways_px, std::abs(seen.along - (first + static_cast<double>(i) + 0.5)));
+        const Cell& cell = cells[i];
+        if (!cell.any || span.first.use->motions[cell.motion_class].identity()) continue;
+        const double middle = first + static_cast<double>(i) + 0.5;
+        const RasterPoint from{across ? at : middle, across ? middle : at,
+                               static_cast<double>(cell.inverse_z)};
+        const auto begin = span.first.use->motions[cell.motion_class](from),
+                   end = span.last.use->motions[cell.motion_class](from);
+        if (!begin && !end) continue;
+        if (!begin || !end) {  // it passes the camera: anywhere
+            constexpr double far = 1e9;
+            deepest_px = sideways_px = far;
+            continue;
+        }
+        const glm::dvec2 between(std::abs(begin->x - end->x), std::abs(begin->y - end->y));
+        for (const RasterPoint& p : {*begin, *end})
+            widen({p.x - from.x, p.y - from.y}, between + lens.px(p.inverse_z));
     }
 }
 

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "reproject/patch_field.h"
+#include "reproject/time_spans.h"
 
 namespace postlens {
 
@@ -15,7 +17,7 @@ namespace postlens {
 /// deep as the nearest that is recorded at the border there.
 class BorderReach {
   public:
-    /// `views`: all that will be asked about; they use `primary` as their instant of this number.
+    /// For the field's views; those that use `primary` have it as their instant of this number.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
     /// Marks as SeenTile::maybe_inverse_z where a view may see such a thing in a tile.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
@@ -26,6 +28,13 @@ class BorderReach {
         std::size_t motion_class = 0;
         bool any = false;
     };
+    /// How far any view's lens moves things.
+    struct LensReach {
+        glm::dvec2 lens_px{0}, offset_px{0};
+        double nearest_focus_per_m = 0, farthest_focus_per_m = std::numeric_limits<double>::infinity();
+        void add(const LensShift& view);
+        [[nodiscard]] glm::dvec2 px(double inverse_z) const;
+    };
     /// One side of the raster.
     struct Side {
         bool across = false;  ///< left or right, not top or bottom
@@ -34,8 +43,10 @@ class BorderReach {
         double at = 0;        ///< raster px of the side
         std::vector<Cell> cells;
         double deepest_px = 0, sideways_px = 0;  ///< how far any view may move it into the raster, and along
-        /// Takes in a view's motions.
-        void reach(const PatchView& view, const PatchView::Use& use);
+        /// For a cell that lies so far from where it was recorded, or as much around that.
+        void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
+        /// For what moves.
+        void widen(const TimeSpanViews& span, const LensReach& lens);
     };
     /// Where a view sees the middle of the side of cell `i`: along the side, and across.
     struct Seen {

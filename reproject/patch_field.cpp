@@ -538,8 +538,14 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        for (std::size_t u = 0; u < v.uses.size(); ++u)
-            draw_primary(v, v.uses[u], at, w.primary[v.uses[u].instant], w.seen[u]);
+        // A tile that is left to rays is looked at for its lights alone.
+        const bool drawn = lights || !w.traced.whole_tile;
+        for (std::size_t u = 0; u < v.uses.size(); ++u) {
+            if (drawn)
+                draw_primary(v, v.uses[u], at, w.primary[v.uses[u].instant], w.seen[u]);
+            else
+                w.seen[u].clear();
+        }
         if (marked()) mark_seen(v, at, w);
         if (lights) {
             const auto to = static_cast<std::ptrdiff_t>(view * TileViews::view);
@@ -548,11 +554,13 @@ class Field {
         }
         const bool rays = set.rays != nullptr;
         if (rays) {
-            for (std::size_t u = 0; u < v.uses.size(); ++u)
-                borders_[v.uses[u].instant].mark(v, v.uses[u], at, w.seen[u]);
+            if (!w.traced.whole_tile) {
+                for (std::size_t u = 0; u < v.uses.size(); ++u)
+                    borders_[v.uses[u].instant].mark(v, v.uses[u], at, w.seen[u]);
+            }
             set_aside(v, at, w);
         }
-        const bool trees = trees_ && w.trees.any();
+        const bool trees = trees_ && w.trees.any() && !w.traced.whole_tile;
         // Per use: a pixel counts with the use's share where both show one surface, else the nearer counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);

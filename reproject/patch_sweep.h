@@ -6,6 +6,7 @@
 #include "reproject/patch_field.h"
 #include "reproject/patches.h"
 #include "reproject/raster_rect.h"
+#include "reproject/time_spans.h"
 
 namespace postlens {
 
@@ -26,10 +27,17 @@ class PatchSweep {
     /// all of them bound it.
     struct Box {
         LensShift low, high;
+        std::vector<TimeSpanViews> spans;  ///< where any class moves
         bool any = false;
         std::vector<std::uint8_t> moves;  ///< by motion class, as far as views have motions
     };
     void note(const PatchView& view);
+    /// The box's corners, 4 or 8 of them more where views are offset.
+    template <typename Add>
+    static void for_corners(const Box& box, const Add& add);
+    /// A patch that moves, in all of a span.
+    static void add_span(const PatchMesh& mesh, const Patch& patch, std::size_t motion, const Box& box,
+                         const TimeSpanViews& span, RasterRect& out);
     const PatchField& field_;
     std::vector<Box> boxes_;  ///< by instant
 };
