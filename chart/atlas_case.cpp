@@ -37,9 +37,9 @@ std::string one_of(const TomlTable& t, Name key, std::span<const Name> choices) 
 }
 
 AtlasMethod read_method(const TomlTable& t, const ChartRequest& view) {
-    static constexpr std::array<Name, 12> known{"name",        "views",         "depths",  "spp",
-                                                "depth_model", "most_retraced", "trace",   "at_least_db",
-                                                "at_most_db",  "energy_within", "spacing", "warnings"};
+    static constexpr std::array<Name, 11> known{"name",          "views",   "depths",      "spp",
+                                                "depth_model",   "trace",   "at_least_db", "at_most_db",
+                                                "energy_within", "spacing", "warnings"};
     static constexpr std::array<Name, 6> of_lens{"pinhole",    "scatter", "layers",
                                                  "lightfield", "hybrid",  "rays"};
     static constexpr std::array<Name, 4> of_shutter{"convolve", "lightfield", "auto", "rays"};
@@ -56,7 +56,6 @@ AtlasMethod read_method(const TomlTable& t, const ChartRequest& view) {
     out.views = t.integer("views", 1, 4096);
     out.depths = t.integer("depths", 2, 4096);
     out.spp = t.integer("spp", 1, 1 << 20).value_or(out.spp);
-    out.most_retraced = t.number("most_retraced", {.min = 0, .max = 1});
     out.depth_model = static_cast<DepthModel>(t.choice("depth_model", models).value_or(0));
     out.spacing = static_cast<DepthSpacing>(
         t.choice("spacing", spacings).value_or(static_cast<std::size_t>(DepthSpacing::inverse)));

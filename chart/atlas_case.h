@@ -32,8 +32,7 @@ struct AtlasMethod {
     /// picture of the shutter through the lens. Everywhere: rays.
     std::string name;
     std::optional<int> views, depths;
-    int spp = 64;                         ///< of rays
-    std::optional<double> most_retraced;  ///< of hybrid, share of the pixels
+    int spp = 64;  ///< of rays
     DepthModel depth_model = DepthModel::ray_differentials;
     DepthSpacing spacing = DepthSpacing::inverse;
     AtlasTrace trace;

@@ -111,7 +111,6 @@ class Maker {
             s.shutter = view_.shutter;
         }
         if (retraces) s.scene = &scene_;
-        if (method_.most_retraced) s.most_retraced = *method_.most_retraced;
         HybridResult r = hybrid_picture(file, s);
         out_.retraced_share = r.retraced_share;
         take(std::move(r.focus));

@@ -208,13 +208,13 @@ std::string settings_text(const ChartRequest& v) {
 std::string settings_text(const AtlasMethod& m) {
     const AtlasTrace& t = m.trace;
     return fmt::format(
-        "; {} views {} depths {} spp {} retraced {} depth model {} spacing {} trace {} n {} s {} levels {} "
+        "; {} views {} depths {} spp {} depth model {} spacing {} trace {} n {} s {} levels {} "
         "hidden {} "
         "overscan {} keys {} trees {}",
-        m.name, text_of(m.views), text_of(m.depths), m.spp, text_of(m.most_retraced),
-        static_cast<int>(m.depth_model), static_cast<int>(m.spacing), t.for_view, text_of(t.for_f_number),
-        text_of(t.for_focus_m), text_of(t.levels), text_of(t.hidden_layers), text_of(t.overscan_px),
-        text_of(t.keys), text_of(t.max_depth));
+        m.name, text_of(m.views), text_of(m.depths), m.spp, static_cast<int>(m.depth_model),
+        static_cast<int>(m.spacing), t.for_view, text_of(t.for_f_number), text_of(t.for_focus_m),
+        text_of(t.levels), text_of(t.hidden_layers), text_of(t.overscan_px), text_of(t.keys),
+        text_of(t.max_depth));
 }
 
 std::string codes(const std::vector<std::string>& warnings) {

@@ -1,4 +1,4 @@
-// The cheapest method that is right, pixel by pixel; distributed rays where none is.
+// A number of views of a picture; rays where the records do not tell what these see.
 #pragma once
 
 #include <memory>
@@ -27,18 +27,17 @@ struct HybridSettings {
     /// With the scene: FieldViews's, of either half of the views, in place of the usual checks; nothing is
     /// then decided or stated by them. For measurements.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    double most_retraced = 0.1;  ///< share of the pixels
-    /// Share of a pixel's light that may be unknown, and radiance that may be misplaced (W.bend), before it
-    /// is traced again.
+    /// Without the scene: share of a pixel's light that may be unknown, and radiance that may be misplaced
+    /// (W.bend), before the records count as insufficient for it.
     double tolerated = 0.02;
 };
 
 struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
-    /// Of the pixels that were drawn: those of the crop, or, with a scene, of the whole picture, of which the
-    /// worst pixels are traced again, wherever they are.
+    /// Without the scene, of the pixels of the picture or its crop.
     double scattered_share = 0;
     double wanted_share = 0;  ///< that records do not suffice for
+    /// Of the view samples of the picture or its crop.
     double retraced_share = 0;
     RayCounts rays;
     std::optional<StatedError> stated;  ///< with the scene and more than one view
@@ -46,7 +45,7 @@ struct HybridResult {
     std::vector<float> traced;
     std::vector<PixelCheck> checks;
     std::vector<std::uint8_t>
-        what;  ///< by pixel of the whole picture: 0 light field, 1 scattered, 2 traced again
+        what;  ///< by pixel of the whole picture: 0 light field, 1 scattered, 2 mostly rays
 };
 
 /// Throws Error(invalid_input) for a scene that is not the file's own, and what focus_picture and
