@@ -251,8 +251,18 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, Attri
                      "{}: header is damaged (got an attribute of type {} in {} bytes)", file.name(),
                      excerpt(type), bytes);
             }
+            const bool manifest = type == "idmanifest";
             part.add(std::move(name), std::move(type), value);
             name = reader.take_name();
+            // The OpenEXR library (3.1) reads four bytes more than a manifest has: of a longer name it misses
+            // the beginning, of a shorter one it takes what follows for a size.
+            constexpr std::size_t read_over = 4;
+            if (manifest && sizes == AttributeSizes::filled && name.size() <= read_over) {
+                fail(ExitCode::invalid_input,
+                     "{}: cannot read (got an attribute {} behind idManifest; expected a name of {} or more "
+                     "letters)",
+                     file.name(), excerpt(name), read_over + 1);
+            }
         }
         if (!headers.multi_part) {
             headers.end = reader.position();

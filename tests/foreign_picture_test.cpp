@@ -615,6 +615,28 @@ TEST_F(ForeignPictureTest, RefusesChunksOfMoreBytesThanTheFile) {
     }
 }
 
+// The OpenEXR library reads four bytes past a manifest's end.
+TEST(ExrAttribute, NothingShortFollowsAManifest) {
+    const test::TemporaryFolder folder;
+    const auto path = folder.path() / "manifest.exr";
+    const auto with = [&](const std::string& name) {
+        std::string bytes{"\x76\x2f\x31\x01\x02\0\0\0", 8};
+        const auto add = [&](const std::string& key, const std::string& type, const std::string& value) {
+            bytes +=
+                key + '\0' + type + '\0' + static_cast<char>(value.size()) + std::string(3, '\0') + value;
+        };
+        add("idManifest", "idmanifest", "12345678");
+        if (!name.empty()) add(name, "compression", std::string(1, '\0'));
+        std::ofstream(path, std::ios::binary) << bytes + '\0';
+        check_exr_headers(path);
+    };
+    EXPECT_NO_THROW(with("lineOrder"));
+    EXPECT_NO_THROW(with("five5"));
+    EXPECT_THROW(with("four"), Error);
+    EXPECT_THROW(with("n"), Error);
+    EXPECT_THROW(with(""), Error);
+}
+
 TEST(ExrAttribute, FillsItsSize) {
     using B = std::vector<std::uint8_t>;
     EXPECT_TRUE(fills_its_size("int", B(4)));
