@@ -13,9 +13,9 @@
 namespace postlens {
 namespace {
 
-/// Pieces whose views are scrambled independently, across and down; fewer where things move, of which every
-/// view has its own places.
-constexpr int scrambles_across = 8, scrambles_across_moving = 4;
+/// How many scrambles the pieces take turns in; fewer where things move, of which every view has its own
+/// places. Primes: along a row, a column or a diagonal as many pieces follow before one repeats.
+constexpr int scrambles = 61, scrambles_moving = 17, scrambles_down = 23;
 
 /// Moves values of a pixel by a share of the way to others.
 template <typename T>
@@ -54,9 +54,9 @@ HalvedViews::HalvedViews(FocusFrame& frame, const HybridSettings& settings, int 
 }
 
 void HalvedViews::draw(const std::vector<int>& views) {
-    const int across = by_field_.shutter ? scrambles_across_moving : scrambles_across;
-    const auto scramble_of = [across, piece = by_field_.piece_px](int x, int y) {
-        return y / piece % across * across + x / piece % across;
+    const int count = by_field_.shutter ? scrambles_moving : scrambles;
+    const auto scramble_of = [count, piece = by_field_.piece_px](int x, int y) {
+        return (x / piece + scrambles_down * (y / piece)) % count;
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
@@ -66,7 +66,7 @@ void HalvedViews::draw(const std::vector<int>& views) {
             if (span.first < span.second) spans.insert(span);
         }
         for (const auto& [first, end] : spans) {
-            for (int scramble = 0; scramble < across * across; ++scramble) {
+            for (int scramble = 0; scramble < count; ++scramble) {
                 FieldViews set{.count = end - first,
                                .set = first_set_ + 2 * scramble + static_cast<int>(half),
                                .first = first,

@@ -15,7 +15,7 @@ namespace postlens {
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    static constexpr int edge = 4;
+    static constexpr int edge = 2;
     [[nodiscard]] static Use use(int x, int y);
     /// Appends which of so many views of a set, from the `first` of it on, is compared in the pixel, if any
     /// is.

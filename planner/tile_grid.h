@@ -40,9 +40,9 @@ struct TileGrid {
 };
 
 /// The pieces of a picture whose views are spread over the lens independently of their neighbours': small
-/// enough for some hundreds of them, which the noise is told by; px, an even part of a tile.
+/// enough for some thousand of them, which the noise is told by; px, an even part of a tile.
 [[nodiscard]] inline int piece_px(int width, int height) {
-    constexpr int least_pieces = 500, smallest_px = 8;
+    constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;
     while (px > smallest_px && (width + px - 1) / px * ((height + px - 1) / px) < least_pieces) px /= 2;
     return px;

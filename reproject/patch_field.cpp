@@ -190,12 +190,12 @@ class Field {
     void draw_set(std::size_t number, TilePlace at, Workplace& w, PatchPicture& out) const {
         const PatchViews& set = field_.sets[number];
         const int x0 = at.x - field_.x, y0 = at.y - field_.y;
-        w.sum.fill({});
-        w.traced.uses.fill(0);
-        if (set.rays != nullptr) w.traced.sum.fill({});
+        fill_pixels(at, w.sum, {});
+        fill_pixels(at, w.traced.uses, 0);
+        if (set.rays != nullptr) fill_pixels(at, w.traced.sum, {});
         w.traced.whole_tile = set.left_to_rays && set.left_to_rays(x0, y0);
         if (set.checked) begin_checks(set, at, w.checked);
-        if (trees_) w.trees.begin(w.paths);
+        if (trees_) w.trees.begin(w.paths, at);
         if (marked()) mark_recorded(at, w);
         const bool lights = set.lights != nullptr && set.lights->reach(x0, y0, at.width, at.height);
         if (lights) {
@@ -213,7 +213,11 @@ class Field {
             draw_view(set, i, lights, at, w);
         }
         if (lights) {
-            w.light.assign(Lights::values * SeenTile::pixels, 0);
+            w.light.resize(Lights::values * SeenTile::pixels);
+            for (int y = 0; y < at.height; ++y)
+                std::fill_n(
+                    w.light.begin() + y * static_cast<std::ptrdiff_t>(Lights::values * SeenTile::edge),
+                    Lights::values * static_cast<std::size_t>(at.width), 0);
             set.lights->add(w.views, w.light);
         }
         if (set.rays != nullptr) trace(set, w.traced);
@@ -243,7 +247,8 @@ class Field {
     void begin_checks(const PatchViews& set, const TilePlace& at, Workplace::Checked& c) const {
         c.pixels.resize(set.views.size());
         for (auto& of_view : c.pixels) of_view.clear();
-        c.sums.assign(SeenTile::pixels, {});
+        c.sums.resize(SeenTile::pixels);
+        fill_pixels(at, c.sums, {});
         for (int y = 0; y < at.height; ++y) {
             for (int x = 0; x < at.width; ++x) {
                 c.views.clear();
@@ -366,7 +371,7 @@ class Field {
 
     /// Pixels in which an instant shows something that moves: their recorded colours are not what views see.
     void mark_recorded(const TilePlace& at, Workplace& w) const {
-        w.touched.fill(0);
+        fill_pixels(at, w.touched, 0);
         for (std::size_t i = 0; i < w.primary.size(); ++i) {
             const PatchMesh& mesh = w.primary[i].mesh;
             for (const Patch& p : mesh.patches) {
@@ -501,7 +506,7 @@ class Field {
     void draw_primary(const PatchView& v, const PatchView::Use& use, const TilePlace& at,
                       const TilePatches& patches, SeenTile& seen) const {
         const ViewReach reach(v.lens, at);
-        seen.clear();
+        seen.clear(at);
         PatchPlace place;
         const PatchMesh& mesh = patches.mesh;
         const Motions motions(use, patches);
@@ -544,13 +549,16 @@ class Field {
             if (drawn)
                 draw_primary(v, v.uses[u], at, w.primary[v.uses[u].instant], w.seen[u]);
             else
-                w.seen[u].clear();
+                w.seen[u].clear(at);
         }
         if (marked()) mark_seen(v, at, w);
         if (lights) {
             const auto to = static_cast<std::ptrdiff_t>(view * TileViews::view);
-            std::copy_n(w.seen[0].inverse_z.begin(), TileViews::view, w.views.inverse_z.begin() + to);
-            std::copy_n(w.seen[0].texel.begin(), TileViews::view, w.views.texel.begin() + to);
+            for (std::ptrdiff_t row = 0; row < at.height * SeenTile::edge; row += SeenTile::edge) {
+                std::copy_n(w.seen[0].inverse_z.begin() + row, at.width,
+                            w.views.inverse_z.begin() + to + row);
+                std::copy_n(w.seen[0].texel.begin() + row, at.width, w.views.texel.begin() + to + row);
+            }
         }
         const bool rays = set.rays != nullptr;
         if (rays) {

@@ -241,11 +241,11 @@ void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& pla
     if (run) draw_rows(*run, seen_in(out));
 }
 
-TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen) {
+TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at) {
     PartOfPixels found;
-    for (int y = 0; y < SeenTile::edge; ++y) {
+    for (int y = 0; y < at.height; ++y) {
         const std::uint32_t* texel = seen.texel.data() + static_cast<std::size_t>(y) * SeenTile::edge;
-        for (int x = 0; x < SeenTile::edge; ++x) {
+        for (int x = 0; x < at.width; ++x) {
             if (texel[x] != SeenTile::no_texel && mesh.drawn_children(texel[x]) != 0) found.add(x, y);
         }
     }

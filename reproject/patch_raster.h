@@ -10,6 +10,8 @@
 
 namespace postlens {
 
+struct TilePlace;
+
 /// What one view sees in a square of pixels.
 struct SeenTile {
     static constexpr int edge = 64;  ///< px
@@ -33,6 +35,8 @@ struct SeenTile {
         texel.fill(no_texel);
         maybe_inverse_z.fill(nothing);
     }
+    /// Of the pixels in use alone.
+    void clear(const TilePlace& at);
     /// Whether something that the records do not decide may hide what is seen.
     [[nodiscard]] bool may_be_hidden(std::size_t pixel) const {
         return maybe_inverse_z[pixel] > inverse_z[pixel];
@@ -45,6 +49,18 @@ struct TilePlace {
     int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
     glm::dvec2 sample{0.5};                               ///< px
 };
+
+/// Sets values of a tile's pixels, row by row of SeenTile::edge: of those in use.
+template <typename Values>
+void fill_pixels(const TilePlace& at, Values& values, const typename Values::value_type& value) {
+    for (int y = 0; y < at.height; ++y) std::fill_n(values.begin() + y * SeenTile::edge, at.width, value);
+}
+
+inline void SeenTile::clear(const TilePlace& at) {
+    fill_pixels(at, inverse_z, nothing);
+    fill_pixels(at, texel, no_texel);
+    fill_pixels(at, maybe_inverse_z, nothing);
+}
 
 /// Pixels [x_begin, x_end) x [y_begin, y_end) of a tile.
 struct TilePart {
@@ -102,7 +118,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
 /// The part of a tile where what is seen has children that are to be drawn.
-[[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen);
+[[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
 /// The same of what is seen in a mirror or glass, only where it is wanted, in the sheet's parent. Turned over
 /// or not; but not where it is torn apart, a pixel to more than `largest_torn_px`. In gaps only what is

@@ -13,7 +13,8 @@ constexpr double enough_known = 0.25;
 
 }  // namespace
 
-void TreeSums::begin(std::vector<NodePath> paths) {
+void TreeSums::begin(std::vector<NodePath> paths, const TilePlace& at) {
+    at_ = at;
     std::sort(paths.begin(), paths.end(), [](NodePath a, NodePath b) { return a.bits() < b.bits(); });
     paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
     for (Chain& c : chains_) spare_.push_back(std::move(c));
@@ -38,7 +39,8 @@ void TreeSums::begin(std::vector<NodePath> paths) {
         c.bounce = child_bit(path.kind());
         c.part = {};
         c.children = {no_chain, no_chain};
-        c.sums.assign(SeenTile::pixels, {});
+        c.sums.resize(SeenTile::pixels);
+        fill_pixels(at, c.sums, {});
         c.brightest = 0;
         c.any_wanted = c.any_seen = false;
         chains_.push_back(std::move(c));
@@ -53,7 +55,7 @@ void TreeSums::begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_
     deeper_mesh_ = deeper_mesh;
     primary_ = &primary;
     for (Chain& c : chains_) c.part = {};
-    if (deeper_mesh != nullptr) primary_part_ = find_parents(primary_mesh, primary);
+    if (deeper_mesh != nullptr) primary_part_ = find_parents(primary_mesh, primary, at_);
 }
 
 std::uint32_t TreeSums::number_of(NodePath path) const {

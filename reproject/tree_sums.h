@@ -19,8 +19,8 @@ namespace postlens {
 /// object is therefore also drawn where the part before it is wanted, but missing.
 class TreeSums {
   public:
-    /// `paths`: the chains that may occur, in any order, also several times.
-    void begin(std::vector<NodePath> paths);
+    /// `paths`: the chains that may occur, in any order, also several times. `at` has the pixels in use.
+    void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
     /// Before what is seen in `primary`, which a use shows, is drawn. Both must stay while it is added.
@@ -87,6 +87,7 @@ class TreeSums {
     std::vector<Chain> spare_;            ///< memory of earlier tiles
     const PatchMesh *primary_mesh_ = nullptr, *deeper_mesh_ = nullptr;
     const SeenTile* primary_ = nullptr;
+    TilePlace at_;
     TilePart primary_part_;  ///< where something is seen in what it shows
 };
 

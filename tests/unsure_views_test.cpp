@@ -113,9 +113,9 @@ TEST(UnsureViews, ChecksTellTheDifferenceToRays) {
     r.focus_m = c.focus_m;
     const RenderSetup setup(scene, r);
     const SceneRays rays(setup, {}, views);
-    // Pieces of 8 px, eight across and down, have scrambles of their own.
-    ASSERT_EQ(piece_px(96, 54), 8);
-    std::array<std::vector<SightLine>, 64> ways;
+    // Pieces of 4 px take turns in 61 scrambles.
+    ASSERT_EQ(piece_px(96, 54), 4);
+    std::array<std::vector<SightLine>, 61> ways;
     for (std::uint32_t scramble = 0; scramble < ways.size(); ++scramble) {
         for (std::uint32_t set = 2 * scramble; set < 2 * scramble + 2; ++set) {
             const auto points = lens_view_points(Aperture(Impulse{}), *checked.focus.geometry, views / 2,
@@ -128,7 +128,7 @@ TEST(UnsureViews, ChecksTellTheDifferenceToRays) {
     double found = 0;
     for (int y = 0; y < 54; ++y) {
         for (int x = 0; x < 96; ++x) {
-            std::vector<SightLine> lines = ways[static_cast<std::size_t>(y / 8 % 8 * 8 + x / 8 % 8)];
+            std::vector<SightLine> lines = ways[static_cast<std::size_t>((x / 4 + 23 * (y / 4)) % 61)];
             for (SightLine& line : lines) {
                 line.x = x;
                 line.y = y;
