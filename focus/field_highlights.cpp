@@ -406,7 +406,7 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);
-    std::vector<std::pair<const Patch*, PatchPlace>> before;
+    std::vector<PlacedPatch> before, placed;
     const auto find_before = [&](const glm::dvec2& from_middle_px) {
         before.clear();
         const PointRays rays{s.at + from_middle_px + glm::dvec2(of_.window_.x_begin, of_.window_.y_begin),
@@ -415,12 +415,16 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         for (const Patch& patch : patches.patches) {
             // Sorted by depth, but at their corners: of those that follow some may still be nearer.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
-            PatchPlace at;
-            if (!place_patch(patches, patch, rays, at)) continue;
-            const RasterRect r = covered(patch, at);
-            const double x = of_.window_.x_begin + part.x0, y = of_.window_.y_begin + part.y0;
-            if (r.x_max + 1 >= x && r.x_min - 1 <= x + width && r.y_max + 1 >= y && r.y_min - 1 <= y + height)
-                before.emplace_back(&patch, at);
+            placed.clear();
+            const auto z = static_cast<double>(s.inverse_z);
+            place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, placed);
+            for (const PlacedPatch& p : placed) {
+                const RasterRect r = covered(p.patch, p.place);
+                const double x = of_.window_.x_begin + part.x0, y = of_.window_.y_begin + part.y0;
+                if (r.x_max + 1 >= x && r.x_min - 1 <= x + width && r.y_max + 1 >= y &&
+                    r.y_min - 1 <= y + height)
+                    before.push_back(p);
+            }
         }
     };
     find_before({0, 0});
@@ -428,8 +432,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     // sample is of one of four places that spread about the middle as the lights do.
     double shadow_px = 0;  // by which the shadow moves with its light
     const double s_per_m = of_.geometry_.inverse_focus_per_m;
-    for (const auto& [patch, at] : before) {
-        const auto of_patch = static_cast<double>(patches.sheet(*patch).inverse_z_max);
+    for (const PlacedPatch& p : before) {
+        const auto of_patch = static_cast<double>(patches.sheet(p.patch).inverse_z_max);
         shadow_px = std::max(shadow_px,
                              std::abs((of_patch - s_per_m) / (of_patch - static_cast<double>(s.inverse_z))));
     }
@@ -440,8 +444,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
             of_.window_.x_begin + part.x0, of_.window_.y_begin + part.y0, width, height,
             glm::fract(turn + (samples == 1 ? glm::dvec2(0.5) : drawn_samples[static_cast<std::size_t>(n)]))};
         if (apart) find_before(spread_places[static_cast<std::size_t>(n)] * g.spread_px);
-        seen.clear();
-        for (const auto& [patch, at] : before) draw_patch(patches, *patch, at, place, seen);
+        seen.clear(place);
+        for (const PlacedPatch& p : before) draw_patch(patches, p.patch, p.place, place, seen);
         for (int y = 0; y < height; ++y) {
             for (int x = 0; x < width; ++x) {
                 const std::size_t k =

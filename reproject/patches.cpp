@@ -297,25 +297,81 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
     return true;
 }
 
+namespace {
+
+/// 1/z' of a part of a patch, around the part's corner.
+glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& part) {
+    const CellPlane& plane = mesh.planes[whole.first_plane];
+    const glm::dvec2 slope(plane.x, plane.y);
+    return {
+        static_cast<double>(plane.value) + glm::dot(slope, glm::dvec2(part.x - whole.x, part.y - whole.y)),
+        slope.x, slope.y};
+}
+
 // At pixel p the lens's point is q = L (p - at), which shows there what lies at x with x + (s - w) q = p:
 // x - at = C (p - at), C = I - (s - w) L, where the depth w changes with x.
-bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, PatchPlace& out) {
+bool place_part(const PatchMesh& mesh, const Patch& part, const glm::dvec3& inverse_z, const PointRays& rays,
+                PatchPlace& out) {
     constexpr double least_determinant = 1e-9;
-    const CellPlane& plane = mesh.planes[patch.first_plane];
-    out.inverse_z = {static_cast<double>(plane.value), static_cast<double>(plane.x),
-                     static_cast<double>(plane.y)};
-    const glm::dvec2 half(patch.width / 2.0, patch.height / 2.0), slope(out.inverse_z.y, out.inverse_z.z);
-    const double w = out.inverse_z.x + glm::dot(slope, half);
+    out.inverse_z = inverse_z;
+    const glm::dvec2 half(part.width / 2.0, part.height / 2.0), slope(inverse_z.y, inverse_z.z);
+    const double w = inverse_z.x + glm::dot(slope, half);
     const glm::dmat2 c = glm::dmat2(1) - (rays.inverse_focus_per_m - w) * rays.lens_px_per_px;
     if (!(std::abs(glm::determinant(c)) > least_determinant)) return false;
     const glm::dmat2 back = glm::inverse(c);
-    const glm::dvec2 middle = back * (mesh.corner(patch) + half - rays.at);
+    const glm::dvec2 middle = back * (mesh.corner(part) + half - rays.at);
     const glm::dvec2 by_depth = back * (rays.lens_px_per_px * middle);
     out.move[0] = back[0] - slope.x * by_depth;
     out.move[1] = back[1] - slope.y * by_depth;
     out.from = rays.at + middle - out.move * half;
-    out.inverse_z.x -= static_cast<double>(patch.back_per_m);
+    out.inverse_z.x -= static_cast<double>(part.back_per_m);
     return true;
+}
+
+struct Nearer {
+    const PatchMesh& mesh;
+    const Patch& whole;
+    const PointRays& rays;
+    double light_per_m, nearest_per_m;
+    std::vector<PlacedPatch>& out;
+
+    void add(const Patch& part) const {
+        const glm::dvec3 z = inverse_z_of(mesh, whole, part);
+        const double across = part.width * z.y, down = part.height * z.z,
+                     low = z.x + std::min(across, 0.0) + std::min(down, 0.0),
+                     high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
+        if (high <= nearest_per_m) return;
+        const bool is_cell = part.width == 1 && part.height == 1;
+        if (is_cell || high - light_per_m <= 2 * (low - light_per_m)) {
+            PlacedPatch placed{part, {}};
+            if ((low + high) / 2 > nearest_per_m && place_part(mesh, part, z, rays, placed.place))
+                out.push_back(placed);
+            return;
+        }
+        Patch first = part, second = part;
+        if (part.height == 1 || (part.width > 1 && std::abs(across) >= std::abs(down))) {
+            first.width = static_cast<std::uint8_t>(part.width / 2);
+            second.x = static_cast<std::uint8_t>(part.x + first.width);
+            second.width = static_cast<std::uint8_t>(part.width - first.width);
+        } else {
+            first.height = static_cast<std::uint8_t>(part.height / 2);
+            second.y = static_cast<std::uint8_t>(part.y + first.height);
+            second.height = static_cast<std::uint8_t>(part.height - first.height);
+        }
+        add(first);
+        add(second);
+    }
+};
+
+}  // namespace
+
+bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, PatchPlace& out) {
+    return place_part(mesh, patch, inverse_z_of(mesh, patch, patch), rays, out);
+}
+
+void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
+                  double nearest_per_m, std::vector<PlacedPatch>& out) {
+    Nearer{mesh, patch, rays, light_per_m, nearest_per_m, out}.add(patch);
 }
 
 RasterRect covered(const Patch& patch, const PatchPlace& place) {

@@ -138,6 +138,15 @@ struct PointRays {
 /// around the patch's middle. False where it has no such place.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
+struct PlacedPatch {
+    Patch patch;
+    PatchPlace place;
+};
+/// Appends what a patch has nearer than `nearest_per_m`, where the light is at `light_per_m` or farther, both
+/// as 1/z': in parts that are small enough for the first order, which fails near the light's own depth. No
+/// part is at one corner more than twice as far before the light as at another, but single cells.
+void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
+                  double nearest_per_m, std::vector<PlacedPatch>& out);
 
 /// The rectangle that it then covers, raster px.
 [[nodiscard]] RasterRect covered(const Patch& patch, const PatchPlace& place);

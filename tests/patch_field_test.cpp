@@ -336,6 +336,61 @@ TEST(Patches, LieWhereTheEyesOfAPointsRaysSeeThem) {
     EXPECT_GT(placed, 50);
 }
 
+// A surface that goes through the light's own depth would lie everywhere at once there.
+TEST(Patches, AreCutWhereTheyComeCloseToTheLight) {
+    constexpr double light = 0.4, nearest = 0.41;
+    const MadeSheets f({.levels = 1}, [](Record& r) {
+        r.id = 5;
+        r.z = 1 / (0.2F + 0.015F * r.x + 0.005F * r.y);
+    });
+    const PatchMesh mesh = cut_patches(f.sheets.primary, {20, 0.9});
+    // x - at = (I - (0.9 - w) L) (p - at) = 2 (w - 0.4) (p - at).
+    const PointRays rays{{3.3, 1.8}, glm::dmat2(2), 0.9};
+    std::size_t parts = 0, cells = 0, nearer = 0;
+    for (const Patch& patch : mesh.patches) {
+        std::vector<PlacedPatch> placed;
+        place_nearer(mesh, patch, rays, light, nearest, placed);
+        const CellPlane& plane = mesh.planes[patch.first_plane];
+        const auto w = [&](double x, double y) {
+            return static_cast<double>(plane.value) + static_cast<double>(plane.x) * (x - patch.x) +
+                   static_cast<double>(plane.y) * (y - patch.y);
+        };
+        std::map<std::pair<int, int>, int> found;
+        for (const auto& [part, place] : placed) {
+            const double low = w(part.x, part.y), high = w(part.x + part.width, part.y + part.height),
+                         x = part.x + part.width / 2.0, y = part.y + part.height / 2.0;
+            if (part.width > 1 || part.height > 1) {
+                EXPECT_LE(high - light, 2.000001 * (low - light));
+            }
+            EXPECT_GT(w(x, y), nearest);
+            const glm::dvec2 at = mesh.corner(patch) + glm::dvec2(x - patch.x, y - patch.y),
+                             exact = rays.at + (at - rays.at) / (2 * (w(x, y) - light)),
+                             got = place.from + place.move * glm::dvec2(part.width / 2.0, part.height / 2.0);
+            EXPECT_LT(glm::length(got - exact), 1e-6 * (1 + glm::length(exact)));
+            for (int j = part.y; j < part.y + part.height; ++j) {
+                for (int i = part.x; i < part.x + part.width; ++i) ++found[{i, j}];
+            }
+        }
+        for (int j = patch.y; j < patch.y + patch.height; ++j) {
+            for (int i = patch.x; i < patch.x + patch.width; ++i) {
+                ++cells;
+                const bool is_nearer = w(i + 0.5, j + 0.5) > nearest;
+                nearer += is_nearer ? 1 : 0;
+                if (is_nearer) {
+                    EXPECT_EQ(found[std::pair(i, j)], 1);
+                }
+                if (w(i + 1, j + 1) <= nearest) {
+                    EXPECT_EQ(found[std::pair(i, j)], 0);
+                }
+            }
+        }
+        parts += placed.size();
+    }
+    EXPECT_GT(nearer, cells / 8);
+    EXPECT_LT(nearer, cells * 7 / 8);
+    EXPECT_LT(parts, nearer / 2);
+}
+
 // A plane of 1/z' moves as the lens says, exactly: no patch needs to be smaller than its square.
 TEST(Patches, APlaneIsCutNoFurtherThanSquares) {
     const MadeSheets f({.levels = 1}, [](Record& r) {

@@ -1,5 +1,7 @@
 // Rays where the records are not sure what a view sees: as right as a ray for every view, at few rays.
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <string>
 
@@ -7,6 +9,7 @@
 #include "planner/hybrid.h"
 #include "planner/tile_grid.h"
 #include "tests/motion_frame.h"
+#include "tests/temporary_folder.h"
 #include "tracer/render.h"
 #include "tracer/render_setup.h"
 #include "tracer/scene_rays.h"
@@ -88,6 +91,67 @@ INSTANTIATE_TEST_SUITE_P(Scenes, UnsureViews,
                              return p.param.scene.substr(0, p.param.scene.find('.')) + "_" +
                                     std::to_string(std::lround(10 * p.param.f_number));
                          });
+
+// A rectangle brighter than white before a cone that comes through its depth; the rectangle has a lobe, whose
+// mean a record has in its own light, where rays go on. What is above white is spread by itself, once.
+TEST(UnsureViews, LightAboveWhiteIsCountedOnce) {
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.path() / "bright.toml";
+    std::ofstream(path) << R"(
+[scene]
+background = [0.48, 0.36, 0.25]
+[[camera]]
+focal_length_mm = 50
+[[light]]
+kind = "directional"
+intensity = [0.983, 1.013, 0.927]
+direction = [0.0024, -0.478, -0.86]
+[[light]]
+kind = "directional"
+intensity = [0.518, 0.365, 0.544]
+direction = [0.117, -0.387, -0.671]
+[[material]]
+name = "bright"
+colour = [0.939, 0.986, 0.534]
+reflection = 0.213
+reflection_exponent = 30
+[[object]]
+material = "bright"
+shape = "rectangle"
+corner_m = [0.3285, -0.1346, -1.2178]
+edge_u_m = [0.131224, 0.00816861, -0.0651629]
+edge_v_m = [-0.0238423, 0.131224, 0.00256993]
+[[material]]
+name = "cone"
+colour = [0.893, 0.689, 0.959]
+[[object]]
+material = "cone"
+shape = "cone"
+base_m = [0.36468, -0.000282753, -1.27245]
+apex_m = [0.0261869, 0.0502991, -1.5584]
+base_radius_m = 0.0891971
+)";
+    Scene scene = read_scene(path);
+    scene.cameras[0].width = 240;
+    scene.cameras[0].height = 136;
+    const Case c{"", 2, 5.7};
+    const TracedFrame frame(scene, traced_for(c));
+    const double focal_length_mm = frame.file().header().focal_length_mm;
+    const Image truth = rendered(scene, c, focal_length_mm, 256, 9);
+    HybridSettings s = hybrid_of(c, focal_length_mm, 64);
+    for (const bool with_rays : {false, true}) {
+        s.scene = with_rays ? &scene : nullptr;
+        const Image got = hybrid_picture(frame.file(), s).focus.image;
+        int bright = 0;
+        for (std::size_t k = 0; k < truth.rgb.size(); k += 3) {
+            // Inside the rectangle, where all views see it, but two of 64 at its border.
+            if (truth.rgb[k] < 1.0795F) continue;
+            ++bright;
+            EXPECT_NEAR(got.rgb[k], truth.rgb[k], 2 * 0.6F / 64) << k << " " << with_rays;
+        }
+        EXPECT_GT(bright, 100);
+    }
+}
 
 // What is compared changes nothing, and what it finds is the difference to a ray for every view.
 TEST(UnsureViews, ChecksTellTheDifferenceToRays) {

@@ -18,17 +18,18 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        if (sampled &&
-            (m.diffuse != glm::dvec3(0) || m.has_highlight() || m.diffuse_transmission != glm::dvec3(0)))
-            lit_.insert(o.id);
-        if ((m.reflects() && std::isfinite(m.reflection_exponent)) ||
-            (m.transmission != glm::dvec3(0) && std::isfinite(m.transmission_exponent)))
-            steady_mirrors_ = false;
+        const bool answers =
+            m.diffuse != glm::dvec3(0) || m.has_highlight() || m.diffuse_transmission != glm::dvec3(0);
+        // Rays go on from a lobe one way each, where a record has its mean.
+        const bool has_lobes = (m.reflects() && std::isfinite(m.reflection_exponent)) ||
+                               (m.transmission != glm::dvec3(0) && std::isfinite(m.transmission_exponent));
+        if (has_lobes || (sampled && answers)) unsteady_.insert(o.id);
+        if (has_lobes) steady_mirrors_ = false;
     }
 }
 
 bool SceneRays::steady(NodePath path, std::uint32_t id) const {
-    return (path.bits() == 0 || steady_mirrors_) && !lit_.contains(id);
+    return (path.bits() == 0 || steady_mirrors_) && !unsteady_.contains(id);
 }
 
 void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& less,

@@ -26,8 +26,8 @@ class SceneRays : public SightRays {
     const RenderSetup& setup_;
     Sampler sampler_;
     DistributedTracer tracer_;
-    bool steady_mirrors_ = true;             ///< no lobe of any material spreads what it shows
-    std::unordered_set<std::uint32_t> lit_;  ///< ids of what is lit by lights that are sampled
+    bool steady_mirrors_ = true;                  ///< no lobe of any material spreads what it shows
+    std::unordered_set<std::uint32_t> unsteady_;  ///< ids of surfaces that sample lights or lobes of theirs
     mutable std::mutex mutex_;
     mutable RayCounts counts_;
 };
