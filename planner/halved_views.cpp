@@ -81,9 +81,10 @@ void HalvedViews::draw(const std::vector<int>& views) {
                     set.left_to_rays = [this](int x, int y) { return left_[grid_.at(x, y)] != 0; };
                     set.checked = checked_;
                     if (!checked_) {
-                        set.checked = [half, first = first, count = end - first](
+                        set.checked = [half, first = first, count = end - first,
+                                       pixels = CheckedPixels(grid_.width, grid_.height)](
                                           int x, int y, std::vector<std::uint32_t>& some) {
-                            CheckedPixels::views(x, y, static_cast<int>(half), first, count, some);
+                            pixels.views(x, y, static_cast<int>(half), first, count, some);
                         };
                     }
                 }
@@ -114,8 +115,10 @@ void HalvedViews::take(FieldFocus&& drawn, std::size_t half, const std::vector<i
             if (to.checks.empty()) continue;
             PixelCheck& check = to.checks[k];
             const PixelCheck& more = drawn.checks[k];
-            for (std::size_t c = 0; c < 3; ++c) check.sum[c] += share * (more.sum[c] - check.sum[c]);
-            check.views += more.views;
+            const std::uint32_t both = check.views + more.views;
+            for (std::size_t c = 0; c < 3; ++c)
+                check.sum[c] = both * (check.mean(c) + share * (more.mean(c) - check.mean(c)));
+            check.views = both;
             check.rays += more.rays;
         }
     }

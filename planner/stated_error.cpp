@@ -43,7 +43,7 @@ double bias_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
         const std::size_t k = 3 * pixel + c;
         const double s =
             slope((static_cast<double>(a.image.rgb[k]) + static_cast<double>(b.image.rgb[k])) / 2);
-        sum += s * s * a.checks[pixel].sum[c] * b.checks[pixel].sum[c];
+        sum += s * s * a.checks[pixel].mean(c) * b.checks[pixel].mean(c);
     }
     return sum / 3;
 }
@@ -64,21 +64,32 @@ struct Mean {
 
 }  // namespace
 
-CheckedPixels::Use CheckedPixels::use(int x, int y) {
-    const auto bx = static_cast<std::uint64_t>(x / edge), by = static_cast<std::uint64_t>(y / edge);
-    const auto place = static_cast<std::uint64_t>(y % edge) * edge + static_cast<std::uint64_t>(x % edge);
-    constexpr std::uint64_t pixels = edge * edge;
+CheckedPixels::CheckedPixels(int width, int height) {
+    // Products of residuals scatter widely: it takes some thousand of them to tell what they have in common.
+    constexpr int enough_pixels = 8000, sparse = 4, dense = 2;
+    edge_ = width * height / (sparse * sparse) >= enough_pixels ? sparse : dense;
+}
+
+CheckedPixels::Use CheckedPixels::use(int x, int y) const {
+    const auto bx = static_cast<std::uint64_t>(x / edge_), by = static_cast<std::uint64_t>(y / edge_);
+    const auto edge = static_cast<std::uint64_t>(edge_), pixels = edge * edge,
+               place = static_cast<std::uint64_t>(y) % edge * edge + static_cast<std::uint64_t>(x) % edge;
     const std::uint64_t h = hash_of(bx, by, 1), stating = h % pixels,
                         deciding = (stating + 1 + (h >> 32U) % (pixels - 1)) % pixels;
     return place == stating ? Use::stating : place == deciding ? Use::deciding : Use::none;
 }
 
-void CheckedPixels::views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) {
+void CheckedPixels::views(int x, int y, int set, int first, int count,
+                          std::vector<std::uint32_t>& out) const {
     if (use(x, y) == Use::none) return;
     const std::uint64_t h =
         hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
                 2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
-    out.push_back(static_cast<std::uint32_t>(h % static_cast<std::uint64_t>(count)));
+    // Two: twice the rays divide the variance of a product of means of noise by four, that of as many more
+    // pixels by two.
+    const auto views = static_cast<std::uint64_t>(count);
+    out.push_back(static_cast<std::uint32_t>(h % views));
+    if (views > 1) out.push_back(static_cast<std::uint32_t>((h + 1 + (h >> 32U) % (views - 1)) % views));
 }
 
 double StatedError::db() const {
@@ -94,6 +105,7 @@ double StatedError::high_db() const {
 StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::optional<Crop>& crop,
                          CheckedPixels::Use checks) {
     const int width = a.image.width, height = a.image.height, piece = piece_px(width, height);
+    const CheckedPixels checked(width, height);
     Mean bias;
     double noise_sum = 0, noise_squares = 0, pixels = 0;
     StatedError out;
@@ -107,9 +119,9 @@ StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::op
                                    static_cast<std::size_t>(x);
                     sum += noise_at(a, b, k);
                     ++pixels;
-                    if (a.checks.empty() || CheckedPixels::use(x, y) == CheckedPixels::Use::none) continue;
+                    if (a.checks.empty() || checked.use(x, y) == CheckedPixels::Use::none) continue;
                     out.check_rays += a.checks[k].rays + b.checks[k].rays;
-                    if (CheckedPixels::use(x, y) == checks) bias.add(bias_at(a, b, k));
+                    if (checked.use(x, y) == checks) bias.add(bias_at(a, b, k));
                 }
             }
             noise_sum += sum;
@@ -135,6 +147,7 @@ StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::op
 
 std::vector<TileError> tile_errors(const FieldFocus& a, const FieldFocus& b) {
     const TileGrid grid{a.image.width, a.image.height};
+    const CheckedPixels checked(grid.width, grid.height);
     std::vector<Mean> noise(grid.count()), bias(grid.count());
     for (int y = 0; y < a.image.height; ++y) {
         for (int x = 0; x < a.image.width; ++x) {
@@ -142,7 +155,7 @@ std::vector<TileError> tile_errors(const FieldFocus& a, const FieldFocus& b) {
                            static_cast<std::size_t>(x);
             const std::size_t tile = grid.at(x, y);
             noise[tile].add(noise_at(a, b, k));
-            if (!a.checks.empty() && CheckedPixels::use(x, y) == CheckedPixels::Use::deciding)
+            if (!a.checks.empty() && checked.use(x, y) == CheckedPixels::Use::deciding)
                 bias[tile].add(bias_at(a, b, k));
         }
     }

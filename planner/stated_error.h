@@ -10,16 +10,19 @@
 
 namespace postlens {
 
-/// Which views of a pixel are compared with rays. A pixel in each block of edge x edge has one view of each
-/// set, picked at random, for the statement; another one, for deciding what is traced altogether.
+/// Which views of which pixels are compared with rays. A pixel in each block of edge x edge has some views of
+/// each set, picked at random, for the statement; another one, for deciding what is traced altogether.
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    static constexpr int edge = 2;
-    [[nodiscard]] static Use use(int x, int y);
-    /// Appends which of so many views of a set, from the `first` of it on, is compared in the pixel, if any
-    /// is.
-    static void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out);
+    /// Of a picture, px: small ones are checked more densely.
+    CheckedPixels(int width, int height);
+    [[nodiscard]] Use use(int x, int y) const;
+    /// Appends which of so many views of a set, from the `first` of it on, are compared in the pixel.
+    void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
+
+  private:
+    int edge_;
 };
 
 /// Squared errors of encoded values, clamped to [0, 1], mean of pixels and channels.
@@ -37,7 +40,7 @@ struct StatedError {
 /// Of the mean of two pictures whose views are independent sets, of as many views, each with its checks.
 ///
 /// The squared difference of the halves, over four, has the mean square of the noise of their mean as its
-/// expectation. Of the two residuals of a checked pixel, one of each set, the product has the square of
+/// expectation. Of the two mean residuals of a checked pixel, one of each set, the product has the square of
 /// what both have in common: neither noise of views nor of rays adds to it. Both are taken to encoded values,
 /// the residuals by the slope of the curve at the picture's value. The interval is normal in the logarithm;
 /// its variance that of the halves and once more for the picture, as if a piece's pixels (piece_px) erred

@@ -114,6 +114,7 @@ class Lights {
 struct PixelCheck {
     std::uint32_t views = 0, rays = 0;
     std::array<double, 3> sum{};  ///< radiance
+    [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
 };
 
 struct PatchPicture {
