@@ -132,6 +132,54 @@ TEST(SmallThings, AHairOfAFifthOfAPixelCoversWhatItShould) {
     }
 }
 
+// Away from the middle of the film it is the line of sight that counts, not the camera's axis.
+TEST(SmallThings, ADiscSeenFromItsEdgeCoversWhatItShould) {
+    SceneBuilder b;
+    const dvec3 centre = point_at({52.3, 37.8}), sight = glm::normalize(centre),
+                beside = glm::normalize(glm::cross(sight, dvec3(0.3, 1, 0))),
+                normal = glm::normalize(beside + 0.01 * sight), u = glm::normalize(glm::cross(normal, sight)),
+                v = glm::cross(normal, u);
+    const double radius = 8 * pixel_m;
+    b.add(Disc{centre, normal, radius}, glowing(dvec3(1)));
+    const CameraModel camera(b.scene.cameras[0], b.scene.time_s);
+    double area = 0;
+    constexpr int corners = 1000;
+    const auto corner = [&](int i) {
+        const double angle = 2 * std::numbers::pi * i / corners;
+        return camera.place(centre + radius * (std::cos(angle) * u + std::sin(angle) * v)).value();
+    };
+    for (int i = 0; i < corners; ++i) {
+        const auto p = corner(i), q = corner(i + 1);
+        area += (p.x * q.y - p.y * q.x) / 2;
+    }
+    area = std::abs(area);
+    EXPECT_NEAR(area, std::numbers::pi * 8 * 0.08, 0.3);
+    const Sampled s = sample(b.scene, things_of(b.scene));
+    EXPECT_NEAR(sum(s.light) / area, 1, 0.03);
+}
+
+TEST(SmallThings, AConeIsFoundToItsTip) {
+    SceneBuilder b;
+    const dvec2 base(-4, 41.2), apex(60.2, 7.7);
+    b.add(Cone{point_at(base), point_at(apex), 0.7 * pixel_m, 0}, glowing(dvec3(1)));
+    const Sampled s = sample(b.scene, things_of(b.scene));
+    const dvec2 along = apex - base;
+    // Of the last 16 columns before its tip.
+    double light = 0;
+    for (std::size_t x = 44; x < 60; ++x) {
+        double column = 0;
+        for (std::size_t y = 0; y < height; ++y) column += s.light[y * width + x];
+        light += column;
+        const double wide =
+            1.4 * (apex.x - (static_cast<double>(x) + 0.5)) / along.x * glm::length(along) / along.x;
+        EXPECT_GT(column, wide / 2) << x;
+    }
+    const auto of_triangle = [&](double length) {
+        return 0.7 * length * length / along.x * glm::length(along) / along.x;
+    };
+    EXPECT_NEAR(light / (of_triangle(apex.x - 44) - of_triangle(apex.x - 60)), 1, 0.05);
+}
+
 TEST(SmallThings, WhatStandsBehindAWallCostsNothing) {
     SceneBuilder b;
     b.add(square(point_at({32, 24}) + dvec3(0, 0, 2), {0, 0, 1}, 100), matte(dvec3(0.5)));

@@ -24,6 +24,8 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
+    // How wide it is at either end of the first, in half[1] and half[2].
+    dvec2 ends{1};
 };
 
 struct AxesOf {
@@ -57,10 +59,10 @@ struct AxesOf {
     std::optional<Axes> operator()(const Plane&) const { return std::nullopt; }
     std::optional<Axes> operator()(const Cone& c) const {
         const auto [u, v] = across(c.apex - c.base);
-        // Of a cone the mean width; its tip is found as far as its middle is.
-        const double radius = (std::abs(c.base_radius) + std::abs(c.apex_radius)) / 2;
+        const double radius = std::max(std::abs(c.base_radius), std::abs(c.apex_radius));
         return Axes{point((c.base + c.apex) / 2.0),
-                    {vector((c.apex - c.base) / 2.0), vector(u * radius), vector(v * radius)}};
+                    {vector((c.apex - c.base) / 2.0), vector(u * radius), vector(v * radius)},
+                    radius > 0 ? dvec2(std::abs(c.base_radius), std::abs(c.apex_radius)) / radius : dvec2(1)};
     }
     std::optional<Axes> operator()(const std::shared_ptr<const Mesh>& mesh) const {
         const Bounds b = shape_bounds(mesh, glm::dmat4(1));
@@ -71,6 +73,62 @@ struct AxesOf {
 
 double cross(const dvec2& a, const dvec2& b) {
     return a.x * b.y - a.y * b.x;
+}
+
+// How the camera sees what is small, along its line of sight to a point.
+struct Sight {
+    Sight(const CameraModel& of, const dvec3& point)
+        : camera(of), perspective(of.projection == Camera::Projection::perspective) {
+        const dvec3 there = point - of.position;
+        depth_m = glm::dot(there, of.forward);
+        px_per_m = perspective ? 1 / (depth_m * of.tangent_per_px) : 1e3 / of.pixel_pitch_mm;
+        if (perspective) slope = dvec2(glm::dot(there, of.right), glm::dot(there, of.down)) / depth_m;
+    }
+    [[nodiscard]] dvec2 px_of(const dvec3& v) const {
+        return (dvec2(glm::dot(v, camera.right), glm::dot(v, camera.down)) -
+                glm::dot(v, camera.forward) * slope) *
+               px_per_m;
+    }
+    const CameraModel& camera;
+    bool perspective;
+    double depth_m = 0, px_per_m = 0;
+    dvec2 slope{0};
+};
+
+// Other half axes of the same ellipsoid: the first is seen longest, the second across it, the third not at
+// all. By how much the first is seen longer than the second; 0 where nothing is seen.
+double turn_to_sight(const CameraModel& camera, Axes& axes) {
+    const Sight sight(camera, axes.centre);
+    std::array<dvec2, 3> seen{};
+    double xx = 0, xy = 0, yy = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        seen[k] = sight.px_of(axes.half[k]);
+        xx += seen[k].x * seen[k].x;
+        xy += seen[k].x * seen[k].y;
+        yy += seen[k].y * seen[k].y;
+    }
+    const double middle = (xx + yy) / 2, apart = std::hypot((xx - yy) / 2, xy), longest = middle + apart;
+    if (!(sight.depth_m > 0 && longest > 0)) return 0;
+    const double angle = std::atan2(2 * xy, xx - yy) / 2;
+    const dvec2 along(std::cos(angle), std::sin(angle)), across(-along.y, along.x);
+    // Unit vectors in the space of the half axes.
+    const auto weights = [&](const dvec2& direction) {
+        return dvec3(glm::dot(seen[0], direction), glm::dot(seen[1], direction),
+                     glm::dot(seen[2], direction));
+    };
+    const dvec3 first = glm::normalize(weights(along));
+    dvec3 second = weights(across);
+    const double narrow = glm::length(second);
+    if (narrow > 1e-9 * std::sqrt(longest))
+        second /= narrow;
+    else
+        second = AxesOf::across(first)[0];
+    const dvec3 third = glm::cross(first, second);
+    const auto turned = [half = axes.half](const dvec3& w) {
+        return w.x * half[0] + w.y * half[1] + w.z * half[2];
+    };
+    axes.half = {turned(first), turned(second), turned(third)};
+    return std::sqrt(longest) / std::max(narrow, 1e-9 * std::sqrt(longest));
 }
 
 double distance_to_segment(const dvec2& p, const dvec2& a, const dvec2& b) {
@@ -105,17 +163,25 @@ void SmallThings::add(const Object& object, std::uint32_t index, double brightne
                                                  : transform_at(object.keys, time_s) * object.motion_base;
     std::optional<Axes> axes = std::visit(AxesOf{world}, object.shape);
     if (!axes) return;
-    std::sort(axes->half.begin(), axes->half.end(),
-              [](const dvec3& a, const dvec3& b) { return glm::dot(a, a) > glm::dot(b, b); });
-    const dvec3& axis = axes->half[0];
-    // What is about as wide as long is one piece without an axis: one width and one depth hold for all of it.
-    if (glm::length(axis) <= 4 * glm::length(axes->half[1])) {
-        add_piece(axes->centre, axes->centre, axes->half, brightness, index, camera);
-        return;
+    const bool tapers = axes->ends.x != axes->ends.y;
+    if (!tapers) {
+        std::sort(axes->half.begin(), axes->half.end(),
+                  [](const dvec3& a, const dvec3& b) { return glm::dot(a, a) > glm::dot(b, b); });
     }
+    if (!tapers && glm::length(axes->half[0]) <= 4 * glm::length(axes->half[1])) {
+        const double narrower = turn_to_sight(camera, *axes);
+        // What is seen about as wide as long is one piece without an axis: one width holds for all of it.
+        if (!(narrower > 4)) {
+            add_piece(axes->centre, axes->centre, axes->half, brightness, index, camera);
+            return;
+        }
+    }
+    const dvec3& axis = axes->half[0];
     for (int i = 0; i < pieces; ++i) {
+        const double width = glm::mix(axes->ends.x, axes->ends.y, (i + 0.5) / pieces);
         add_piece(axes->centre + axis * (2.0 * i / pieces - 1),
-                  axes->centre + axis * (2.0 * (i + 1) / pieces - 1), axes->half, brightness, index, camera);
+                  axes->centre + axis * (2.0 * (i + 1) / pieces - 1),
+                  {axis, width * axes->half[1], width * axes->half[2]}, brightness, index, camera);
     }
 }
 
@@ -123,13 +189,11 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
                             double brightness, std::uint32_t object, const CameraModel& camera) {
     const auto a = camera.place(from), b = camera.place(to);
     if (!a || !b) return;
-    const double depth_m = glm::dot((from + to) / 2.0 - camera.position, camera.forward);
-    const bool perspective = camera.projection == Camera::Projection::perspective;
-    const double px_per_m = perspective ? 1 / (depth_m * camera.tangent_per_px) : 1e3 / camera.pixel_pitch_mm;
-    std::array<dvec2, 3> seen;
+    const Sight sight(camera, (from + to) / 2.0);
+    std::array<dvec2, 3> seen{};
     double half_depth_m = std::abs(glm::dot(to - from, camera.forward)) / 2;
     for (std::size_t k = 0; k < 3; ++k) {
-        seen[k] = dvec2(glm::dot(half[k], camera.right), glm::dot(half[k], camera.down)) * px_per_m;
+        seen[k] = sight.px_of(half[k]);
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
     // Exact for an ellipsoid of these half axes, less than the width of a box.
@@ -154,7 +218,7 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         lost_.insert(object);
         return;
     }
-    r.nearest_m = perspective ? depth_m - half_depth_m : -std::numeric_limits<double>::infinity();
+    r.nearest_m = sight.perspective ? sight.depth_m - half_depth_m : -std::numeric_limits<double>::infinity();
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
