@@ -15,19 +15,20 @@
 namespace postlens {
 namespace {
 
-/// Of a tile at first: as many as tell the noise of two halves.
+/// Views of every tile at the start: two halves of 8.
 constexpr int first_views = 16;
 
 double db_of(double mse) {
     return -10 * std::log10(std::max(mse, 1e-12));
 }
 
-/// Doubles the views of tiles, of which no more than once each, by the noise that goes for a view more: those
-/// that would bring the mean of all down to `wanted_mse`, were noise halved by twice the views.
+/// Plans the next step: doubles the views of tiles, at most once each, in the order of noise removed per
+/// added view, until the mean noise is below `wanted_mse`, assuming that twice the views halve a tile's
+/// noise.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const TileGrid& grid, double wanted_mse) {
     struct Step {
-        double gain = 0;  ///< squared error less, for a view of a pixel
+        double gain = 0;  ///< squared error removed, per added view of a pixel
         std::size_t tile = 0;
         bool operator<(const Step& other) const {
             return gain != other.gain ? gain < other.gain : tile > other.tile;
@@ -54,8 +55,8 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Tiles to leave to rays, since what is sure of them is wrong: those that are off most, until what the
-/// others are off by is a quarter of the target.
+/// Tiles to leave to rays because their sure view samples are wrong: those with the largest error, until the
+/// error of the remaining tiles is a quarter of the target.
 std::vector<std::uint8_t> most_biased(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_mse) {
     std::vector<std::size_t> order;
@@ -106,7 +107,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         StatedError error = stated_error(views.half(0), views.half(1), {}, CheckedPixels::Use::deciding);
         if (views.has_rays()) {
             std::vector<std::uint8_t> biased = biased_tiles(tiles);
-            // By a quarter of the target or more no number of views mends it at a fair price.
+            // More views do not reduce this error. Above a quarter of the target it is cheaper to trace it.
             if (error.bias_mse > most_mse / 4) {
                 const std::vector<std::uint8_t> more = most_biased(tiles, grid, most_mse);
                 for (std::size_t t = 0; t < biased.size(); ++t) biased[t] |= more[t];

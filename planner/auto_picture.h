@@ -1,4 +1,4 @@
-// The picture with as many views as its stated error asks for, tile by tile.
+// An image with as many views per tile as a target error needs.
 #pragma once
 
 #include <optional>
@@ -13,40 +13,40 @@ namespace postlens {
 inline constexpr double default_target_db = 40;
 
 struct AutoSettings {
-    HybridSettings hybrid;  ///< `focus.views` and `checked` do not count
-    /// PSNR wanted of the picture, encoded values; 10 to 80. None: default_target_db, of which nobody is
-    /// warned where, without a scene, the bound misses it.
+    HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
+    /// Wanted PSNR of the whole image, of sRGB values, 10 to 80 dB. None: default_target_db; then a bound
+    /// that misses the target causes no warning.
     std::optional<double> target_db;
 };
 
 struct AutoTile {
-    int views = 0;              ///< points of the lens
-    bool left_to_rays = false;  ///< altogether
-    double noise_mse = 0;       ///< measured, encoded values, mean of pixels and channels
+    int views = 0;
+    bool left_to_rays = false;  ///< every view sample of the tile is a ray
+    double noise_mse = 0;       ///< measured; sRGB values, mean over pixels and channels
 };
 
 struct AutoResult {
-    HybridResult hybrid;  ///< `focus.views`: the most of any tile
+    HybridResult hybrid;  ///< `focus.views` is the largest number of views of any tile
     TileGrid grid;
     std::vector<AutoTile> tiles;
     double mean_views = 0;
-    /// Without a scene, of all view samples: those that the records are not sure of.
+    /// Share of the view samples that are unsure. Only without a scene.
     double unsure_share = 0;
-    /// Without a scene, in place of `hybrid.stated`: the noise of the views, measured; and at most, with
-    /// all of these as wrong as they can be (records_bound.h).
+    /// Measured noise of the views, and the bound of noise and unsure samples together (records_bound.h).
+    /// Only without a scene, where `hybrid.stated` is empty.
     double noise_mse = 0, bound_mse = 0;
-    bool met = false;  ///< what is stated, or without a scene the noise, is no worse than the target
+    bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;
     [[nodiscard]] double bound_db() const;
-    std::string plan;  ///< a sentence
+    std::string plan;  ///< views, error and rays in one sentence, for the log
 };
 
-/// Draws few views of every tile and doubles them where that takes away most of the stated error for its
-/// cost, until that is at the target with a certainty of 97.5 %. With a scene, view samples that the records
-/// are unsure of are rays, and so is all of a tile whose other samples are found to be wrong by more than the
-/// noise, or by what keeps the picture from its target. Without a scene what the records do not show stays
-/// so, and is not in what is measured. Tiles have the same views with a crop as without. Same bits for any
-/// number of threads. Throws what hybrid_picture throws.
+/// Starts with a few views per tile. Doubles the views of the tiles where this removes most error per cost,
+/// until the upper end of the 95 % interval of the error is below the target. With a scene, unsure view
+/// samples are rays; a tile becomes rays altogether where check rays find an error of its sure samples that
+/// exceeds the noise or keeps the image from its target. Without a scene, unsure samples stay as recorded,
+/// and their error is not measured. A crop does not change the views of a tile. Same bits for any number of
+/// threads. Throws what hybrid_picture throws.
 [[nodiscard]] AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings);
 
 }  // namespace postlens

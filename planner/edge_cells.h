@@ -1,4 +1,4 @@
-// What the corners of the quadtree's cells tell of the edges that cross them.
+// The error that follows from knowing edges only by the corners of quadtree cells.
 #pragma once
 
 #include <array>
@@ -10,14 +10,13 @@
 
 namespace postlens {
 
-/// Mean squared error of the share that a straight edge of any direction and place, which parts the corners
-/// of a square, takes of it, when the share is taken to be that of the corners: 200,000 random edges give
-/// 0.0388.
+/// A random straight edge separates the corners of a square. The share of corners on one side estimates the
+/// share of area; this is the mean squared error of that estimate, from 200,000 random edges.
 inline constexpr double edge_cell_variance = 0.0388;
-/// The same of an edge along a side of the square: anywhere in it with equal chance.
+/// The same for an edge parallel to a side of the square, uniformly distributed over it.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
-/// A corner's colour, encoded, with what else is wanted of it.
+/// Colour (sRGB and linear), id and depth at a corner of a cell.
 struct CellCorner {
     std::array<float, 3> encoded{}, linear{};
     std::uint32_t id = 0;  ///< of the primary node
@@ -26,25 +25,26 @@ struct CellCorner {
 [[nodiscard]] CellCorner cell_corner(const RecordBand& band, const PointSample& sample);
 
 struct CellStep {
-    /// none: as good as even. upright, level: two corners at one side against two, so that the edge may run
-    /// along the cells; slanted: one corner against three, or two opposite ones.
+    /// Which corners the edge separates. none: nearly uniform. upright, level: two adjacent corners from the
+    /// other two, so the edge may be parallel to a side. slanted: one corner from three, or two opposite
+    /// ones.
     enum class Split { none, upright, level, slanted };
     Split split = Split::none;
-    double square = 0;  ///< of the step, mean of the channels
+    double square = 0;  ///< squared height of the step, mean over channels
     bool same_id = true;
-    double curvature_square = 0;  ///< of the corners' mixed difference, mean of the channels
-    /// Scene-linear, of the channel with the highest corner: that corner and the lowest one.
+    double curvature_square = 0;  ///< squared mixed difference of the corners, mean over channels
+    /// Largest and smallest scene-linear value of the channel with the brightest corner.
     double high = 0, low = 0;
 };
 
-/// Light above 1 of some cells, which a circle of confusion spreads: encoding clips it in the cells
-/// themselves, but not what is left of it out there.
+/// Radiance above 1 of some cells, spread over their circle of confusion. sRGB encoding clips it within the
+/// cells, but not where it is spread to.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// The squared error, summed over pixels and encoded, of knowing the cells' edges by their corners.
-    /// `variance_share`: as if that of the light were so much of what it is.
+    /// Squared error from knowing the cells' edges by their corners, sRGB values, summed over pixels. The
+    /// variance of the radiance is multiplied by `variance_share`.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:
@@ -55,11 +55,11 @@ class SpreadLight {
     double coc_px_ = 0;    ///< of the brightest
     double brightest_ = 1;
 };
-/// Corners up-left, up-right, down-left, down-right.
+/// The step between the corners up-left, up-right, down-left, down-right of a cell.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
-/// The expected squared error of a pixel from the steps of its cells. An edge that runs along the cells of a
-/// pixel is off by the same way in all of them, and their errors add up; where it slants, they hardly do.
+/// Expected squared error of a pixel, from the steps of its cells. If an edge is parallel to the cells, they
+/// all have the same error, which adds up; if it is slanted, their errors are nearly independent.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

@@ -1,4 +1,4 @@
-// Why a picture errs, pixel by pixel: what the records, the lens and the shutter say of it.
+// The cause of each pixel's error, from the records, the lens and the shutter.
 #pragma once
 
 #include <array>
@@ -12,45 +12,49 @@
 namespace postlens {
 
 enum class ErrorCause : std::uint8_t {
-    none,            ///< the pixel is right
-    hidden_surface,  ///< the lens sees what no record shows
-    visibility,      ///< the records show it, but the method mixed what should hide one another
-    curvature_of_w,  ///< in mirrors or glass, other points of the lens see it elsewhere than was assumed
-    view_dependent_shading,     ///< what remains: its colour differs from point to point of the lens
-    path_and_depth_correlated,  ///< it moves through focus, or before what is blurred, while the shutter is
-                                ///< open
-    frame_edge,                 ///< light comes from beyond the recorded margin
-    kernel_truncation,          ///< the circles of confusion were too few or cut off
-    record_density,             ///< an edge is known to the quadtree's cells only, or the views are too few
+    none,            ///< the pixel is not wrong
+    hidden_surface,  ///< the lens sees a surface that is not recorded
+    visibility,  ///< the surfaces are recorded, but the method mixes surfaces of which one hides the other
+    curvature_of_w,  ///< nonlinear W: a reflected or refracted node is reprojected to a wrong position
+    view_dependent_shading,     ///< no other cause: the radiance differs over the lens
+    path_and_depth_correlated,  ///< during the shutter an object moves through the focus or before a blurred
+                                ///< one
+    frame_edge,                 ///< light comes from beyond the overscan
+    kernel_truncation,          ///< the number of depths or the size of kernels was limited
+    record_density,             ///< edges are known to a quadtree cell only, or there are too few views
 };
 inline constexpr std::size_t error_causes = 9;
 /// "hidden-surface" and so on.
 [[nodiscard]] std::string_view cause_name(ErrorCause cause);
 
 struct CauseRequest {
-    HybridSettings view;                ///< lens, shutter and motion; the method does not count
-    std::optional<FocusMethod> method;  ///< how the picture was made, where that is known
-    std::optional<int> depths;          ///< K of `scatter`, where that was given
-    /// Pixels are wrong where a channel differs by more, encoded values.
+    HybridSettings view;                ///< lens, shutter and motion; the method is ignored
+    std::optional<FocusMethod> method;  ///< with which the image was made; none: unknown
+    std::optional<int> depths;          ///< number of depths that `scatter` was limited to
+    /// A pixel is wrong if a channel differs by more than this, sRGB values.
     double wrong_above = 1.0 / 255;
 };
 
 struct CauseMap {
     int width = 0, height = 0;
-    std::vector<ErrorCause> causes;                  ///< by pixel
-    std::array<double, error_causes> error_share{};  ///< of the squared encoded error over all wrong pixels
+    std::vector<ErrorCause> causes;                  ///< per pixel
+    std::array<double, error_causes> error_share{};  ///< per cause, share of the wrong pixels' squared error
 };
 
-/// For each wrong pixel the cause that explains most of its error. Causes that can be taken away are tried:
-/// with finer circles of confusion (kernel_truncation), and with every surface in its place, at every
-/// instant, as the light field of the records sees it from many points: visibility, path_and_depth_correlated
-/// with a shutter, record_density for the light field of fewer views, curvature_of_w where another depth
-/// model than W was used; with the scene at hand (`view.scene`) and over a tenth of the error left, with what
-/// tracing it again would record (error_trials). What is then at most half as wrong was wrong for that
-/// reason. Of the others each has an expected error that the records tell (hidden light and light beyond the
-/// margin by the contrast around it, misplaced light, the floor of the records); the greatest is named if it
-/// is a tenth of the error or more, else what no record tells: shading that changes over the lens. Errors as
-/// hybrid_picture's; sizes must agree with the file's.
+/// Finds the cause of each wrong pixel's error, in three steps.
+///
+/// 1. Some causes can be removed: the image is made again with finer kernels (kernel_truncation) and by the
+/// light
+///    field with many views. The latter removes visibility, path_and_depth_correlated with an open shutter,
+///    record_density of a light field with fewer views, and curvature_of_w if another depth model than W was
+///    used. A pixel whose error falls to half or less has that cause.
+/// 2. With `view.scene`, if a tenth of the error remains, the scene is traced again (error_trials).
+/// 3. For other pixels the error of each remaining cause is estimated: hidden surfaces and light from beyond
+/// the
+///    overscan by the local contrast, nonlinear W by the radiance it moves, and the record floor. The largest
+///    is the cause if it is at least a tenth of the error; otherwise the cause is view-dependent shading.
+///
+/// Throws what hybrid_picture throws. The images' size must be the file's.
 [[nodiscard]] CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& reference,
                                          const CauseRequest& request);
 

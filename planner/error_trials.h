@@ -1,5 +1,4 @@
-// What a picture would be without one shortcoming of its records: traced again, each time with that one taken
-// away.
+// Images from records that are traced again, each time with one limit of the records removed.
 #pragma once
 
 #include <vector>
@@ -11,16 +10,16 @@
 namespace postlens {
 
 struct ErrorTrial {
-    ErrorCause cause;      ///< that is taken away
-    Image image;           ///< by light field, of the window that the file has
-    bool decides = false;  ///< those that follow take more away, and say nothing new where this one is right
-    bool other_instants = false;  ///< what it adds are instants
+    ErrorCause cause;      ///< that is removed
+    Image image;           ///< by light field, same window as the file's
+    bool decides = false;  ///< later trials remove more; they are not used for pixels that this one corrects
+    bool other_instants = false;  ///< adds recorded instants
 };
 
-/// The file's scene traced as the file was, but wide enough for lens and shutter (frame_edge), with
-/// everything that is hidden and, with a shutter, as many instants as its motion asks for (hidden_surface),
-/// or one level finer, with whole shading trees and narrow things looked for (record_density). `scene` must
-/// be the file's own. Throws what tracing and field_focus throw.
+/// Traces the file's scene as the file was traced, but with enough overscan for lens and shutter
+/// (frame_edge); with all hidden surfaces and, with a shutter, as many instants as the motion needs
+/// (hidden_surface); and with one level more, full shading trees and a search for narrow objects
+/// (record_density). The file must have been traced from `scene`. Throws what tracing and field_focus throw.
 [[nodiscard]] std::vector<ErrorTrial> error_trials(const SampleHeader& header, const Scene& scene,
                                                    const HybridSettings& view,
                                                    const FieldFocusSettings& by_field);

@@ -17,7 +17,7 @@ namespace {
 /// places. Primes: along a row, a column or a diagonal as many pieces follow before one repeats.
 constexpr int scrambles = 61, scrambles_moving = 17, scrambles_down = 23;
 
-/// Moves values of a pixel by a share of the way to others.
+/// Linear interpolation of a pixel's values from `to` towards `from`, by `share`.
 template <typename T>
 void mix(const std::vector<T>& from, std::vector<T>& to, std::size_t begin, std::size_t count, float share) {
     if (from.empty()) return;

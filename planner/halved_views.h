@@ -1,4 +1,4 @@
-// A picture as the mean of views in two independent halves, whose difference tells its noise.
+// An image as the mean of two independent halves of its views; their difference measures its noise.
 #pragma once
 
 #include <array>
@@ -15,17 +15,18 @@
 
 namespace postlens {
 
-/// Has more and more views of a picture drawn, tile by tile; with the scene, rays where the views are unsure.
+/// Draws views of an image in steps, with a number of views per tile. With a scene, unsure view samples are
+/// rays.
 class HalvedViews {
   public:
-    /// `focus.views` does not count, nor does its method. `first_set`: of the sets of views, other ones for
-    /// another number that is 128 or more away. Throws what hybrid_picture throws.
+    /// `focus.views` and `focus.method` are ignored. `first_set` numbers the first set of lens points; images
+    /// whose numbers differ by at least 128 share no set. Throws what hybrid_picture throws.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Draws what each tile of `grid()` lacks of so many views, of which one half has the greater part where
-    /// they are odd. Same bits for any number of threads.
+    /// Draws the views that a tile of `grid()` still lacks to have `views[tile]` of them. Of an odd number
+    /// the first half has one more. Same bits for any number of threads.
     void draw(const std::vector<int>& views);
-    /// Draws tiles, those that are not 0, anew with rays alone; so will be what is drawn of them later.
+    /// Redraws the tiles that are not 0 with rays only, and draws all their later views so.
     void leave_to_rays(const std::vector<std::uint8_t>& tiles);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -33,10 +34,10 @@ class HalvedViews {
     [[nodiscard]] bool has_rays() const { return rays_ != nullptr; }
     [[nodiscard]] const std::vector<int>& views() const { return views_; }                 ///< by tile
     [[nodiscard]] const std::vector<std::uint8_t>& left_to_rays() const { return left_; }  ///< by tile
-    /// 0 or 1; only what draws said.
+    /// Half 0 or 1, as drawn so far.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// The mean of all views that were drawn, and sums of their checks.
+    /// The mean of all drawn views; the checks of both halves added.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:
@@ -49,7 +50,7 @@ class HalvedViews {
     TileGrid grid_;
     int first_set_;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked_;
-    std::unique_ptr<RenderSetup> setup_;  ///< none without a scene
+    std::unique_ptr<RenderSetup> setup_;  ///< null without a scene
     std::unique_ptr<SceneRays> rays_;
     std::unique_ptr<FieldFocuser> focuser_;
     std::vector<int> views_;
@@ -57,7 +58,7 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// The picture of all views, of a crop, with what was traced for it; nothing is stated.
+/// The mean of all views as the image of `crop`, with its shares and counts of rays; `stated` stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// A number of views of a picture; rays where the records do not tell what these see.
+// A light field image of a given number of views, with rays for unsure view samples.
 #pragma once
 
 #include <memory>
@@ -17,41 +17,40 @@
 namespace postlens {
 
 struct HybridSettings {
-    FocusSettings focus;  ///< lens, aperture, `views`, `crop`; `method` does not count
-    /// Open for more than an instant: everything is seen by the light field.
+    FocusSettings focus;  ///< lens, aperture, `views`, `crop`; `method` is ignored
+    /// Motion during the shutter. An open shutter excludes scattering: all of the image is light field.
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
-    /// The scene that the file was traced from, for what the records do not show; null: stays as it is.
+    /// The scene that the file was traced from. Rays into it replace unsure view samples; null: no rays.
     const Scene* scene = nullptr;
-    /// With the scene: FieldViews's, of either half of the views, in place of the usual checks; nothing is
-    /// then decided or stated by them. For measurements.
+    /// For measurements, with a scene: replaces the choice of check rays (FieldViews::checked, for each
+    /// half). No decision and no statement is then made.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Without the scene: share of a pixel's light that may be unknown, and radiance that may be misplaced
-    /// (W.bend), before the records count as insufficient for it.
+    /// Without a scene: a pixel's records count as insufficient if a larger share of its light than this is
+    /// unknown, or if nonlinear W moves more radiance than this.
     double tolerated = 0.02;
 };
 
 struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
-    /// Without the scene, of the pixels of the picture or its crop.
+    /// Shares of the pixels of the image or its crop, without a scene.
     double scattered_share = 0;
-    double wanted_share = 0;  ///< that records do not suffice for
-    /// Of the view samples of the picture or its crop.
-    double retraced_share = 0;
+    double wanted_share = 0;    ///< whose records are insufficient
+    double retraced_share = 0;  ///< share of the view samples of the image or its crop that are rays
     RayCounts rays;
-    std::optional<StatedError> stated;  ///< with the scene and more than one view
-    /// By pixel of the whole picture, with the scene: FieldFocus's.
+    std::optional<StatedError> stated;  ///< with a scene and at least two views
+    /// With a scene, one value per pixel of the whole image, as in FieldFocus.
     std::vector<float> traced;
     std::vector<PixelCheck> checks;
-    std::vector<std::uint8_t>
-        what;  ///< by pixel of the whole picture: 0 light field, 1 scattered, 2 mostly rays
+    /// Per pixel of the whole image: 0 light field, 1 scattered, 2 mostly rays.
+    std::vector<std::uint8_t> what;
 };
 
-/// Throws Error(invalid_input) for a scene that is not the file's own, and what focus_picture and
+/// Throws Error(invalid_input) if the file was not traced from `scene`, and what focus_picture and
 /// render_picture throw. Same bits for any number of threads.
 [[nodiscard]] HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings);
-/// One picture of a file.
+/// The same for a single image of a file.
 [[nodiscard]] HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings);
 
 }  // namespace postlens

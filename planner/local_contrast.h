@@ -1,4 +1,4 @@
-// How far off a guess at a pixel's colour is that goes by what is around it.
+// The error of a pixel whose colour is estimated from its neighbourhood.
 #pragma once
 
 #include <vector>
@@ -7,17 +7,17 @@
 
 namespace postlens {
 
-/// By pixel: the variance (mean of the channels, encoded values) of the picture within `radius_px` to each
-/// side. Same bits for any number of threads.
+/// Per pixel, the variance (sRGB values, mean over channels) of the image within a square of 2 radius_px + 1
+/// px. Same bits for any number of threads.
 [[nodiscard]] std::vector<float> local_contrast(const Image& image, int radius_px = 32);
 
-/// Expected squared error, encoded values, of a pixel of whose light so much is unknown and filled in with
-/// what is around it, which varies so much.
+/// Expected squared error (sRGB values) of a pixel if a share of its light is replaced by that of its
+/// neighbourhood, which has this variance.
 [[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
     return unknown_share * unknown_share * variance;
 }
-/// The same of one that shows so much light (encoded) which belongs elsewhere, however far: some of it is
-/// right where it is.
+/// Expected squared error if this much light (sRGB values) of a pixel belongs elsewhere. A quarter of its
+/// square, as on average half of it is in the right pixel.
 [[nodiscard]] inline double misplaced_error(double light) {
     return light * light / 4;
 }

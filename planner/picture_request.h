@@ -1,4 +1,4 @@
-// What a picture of a sample file asks of the light field and of rays, checked.
+// Checked settings of an image, as settings of the light field and of the ray tracer.
 #pragma once
 
 #include <string>
@@ -11,19 +11,19 @@
 
 namespace postlens {
 
-/// The name of the camera that the file was traced through, in its own scene. Throws Error(invalid_input)
-/// for another scene, and for one without such a camera.
+/// The name of the camera in `scene` through which the file was traced. Throws Error(invalid_input) if the
+/// file was traced from another scene, or if the scene has no such camera.
 [[nodiscard]] std::string checked_camera(const SampleHeader& header, const Scene& scene);
 
-/// Throws Error(wrong_arguments) for another framing than the trace's, an impulse response without points, a
-/// crop beyond the picture, and a scene whose exposure is not that by which the file is read; `method` is
-/// named in the text.
+/// Throws Error(wrong_arguments) if the framing is not the trace's, if the impulse response has no lens
+/// points, if the crop exceeds the image, or if the scene's exposure differs from the file's. The message
+/// names `method`.
 void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method);
 
-/// The lens, the shutter and the crop, without rays.
+/// Settings of the light field: lens, shutter and crop, without rays.
 [[nodiscard]] FieldFocusSettings field_settings(const SampleHeader& header, const HybridSettings& settings);
 
-/// What `render` would be asked for to make the same picture. Throws what checked_camera throws.
+/// Settings with which `render` makes the same image. Throws what checked_camera throws.
 [[nodiscard]] RenderSettings ray_settings(const SampleHeader& header, const HybridSettings& settings,
                                           const Aperture& aperture);
 

@@ -1,5 +1,5 @@
-// How far a picture from records is from the truth because records are points: where an edge crosses a cell
-// of the quadtree is known to its corners only.
+// The record floor: the error of an image because records are point samples, so that edges are known only to
+// quadtree cells.
 #pragma once
 
 #include <span>
@@ -12,24 +12,24 @@
 
 namespace postlens {
 
-/// What a circle of confusion divides the squared error of an edge by. One circle averages the errors of the
-/// cells in it, which is their number; those along an edge that runs along the cells are alike, and what is
-/// averaged then is the way across.
+/// Factor by which a circle of confusion reduces the squared error of an edge. It averages independent errors
+/// of the cells within it, so the factor is their number; along an edge that is `aligned` with the cells the
+/// errors are equal, and the factor is the number of cells across the edge.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// What cells that no edge is seen in hide, since all of their corners miss it, adds to the error of those
-/// where one is seen: fitted (docs/planner.md).
+/// Factor for edges that all corners of a cell miss: error of all cells / error of the cells with a visible
+/// edge. Fitted (docs/planner.md).
 inline constexpr double floor_unseen = 1.4;
 
-/// By pixel of the picture: the expected squared error (mean of the channels, encoded values) that comes of
-/// the size of the quadtrees' cells (edge_cells.h), less what circles of confusion average out.
+/// Per pixel, the expected squared error (sRGB values, mean over channels) that the size of the quadtree
+/// cells causes (edge_cells.h), reduced by the circle of confusion (averaged_by).
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
-    /// Takes in rows [y_begin, y_end) of pixels of `band` with their leaves, as find_leaves has them; safe
-    /// for several rows at once.
+    /// Adds the pixel rows [y_begin, y_end) of `band` with their leaves, from find_leaves. Several threads
+    /// may add different rows at the same time.
     void add(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves);
-    /// That, for those who read the records. Keeps a reference.
+    /// `add` as a callback for readers of records. Keeps a reference to this.
     [[nodiscard]] auto adds() {
         return [this](const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves) {
             add(band, y_begin, y_end, leaves);
@@ -46,7 +46,7 @@ class RecordFloor {
     std::vector<float> mse_;
 };
 
-/// The same of a whole file, whose records it reads once.
+/// The record floor of a file, per pixel. Reads all records once.
 [[nodiscard]] std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry);
 
 }  // namespace postlens

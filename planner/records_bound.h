@@ -1,4 +1,4 @@
-// How far a picture may be off by what its records are not sure of, where no ray looks.
+// An upper bound of the error that unsure view samples cause where no rays replace them.
 #pragma once
 
 #include <cmath>
@@ -9,25 +9,25 @@
 
 namespace postlens {
 
-/// Of two errors that may go in one direction, at most (Minkowski's inequality).
+/// Largest mean squared error of the sum of two errors (Minkowski's inequality).
 [[nodiscard]] inline double together_mse(double a, double b) {
     return a + b + 2 * std::sqrt(a * b);
 }
 
-/// By pixel of the whole picture; of a crop only its pixels say anything.
+/// One value per pixel of the whole image; with a crop, only its pixels are valid.
 struct RecordsBound {
-    std::vector<float> unsure;  ///< share of the view samples that the records are not sure of
-    std::vector<float> mse;     ///< squared error of encoded values, mean of the channels, at most
-    /// Means of the picture or its crop.
+    std::vector<float> unsure;  ///< share of unsure view samples
+    std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels
+    /// Means over the image or its crop.
     [[nodiscard]] double unsure_share(int width, const std::optional<Crop>& crop) const;
     [[nodiscard]] double mean_mse(int width, const std::optional<Crop>& crop) const;
 };
 
-/// What is unsure is told by a few views, as they would be left to rays (docs/light_field.md); such samples
-/// may show anything between the darkest and the brightest that the pinhole sees as far around the pixel as
-/// the lens blurs anything. All of them may be wrong in one direction: a bound, mostly far from what
-/// the error is; only what the pinhole sees nothing like can be worse. `image`: the picture, scene-linear;
-/// the scene and the views of `lens` do not count. Throws what hybrid_picture throws.
+/// A few views find the share of unsure samples (docs/light_field.md). An unsure sample is assumed to have
+/// any radiance between the darkest and the brightest of the pinhole image within the largest CoC of the
+/// pixel, and all of them are assumed to err in the same direction. The bound is mostly far above the error;
+/// radiance that the pinhole image does not contain can exceed it. `image`: scene-linear. `lens.scene` and
+/// the number of views are ignored. Throws what hybrid_picture throws.
 [[nodiscard]] RecordsBound records_bound(FocusFrame& frame, const HybridSettings& lens, const Image& image);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// A sample file that is needed for a moment.
+// A temporary sample file.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,8 @@
 
 namespace postlens {
 
-/// A name in a folder of its own among the system's temporary files; the folder goes with its contents.
+/// A path in a new folder of the system's temporary files. The destructor removes the folder with its
+/// contents.
 class ScratchFile {
   public:
     /// Throws Error(cannot_write).

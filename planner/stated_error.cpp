@@ -26,7 +26,7 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Of the mean of both pictures in a pixel.
+/// Squared noise of the mean of both images in a pixel, mean over channels.
 double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     double sum = 0;
     for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
@@ -36,7 +36,7 @@ double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     return sum / 3;
 }
 
-/// The product of what rays had more in a view of either set.
+/// Product of both halves' mean residuals in a pixel, mean over channels.
 double bias_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     double sum = 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -65,7 +65,7 @@ struct Mean {
 }  // namespace
 
 CheckedPixels::CheckedPixels(int width, int height) {
-    // Products of residuals scatter widely: it takes some thousand of them to tell what they have in common.
+    // Products of residuals have a wide distribution: 8000 of them estimate their mean well enough.
     constexpr int enough_pixels = 8000, sparse = 4, dense = 2;
     edge_ = width * height / (sparse * sparse) >= enough_pixels ? sparse : dense;
 }
@@ -85,8 +85,8 @@ void CheckedPixels::views(int x, int y, int set, int first, int count,
     const std::uint64_t h =
         hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
                 2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
-    // Two: twice the rays divide the variance of a product of means of noise by four, that of as many more
-    // pixels by two.
+    // Two views per half and pixel: twice the rays divide the variance of the product of two noisy means by
+    // four; twice the pixels would divide it by two.
     const auto views = static_cast<std::uint64_t>(count);
     out.push_back(static_cast<std::uint32_t>(h % views));
     if (views > 1) out.push_back(static_cast<std::uint32_t>((h + 1 + (h >> 32U) % (views - 1)) % views));
@@ -133,12 +133,12 @@ StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::op
     out.bias_mse = std::max(0.0, bias.mean());
     const double mse = out.mse();
     if (!(mse > 0)) return out;
-    // Were the errors of a piece all alike and normal, their square s would vary by twice the square of its
-    // expectation, and s^2 have three times that. The noise that the picture happens to have varies as much
-    // as that by which it is told.
+    // For a normal error that is the same in all pixels of a piece, its square s has variance 2 E(s)^2, and
+    // E(s^2) = 3 E(s)^2: so 2/3 s^2 estimates the variance. It counts twice: the noise estimate and the noise
+    // of this particular image both vary by it.
     const double noise_variance = 2 * 2.0 / 3 * noise_squares / (pixels * pixels),
                  deviation = std::sqrt(noise_variance + bias.variance());
-    // Normal in the logarithm: 1.96 standard deviations either way.
+    // 1.96 standard deviations: 95 % of a normal distribution, here of the logarithm.
     const double factor = std::exp(1.96 * deviation / mse);
     out.low_mse = mse / factor;
     out.high_mse = mse * factor;

@@ -1,4 +1,4 @@
-// How far a picture of views and rays is from the truth: measured, not predicted.
+// The error of an image of views and rays, measured by independent halves and by check rays.
 #pragma once
 
 #include <cstdint>
@@ -10,26 +10,28 @@
 
 namespace postlens {
 
-/// Which views of which pixels are compared with rays. A pixel in each block of edge x edge has some views of
-/// each set, picked at random, for the statement; another one, for deciding what is traced altogether.
+/// Selects the view samples that are compared with rays. In each block of 4 x 4 px (2 x 2 px in small images)
+/// one random pixel is checked for the statement, another one for deciding which tiles become rays. A checked
+/// pixel has up to two random views of each half.
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    /// Of a picture, px: small ones are checked more densely.
+    /// `width`, `height`: of the image, px.
     CheckedPixels(int width, int height);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Appends which of so many views of a set, from the `first` of it on, are compared in the pixel.
+    /// Appends the numbers, from 0 to count - 1, of the checked views among views [first, first + count) of a
+    /// set.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
 
   private:
     int edge_;
 };
 
-/// Squared errors of encoded values, clamped to [0, 1], mean of pixels and channels.
+/// Squared errors of sRGB values clamped to [0, 1], means over pixels and channels.
 struct StatedError {
-    double noise_mse = 0;  ///< of the views: half the squared difference of two independent halves, halved
-    double bias_mse = 0;   ///< of what the records were sure of, by what rays of the checks found
-    double low_mse = 0, high_mse = 0;  ///< 95 % interval of the picture's
+    double noise_mse = 0;  ///< noise of the views: a quarter of the squared difference of two halves
+    double bias_mse = 0;   ///< error of the sure view samples, as check rays measure it
+    double low_mse = 0, high_mse = 0;  ///< 95 % interval of the image's error
     std::uint64_t check_rays = 0;
     [[nodiscard]] double mse() const { return noise_mse + bias_mse; }
     [[nodiscard]] double db() const;
@@ -37,29 +39,32 @@ struct StatedError {
     [[nodiscard]] double high_db() const;  ///< of low_mse
 };
 
-/// Of the mean of two pictures whose views are independent sets, of as many views, each with its checks.
+/// The error of the mean of `a` and `b`: images with as many views, of independent sets, and with their
+/// checks.
 ///
-/// The squared difference of the halves, over four, has the mean square of the noise of their mean as its
-/// expectation. Of the two mean residuals of a checked pixel, one of each set, the product has the square of
-/// what both have in common: neither noise of views nor of rays adds to it. Both are taken to encoded values,
-/// the residuals by the slope of the curve at the picture's value. The interval is normal in the logarithm;
-/// its variance that of the halves and once more for the picture, as if a piece's pixels (piece_px) erred
-/// alike and the pieces independently, and that of the products.
+/// Noise: the expectation of (a - b)^2 / 4 is the mean squared noise of (a + b) / 2. Bias: a checked pixel
+/// has two mean residuals (ray minus record), one per half; their noise is independent, so the expectation of
+/// their product is the squared error of the records. Residuals are converted to sRGB values by the slope of
+/// the sRGB curve at the image's value.
+///
+/// The interval is normal in the logarithm. Its variance has three parts: that of the noise estimate and that
+/// of the image's own noise, which are equal and assume that the pixels of a piece (piece_px) err alike and
+/// pieces independently; and that of the products.
 [[nodiscard]] StatedError stated_error(const FieldFocus& a, const FieldFocus& b,
                                        const std::optional<Crop>& crop,
                                        CheckedPixels::Use checks = CheckedPixels::Use::stating);
 
-/// Of a tile, encoded values, means of pixels and channels.
+/// Squared errors of a tile: sRGB values, means over pixels and channels.
 struct TileError {
     double noise_mse = 0;
-    double bias_mse = 0;        ///< by the deciding checks; may be negative
-    double bias_deviation = 0;  ///< standard error of it
+    double bias_mse = 0;        ///< estimated by the deciding checks; may be negative
+    double bias_deviation = 0;  ///< standard error of `bias_mse`
 };
-/// By tile of 64 px, row by row.
+/// One per tile of TileGrid, row by row.
 [[nodiscard]] std::vector<TileError> tile_errors(const FieldFocus& a, const FieldFocus& b);
 
-/// Those, 1, in which what the records are sure of is off by as much as the noise: the products of the
-/// deciding checks add up to more than twice their standard error, and to more than that.
+/// 1 for tiles whose sure view samples have a significant error: it exceeds the noise and twice its own
+/// standard error.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const std::vector<TileError>& tiles);
 
 }  // namespace postlens

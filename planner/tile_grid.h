@@ -1,4 +1,4 @@
-// The tiles that plans are made for: those that the light field is drawn in.
+// The tiles of an image, each with its own number of views, and the size of the pieces within them.
 #pragma once
 
 #include <algorithm>
@@ -10,14 +10,14 @@ namespace postlens {
 
 struct TileGrid {
     static constexpr int edge = 64;  ///< px
-    int width = 0, height = 0;       ///< of the picture, px
+    int width = 0, height = 0;       ///< of the image, px
 
     [[nodiscard]] int columns() const { return (width + edge - 1) / edge; }
     [[nodiscard]] int rows() const { return (height + edge - 1) / edge; }
     [[nodiscard]] std::size_t count() const {
         return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows());
     }
-    /// Of the pixel (x, y).
+    /// Number of the tile that has the pixel (x, y).
     [[nodiscard]] std::size_t at(int x, int y) const {
         return static_cast<std::size_t>(y / edge) * static_cast<std::size_t>(columns()) +
                static_cast<std::size_t>(x / edge);
@@ -27,7 +27,7 @@ struct TileGrid {
                   y = static_cast<int>(tile) / columns() * edge;
         return std::min(edge, width - x) * std::min(edge, height - y);
     }
-    /// Means by tile of a value for each pixel, row by row.
+    /// Mean per tile of `values`, which has one value per pixel, row by row.
     [[nodiscard]] std::vector<double> means(std::span<const float> values) const {
         std::vector<double> out(count(), 0);
         auto value = values.begin();
@@ -39,8 +39,9 @@ struct TileGrid {
     }
 };
 
-/// The pieces of a picture whose views are spread over the lens independently of their neighbours': small
-/// enough for some thousand of them, which the noise is told by; px, an even part of a tile.
+/// Edge of a piece, px: a square with its own scrambled lens points. A power of two of at most a tile. The
+/// noise of the image is a mean over pieces whose errors are independent, so there are at least 2000 of them,
+/// unless they would be smaller than 4 px.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;

@@ -1,4 +1,4 @@
-// How finely to trace for the lens, shutter and accuracy that are wanted: chosen before tracing.
+// Chooses the settings of a trace for a lens, a shutter and a target error.
 #pragma once
 
 #include <string>
@@ -10,24 +10,25 @@
 namespace postlens {
 
 struct TracePlan {
-    TraceSettings settings;  ///< the asked ones with subdivision, hidden layers, overscan and keys filled in
+    TraceSettings settings;  ///< those given, with subdivision, hidden layers, overscan and keys chosen
     int levels = 0;          ///< of subdivision
-    double floor_db = 0;     ///< expected of the records' density, with these levels
-    bool met = true;         ///< whether that leaves room for the target
-    double records = 0;      ///< expected
-    double bytes = 0;        ///< expected
-    double seconds = 0;      ///< expected, on this machine as it is now
-    std::vector<double> floors_db;  ///< by level, 0 to the greatest
-    std::string text;               ///< a sentence
+    double floor_db = 0;     ///< expected record floor with these levels, as PSNR
+    bool met = true;         ///< whether the record floor leaves room for the target
+    double records = 0;      ///< expected number
+    double bytes = 0;        ///< expected size of the file
+    double seconds = 0;      ///< expected time, on this machine at its present load
+    std::vector<double> floors_db;  ///< record floor per level, from 0 on
+    std::string text;               ///< the plan in one sentence, for the log
 };
 
-/// Looks at the scene through a trace of a quarter of the width and height: the edges found there, as high
-/// and as blurred as they are, tell what each level of subdivision leaves of error (record_floor.h); the
-/// coarsest is taken that leaves half of what `target_db` allows, of the picture and of nine of its tiles in
-/// ten. Hidden surfaces, overscan and keys are left to the trace's own rules for the lens and the shutter;
-/// without any difference in the circles of confusion of half a pixel there is nothing hidden to be seen.
-/// Throws Error(wrong_arguments) where `asked` names neither for_f_number with for_focus_m nor for_shutter,
-/// and what trace_to_file throws. Needs room for a file in the system's temporary folder.
+/// Traces a preview at a quarter of the width and height. The contrast and blur of its edges give the record
+/// floor of each level (record_floor.h). Chooses the coarsest level whose floor is at most half of the
+/// squared error that `target_db` allows, for the image and for nine of ten tiles. Hidden surfaces, overscan
+/// and keys follow the rules of `trace` for the lens and the shutter; hidden surfaces are skipped if all
+/// circles of confusion differ by less than half a pixel.
+///
+/// Throws Error(wrong_arguments) if `asked` has neither for_f_number and for_focus_m nor for_shutter, and
+/// what trace_to_file throws. Writes a file to the system's temporary folder.
 [[nodiscard]] TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double target_db);
 
 }  // namespace postlens

@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// The bounce chain from the eye to a node: two bits a bounce, the first bounce in the lowest bits.
-/// 0 is the primary node (the surface that the eye ray hits).
+/// The reflections and transmissions from the eye to a node: two bits per bounce, the first bounce in the
+/// lowest bits. 0 is the primary node, the surface that the eye ray hits.
 class NodePath {
   public:
     enum class Bounce : std::uint32_t { none = 0, reflected = 1, transmitted = 2 };
@@ -20,7 +20,7 @@ class NodePath {
     constexpr explicit NodePath(std::uint32_t bits) : bits_(bits) {}
 
     [[nodiscard]] constexpr std::uint32_t bits() const { return bits_; }
-    /// Bounces so far; 0 for the primary node.
+    /// Number of bounces; 0 for the primary node.
     [[nodiscard]] constexpr int depth() const {
         int n = 0;
         for (std::uint32_t b = bits_; b != 0; b >>= 2) ++n;
@@ -37,7 +37,7 @@ class NodePath {
     [[nodiscard]] constexpr NodePath parent() const {
         return bits_ == 0 ? NodePath() : NodePath(bits_ & ~(3U << (2 * (depth() - 1))));
     }
-    /// True where no bounce has the reserved value 3 and no gap precedes a bounce.
+    /// False if a bounce has the reserved value 3, or if a bounce follows an empty one.
     [[nodiscard]] constexpr bool valid() const {
         for (std::uint32_t b = bits_; b != 0; b >>= 2) {
             if ((b & 3U) == 0 || (b & 3U) == 3U) return false;
@@ -53,24 +53,23 @@ class NodePath {
     std::uint32_t bits_ = 0;
 };
 
-/// W = (dX/dp)^-1 dX/dq, unit 1/m, in raster axes (x right, y down): rows are the raster direction of the
-/// move, columns the lens direction. I / z' for what is seen directly or in a flat mirror. See
-/// docs/sample_file.md.
+/// A 2x2 matrix in raster axes (x right, y down). W = (dX/dp)^-1 dX/dq, unit 1/m: rows are the direction in
+/// which the image of a node moves on the raster, columns the direction in which the lens point moves. For
+/// surfaces seen directly or in flat mirrors W = I / z'. See docs/sample_file.md.
 struct Mat2 {
     float xx = 0, xy = 0, yx = 0, yy = 0;
     friend constexpr bool operator==(const Mat2&, const Mat2&) = default;
     [[nodiscard]] static constexpr Mat2 isotropic(float v) { return {v, 0, 0, v}; }
 };
 
-/// What a record does not tell.
+/// Reasons why the samples around a record do not determine what lies between them.
 struct RecordMark {
-    /// Between this point and those around it the surface's texture has contrast, and they are as close as
-    /// the trace takes them.
+    /// The surface's texture varies between this sample and its neighbours, which are at the finest level.
     static constexpr std::uint8_t fine_texture = 1, all = fine_texture;
 };
 
-/// One node. Colours are scene-linear radiance times the path's throughput: the nodes of a point sample add
-/// up.
+/// One node. r, g, b are scene-linear radiance times the throughput of the path, so the radiance of a point
+/// sample is the sum over its nodes.
 struct Record {
     float x = 0, y = 0;  ///< raster position, px; pixel i covers [i, i+1)
     float z = 0;         ///< z', m; +infinity where nothing was hit
@@ -79,17 +78,17 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0: visible from the pinhole
     Mat2 w;
-    /// How far -W q errs, 1/m^2: over a lens of diameter D by about (d / pitch) w_bend (D / 2)^2 px. 0 where
-    /// W is exact or nothing was measured; infinity where other points of the lens do not see the node by
-    /// this path. What a half float holds.
+    /// Second-order error of the reprojection -W q, 1/m^2: at the rim of a lens of diameter D it is about
+    /// (film distance / pixel pitch) w_bend (D / 2)^2 px. 0: W is exact, or the error was not measured.
+    /// Infinity: other lens points do not see the node by this path. Has the precision of a half float.
     float w_bend = 0;
-    std::uint8_t mark = 0;  ///< bits of RecordMark: what it does not tell
+    std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;
 };
 
-/// All the records of a run of whole pixel rows, pixel by pixel: rows [y_begin, y_end), columns [x_begin,
-/// x_end). The records of pixel (x, y) are [offsets[k], offsets[k + 1]) with k = (y - y_begin) * width() + (x
-/// - x_begin), in canonical order: by layer, y, x, path.
+/// The records of consecutive pixel rows: rows [y_begin, y_end), columns [x_begin, x_end). Pixel (x, y) has
+/// the records [offsets[k], offsets[k + 1]), k = (y - y_begin) * width() + (x - x_begin), sorted by layer, y,
+/// x, path.
 struct RecordBand {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint32_t> offsets{0};  ///< width() * height() + 1 entries

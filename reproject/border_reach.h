@@ -1,4 +1,4 @@
-// What may lie beyond the border of the records, and come into view through other points of the lens.
+// Surfaces beyond the border of the records, which other lens points may see.
 #pragma once
 
 #include <array>
@@ -13,13 +13,13 @@
 
 namespace postlens {
 
-/// Surfaces that the border of the records cuts go on beyond it, as far as anybody knows: straight on, as
-/// deep as the nearest that is recorded at the border there.
+/// A surface that the border of the records cuts may continue beyond it. It is assumed to do so at constant
+/// depth, the nearest that is recorded at the border there.
 class BorderReach {
   public:
-    /// For the field's views; those that use `primary` have it as their instant of this number.
+    /// `instant`: the number of `primary` among the field's instants.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
-    /// Marks as SeenTile::maybe_inverse_z where a view may see such a thing in a tile.
+    /// Sets SeenTile::maybe_inverse_z in the pixels where a view may see such a surface.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
   private:
@@ -28,7 +28,7 @@ class BorderReach {
         std::size_t motion_class = 0;
         bool any = false;
     };
-    /// How far any view's lens moves things.
+    /// Upper bound of the shift by the lens over all views.
     struct LensReach {
         glm::dvec2 lens_px{0}, offset_px{0};
         double nearest_focus_per_m = 0, farthest_focus_per_m = std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-// Colours for pixels that nothing is known of.
+// Fills pixels without a colour from their neighbours.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace postlens {
 
-/// Gives the pixels of weight 0 the colours of those around them: each level of a pyramid averages what is
-/// known by weight, and every gap takes the finest level that knows something [gortler1996, sec. 3.5
-/// "pull-push"]. Pixels of weight above 0 keep their colour. With no weight at all the picture becomes black.
+/// Pull-push interpolation [gortler1996, sec. 3.5]: each level of an image pyramid is the weighted mean of
+/// the finer one, and a pixel of weight 0 gets its colour from the finest level with a weight above 0. Pixels
+/// of weight above 0 keep their colour. If all weights are 0, the image becomes black.
 void fill_gaps(Image& image, const std::vector<float>& weight);
 
 }  // namespace postlens

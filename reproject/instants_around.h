@@ -1,4 +1,4 @@
-// Which recorded instants a moment is seen from.
+// The recorded instants from which an instant is reprojected.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,9 @@ struct InstantShare {
     double share = 1;
 };
 
-/// The two instants that a time lies between, the earlier first, with shares by nearness that add up to 1; or
-/// the one next to it. `instants_s`: at least one, in any order.
+/// The recorded instants before and after `time_s`, the earlier first, with the weights of linear
+/// interpolation; only the nearest one if `time_s` is outside of all. `instants_s`: at least one, in any
+/// order.
 [[nodiscard]] std::vector<InstantShare> instants_around(const std::vector<double>& instants_s, double time_s);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// What the motions of views do to a patch: what its plane of depth has to be exact for, and its size small.
+// Bounds of how motion distorts a patch: they limit the patch's size and the error of its depth plane.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace postlens {
 
-/// For PatchLens::motion.
+/// The function PatchLens::motion.
 struct StrainOfMotions {
-    /// By view and motion class, as PatchView::Use::motions: of `strain_views` evenly spread views will do.
+    /// Per view, PatchView::Use::motions; `strain_views` views, spread evenly over the shutter, are enough.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 
-    /// The most in any view; 0 where nothing moves.
+    /// The maximum over the views; 0 if the object does not move.
     [[nodiscard]] MotionStrain operator()(const SheetKey& key, const RasterPoint& middle,
                                           const glm::dvec2& slope, const glm::dvec2& reach) const;
 };

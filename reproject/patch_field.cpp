@@ -20,20 +20,20 @@ constexpr float same_depth = 0.02F;
 
 using Bins = std::vector<std::vector<std::uint32_t>>;  ///< by tile: patches that some view may have there
 
-/// The patches of a tile, in the order they are drawn in.
+/// The patches of a tile, in drawing order.
 struct TilePatches {
     PatchMesh mesh;
     std::vector<PatchReach> reach;
     std::vector<std::uint32_t> motion_class;
 };
 
-/// Those of one chain of bounces: [begin, end).
+/// The patches [begin, end) of one path.
 struct Chain {
     NodePath path;
     std::size_t begin = 0, end = 0;
 };
 
-/// Everything that one thread draws with.
+/// The buffers of one thread.
 struct Workplace {
     SeenTile seen[2];
     std::vector<TilePatches> primary, deeper;  ///< by instant
@@ -46,7 +46,7 @@ struct Workplace {
     TileViews views;
     std::vector<double> light;
     std::array<std::uint8_t, SeenTile::pixels> touched{};
-    /// Of what is traced: lines, their pixels and weights, and what they see, once that is known.
+    /// View samples that are rays: lines, their pixels and weights, and their radiance once traced.
     struct Traced {
         bool whole_tile = false;
         std::vector<SightLine> lines;
@@ -56,8 +56,8 @@ struct Workplace {
         LightSums sum{};
         std::array<std::uint8_t, SeenTile::pixels> uses{};  ///< bits of a view's uses that are left to it
     } traced;
-    /// Of what is compared with rays: by view the pixels, each as often as it is to be; then what the records
-    /// have, and the sums of what rays have more.
+    /// Checked view samples: the pixels per view, with repetitions; lines and the radiance of the records;
+    /// residuals.
     struct Checked {
         std::vector<std::vector<std::uint16_t>> pixels;
         std::vector<std::uint32_t> views;
@@ -69,7 +69,7 @@ struct Workplace {
     } checked;
 };
 
-/// Lines are traced together: as many as keep a tracer busy, no more than stay in its caches.
+/// Number of lines traced together: enough for efficient batches, few enough for the caches.
 constexpr std::size_t lines_together = 4096;
 
 class Field {
@@ -117,8 +117,8 @@ class Field {
   private:
     static int tiles(int px) { return (px + SeenTile::edge - 1) / SeenTile::edge; }
 
-    /// By tile, the patches that reach it in some view: by path, so that what is seen in something comes
-    /// after that, then the nearest first, so that what they hide is soon done with.
+    /// Per tile, the patches that reach it in some view, sorted by path, so that parents come first, and then
+    /// nearest first, so that hidden pixels fail the depth test early.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant) const {
         const PatchSweep sweep(field_);
         std::vector<RasterRect> swept(mesh.patches.size());
@@ -127,7 +127,7 @@ class Field {
             [&](std::size_t i) {
                 const Patch& p = mesh.patches[i];
                 swept[i] = sweep.of(mesh, p, instant);
-                // What has gone from where it was recorded has to be drawn over there.
+                // A moving object must also be drawn over where it was recorded.
                 PatchPlace recorded;
                 if (marked() && marks_[instant][p.sheet] != 0 && place_patch(mesh, p, {}, {}, recorded))
                     swept[i].add(covered(p, recorded));
@@ -261,18 +261,18 @@ class Field {
         }
     }
 
-    /// Along which a view looks at a pixel of a tile.
+    /// Line of sight of a view in a pixel.
     [[nodiscard]] static SightLine line_of(const PatchView& v, const TilePlace& at, int x, int y) {
         return {at.x + x, at.y + y, v.sample, v.lens_point, v.light_before, v.set, v.number};
     }
 
-    /// Notes what the records have where a view is compared with rays, unless it was left to them.
+    /// Stores the radiance of the records for checked view samples, unless they are rays.
     void note_checked(const PatchView& v, std::size_t view, std::size_t u, const TilePlace& at, bool trees,
                       Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[u].instant].primary;
         for (const std::uint16_t k : w.checked.pixels[view]) {
             const std::uint32_t texel = w.seen[u].texel[k];
-            // Of two instants that show one surface the first stands for both.
+            // If both instants show one surface, only the first is checked.
             if (texel == SeenTile::no_texel || (w.traced.uses[k] >> u & 1U) != 0) continue;
             if (v.uses.size() == 2 && (u == 1 || share(v, u, k, w) == 0)) continue;
             const int x = k % SeenTile::edge, y = k / SeenTile::edge;
@@ -299,7 +299,7 @@ class Field {
         c.recorded.clear();
     }
 
-    /// Leaves a view's pixel to rays, with some of its weight.
+    /// Makes a share `weight` of a view sample a ray.
     void leave_to_rays(const PatchView& v, const TilePlace& at, int x, int y, double weight,
                        Workplace& w) const {
         const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
@@ -312,14 +312,14 @@ class Field {
         w.traced.weight.push_back(weight);
     }
 
-    /// Whether the records tell what one of a view's uses sees directly in a pixel.
+    /// Whether the primary surface of a view's use is sure in a pixel.
     [[nodiscard]] bool sure(const PatchView& v, std::size_t u, std::size_t k, const Workplace& w) const {
         const std::uint32_t texel = w.seen[u].texel[k];
         return texel != SeenTile::no_texel && !w.seen[u].may_be_hidden(k) &&
                !field_.instants[v.uses[u].instant].primary->unsure(texel);
     }
 
-    /// Pixels that the records are not sure of by what is seen directly.
+    /// Makes view samples rays whose primary surface is unsure.
     void set_aside(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (int y = 0; y < at.height; ++y) {
             for (int x = 0; x < at.width; ++x) {
@@ -336,7 +336,7 @@ class Field {
         }
     }
 
-    /// The same of what one use shows in mirrors and through glass.
+    /// Makes samples of one use rays whose reflected or transmitted nodes are unsure.
     void set_aside_trees(const PatchView& v, std::size_t u, const TilePlace& at, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[u].instant].primary;
         for (int y = 0; y < at.height; ++y) {
@@ -369,7 +369,8 @@ class Field {
         return false;
     }
 
-    /// Pixels in which an instant shows something that moves: their recorded colours are not what views see.
+    /// Marks pixels where an instant's records show a moving object: their colour differs from that of the
+    /// views.
     void mark_recorded(const TilePlace& at, Workplace& w) const {
         fill_pixels(at, w.touched, 0);
         for (std::size_t i = 0; i < w.primary.size(); ++i) {
@@ -392,7 +393,7 @@ class Field {
         }
     }
 
-    /// What moves in a view, and where it sees nothing.
+    /// Marks pixels where a view sees a moving object or nothing.
     void mark_seen(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (int y = 0; y < at.height; ++y) {
             for (int x = 0; x < at.width; ++x) {
@@ -410,7 +411,7 @@ class Field {
         }
     }
 
-    /// What the tile has in any set.
+    /// Collects the patches of a tile, for all sets.
     void gather(std::size_t tile, Workplace& w) const {
         w.primary.resize(field_.instants.size());
         w.deeper.resize(field_.instants.size());
@@ -421,7 +422,7 @@ class Field {
         if (trees_) gather_chains(tile, w);
     }
 
-    // All chains of bounces that the tile may show, so that they are counted also where a view has none.
+    // All paths that may occur in the tile, so that views without them count as unknown.
     void gather_chains(std::size_t tile, Workplace& w) const {
         for (std::size_t i = 0; i < field_.instants.size(); ++i) {
             if (field_.instants[i].deeper == nullptr) continue;
@@ -443,7 +444,7 @@ class Field {
         }
     }
 
-    /// A tile's patches one after the other, for every view to go through.
+    /// Copies a tile's patches to contiguous memory, as every view reads all of them.
     void gather(const PatchMesh& mesh, const std::vector<std::uint32_t>& bin, TilePatches& out) const {
         out.mesh.sheets = mesh.sheets;
         out.mesh.overlap_px = mesh.overlap_px;
@@ -464,7 +465,7 @@ class Field {
         }
     }
 
-    /// Where a view has what does not move by itself.
+    /// Tests patches without motion against a tile, for one view.
     class ViewReach {
       public:
         ViewReach(const LensShift& lens, const TilePlace& at)
@@ -487,7 +488,7 @@ class Field {
         float x_, y_, x_end_, y_end_;
     };
 
-    /// The motions that a view gives to the patches of a tile.
+    /// The motion of each patch of a tile in one view.
     class Motions {
       public:
         Motions(const PatchView::Use& use, const TilePatches& patches)
@@ -543,7 +544,7 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // A tile that is left to rays is looked at for its lights alone.
+        // In a piece that is left to rays, only highlights need the surfaces.
         const bool drawn = lights || !w.traced.whole_tile;
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -569,7 +570,8 @@ class Field {
             set_aside(v, at, w);
         }
         const bool trees = trees_ && w.trees.any() && !w.traced.whole_tile;
-        // Per use: a pixel counts with the use's share where both show one surface, else the nearer counts.
+        // If both uses show one surface in a pixel, each has its share; otherwise only the nearer surface
+        // counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
             if (rays && trees) set_aside_trees(v, u, at, w);
@@ -584,7 +586,7 @@ class Field {
         if (set.checked && w.checked.lines.size() >= lines_together) check(set, w.checked);
     }
 
-    /// Into the sums: all that a view of one use sees.
+    /// Adds all pixels of a view with one use to the sums.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);
@@ -592,7 +594,7 @@ class Field {
             add_children(mesh, w.seen[0].texel[k], k, v.weight, trees, w);
     }
 
-    /// Of one of a view's uses: only what counts and passes.
+    /// Adds one of two uses to the sums, or a use whose light the lens blocks in some pixels.
     void add_some(const PatchView& v, std::size_t u, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[u].instant].primary;
         for (int y = 0; y < at.height; ++y) {
@@ -613,7 +615,7 @@ class Field {
         }
     }
 
-    /// What a pixel shows in the mirror or glass of a primary texel.
+    /// Adds what a primary texel shows by reflection and transmission.
     static void add_children(const PatchMesh& mesh, std::uint32_t texel, std::size_t k, double weight,
                              bool trees, Workplace& w) {
         const std::array<float, 3> following = mesh.following(texel);

@@ -1,4 +1,4 @@
-// Means of many views of the sheets, each from its own point of the lens and at its own instant.
+// The mean of many views of the sheets, each from its own lens point and at its own instant.
 #pragma once
 
 #include <cstdint>
@@ -13,87 +13,87 @@
 
 namespace postlens {
 
-/// One instant's sheets.
+/// The patches of one recorded instant.
 struct PatchInstant {
     const PatchMesh* primary = nullptr;
-    const PatchMesh* deeper = nullptr;  ///< null: nothing is seen in mirrors or through glass
+    const PatchMesh* deeper = nullptr;  ///< of reflected and transmitted nodes; null: there are none
 };
 
-/// One view: up to two recorded instants, each moved to where the view is, and blended.
+/// One view: up to two recorded instants, each reprojected to the view, and blended.
 struct PatchView {
-    glm::dvec2 sample{0.5};  ///< where in every pixel it looks, px
+    glm::dvec2 sample{0.5};  ///< sample position in every pixel, px
     double weight = 1;
     struct Use {
         std::size_t instant = 0;
-        double share = 1;  ///< of the colour where both instants show the same surface
-        /// The motion by class; empty: nothing moves.
+        double share = 1;  ///< weight of its colour in pixels where both instants show the same surface
+        /// Motion of each class of objects from the instant to the view; empty: nothing moves.
         std::vector<RasterMap> motions;
     };
     std::vector<Use> uses;  ///< one or two
-    LensShift lens;         ///< after the motion
-    /// Whether light gets through to the pixel (x, y) of the picture; none: to all. What does not is black.
+    LensShift lens;         ///< applied after the motion
+    /// Whether the lens transmits light to the pixel (x, y) of the image; none: to all pixels. Others are
+    /// black.
     std::function<bool(int x, int y)> passes;
-    glm::dvec2 lens_point{0};   ///< SightLine's, where there are rays
-    double light_before = 0.5;  ///< likewise
-    std::uint32_t set = 0;      ///< likewise
-    std::uint32_t number = 0;   ///< of the set's views, likewise
+    // Members of SightLine, for sets with rays; `number` is its `view`.
+    glm::dvec2 lens_point{0};
+    double light_before = 0.5;
+    std::uint32_t set = 0;
+    std::uint32_t number = 0;
 };
 
-/// Views that a picture, or some of its tiles, is the mean of.
+/// A set of views. An image, or some of its pieces, is the mean of them.
 struct PatchViews {
     std::vector<PatchView> views;
-    /// Whether a piece of the picture (PatchField::piece_px) is wanted of them; none: all is. What is not
-    /// stays black and unknown.
+    /// Whether this set draws a piece of the image (PatchField::piece_px); none: it draws all. Pieces that no
+    /// set draws stay black and unknown.
     std::function<bool(int x, int y, int width, int height)> wanted;
-    /// May add light of its own to a tile, knowing what every view sees there; from several threads. None:
-    /// nothing is added.
+    /// Adds highlights to a piece, given what every view sees there. Called from several threads. Null: none.
     const class Lights* lights = nullptr;
-    /// Looks where the records are not sure what a view sees; none: what they have stands.
+    /// Traces unsure view samples. Null: they stay as recorded.
     const SightRays* rays = nullptr;
-    /// With rays: whether a tile of the picture is left to them altogether. None: no tile is.
+    /// With rays: whether all view samples of the piece that has the pixel (x, y) are rays. None: no piece.
     std::function<bool(int x, int y)> left_to_rays;
-    LightElsewhere less;  ///< what rays are not to see, as `lights` add it
-    /// With rays: which views of a pixel of the picture are compared with a ray, into `views`, each as often
-    /// as it is named; they change nothing in the picture. None: no view is.
+    LightElsewhere less;  ///< radiance that `lights` add, which rays leave out
+    /// With rays: appends the numbers of the views whose samples of the pixel (x, y) are compared with a ray,
+    /// in PatchPicture::checks. Does not change the image. None: no view is checked.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Which of the pictures they are of. Sets that share one want different tiles.
+    /// Number of the image that this set draws. Sets of one image must draw different pieces.
     std::size_t picture = 0;
 };
 
 struct PatchField {
     std::vector<PatchInstant> instants;
-    /// The motion class of an id; not asked for where nothing moves and there are no marks.
+    /// The motion class of an object. Only called if objects move or there are marks.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// By class: bits that tell where what moves was seen; 0 for what stands still in every view. Empty: it
-    /// is not told.
+    /// Per class, the bits that PatchPicture::touched gets where an object of the class is seen; 0 for a
+    /// class that does not move in any view. Empty: `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
-    std::uint8_t wanted_marks = 0xFF;  ///< tiles that none of these can touch are left as they are
-    /// Sets are asked for by squares of so many px, a tile of SeenTile::edge or some even part of it.
+    std::uint8_t wanted_marks = 0xFF;  ///< tiles where none of these bits can occur are not drawn
+    /// Edge of a piece, px: SeenTile::edge divided by a power of two.
     int piece_px = SeenTile::edge;
-    /// Drawn together: where patches lie is found out once for all.
+    /// All sets share the search for the patches of a tile.
     std::vector<PatchViews> sets;
-    int x = 0, y = 0;  ///< raster px of the pictures' first pixel
+    int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// Raster px that have records: their first and the first after them. Of sets with rays.
+    /// The raster px [begin, end) that have records. Only for sets with rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Where a set's `lights` look at TileViews::patches: how far the lens goes from its middle, as
-    /// LensShift::lens_px.
+    /// Extent of the lens from its centre, as LensShift::lens_px. Only for sets whose `lights` use
+    /// TileViews::patches.
     glm::dvec2 lens_reach_px{0};
 };
 
-/// What every view sees in a tile, of its first use's primary sheets.
+/// The primary surfaces that every view sees in a piece, at the instant of its first use.
 struct TileViews {
-    int x = 0, y = 0, width = 0, height = 0;            ///< px of the picture
-    static constexpr std::size_t row = SeenTile::edge;  ///< pixels to the next row of a view
-    static constexpr std::size_t view = row * row;      ///< and to the next view
-    std::vector<float> inverse_z;                       ///< -1: nothing known
+    int x = 0, y = 0, width = 0, height = 0;            ///< px of the image
+    static constexpr std::size_t row = SeenTile::edge;  ///< stride from one row of a view to the next
+    static constexpr std::size_t view = row * row;      ///< stride from one view to the next
+    std::vector<float> inverse_z;                       ///< 1/m; -1: nothing recorded
     std::vector<std::uint32_t> texel;
-    /// The primary patches that any point of the lens may see here, the nearest first; null where things
-    /// move.
+    /// The primary patches that any lens point may see here, nearest first; null if objects move.
     const PatchMesh* patches = nullptr;
 };
 
-/// Light that is not in the sheets.
+/// Highlights: radiance that was taken out of the sheets and is spread by its impulse response.
 class Lights {
   public:
     Lights() = default;
@@ -102,45 +102,48 @@ class Lights {
     Lights(Lights&&) = delete;
     Lights& operator=(Lights&&) = delete;
     virtual ~Lights() = default;
+    /// Whether any of it reaches a rectangle of the image, px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
-    /// Four for each pixel, in rows of TileViews::row pixels: colour, and that times the radiance of what it
-    /// comes from, both of the brightest channel: the mean square of what single rays would meet.
+    /// Adds four values per pixel to `light`, in rows of TileViews::row pixels: r, g, b, and the mean square
+    /// of the radiance that single rays would find, of the brightest channel.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
 };
 
-/// What rays have shown more than the records, of some of a pixel's views: 0 of those that were traced
-/// anyhow.
+/// Residuals of a pixel's checked views: radiance of the check ray minus that of the records. View samples
+/// that are rays anyway count as residual 0.
 struct PixelCheck {
     std::uint32_t views = 0, rays = 0;
-    std::array<double, 3> sum{};  ///< radiance
+    std::array<double, 3> sum{};  ///< of the residuals of `views` views, scene-linear
     [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
 };
 
 struct PatchPicture {
     PatchPicture() = default;
-    /// Of which nothing is known yet.
+    /// All pixels black and unknown.
     PatchPicture(int width, int height);
-    Image image;                 ///< mean of what is known; black where nothing is
-    std::vector<float> unknown;  ///< share of the views' weight in which no surface is known there
-    /// Share of the views' weight in which something is seen in a mirror or glass that was not recorded; of
-    /// what is dimmer than the pixel wherever it is seen within the tile so much less (TreeSums).
+    Image image;  ///< mean of the view samples that are known; black if none is
+    std::vector<float>
+        unknown;  ///< per pixel: share of the views' weight whose primary surface is not recorded
+    /// Per pixel: share of the views' weight whose reflected or transmitted node is not recorded. A node that
+    /// is dimmer than the pixel everywhere in the tile counts as much less (TreeSums).
     std::vector<float> unknown_below;
-    /// That of it for which too few views see the same to stand in: what the pinhole saw there does.
+    /// The part of `unknown_below` that too few other views see to replace it: it has the pinhole's radiance.
     std::vector<float> guessed_below;
-    /// Share of the views' weight that was traced, of sets with rays; else empty.
+    /// Per pixel: share of the views' weight that is rays. Empty for sets without rays.
     std::vector<float> traced;
-    /// Of sets with `checked`; else empty.
+    /// Per pixel; empty for sets without `checked`.
     std::vector<PixelCheck> checks;
-    /// The squares that `Lights` tell; empty without.
+    /// Per pixel, the fourth value of `Lights`; empty without lights.
     std::vector<float> light_square;
-    /// With PatchField::class_marks: the marks of all that moves and is seen there in a view, or was recorded
-    /// there; all bits where a view sees nothing known. 0: all views see what was recorded.
+    /// Per pixel, with PatchField::class_marks: the marks of all moving objects that a view sees there or
+    /// that are recorded there; all bits if a view sees nothing recorded. 0: every view sees what is recorded
+    /// there.
     std::vector<std::uint8_t> touched;
 };
 
-/// Into pictures of the field's size: what is not wanted keeps what it has. Same bits for any number of
-/// threads, and whichever sets are drawn together.
+/// Draws the sets into `out`, images of the field's size; pieces that no set draws keep their values. Same
+/// bits for any number of threads and for any grouping of sets into calls.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

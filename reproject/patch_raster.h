@@ -1,4 +1,4 @@
-// Patches drawn into a small square of the raster, one sample a pixel, nearest first.
+// Rasterises patches into a tile with a depth test, one sample per pixel.
 #pragma once
 
 #include <algorithm>
@@ -12,22 +12,22 @@ namespace postlens {
 
 struct TilePlace;
 
-/// What one view sees in a square of pixels.
+/// The nearest surface that one view sees in each pixel of a tile.
 struct SeenTile {
     static constexpr int edge = 64;  ///< px
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
-    static constexpr float nothing = -1;  ///< as inverse depth: no surface known there
+    static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Of what is seen in mirrors and glass, beside the texel: drawn by a patch that is bent.
+    /// Bit of `texel`, for reflected and transmitted nodes: drawn by a patch with nonlinear W (Patch::bent).
     static constexpr std::uint32_t bent = 0x80000000U;
 
-    /// Depths, and what is wanted, are read sixteen at a time, beyond the last of a row, too.
+    /// SIMD kernels read 16 values at a time, also beyond the end of the last row.
     static constexpr std::size_t slack = 16;
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Of the nearest surface that may be there (SheetNode::maybe) and would be in front of what was then
-    /// seen.
+    /// Inverse depth of the nearest surface that may cover the pixel (SheetNode::maybe), if it is in front of
+    /// everything drawn before it.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -35,22 +35,22 @@ struct SeenTile {
         texel.fill(no_texel);
         maybe_inverse_z.fill(nothing);
     }
-    /// Of the pixels in use alone.
+    /// Clears only the pixels in use.
     void clear(const TilePlace& at);
-    /// Whether something that the records do not decide may hide what is seen.
+    /// Whether a surface whose edge is not resolved may hide the visible one.
     [[nodiscard]] bool may_be_hidden(std::size_t pixel) const {
         return maybe_inverse_z[pixel] > inverse_z[pixel];
     }
 };
 
-/// Which pixels of the raster a tile has, and where in each of them a view looks.
+/// Position of a tile on the raster, the pixels in use, and the sample position within each pixel.
 struct TilePlace {
     int x = 0, y = 0;                                     ///< raster px of the first
     int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
     glm::dvec2 sample{0.5};                               ///< px
 };
 
-/// Sets values of a tile's pixels, row by row of SeenTile::edge: of those in use.
+/// Sets the values of the pixels in use; `values` has rows of SeenTile::edge.
 template <typename Values>
 void fill_pixels(const TilePlace& at, Values& values, const typename Values::value_type& value) {
     for (int y = 0; y < at.height; ++y) std::fill_n(values.begin() + y * SeenTile::edge, at.width, value);
@@ -68,11 +68,11 @@ struct TilePart {
     [[nodiscard]] bool empty() const { return x_begin >= x_end || y_begin >= y_end; }
 };
 
-/// Which blocks of a tile's pixels have something.
+/// A bit mask of the 8 x 8 px blocks of a tile that are not empty.
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
-    /// Whether any has of those that [x0, x1] x [y0, y1] meets, px from the tile's corner.
+    /// Whether any block that overlaps [x0, x1] x [y0, y1], px from the tile's corner, is not empty.
     [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
         constexpr auto end = static_cast<float>(SeenTile::edge);
         if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;

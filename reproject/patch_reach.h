@@ -1,4 +1,4 @@
-// Which patches a view cannot have in a tile, found in less time than it takes to place them.
+// A cheap test that excludes patches outside a tile before their map is computed.
 #pragma once
 
 #include <cmath>
@@ -7,21 +7,22 @@
 
 namespace postlens {
 
-/// Bounds of where a patch that does not move by itself comes to lie: its middle, which is affine in the
-/// lens's point, and half of its extent, the greatest of all points.
+/// Bounds of a patch without motion in any view: its centre, which is affine in the lens point, and half of
+/// its largest extent over all lens points.
 struct PatchReach {
-    float x = 0, y = 0;                     ///< raster px of the middle, as recorded
-    float xx = 0, xy = 0, yx = 0, yy = 0;   ///< of the middle: W, 1/m
+    float x = 0, y = 0;                     ///< centre in the pinhole's view, raster px
+    float xx = 0, xy = 0, yx = 0, yy = 0;   ///< W of the centre, 1/m
     float half_width = 0, half_height = 0;  ///< px
 
     struct Bounds {
         float x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< raster px
-        /// Whether no pixel of [left, right] x [top, bottom] can be in it.
+        /// Whether the rectangle [left, right] x [top, bottom] is disjoint from it.
         [[nodiscard]] bool misses(float left, float right, float top, float bottom) const {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }
     };
-    /// All of it lies within. `lens`: the lens's point; `shift`: by how much it moves everything, px.
+    /// Bounding rectangle of the patch for one view. `lens`: LensShift::lens_px; `shift`: the shift of a node
+    /// at infinity (W = 0), px.
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);
@@ -29,7 +30,8 @@ struct PatchReach {
     }
 };
 
-/// `farthest_px`: the greatest |x| and |y| of the lens's points; `shift_px`: of what moves everything.
+/// `farthest_px`: largest |x| and |y| of all views' LensShift::lens_px; `shift_px`: largest shift of a node
+/// at infinity.
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

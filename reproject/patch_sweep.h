@@ -1,4 +1,4 @@
-// Where patches come to lie in all views together.
+// Bounding rectangles of patches over all views.
 #pragma once
 
 #include <vector>
@@ -10,32 +10,31 @@
 
 namespace postlens {
 
-/// What a patch moves with: what is seen in a mirror or glass moves with that.
+/// Motion class of a patch. Reflected and transmitted nodes have that of the object that shows them.
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
-/// Rectangles that hold all that the views of a field have of a patch, and all that any point of the lens as
-/// far as `lens_reach_px` has.
+/// Rectangles that contain a patch in all views of a field, and for all lens points within `lens_reach_px`.
 class PatchSweep {
   public:
-    /// Keeps a reference to `field`, of which sets' views, motion_class and lens_reach_px are asked for.
+    /// Keeps a reference to `field`; uses its sets' views, motion_class and lens_reach_px.
     explicit PatchSweep(const PatchField& field);
-    /// Raster px; nothing where no view has anything of it.
+    /// Rectangle of a patch, raster px; empty if no view uses the instant.
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:
-    /// A patch that does not move by itself lies affinely in the lens's point: the corners of a box around
-    /// all of them bound it.
+    /// Bounding box of all lens shifts. The position of a patch without motion is affine in the shift, so the
+    /// box's corners bound it.
     struct Box {
         LensShift low, high;
-        std::vector<TimeSpanViews> spans;  ///< where any class moves
+        std::vector<TimeSpanViews> spans;  ///< only if a motion class moves
         bool any = false;
-        std::vector<std::uint8_t> moves;  ///< by motion class, as far as views have motions
+        std::vector<std::uint8_t> moves;  ///< per motion class, whether it moves in any view
     };
     void note(const PatchView& view);
-    /// The box's corners, 4 or 8 of them more where views are offset.
+    /// Calls `add` with the box's corners.
     template <typename Add>
     static void for_corners(const Box& box, const Add& add);
-    /// A patch that moves, in all of a span.
+    /// Extends `out` by a moving patch over a span.
     static void add_span(const PatchMesh& mesh, const Patch& patch, std::size_t motion, const Box& box,
                          const TimeSpanViews& span, RasterRect& out);
     const PatchField& field_;

@@ -299,7 +299,7 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
 
 namespace {
 
-/// 1/z' of a part of a patch, around the part's corner.
+/// 1/z' of a part of a patch: value at the part's corner, slopes by x and y.
 glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& part) {
     const CellPlane& plane = mesh.planes[whole.first_plane];
     const glm::dvec2 slope(plane.x, plane.y);
@@ -308,8 +308,8 @@ glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& 
         slope.x, slope.y};
 }
 
-// At pixel p the lens's point is q = L (p - at), which shows there what lies at x with x + (s - w) q = p:
-// x - at = C (p - at), C = I - (s - w) L, where the depth w changes with x.
+// Pixel p has the lens point q = L (p - at). A surface point at raster position x and inverse depth w is seen
+// at p = x + (s - w) q. So x - at = C (p - at) with C = I - (s - w) L, where w depends on x.
 bool place_part(const PatchMesh& mesh, const Patch& part, const glm::dvec3& inverse_z, const PointRays& rays,
                 PatchPlace& out) {
     constexpr double least_determinant = 1e-9;

@@ -1,5 +1,5 @@
-// Where what is recorded at a raster position and depth lies at another instant: every rigid motion of object
-// and camera is a 4x4 matrix in these coordinates.
+// Motion in raster coordinates: a rigid motion of object and camera maps raster position and depth at one
+// instant to those at another by a 4x4 matrix.
 #pragma once
 
 #include <functional>
@@ -19,27 +19,26 @@ struct RasterPoint {
     double x = 0, y = 0, inverse_z = 0;
 };
 
-/// Where a point of a surface comes to lie, and how its surroundings do.
+/// First-order map of a surface around one of its points.
 struct RasterTangent {
-    RasterPoint at;
-    RasterPoint by_x, by_y;  ///< per px to the right and down
-    glm::dvec2 by_depth{0};  ///< px by which what is nearer by 1/m comes to lie elsewhere
-    double bend_px = 0;      ///< by which what is `reach` away lies elsewhere than to first order, about
+    RasterPoint at;          ///< image of the point
+    RasterPoint by_x, by_y;  ///< derivatives along the surface, per px to the right and down
+    glm::dvec2 by_depth{0};  ///< derivative of the image by inverse depth, px m
+    double bend_px = 0;      ///< about the second-order error at distance `reach`, px
 };
 
-/// Raster and depth to raster and depth. Perspective: in homogeneous coordinates (x, y, 1, 1/z') a motion is
-/// a matrix, and what is infinitely far needs no case of its own. Orthographic: in (x, y, z', 1); what is
-/// infinitely far stays.
+/// A map of raster position and depth. Perspective: a matrix on homogeneous (x, y, 1, 1/z'), which includes
+/// points at infinity. Orthographic: a matrix on (x, y, z', 1); points at infinity do not move.
 class RasterMap {
   public:
     RasterMap() = default;
     RasterMap(const glm::dmat4& matrix, Projection projection)
         : m_(matrix), projection_(projection), identity_(matrix == glm::dmat4(1)) {}
 
-    /// Nothing where the point comes to lie behind the camera.
+    /// Image of a point; none if it lies behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
-    /// Of a surface whose inverse depth goes on from `p` by `slope` per px to the right and down, as far as
-    /// `reach` px either way. Nothing where any of that comes to lie behind the camera.
+    /// Tangent at `p` of a surface whose inverse depth changes by `slope` per px to the right and down, and
+    /// that extends `reach` px either way. None if a part of its image lies behind the camera.
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
                                                        const glm::dvec2& reach) const;
     [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
@@ -52,42 +51,43 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// What a point of the lens adds to the movement of what it sees: `(1/s I - W) lens_px + offset_px`, W being
-/// I / z' for what is seen directly.
+/// The shift of a node's image for one lens point: `(1/s I - W) lens_px + offset_px`; W = I / z' for primary
+/// nodes.
 struct LensShift {
-    glm::dvec2 lens_px{0};  ///< film distance / pitch times the point of the lens, px m
+    glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
     glm::dvec2 offset_px{0};
     friend bool operator==(const LensShift&, const LensShift&) = default;
     [[nodiscard]] bool none() const { return *this == LensShift{}; }
 };
 
-/// A motion, then the lens's shift of what is seen directly. Perspective, unless the lens shifts nothing.
+/// `motion`, then the shift of primary nodes by the lens. Must be perspective, unless the shift is 0.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
 /// The camera's frame at the frame's instant (m; x right, y up, looking along -z) from the raster, both
 /// homogeneous: (x, y, 1, 1/z') for a perspective camera, (x, y, z', 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
-/// The motion of every id on the raster: what the header says, or what was put in its place.
+/// The motion of every object on the raster: from the file's header, or as set later.
 class FrameMotion {
   public:
     explicit FrameMotion(const SampleHeader& header);
 
-    /// Movement on the raster, px, as a function of time: in place of the id's motion and the camera's.
+    /// Displacement on the raster, px, as a function of time.
     using Displacement = std::function<glm::dvec2(double time_s)>;
+    /// Replaces the motion of the object and of the camera, for this object.
     void set_displacement(std::uint32_t id, Displacement displacement, std::vector<double> breaks_s);
-    /// Rigid motion of the id in the world; the camera's own stays.
+    /// Replaces the rigid motion of the object in the world; the camera moves as before.
     void set_keys(std::uint32_t id, const std::vector<TransformKey>& keys);
 
-    /// From the raster at one instant to the raster at another, for what belongs to `id` (0: nothing, at
-    /// infinity). Exactly the identity where neither the id nor the camera moves between the two.
+    /// Map from the raster at one instant to the raster at another, for the object `id` (0: background at
+    /// infinity). Exactly the identity if neither object nor camera moves between the two.
     [[nodiscard]] RasterMap map(std::uint32_t id, double from_s, double to_s) const;
-    /// Instants at which the motion of the id (with the camera's) may change its course, sorted.
+    /// Sorted instants at which the motion of the object or of the camera may have a corner.
     [[nodiscard]] std::vector<double> breaks_s(std::uint32_t id) const;
-    /// Whether ids without a motion of their own move on the raster between two instants: the camera moves.
+    /// Whether the camera moves between two instants.
     [[nodiscard]] bool camera_moves(double open_s, double close_s) const;
-    /// Ids with a motion of their own.
+    /// Ids of objects with their own motion.
     [[nodiscard]] std::vector<std::uint32_t> moving_ids() const;
 
   private:

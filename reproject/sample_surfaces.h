@@ -1,4 +1,5 @@
-// Records as surfaces: per point sample and layer one surface with the colour of its whole shading tree.
+// Records as surfaces: either one surface per point sample and layer, with the radiance of its whole shading
+// tree, or one surface per node.
 #pragma once
 
 #include <array>
@@ -10,40 +11,39 @@
 
 namespace postlens {
 
-/// What is seen at one layer of a point sample: the primary node's depth and id, the colours of all its
-/// nodes.
+/// One layer of a point sample: depth and id of the primary node, radiance of all nodes.
 struct LayerSurface {
     float inverse_z = 0;  ///< 1/m; 0: infinitely far
     float r = 0, g = 0, b = 0;
     std::uint32_t id = 0;
 };
 
-/// A node of the shading tree as a surface of its own: what is seen directly, in a mirror or through glass.
+/// One node of the shading tree as a surface.
 struct TreeSurface {
-    float inverse_z = 0;         ///< of z', 1/m
-    std::array<float, 3> rgb{};  ///< this node's alone
+    float inverse_z = 0;         ///< 1/z', 1/m
+    std::array<float, 3> rgb{};  ///< radiance of this node, without its children
     std::uint32_t id = 0;
     NodePath path;
-    std::uint32_t parent_id = 0;  ///< of what it is seen in; 0 for a primary node
-    std::uint8_t children = 0;    ///< child_bit of the bounces that have a node here
+    std::uint32_t parent_id = 0;  ///< id of the parent node's object; 0 for a primary node
+    std::uint8_t children = 0;    ///< bits (child_bit) of the bounces with a child node
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
-    /// The colours of all nodes that go on from here by the reflection, by the transmission.
+    /// Radiance of the whole subtree of the reflected child, and of the transmitted one.
     std::array<std::array<float, 3>, 2> below{};
-    /// How far W of any of them departs from this node's, 1/m: the greatest that a lens direction of length 1
-    /// is moved by. Infinite where one is brighter than asked for.
+    /// Per child, the largest difference between W of a node of its subtree and W of this node: spectral
+    /// norm, 1/m. Infinity if a node of the subtree is brighter than `bright_above` of find_trees.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
     return static_cast<std::uint8_t>(1U << (static_cast<std::uint32_t>(b) - 1));
 }
 
-/// Whether surfaces of these inverse depths, `across` apart (tangent of the angle; orthographic: m), can be
-/// one: whether it would slope by at most 88.6 degrees against the film, a sphere's last half pixel before
-/// its outline.
+/// Whether two samples can lie on one surface: whether that surface's angle to the film is at most 88.6
+/// degrees, which a sphere reaches half a pixel inside its outline. `across`: distance of the samples on the
+/// film, as a tangent (perspective) or in m (orthographic).
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
-/// The film's tangent, orthographic: m, per px.
+/// Size of a pixel for is_one_surface: a tangent (perspective), or m (orthographic).
 [[nodiscard]] double across_per_px(const SampleHeader& header);
 
 /// The surfaces of some point samples: sample i has [offsets[i], offsets[i + 1]), the nearest layer first.
@@ -52,8 +52,8 @@ struct SampleSurfaces {
     std::vector<std::uint32_t> offsets;
 };
 
-/// Of `points`, taken from the rows of `band` from y_begin on. A layer whose primary node is not recorded is
-/// left out.
+/// Finds the surfaces of `points`, which are from the rows of `band` from y_begin on. Skips layers without a
+/// primary node.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
 /// The nodes of some point samples: sample i has [offsets[i], offsets[i + 1]), the nearest layer first, in
@@ -61,13 +61,13 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
 struct SampleTrees {
     std::vector<TreeSurface> nodes;
     std::vector<std::uint32_t> offsets;
-    bool any_below = false;  ///< whether some node's `below` may be more than black
+    bool any_below = false;  ///< false: all `below` are black
 };
 
-/// As find_surfaces, with every node by itself: primary nodes, hidden ones included, into `primary`, all
-/// others into `deeper`. Of a layer without a primary node, which is what a mirror or glass of layer 0 hides,
-/// the nodes whose parent is known. `bright_above`: light above this in any channel may not be taken for its
-/// mirror's own (TreeSurface::strays).
+/// As find_surfaces, with one surface per node: primary nodes of all layers go to `primary`, the others to
+/// `deeper`. A layer without a primary node has surfaces hidden within a reflection or refraction of layer 0;
+/// of these, nodes whose parent is recorded are used. Nodes brighter than `bright_above` in any channel are
+/// never drawn as part of their parent (TreeSurface::strays).
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

@@ -1,4 +1,4 @@
-// What views of a tile see directly, added up.
+// Sums of the primary nodes' radiance over the views of a tile.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@
 
 namespace postlens {
 
-/// By pixel of a tile: of all views that see anything there, colours times weights, and the weights.
+/// Per pixel of a tile, the sum over views of r, g, b times the view's weight, and of the weights.
 using LightSums = std::array<std::array<double, 4>, SeenTile::pixels>;
-/// Pixels of a tile, as many as there are.
+/// A list of pixels of a tile.
 struct PixelList {
     std::array<std::uint16_t, SeenTile::pixels> pixels{};
     std::size_t count = 0;
@@ -19,8 +19,8 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// Adds the texels' own colours of what a view sees in the tile's first `width` x `height` pixels. Which of
-/// them show mirrors or glass with something in it comes into `with_children`.
+/// Adds the texels' colours that a view sees in the tile's first `width` x `height` pixels. `with_children`
+/// gets the pixels whose texel has child nodes.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);
 

@@ -1,4 +1,4 @@
-// Leaves of the quadtree, one square of the raster at a time, made into sheets.
+// Builds the sheets of one square of the raster from its quadtree leaves.
 #pragma once
 
 #include <span>
@@ -11,16 +11,16 @@
 
 namespace postlens {
 
-/// Pixels of a square: rows of the leaves' band from its first, columns [first_pixel, last_pixel) of it.
+/// The pixels of a square: the first `rows` rows of the leaves' band, columns [first_pixel, last_pixel).
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
     int x = 0, y = 0;  ///< raster px
 };
 
-/// The four corners of a leaf that see one surface give a square with their mean; where a corner sees another
-/// or the depth jumps, each corner has the quarter of the leaf next to it. Within a cell, parts of a key that
-/// cannot be one surface go to sheets of their own.
+/// If all four corners of a leaf see one surface, the leaf gets their mean. If a corner sees another surface,
+/// or the depth jumps, each corner gets the adjacent quarter of the leaf. Parts of one key within a cell that
+/// cannot be one surface become different sheets.
 class SheetBuilder {
   public:
     /// Keeps references to all.
@@ -29,35 +29,36 @@ class SheetBuilder {
     void build(const SheetSquare& square);
 
   private:
-    /// A square of the raster that shows one surface: its corners' nodes, or one node for a quarter.
+    /// A leaf that shows one surface, or a quarter of a leaf.
     struct Piece {
-        std::uint32_t key = 0;  ///< of keys_
+        std::uint32_t key = 0;  ///< index into keys_
         int cell = 0;
         float x = 0, y = 0, size = 0;  ///< px from the cell's corner
         std::array<std::uint32_t, 4> node{};
-        int corners = 4;  ///< 1: node[0] alone, which stands at (at_x, at_y)
+        int corners =
+            4;  ///< 4: the leaf's corners; 1: a quarter, only node[0], at (at_x, at_y) px in the cell
         float at_x = 0, at_y = 0;
-        bool cut_before = false;  ///< Highlight's
-        bool maybe = false;       ///< SheetNode::maybe: the surface of node[0] may reach as far as here
+        bool cut_before = false;  ///< Highlight::cut_before
+        bool maybe = false;       ///< SheetNode::maybe: the surface of node[0] may extend into this quarter
     };
-    /// What the corners of a leaf have in common: the n-th node of a key at each.
+    /// The n-th node of a key at each corner of a leaf.
     struct Group {
         std::uint32_t key = 0;
-        std::uint32_t next = 0;  ///< the group of the (n + 1)-th
+        std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
         std::array<std::uint32_t, 4> corners{};
     };
     void add_leaf(const Leaf& leaf, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
                    float size, int cell, const Leaf& leaf);
-    /// What a corner of a leaf shows beside a surface: something before it, and, where it does not show the
-    /// surface itself, something behind it.
+    /// Whether a corner of a leaf shows a nearer surface than a given one, or, without showing that one, a
+    /// farther one.
     struct Beside {
         bool before = false, behind = false;
     };
     [[nodiscard]] Beside beside(std::uint32_t corner, const TreeSurface& of, float size) const;
-    /// Whether an edge of a shadow or a texture lies between a piece's corners.
+    /// Whether the corners' colours differ as at an edge of a shadow or a texture.
     [[nodiscard]] bool has_contrast(const Piece& piece) const;
-    /// Whether all its corners are marked: what lies between them is not known.
+    /// Whether all corners have a mark (RecordMark).
     [[nodiscard]] bool is_marked(const Piece& piece) const;
     [[nodiscard]] bool has_contrast_below(const Piece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
@@ -70,13 +71,13 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const Piece& piece);
     template <std::size_t values>
     void fit(std::span<const Piece* const> pieces, CellPlane* planes) const;
-    /// Notes that a texel of this area has the light that was added since there was so much.
+    /// Assigns the highlights from `first_light` on to the texel added last, which has this area, px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] bool continuous(float low, float high, float size) const;
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
 
-    /// A sheet as it is being made: its cells in the square's order, with what is in each.
+    /// A sheet under construction; cells in the square's order.
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;
@@ -97,17 +98,17 @@ class SheetBuilder {
     bool perspective_;
     SheetSquare square_;
     std::vector<Piece> pieces_;
-    std::vector<const Piece*> sorted_;      ///< by key, in each as they came
-    std::vector<std::uint32_t> keys_used_;  ///< by pieces_; growing once sorted
-    /// By key: pieces, then where in sorted_ they end; and the first group of a leaf. 0 and `none` between
-    /// uses.
+    std::vector<const Piece*> sorted_;      ///< pieces_ by key, stable
+    std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
+    /// Per key: the number of its pieces, later their end in sorted_; and its first group of a leaf. Reset to
+    /// 0 and `none` after use.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
     std::vector<Draft> drafts_;
     std::size_t drafts_used_ = 0;
-    SheetKey key_;  ///< of the drafts
+    SheetKey key_;  ///< key of the drafts
     std::vector<const Piece*> tree_pieces_;
-    /// Of the texels of a cell, by area.
+    /// Mean over the texels of a cell, weighted by area.
     struct Mean {
         std::array<double, 3> rgb{};
         std::array<std::array<double, 3>, 2> below{};

@@ -1,4 +1,4 @@
-// Which sheets the nodes of some point samples belong to, as numbers.
+// Numbers the distinct sheet keys of nodes.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 namespace postlens {
 
 struct SheetKeys {
-    std::vector<SheetKey> keys;          ///< in growing order, each once
+    std::vector<SheetKey> keys;          ///< ascending, distinct
     std::vector<std::uint32_t> of_node;  ///< index into `keys`
 };
 
-/// By node of `trees`.
+/// Finds the keys of all nodes of `trees`.
 void find_sheet_keys(const SampleTrees& trees, SheetKeys& out);
 
 }  // namespace postlens

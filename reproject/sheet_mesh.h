@@ -1,5 +1,5 @@
-// The records of one instant as sheets: surfaces cut into squares of the raster, whose colour is a quadtree
-// of even squares for each pixel and whose depth is a plane for each pixel. What many views are drawn from.
+// The records of one instant as sheets, from which views are drawn. A sheet is one surface within a square of
+// the raster: per pixel a quadtree of uniform colours, and a plane of depths.
 #pragma once
 
 #include <array>
@@ -12,12 +12,13 @@
 
 namespace postlens {
 
-/// What belongs together: an id, and where it is seen in mirrors or glass, in which.
+/// Nodes of one key form a surface: same object, same path, same reflecting or transmitting object before it.
 struct SheetKey {
-    NodePath path;                ///< of a primary node: none
-    std::uint32_t parent_id = 0;  ///< of the mirror or glass that it is seen in; 0 for primary nodes
+    NodePath path;  ///< empty for primary nodes
+    std::uint32_t parent_id =
+        0;  ///< id of the object whose reflection or refraction shows it; 0 for primary nodes
     std::uint32_t id = 0;
-    bool hidden = false;  ///< of primary nodes: something is closely in front of it where it was recorded
+    bool hidden = false;  ///< primary nodes recorded closely behind another surface
     friend bool operator==(const SheetKey&, const SheetKey&) = default;
     [[nodiscard]] bool operator<(const SheetKey& o) const {
         if (path != o.path) return path.bits() < o.path.bits();
@@ -26,14 +27,14 @@ struct SheetKey {
     }
 };
 
-/// A function of the place: `value + x * dx + y * dy`, x and y in px from where its owner says.
+/// A linear function of raster position: `value + x * dx + y * dy`; dx, dy are px from the owner's origin.
 struct CellPlane {
     float value = 0, x = 0, y = 0;
 };
 
-/// The colour of a square, with what else is known of it.
+/// Colour and flags of a quadtree leaf.
 struct Texel {
-    float r = 0, g = 0, b = 0;  ///< scene-linear, of this node of the shading tree alone
+    float r = 0, g = 0, b = 0;  ///< scene-linear radiance of this node, without its children
     std::uint32_t info = 0;     ///< as `info_of` packs it
     /// `unsure`: some of unsure_bit and unsure_below_bit.
     [[nodiscard]] static constexpr std::uint32_t info_of(std::uint32_t sheet, std::uint8_t children,
@@ -42,53 +43,53 @@ struct Texel {
     }
     static constexpr std::uint32_t sheet_shift = 4, unsure_bit = 4, unsure_below_bit = 8;
     [[nodiscard]] std::uint32_t sheet() const { return info >> sheet_shift; }
-    /// child_bit of the bounces that have a node there.
+    /// Bits (child_bit) of the bounces that have a child node there.
     [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & 3U); }
-    /// Whether an edge cuts the leaf it was made of: of the surface, a shadow or a texture. What lies between
-    /// the leaf's corners is then not known.
+    /// Whether an edge of the surface, of a shadow or of a texture cuts the leaf, so that its corners do not
+    /// determine its colour.
     [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
-    /// The same of the light of all that is seen in it.
+    /// The same for the radiance of its child nodes.
     [[nodiscard]] bool unsure_below() const { return (info & unsure_below_bit) != 0; }
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
-/// A node of a pixel's quadtree: `none`, `maybe`, a leaf with its texel, or the first of four nodes (up-left,
-/// up-right, down-left, down-right). `maybe`: the surface's edge cuts the leaf, and this corner of it shows
-/// something farther away; how far the surface reaches into its quarter is not known.
+/// A quadtree node: `none`, `maybe`, a leaf (the number of its texel), or the index of its first child
+/// (up-left, then up-right, down-left, down-right). `maybe`: the surface's edge cuts the leaf and this corner
+/// shows a farther surface, so how far the surface reaches into this quarter is not known.
 struct SheetNode {
     static constexpr std::uint32_t none = 0xFFFFFFFFU, maybe = 0xFFFFFFFEU, leaf = 0x80000000U;
     [[nodiscard]] static constexpr bool empty(std::uint32_t node) { return node >= maybe; }
 };
 
-/// One surface within one square of the raster.
+/// One surface within a square of the raster.
 struct Sheet {
     SheetKey key;
-    int x = 0, y = 0;                            ///< raster px of its first cell; a cell is a pixel
+    int x = 0, y = 0;                            ///< raster px of its first cell; a cell is one pixel
     int width = 0, height = 0;                   ///< cells
-    std::uint32_t first_cell = 0;                ///< row by row
+    std::uint32_t first_cell = 0;                ///< index of its first cell; cells follow row by row
     int depth = 0;                               ///< levels of its deepest quadtree
     float inverse_z_min = 0, inverse_z_max = 0;  ///< 1/m
     std::array<float, 2> strays{};               ///< the greatest TreeSurface::strays of its texels
 };
 
-/// Light above a limit, taken from the sheets to be spread by its exact response.
+/// Radiance above a limit that is taken out of the sheets and spread by its impulse response.
 struct Highlight {
     float x = 0, y = 0;          ///< raster px
     std::array<float, 3> rgb{};  ///< radiance times px^2
-    float area = 0;              ///< px^2
+    float area = 0;              ///< px^2 of the surface that emits it
     Mat2 w;                      ///< 1/m
     float inverse_z = 0;         ///< 1/m
     std::uint32_t sheet = 0;
-    bool cut_before =
-        false;  ///< something nearer cuts the leaf it was found in: there may be more of it behind that
+    /// A nearer surface cuts the leaf it was found in, and may hide more of it.
+    bool cut_before = false;
 };
 
-/// A texel that has light above the limit.
+/// A texel with radiance above the limit.
 struct BrightTexel {
     std::uint32_t texel = 0;
-    std::uint32_t first_light = 0, lights = 0;  ///< of SheetMesh::bright: what it has of that
-    float area = 1;                             ///< px^2 of its square
-    std::array<float, 3> rgb{};                 ///< its colour without that
+    std::uint32_t first_light = 0, lights = 0;  ///< its elements of SheetMesh::bright
+    float area = 1;                             ///< px^2 of its leaf
+    std::array<float, 3> rgb{};                 ///< its colour without them
 };
 
 struct SheetMesh {
@@ -96,38 +97,40 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// By cell: the root of its quadtree; and, for where it comes to a blur of several pixels, the same with
-    /// cells that the sheet fills as a single square.
+    /// Per cell, the root of its quadtree. `coarse` is for surfaces blurred over several pixels: a cell that
+    /// the sheet fills is a single leaf.
     std::vector<std::uint32_t> fine, coarse;
-    /// By cell, `values` each, around the cell's middle: 1/z', then with W its xx, xy, yx, yy; 1/m.
+    /// Per cell `values` planes with origin at the cell's centre, 1/m: 1/z', then, with W, its xx, xy, yx,
+    /// yy.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
-    std::vector<float> bends;  ///< by cell, with W: the greatest Record::w_bend that it has
+    std::vector<float> bends;  ///< per cell, with W: its largest Record::w_bend
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
-    /// By texel where something is seen in mirrors or glass here, else empty: TreeSurface's.
+    /// Per texel, TreeSurface::below; empty without child nodes.
     std::vector<std::array<std::array<float, 3>, 2>> below;
-    /// All light above the limit, and the texels that have it, fine and coarse, unless it is taken.
+    /// All radiance above the limit, and the texels, fine and coarse, that have it.
     std::vector<Highlight> bright;
     std::vector<BrightTexel> bright_texels;
-    std::vector<Highlight> highlights;  ///< what of it is taken
+    std::vector<Highlight> highlights;  ///< the elements of `bright` that are taken out of the texels
 
     [[nodiscard]] bool has_w() const { return values == 5; }
 };
 
-/// The shading trees taken apart: what is seen directly, and what is seen in mirrors and through glass.
+/// Sheets of the primary nodes, and of the reflected and transmitted ones.
 struct TreeSheets {
     SheetMesh primary;
-    SheetMesh deeper;  ///< with W; no sheets where there are no deeper nodes
+    SheetMesh deeper;  ///< with W; empty without such nodes
 };
 
-/// What of a colour is a highlight: all above `above` in any channel, of what `takes` says.
+/// Which radiance is spread as a highlight: the part above `above`, per channel, if `takes` returns true.
 struct HighlightRule {
     float above = 1;
-    /// None: nothing is. `key`: of the sheet that it is in. `area_px2`: of all light above the limit there.
+    /// `key`: of the highlight's sheet. `area_px2`: of all radiance above the limit in that sheet. None:
+    /// nothing is taken.
     std::function<bool(const Highlight& light, const SheetKey& key, float area_px2)> takes;
 };
-/// By sheet, px^2: of all light above the limit.
+/// Per sheet, the area of its radiance above the limit, px^2.
 [[nodiscard]] std::vector<float> bright_areas(const SheetMesh& mesh);
 
 /// Which of an instant's sheets are wanted. Those that are have the same bits as among all, but other

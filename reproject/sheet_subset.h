@@ -1,4 +1,4 @@
-// Some of a mesh's sheets.
+// A mesh with a subset of the sheets of another.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// The sheets whose entry of `wanted` is not 0, in their order, with all that is theirs; before highlights
-/// are taken.
+/// Copies the sheets whose entry of `wanted` is not 0, in the same order, with their cells and texels. Call
+/// it before take_highlights.
 [[nodiscard]] SheetMesh sheet_subset(const SheetMesh& mesh, std::span<const std::uint8_t> wanted);
 
 }  // namespace postlens

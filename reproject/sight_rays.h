@@ -1,4 +1,4 @@
-// Radiance along lines of sight, for what the records do not show.
+// Interface to a ray tracer: radiance along the lines of sight of view samples.
 #pragma once
 
 #include <array>
@@ -11,25 +11,26 @@
 
 namespace postlens {
 
-/// What one view sees at one pixel: a ray from a point of the lens at an instant.
+/// The ray of one view sample: through a position in the pixel, from a lens point, at an instant.
 struct SightLine {
-    int x = 0, y = 0;           ///< raster px of the pixel
-    glm::dvec2 place{0.5};      ///< where in the pixel it goes through the plane in focus, px
-    glm::dvec2 lens{0};         ///< in units of the lens's radius, raster axes
-    double light_before = 0.5;  ///< of the shutter's light, what has come in before
-    /// Number the pixel's lines: those of one set are spread over lights and lobes, sets are independent.
+    int x = 0, y = 0;           ///< pixel, raster px
+    glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
+    glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
+    double light_before = 0.5;  ///< share of the exposure that is over at the ray's instant, 0 to 1
+    /// Seed of the ray's samples of lights and lobes. Views of one set are stratified; sets are independent.
     std::uint32_t set = 0, view = 0;
 };
 
-/// Light that comes to the picture by another way, so that no line must meet it.
+/// Radiance that is added to the image as highlights, so that rays must not count it again.
 struct LightElsewhere {
-    float above = 1;  ///< radiance of a node: what it has more, in any channel
-    /// Which nodes: their chain of bounces, the ids of the last mirror or glass and of what is seen, and,
-    /// where that is seen directly, the raster px at which the pinhole would see it. None: no node.
+    float above = 1;  ///< a node's radiance is clamped to this, per channel
+    /// Whether a node is clamped. Arguments: its path; the id of the reflecting or transmitting object before
+    /// it, and its own id; for a primary node the raster position, px, at which the pinhole sees it. None: no
+    /// node is.
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
 };
 
-/// Who can tell what is seen: a tracer that has the scene.
+/// A ray tracer that has the scene.
 class SightRays {
   public:
     SightRays() = default;
@@ -38,12 +39,12 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Scene-linear radiance, as many as there are lines. From several threads; the same bits for the same
-    /// line, whichever it comes with.
+    /// Writes the scene-linear RGB radiance of each line to `radiance`, which has as many elements.
+    /// Thread-safe. A line's result does not depend on the other lines of the call.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Whether all lines that meet a surface of this id at one place, by such a chain, have the same radiance
-    /// from it, so that what it has above a limit can be told: not where lights or lobes are sampled.
+    /// Whether every ray that reaches an object by `path` gets the same radiance from the same point of it.
+    /// False if lights or lobes are sampled there: the part above a limit then differs from ray to ray.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
 };
 

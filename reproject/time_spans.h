@@ -1,4 +1,4 @@
-// Few of many views, for where things that move may be seen in any of them.
+// Bounds of a set of views in time, to find quickly where moving surfaces may be seen.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// The earliest and the latest of the views that lie in a 64th of the shutter's light; the same where there
-/// is one. What moves is, in every other view of that while, between where these have it, but for how much
-/// its way curves meanwhile: less than it moves.
+/// The earliest and the latest view within a 64th of the exposure; equal if there is only one. Other views of
+/// that span see a moving surface between its two positions, up to the curvature of its path, which is less
+/// than the distance between them.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;
@@ -19,8 +19,8 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Of all views of the field that use an instant's records and know motions; one for each view of sets that
-/// have no rays, whose instants are not known. Pointers into `field`.
+/// The spans of all views that use the records of `instant` and have motions. Views of sets without rays have
+/// no known instant, so each is a span of its own. The result has pointers into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

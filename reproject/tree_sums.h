@@ -1,4 +1,4 @@
-// What views show in mirrors and through glass, pixel by pixel of a tile, chain of bounces by chain.
+// Radiance that views see by reflection and transmission: sums per pixel of a tile and per path.
 #pragma once
 
 #include <array>
@@ -10,40 +10,40 @@
 
 namespace postlens {
 
-/// Views of one tile, one after the other: begin_use, begin_chain and drawing chain by chain, add for the
-/// pixels; at the end sum_up. Of what views ask for and do not find, because it was never recorded, the
-/// others' mean stands in; where hardly any finds it, what the pinhole saw in the mirror's place.
+/// Use for each view of a tile: begin_use; begin_chain and drawing, path by path; add for each pixel. After
+/// all views: end_views, then sum_up for each pixel. If a view needs a node that was not recorded, the mean
+/// of the other views replaces it; if hardly any view has it, the pinhole's radiance does.
 ///
-/// A chain that a view does not find may still show what goes on from it: the far side of a glass ball is
-/// seen through a caustic, which no W describes, and what shines through it is not. What lies within one
-/// object is therefore also drawn where the part before it is wanted, but missing.
+/// A view may lack a node but have its children: W does not describe the far side of a glass ball, which is
+/// seen through a caustic, but it describes the scene behind the ball. Nodes inside one object are therefore
+/// also drawn where their parent is needed but missing.
 class TreeSums {
   public:
-    /// `paths`: the chains that may occur, in any order, also several times. `at` has the pixels in use.
+    /// `paths`: all paths that may occur, in any order, with repetitions. `at`: the pixels in use.
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Before what is seen in `primary`, which a use shows, is drawn. Both must stay while it is added.
+    /// Starts a use of a view. `primary`: the primary surfaces it sees; must stay valid until all is added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Where a chain is drawn, once its parent is: made ready for the use, with where it is wanted in
-    /// `wanted`. Null where no pixel wants it, and for a chain that `begin` was not told of.
+    /// The cleared tile to draw the nodes of `path` into, after those of its parent; `wanted` gets the pixels
+    /// that need them. Null if no pixel does, or if `begin` did not have the path.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
-    /// Whether the records are sure of all that is drawn for itself in pixel k: every chain is seen, nowhere
-    /// at an edge, and by no bent patch.
+    /// Whether pixel k is sure: every node that is drawn for itself is seen, its leaf is not cut by an edge,
+    /// and its patch is not bent.
     [[nodiscard]] bool sure(std::size_t k) const;
-    /// What the view shows so in pixel k, where it is sure.
+    /// Radiance of the nodes that are drawn for themselves in pixel k. Requires sure(k).
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
-    /// Takes in pixel k: what is drawn for itself there.
+    /// Adds the nodes that are drawn for themselves in pixel k to the sums.
     void add(std::size_t k, double weight);
-    /// Before the pixels are summed up, once all views are in.
+    /// Call after the last view, before sum_up.
     void end_views();
-    /// The weight of what was not recorded, as far as it may matter: what is dim in the whole tile is counted
-    /// as so much less than the pixel. `guessed`: of views where hardly any other sees the same.
+    /// Weight of the nodes that are not recorded, reduced for nodes that are dim in the whole tile.
+    /// `guessed`: the part that too few other views have to replace it.
     struct Unknown {
         double all = 0, guessed = 0;
     };
-    /// Adds what all views have seen to a pixel's sum, of colours times weights, `weight` together. Where
-    /// views miss what goes on, what bent patches show is as unknown.
+    /// Adds the nodes of all views to `sum`, a pixel's radiance times `weight`. If views lack child nodes,
+    /// nodes drawn by bent patches count as unknown as well.
     Unknown sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
