@@ -1,5 +1,4 @@
-// The surfaces of a file that the views of a light field look at: all of them, or those that reach a strip of
-// the picture.
+// The surfaces from which a light field is drawn: all of a file, or those that reach a strip of the image.
 #pragma once
 
 #include <algorithm>
@@ -21,48 +20,49 @@
 
 namespace postlens {
 
-/// By instant; the patches keep references to the sheets.
+/// Sheets and patches per instant; the patches keep references to the sheets.
 struct FieldSurfaces {
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
 
     void add(std::shared_ptr<const TreeSheets> some, const PatchLens& lens);
-    /// Into a field, of which they are the instants.
+    /// Sets them as the instants of a field.
     void show(PatchField& field) const;
 };
 
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
-/// About what the surfaces of a file take for each record, patches and all: of a few rows of squares, evenly
-/// spread over the first instant, which are made for it. 25 where there are no mirrors, 140 of many small
-/// ones.
+/// Approximate memory of a file's surfaces and patches, bytes per record. Measured on a few rows of squares
+/// of the first instant. 25 without reflections, 140 for many small reflecting objects.
 [[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
                                              const HighlightRule& rule);
-/// No file is expected to take more.
+/// Upper bound of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
-/// Reads the surfaces strip by strip of the picture: of each strip those that reach it in any view. From the
-/// first reading it is known how far the surfaces of each row reach; the few that reach far are kept, so that
-/// for later strips only their own rows and those close to them have to be read.
+/// Reads the surfaces of an image in strips: for each strip those that reach it in any view. The first read
+/// finds how far the surfaces of each row reach, and keeps the few that reach far; later strips need only
+/// rows close to them.
 class FieldStrips {
   public:
-    /// Keeps references to all. `views`: a field without instants; what lenses as far as its lens_reach_px
-    /// see is kept as well. `lens_box_px`: half the width and height of the lens, as LensShift::lens_px, for
-    /// what highlights reach. `motion`: of highlights; null: none moves.
+    /// Keeps references to its arguments. `views`: a field without instants; surfaces that lens points within
+    /// its lens_reach_px see are included. `lens_box_px`: half the width and height of the lens, as
+    /// LensShift::lens_px, which limits the reach of highlights. `motion`: of highlights; null: none moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, const PatchLens& lens,
                 const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px,
                 const HighlightMotion* motion);
 
-    /// Those of raster rows [y_begin, y_end).
+    /// The surfaces that reach raster rows [y_begin, y_end).
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
-    /// Visits the surfaces of a whole instant, some at a time, in any order; from one thread at a time.
+    /// Visits all surfaces of an instant, in parts and in any order. `visit` is called by one thread at a
+    /// time.
     void visit(std::size_t instant, const SurfacesVisit& visit);
-    /// Strips of the window's rows, of whole tiles, that have as many records or less, or a row of tiles.
+    /// Divides the window's rows into strips of whole tiles, each with at most `most_records` records or one
+    /// row of tiles.
     [[nodiscard]] std::vector<std::pair<int, int>> strips(const RasterWindow& window,
                                                           double most_records) const;
 
   private:
-    /// Rows [first, last) of the raster that something reaches; as made, none.
+    /// Raster rows [first, last) that a surface reaches; initially empty.
     struct Reach {
         double first = std::numeric_limits<double>::infinity(), last = -first;
         void include(double from, double to) {
@@ -70,21 +70,21 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Neighbouring squares' sheets that reach far, with how far each reaches.
+    /// Sheets of neighbouring squares that reach far, with the reach of each.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;
     };
     /// A row of squares.
     struct Row {
-        Reach near;  ///< of what is not kept
+        Reach near;  ///< of the surfaces that are not kept
         std::vector<Far> far;
     };
     struct Instant {
         bool known = false;
         std::vector<Row> rows;
     };
-    /// By sheet.
+    /// The reach of each sheet.
     [[nodiscard]] std::vector<Reach> reach_of(const PatchMesh& mesh, std::size_t instant) const;
     void note(const TreeSheets& some, const std::vector<Reach>& primary, const std::vector<Reach>& deeper,
               std::size_t part, int y, Row& row);
@@ -99,7 +99,7 @@ class FieldStrips {
     glm::dvec2 lens_box_px_;
     std::vector<Instant> instants_;
     std::mutex mutex_;
-    std::size_t far_bytes_ = 0;  ///< kept
+    std::size_t far_bytes_ = 0;  ///< memory of the kept sheets
 };
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// The focus processor: a sample file and a lens in, the picture that the lens would take out.
+// The focus processor: makes the image that a lens would take, from a sample file.
 #pragma once
 
 #include <cstdint>
@@ -16,58 +16,58 @@
 
 namespace postlens {
 
-/// `hybrid` is planner/hybrid.h's, `automatic` planner/auto_picture.h's.
+/// planner/hybrid.h has `hybrid`, planner/auto_picture.h has `automatic`; focus_picture has the others.
 enum class FocusMethod { pinhole, scatter, layers, lightfield, hybrid, automatic };
 
 struct FocusSettings {
-    ThinLens lens;  ///< f_number infinity: pinhole; an `impulse` of a real lens has a focal length of its own
+    ThinLens lens;  ///< f_number infinity: pinhole. A real lens as `impulse` has its own focal length
     double focus_distance_m = 1;
     Framing framing = Framing::keep;
     FocusMethod method = FocusMethod::scatter;
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     Impulse impulse;
-    /// Number of impulse responses over the finite depths, 2..DepthLevels::most_depths. Absent: chosen so
-    /// that the CoC's diameter is quantised by less than half a pixel (see DepthLevels).
+    /// Number of impulse responses over the finite depths, 2 to DepthLevels::most_depths. None: enough to
+    /// quantise the CoC diameter by less than half a pixel (DepthLevels).
     std::optional<int> depths;
-    /// Points of the lens that `lightfield` looks from, 1..most_lens_views.
+    /// Number of views of `lightfield`, 1 to most_lens_views.
     int views = default_lens_views;
-    /// What of the picture is wanted; the rest of the image is black or anything. These pixels have the same
-    /// bits as without; warnings tell of them alone.
+    /// Makes only these pixels, with the same bits as without; other pixels are undefined. Warnings count
+    /// only them.
     std::optional<Crop> crop;
-    /// What the splats of `scatter` and `layers` may take; where they might take more, the picture is made in
-    /// strips whose splats take a third of it or less, for each of which what reaches it is read again. The
-    /// same bits.
+    /// Memory limit of the splats of `scatter` and `layers`, bytes. If they may need more, the image is made
+    /// in strips whose splats need at most a third of it; records are read again for each strip. Same bits.
     std::size_t splat_bytes = std::size_t{672} << 20;
 };
 
 struct FocusWarning {
-    std::string code;  ///< "overscan": the records end before what the border needs; "uncovered": nothing was
-                       ///< recorded of what the lens sees
-    double share = 0;  ///< of the pixels concerned
+    /// For example "overscan": light from beyond the records reaches the image; "uncovered": the lens sees
+    /// surfaces that are not recorded.
+    std::string code;
+    double share = 0;  ///< share of the pixels that are affected
     std::string text;
 };
 
 struct FocusResult {
     Image image;
-    FocusMethod method = FocusMethod::scatter;  ///< what was used: `pinhole` for a zero aperture
-    /// Impulse responses: as many as were asked for, else discs of different radius in use; 0 for pinhole.
+    FocusMethod method = FocusMethod::scatter;  ///< the method used; `pinhole` if the aperture is 0
+    /// Number of impulse responses: FocusSettings::depths, or the number of different radii; 0 for a pinhole.
     int depths = 0;
-    int views = 0;              ///< of `lightfield`
-    double largest_coc_px = 0;  ///< greatest diameter among the primary nodes, px of the image
-    /// Of the image; absent for an orthographic file.
+    int views = 0;              ///< number of views of `lightfield`
+    double largest_coc_px = 0;  ///< largest CoC diameter of a primary node, px of the image
+    /// None for an orthographic file.
     std::optional<FocusGeometry> geometry;
     std::vector<FocusWarning> warnings;
 };
 
-/// The picture. Deterministic: the same bits for any number of threads.
-/// Throws Error(wrong_arguments) for settings out of range, a crop beyond the picture among them, and for an
-/// orthographic file with a finite f-number, Error(invalid_input) for a damaged file.
+/// Makes the image. Same bits for any number of threads. Throws Error(wrong_arguments) if a setting is out of
+/// range, if the crop exceeds the image, or if an orthographic file gets a finite f-number;
+/// Error(invalid_input) if the file is damaged.
 [[nodiscard]] FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings);
-/// One picture of a file.
+/// The same for a single image of a file.
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);
 
-/// The pinhole picture from the records alone; bit for bit part 0 of the file.
+/// The pinhole image, summed from the records: the same bits as part 0 of the file.
 [[nodiscard]] Image pinhole_picture(const SampleFileReader& file,
                                     const std::optional<Crop>& crop = std::nullopt);
 

@@ -1,4 +1,4 @@
-// The focus processor for pictures of other programs: stacks of samples that lie over each other.
+// The focus processor for images of other programs: each pixel is a stack of samples with depths.
 #pragma once
 
 #include "focus/focus.h"
@@ -6,11 +6,11 @@
 
 namespace postlens {
 
-/// The picture that a lens would have taken, by `pinhole`, `scatter` or `layers` (docs/inputs.md): the same
-/// responses, accumulators and visibility as of sample files, fed with the middles of pixels. Where anything
-/// is transparent the result has an alpha and premultiplied colours. Deterministic: the same bits for any
-/// number of threads. Edges that a Cryptomatte knows the shares of are mixed unless `unmix_edges` has taken
-/// them apart before. Throws Error(wrong_arguments) for settings out of range and for other methods.
+/// Makes the image that a lens would take, by `pinhole`, `scatter` or `layers` (docs/inputs.md), with the
+/// kernels and the compositing of sample files; a sample lies at the centre of its pixel. If any sample is
+/// transparent, the result has alpha and premultiplied colours. Pixels that several objects share keep their
+/// mixed colour, unless `unmix_edges` separated them by Cryptomatte before. Same bits for any number of
+/// threads. Throws Error(wrong_arguments) if a setting is out of range, and for other methods.
 [[nodiscard]] FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& settings);
 
 }  // namespace postlens

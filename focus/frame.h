@@ -1,4 +1,4 @@
-// A sample file on its way to pictures: read for each, or kept for many.
+// The records of a sample file as images need them: read again for each image, or kept for many.
 #pragma once
 
 #include <functional>
@@ -18,11 +18,11 @@ namespace postlens {
 struct HighlightRule;
 struct TreeSheets;
 
-/// Corner rows [y_begin, y_end) of the frame's own instant. `band` has one row more above and below, where
-/// the file has one. `samples`: their point samples, `rows_per_task` rows together, and `plain`: which of
-/// these are plain corners; empty: not looked for.
+/// Rows [y_begin, y_end) of the frame's own instant. `band` has one more row above and below, if the file has
+/// it. `samples`: the point samples, one element per `rows_per_task` rows. `plain`: those that are plain
+/// corners; may be empty.
 struct FrameRows {
-    /// find_point_samples looks at one row more on either side of what it is asked for.
+    /// find_point_samples also reads one row above and one below, so a task has several rows.
     static constexpr int rows_per_task = 8;
     const RecordBand* band = nullptr;
     int y_begin = 0, y_end = 0;
@@ -30,30 +30,30 @@ struct FrameRows {
     std::span<const PlainCorners> plain;
 };
 
-/// What pictures of any lens have in common: the records, their point samples, the sheets of the light field.
-/// To be used by one thread at a time, but for what keeps its rows and has visited one: these may be visited
-/// by any number. Every picture has the same bits whether anything is kept or not.
+/// The data that images of any lens share: records, point samples, and sheets of the light field. One thread
+/// at a time may use it; several may call visit_rows if the frame keeps its rows and has been visited once.
+/// Images have the same bits whether data are kept or not.
 class FocusFrame {
   public:
-    /// `many`: what is read is kept for the pictures to come, the records of the frame's own instant for
-    /// those by splats, the sheets of every instant asked for for those by light field. Keeps a reference to
-    /// `file`.
+    /// `many`: keeps the records of the frame's own instant, for scattering, and the sheets of every instant
+    /// in use, for the light field. Keeps a reference to `file`.
     explicit FocusFrame(const SampleFileReader& file, bool many = false);
 
     [[nodiscard]] const SampleFileReader& file() const { return file_; }
     [[nodiscard]] bool many() const { return many_; }
 
-    /// Calls visit(rows) from the top for bands of rows that together hold [y_begin, y_end), and maybe more.
-    /// Throws what the reader throws and, before more is kept than there is room for, Error(out_of_memory).
+    /// Calls visit(rows), from the top down, for bands that together contain the rows [y_begin, y_end) and
+    /// possibly more. Throws what the reader throws, and Error(out_of_memory) before the kept data exceed the
+    /// memory.
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
-    /// `tree_sheets`; good until the next call for the same instant. All rules must have the same limit.
-    /// `also` is told of the records of the instant, each row of the file once, and with instant 0 only.
+    /// The sheets of an instant, valid until the next call for the same instant. All rules must have the same
+    /// limit. `also` is called once for each row of the file, for instant 0 only.
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Of rows [y_begin, y_end) of the picture at least. What the sheets of instant 0 were made of has not to
-    /// be read for it again.
+    /// The largest w_bend of at least the rows [y_begin, y_end) of the image. Does not read records again
+    /// that the sheets of instant 0 were made from.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
   private:

@@ -1,5 +1,4 @@
-// Which highlights the lens spreads by its exact response where rays look as well, and how much light they
-// have.
+// Selects the highlights that are spread by their impulse response in images that also have rays.
 #pragma once
 
 #include "reproject/sheet_mesh.h"
@@ -7,10 +6,11 @@
 
 namespace postlens {
 
-/// A ray cannot tell which light of a surface it meets: of each surface (by chain of bounces and ids, and
-/// what is seen directly and stands still by square of its sheet) either all light above the limit is taken,
-/// or none, and none where rays would not know it (SightRays::steady) or something stands before part of it.
-/// Makes `rule` and the sheets so, and gives what rays are then not to see.
+/// A ray that hits a surface cannot know which part of the surface's radiance is a highlight. So per surface
+/// (path and ids; for primary nodes that do not move also the square of the sheet) either all radiance above
+/// the limit is a highlight or none is. None is if rays get different radiance there (SightRays::steady), or
+/// if a nearer surface hides a part of it. Restricts `rule` accordingly, applies it to the sheets, and
+/// returns the radiance that rays must leave out.
 [[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, bool moves,
                                            HighlightRule& rule);
 

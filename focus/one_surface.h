@@ -1,5 +1,4 @@
-// Where a picture through a lens shows one surface only, so that spreading what is visible is all there is to
-// do.
+// Finds the parts of an image that show a single surface, for which scattering is exact.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +9,9 @@
 
 namespace postlens {
 
-/// By cells of `edge` px of the window, row by row: 1 where light of no more than one id arrives, from all
-/// points of the lens, and that surface is seen once and nowhere at a slant that the lens would show; 0
-/// elsewhere, where nothing arrives, and where something is seen in mirrors or through glass.
+/// One value per cell of `edge` x `edge` px of the window, row by row. 1: light of a single object arrives,
+/// from all lens points; its surface does not overlap itself and has no slope that matters for the lens. 0:
+/// otherwise, also if nothing is recorded, or if there are reflected or transmitted nodes.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -21,13 +20,13 @@ struct OneSurface {
         return cells[static_cast<std::size_t>(y / edge) * static_cast<std::size_t>(columns) +
                      static_cast<std::size_t>(x / edge)] != 0;
     }
-    /// Of the cells.
+    /// Share of the cells that are 1.
     [[nodiscard]] double share() const;
-    /// Whether all of a rectangle of the window is such.
+    /// Whether all cells of a rectangle of the window are 1.
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
-/// Finds it from the patches of a picture, which may come in any order and any number at a time.
+/// Computes it from the patches of an image, which may be added in any order and in any number of parts.
 class OneSurfaceFinder {
   public:
     /// `lens_px`: half the width and height of the lens's box, times film distance / pitch, px m.
@@ -42,7 +41,7 @@ class OneSurfaceFinder {
     RasterWindow window_;
     int columns_, rows_;
     std::vector<std::uint32_t> owner_;
-    std::vector<int> recorded_;  ///< px^2 of the recorded patches that lie there, unmoved
+    std::vector<int> recorded_;  ///< px^2 of the patches recorded there
 };
 
 }  // namespace postlens
