@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How far off `--method auto` is, against what it states: the tables of docs/planner.md.
 
-    certify.py BUILD OUT [--seeds 1-70] [--targets 35,40,45] [--size 240x136] [--spp 1024] [--samples] [--kinds plain,...]
+    certify.py BUILD OUT [--seeds 1-200] [--targets 35,40,45] [--size 240x136] [--spp 1024] [--samples] [--kinds plain,...]
 
 BUILD is a built folder (build/release). Each random scene (random_scene.py), or with --samples each of the sample scenes below, is
 traced for its lens, made by `focus` or `shoot --method auto` with the scene at hand for each target, and held against rays of
@@ -126,7 +126,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build")
     parser.add_argument("out")
-    parser.add_argument("--seeds", default="1-70")
+    parser.add_argument("--seeds", default="1-200")
     parser.add_argument("--targets", default="35,40,45")
     parser.add_argument("--size", default="240x136")
     parser.add_argument("--spp", default="1024")
