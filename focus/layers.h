@@ -1,4 +1,5 @@
-// Layers: every surface in an accumulator of its own, laid over each other pixel by pixel in depth order.
+// Layers: scatters every surface into an accumulator of its own, and composites the surfaces of each pixel in
+// depth order.
 #pragma once
 
 #include "focus/layer_splats.h"
@@ -6,15 +7,15 @@
 
 namespace postlens {
 
-/// Pixels are worked on in blocks of so many rows, counted from the window's first.
+/// Rows of a block in which images are made, from the window's first row on.
 inline constexpr int layers_block_px = 64;
 
-/// The picture of the splats' picture window, into an image that is made to fit. In parallel; the same bits
-/// for any number of threads. `wanted`: as of scatter().
+/// Makes the image of the splats' image window; resizes `image`. In parallel; same bits for any number of
+/// threads. `wanted`: as in scatter().
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
-/// The same from the definition, for the whole picture at once, each response laid out in full: slow and
-/// obvious, for tests.
+/// The same from the definition, with every impulse response evaluated at every pixel: a slow and obvious
+/// reference for tests.
 [[nodiscard]] Image layers_reference(const LayerSplats& splats);
 
 }  // namespace postlens

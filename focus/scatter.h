@@ -1,5 +1,5 @@
-// Scatter [potmesil1981]: every sample's energy spread over its circle of confusion, normalised by the
-// weights that arrive, and by nothing where that may fill what is left (SplatTables::let_nothing_fill).
+// Scatter [potmesil1981]: adds each sample's energy over its circle of confusion, and divides each pixel by
+// the sum of the weights that it received (for an exception see SplatTables::let_nothing_fill).
 #pragma once
 
 #include "focus/splat_tables.h"
@@ -7,18 +7,19 @@
 
 namespace postlens {
 
-/// Below this sum of weights nothing is taken to have arrived at a pixel: it is black.
+/// A pixel with a smaller sum of weights is black.
 inline constexpr double smallest_weight = 1e-12;
 
-/// Pictures are made in blocks of so many columns and rows, from their upper left.
+/// Edge of the blocks in which images are made, px; the first is at the upper left corner.
 inline constexpr int scatter_block_px = 256;
 
-/// The picture of the tables' picture window, into an image that is made to fit. In parallel; the same bits
-/// for any number of threads. With `wanted`, a part of that picture, the blocks that have nothing of it are
-/// left out; the others have the same bits as without.
+/// Makes the image of the tables' image window; resizes `image`. In parallel; same bits for any number of
+/// threads. With `wanted`, blocks outside that part of the image are skipped; the others have the same bits
+/// as without.
 void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
-/// The same from the definition, each response laid out in full, in double: slow and obvious, for tests.
+/// The same from the definition, with every impulse response evaluated at every pixel, in double precision: a
+/// slow and obvious reference for tests.
 [[nodiscard]] Image scatter_reference(const SplatTables& tables);
 
 }  // namespace postlens

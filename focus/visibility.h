@@ -1,4 +1,4 @@
-// What covers what, where several blurred surfaces arrive at one pixel.
+// Compositing of several blurred surfaces at one pixel.
 #pragma once
 
 #include <array>
@@ -8,47 +8,45 @@
 
 namespace postlens {
 
-/// A sum over light, each part of it times the lens point (x and y of the raster, in radii of the lens) that
-/// it came through.
+/// First moment over the lens: the sum of light times the lens point that it passed through (raster axes,
+/// lens radii).
 struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Light of a surface at a pixel: its alpha, the share of the pixel's light that it would give, and its
-/// colour times that; the moments of red, green, blue and alpha.
+/// Light of a surface at a pixel, without occlusion: alpha, its coverage of the pixel, mean over the lens;
+/// colour times alpha; the lens moments of red, green, blue and alpha.
 struct SurfaceLight {
     double alpha = 0;  ///< 0 or more
     std::array<double, 3> rgb{};
     std::array<LensMoment, 4> lens{};
 };
 
-/// A surface at a pixel: what the pinhole sees of it, and what the pinhole has hidden behind something.
+/// A surface at a pixel, separated into the part that the pinhole sees and the part that it does not see.
 struct Fragment {
     double inverse_depth_per_m = 0;  ///< mean 1/z'
     SurfaceLight seen, hidden;
-    double covered = 0;  ///< of the hidden alpha: what stays hidden, as what hides it moves along
+    double covered = 0;  ///< part of hidden.alpha that no lens point sees, as its occluder moves with it
 };
 
-/// How independently two surfaces move over the lens, 0..1, by the signed radii of their circles, px. Below
-/// about a pixel the pixel's own width decides.
+/// How independently two surfaces move over the lens: |r1 - r2| / (max(|r1|, |r2|) + 1), at most 1, with the
+/// signed radii of their circles of confusion, px. The 1 is the width of a pixel.
 [[nodiscard]] double independence(double radius_px, double other_px);
 
-/// The pixel's colour: its fragments laid over each other, divided by what of the pixel they fill together.
-/// Of fragments of positive alpha; black without any. Sorts them, nearest first, and of those in one plane
-/// the smallest.
+/// Composites the fragments of a pixel and divides by their total coverage. Fragments must have positive
+/// alpha; without any the result is black. Sorts the fragments: nearest first; in one plane, smallest alpha
+/// first.
 ///
-/// What is laid down holds back the light behind it: "over" [porter1984], but of the light of single lens
-/// points, not of all the lens at once. What is still free is kept as a linear function over the lens, and so
-/// is each surface, by its moments; q is spread evenly over the unit disc, with a variance of 1/4 along each
-/// axis, so
+/// This is "over" [porter1984] per lens point. The transmittance T(q) of the fragments so far and the light
+/// E(q) of a fragment are linear functions of the lens point q, given by mean and moment. q is uniform over
+/// the unit disc, whose variance is 1/4 along each axis, so
 ///     T(q) = t + 4 t_q . q,  mean of T(q) E(q) = t e + 4 t_q . e_q,
-/// where e and e_q are a colour and its moment. Where a blurred edge covers one side of the lens, what shines
-/// through the other side is seen whole. Without moments this is plain "over".
+/// where e and e_q are the mean and the moment of E. A blurred edge that covers one side of the lens thus
+/// does not attenuate light that passes through the other side. Without moments this is plain "over".
 ///
-/// Besides, two surfaces with the same circle of confusion move together: there the pinhole's picture stays
-/// true wherever on the lens one looks from. So what the pinhole sees of a surface is not held back by
-/// surfaces that move along with it (see independence), and what is hidden by such a one is left out
-/// (Fragment::covered).
+/// Surfaces with the same circle of confusion move together, so between them every lens point sees what the
+/// pinhole sees: the seen part of a surface is not attenuated by surfaces that move with it (see
+/// independence), and a part that is hidden by such a surface stays hidden (Fragment::covered).
 [[nodiscard]] std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry);
 
 }  // namespace postlens
