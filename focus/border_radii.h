@@ -1,4 +1,4 @@
-// How wide the circles of confusion are where the records end.
+// Sizes of the circles of confusion at the border of the records.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,16 @@
 
 namespace postlens {
 
-/// Largest radius of the CoC, px, per corner along the outermost recorded rows and columns.
+/// Largest CoC radius per corner of the outermost recorded rows and columns, px.
 struct BorderRadii {
-    std::vector<float> top, bottom;  ///< by column, first at x_begin
-    std::vector<float> left, right;  ///< by row, first at y_begin
+    std::vector<float> top, bottom;  ///< per column, from x_begin on
+    std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// Takes in the CoC of a sample in pixel row y of the source. Different rows at the same time are safe.
+    /// Includes the CoC of a sample in pixel row y of the source. Several threads may add different rows at
+    /// the same time.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
-    /// The same of pixel (x, y), for all of its corners.
+    /// Includes a CoC at all corners of the pixel (x, y).
     void note_pixel(const RasterWindow& source, int x, int y, double radius_px);
 };
 

@@ -86,22 +86,21 @@ class LayerSplats {
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
 
-    /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
-    /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
+    /// Adds the corner rows [y_begin, y_end), in parallel. `band` must have one more row above and below, if
+    /// the source window has it. Throws Error(invalid_input) if a quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// The same for rows whose point samples may be known.
+    /// The same for rows whose point samples may already be found.
     void add_rows(const FrameRows& rows);
-    /// From now on rows of pixels are taken in instead.
+    /// Call it before add_pixels: samples then lie at pixel centres.
     void take_pixels() { from_anchor_px_ = 0.5; }
-    /// Takes in row y of pixels; safe for several rows at once.
+    /// Adds row y of another program's image. Several threads may add different rows at the same time.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Makes the kernels and sorts; after the last row.
+    /// Makes the kernels and sorts the splats. Call it after the last row.
     void finish();
 
-    /// As SplatTables::survey() and what comes after it: for pictures whose splats would take too much
-    /// memory.
+    /// As in SplatTables: for images whose splats would exceed a memory limit.
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -114,7 +113,7 @@ class LayerSplats {
     [[nodiscard]] const FocusGeometry& geometry() const { return responses_.geometry(); }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
     [[nodiscard]] std::span<const LayerPart> parts() const { return parts_; }
-    /// By part, then by tile, row and column.
+    /// Sorted by part, then by tile.
     [[nodiscard]] std::span<const LayerCell> cells() const { return cells_; }
     [[nodiscard]] std::span<const LayerSplat> splats(const LayerCell& cell) const {
         return std::span(tile_rows_[cell.tile_row]).subspan(cell.begin, cell.end - cell.begin);
@@ -122,20 +121,20 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Where samples stand from their anchors, px: those of pixels in the middle, others around the anchor.
+    /// Position of samples relative to their anchors, px: 0.5 for pixels, else 0.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
-    /// No picture is darker or brighter than what was recorded.
+    /// Range of the recorded colours, to which images are clamped.
     [[nodiscard]] const ColourRange& colours() const { return colours_; }
 
   private:
     class RowBuilder;
     enum class Keep : std::uint8_t { all, none, strip };
-    /// What a row came to: parts by a number of its own.
+    /// The splats of one source row.
     struct Row {
         std::vector<LayerPart> parts;
-        std::vector<std::uint32_t> part;  ///< of each splat
+        std::vector<std::uint32_t> part;  ///< per splat, index into `parts`
         std::vector<LayerSplat> splats;
-        /// Empty again, with the memory it had.
+        /// Empties it, and keeps its memory.
         void clear();
         double largest_radius_px = 0;
         ColourRange colours;
@@ -149,7 +148,7 @@ class LayerSplats {
     void sort_cells();
     void begin_tile_rows();
     void find_reach(LayerCell& cell) const;
-    /// What a row keeps of what was made of it, which is cut down to that.
+    /// Stores the splats of row y that are to be kept; removes the others from `made`.
     void store(int y, Row& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 
@@ -167,9 +166,10 @@ class LayerSplats {
     std::vector<Row> rows_;
     std::vector<LayerPart> parts_;
     std::vector<LayerCell> cells_;
-    std::vector<std::vector<LayerSplat>> tile_rows_;  ///< each by part, tile, row and column
-    std::size_t joined_ = 0;                          ///< of tile_rows_, from the first on
-    std::vector<std::vector<LayerCell>> tile_cells_;  ///< of each of these; until they are sorted
+    std::vector<std::vector<LayerSplat>> tile_rows_;  ///< each sorted by part, tile, row and column
+    std::size_t joined_ = 0;                          ///< number of complete elements of tile_rows_
+    std::vector<std::vector<LayerCell>>
+        tile_cells_;  ///< per element of tile_rows_; empty once sorted into cells_
     double largest_radius_px_ = 0;
     double from_anchor_px_ = 0;
     ColourRange colours_;

@@ -1,4 +1,4 @@
-// The levels around the focus: how wide the circles of each are, and which one a circle belongs to.
+// The levels around the focus: quantised diameters of circles of confusion.
 #pragma once
 
 #include <array>
@@ -9,22 +9,23 @@
 
 namespace postlens {
 
-/// From a diameter of 0.4 px on levels are an eighth of a pixel apart, then a fiftieth of the diameter, then
-/// half a pixel; from `even_diameter_px` on the steps grow with the circle, to a 500th of it. A circle
-/// belongs to the nearest. One table serves all lenses.
+/// Steps between levels grow with the diameter: an eighth of a pixel from 0.4 px on, then a fiftieth of the
+/// diameter, then half a pixel; from `even_diameter_px` on they grow again, to a 500th of the diameter. A
+/// circle uses the nearest level. All lenses share the table.
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;
-    /// What is wider belongs to the level of this.
+    /// Wider circles use the level of this diameter.
     static constexpr double largest_diameter_px = 2e5;
 
     [[nodiscard]] static const LevelTable& the();
 
-    /// Of the circles of a level, px.
+    /// Diameter of a level, px.
     [[nodiscard]] static double diameter_px(std::uint32_t level);
-    /// By its definition, with logarithms. `diameter_px` may be negative, as level_of's, and is finite.
+    /// The nearest level by its definition, with logarithms. `diameter_px` must be finite; its sign is
+    /// ignored.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
-    /// The same, from the table as far as that goes.
+    /// The same, looked up in the table if it is below the table's end.
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);
@@ -40,9 +41,10 @@ class LevelTable {
         return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
     }
 
-    /// So narrow that no more than one level begins in a cell.
+    /// Cells are narrow enough that at most one level begins in each.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
-    /// By cell: the diameter where a level begins, the level before, and by how much that one is above it.
+    /// Per cell: the diameter at which a level begins, the level below it, and the increment to the new
+    /// level.
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};
 };

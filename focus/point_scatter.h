@@ -1,4 +1,4 @@
-// Scattering splats one by one: each costs as much as its outline in the rows concerned.
+// Scatters splats one by one, at a cost proportional to the length of the kernel's outline.
 #pragma once
 
 #include <cstddef>
@@ -9,31 +9,29 @@
 
 namespace postlens {
 
-/// Sums of colour times response (channels 0..2) and of weight times response (3) over a few pixel rows of
-/// one block.
+/// Sums of colour times kernel (channels 0 to 2) and of weight times kernel (3) over a few pixel rows of a
+/// block.
 ///
-/// The outline of a response is added pixel by pixel; its inside, where it is wide, as a difference: once
-/// where a row of it begins and once, subtracted, where it ends. Both in double: a difference of float sums
-/// would leave a trace of every bright light to the right of it.
+/// The pixels of a kernel's outline are added one by one. The uniform inside of a wide row is stored as
+/// differences: added at its first pixel, subtracted after its last, summed up later. All in double: in
+/// float, every bright sample would leave a rounding error to the right of it.
 class PointScatter {
   public:
-    /// `channel`: whose kernels, where the response has channels.
+    /// `channel`: uses the kernels of this channel, if they differ.
     explicit PointScatter(const SplatTables& tables, std::size_t channel = 0)
         : tables_(tables), channel_(channel) {}
 
-    /// Adds all splats that reach the rows, which lie in tables.picture(), to sums that start from zero.
-    /// Buffers are kept from call to call.
+    /// Computes the sums of all splats that reach `rows`, a part of tables.picture().
     void run(const RasterWindow& rows);
 
-    /// The part of the rows that splats may reach; empty where none does. Beyond it sums are zero, and not
-    /// there.
+    /// The part of `rows` that splats may reach; may be empty. Sums outside are zero and not stored.
     [[nodiscard]] const RasterWindow& reached() const { return reached_; }
     [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
-    /// The four channels' sums at a pixel of what is reached; those of its row follow.
+    /// The four sums of a pixel within reached(), followed by those of the next pixels of its row.
     [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:
-    /// Splats of a row, of one reach class, that may reach the rows.
+    /// Splats of one source row and reach class that may reach rows_.
     struct Pass {
         std::span<const Splat> splats;
         int y;
@@ -48,9 +46,10 @@ class PointScatter {
     std::size_t channel_;
     RasterWindow rows_, reached_;
     std::vector<Pass> passes_;
-    std::size_t stride_ = 0;      ///< pixels from row to row: one more than there are, for what ends there
-    std::vector<double> sum_;     ///< of rows_; what is not reached holds what was there before
-    std::vector<double> change_;  ///< from the pixel to the left
+    std::size_t stride_ =
+        0;  ///< pixels per row of buffers: one more than rows_ has, for differences at its end
+    std::vector<double> sum_;     ///< sums of rows_; undefined outside reached_
+    std::vector<double> change_;  ///< differences to the pixel on the left
 };
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// A picture cropped or zoomed about its centre, as another film distance would have framed it.
+// Crops or zooms an image about its centre, as another film distance would frame it.
 #pragma once
 
 #include "focus/splat_tables.h"
@@ -6,14 +6,13 @@
 
 namespace postlens {
 
-/// The traced pixels that a picture of width x height needs when its centre is magnified by `zoom`: more than
-/// the picture itself where zoom < 1.
+/// The traced pixels that an image of width x height needs if it is magnified by `zoom` about its centre. For
+/// zoom < 1 they extend beyond the image.
 [[nodiscard]] RasterWindow window_for_zoom(int width, int height, double zoom);
 
-/// The picture of width x height whose pixel p shows what lies at centre + (p - centre) / zoom of `traced`,
-/// which holds the pixels of `window`. Every traced pixel counts as an even square: an output pixel is the
-/// mean over the box that it covers, so that even areas stay even, energy is kept, and zoom = 1 changes
-/// nothing.
+/// Resamples `traced`, which has the pixels of `window`, to width x height: pixel p shows position
+/// centre + (p - centre) / zoom. Box filter: an output pixel is the mean of the traced pixels that it covers,
+/// weighted by area. Uniform areas stay uniform, energy is conserved, and zoom = 1 is the identity.
 [[nodiscard]] Image reframe(const Image& traced, const RasterWindow& window, int width, int height,
                             double zoom);
 

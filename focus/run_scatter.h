@@ -1,4 +1,4 @@
-// Scattering runs of corner samples that share a disc: rows of neighbours at once, with vector arithmetic.
+// Scatters runs of adjacent corner samples that share a disc, with SIMD.
 #pragma once
 
 #include <vector>
@@ -7,16 +7,16 @@
 
 namespace postlens {
 
-/// Sums of colour times response and of response alone over one block of pixels.
+/// Sums of colour times kernel, and of the kernel, over a block of pixels.
 ///
-/// Kernel rows are symmetric, as the discs stand on whole coordinates: the filtered source row is the same
-/// for two rows of the picture, and taps come in pairs. The inside of a row is a difference of running sums,
-/// held in double, so that a bright light leaves no trace where it does not reach; all else adds up positive
-/// terms, in float for a few source rows at a time, then in double. The order of every sum depends on the
-/// tables alone.
+/// Discs are centred on integer coordinates, so kernels are symmetric: a filtered source row serves two rows
+/// of the image, and taps come in pairs. The inside of a kernel row is a difference of running sums, in
+/// double, so that a bright sample leaves no rounding error where it does not reach. The other terms are
+/// positive; they are added in float for a few source rows, then in double. The order of every sum depends on
+/// the tables only.
 class RunScatter {
   public:
-    /// Pixels of a vector, and so of a strip of the block.
+    /// Width of the strips that a block is divided into, px.
     static constexpr int strip_width = 64;
 
     explicit RunScatter(const SplatTables& tables);
@@ -26,12 +26,12 @@ class RunScatter {
     RunScatter& operator=(const RunScatter&) = delete;
     RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Adds all runs that reach the block, a part of tables.picture(), to sums that start from zero. False
-    /// where none does: then there are no sums. Buffers are kept from block to block.
+    /// Computes the sums of all runs that reach `block`, a part of tables.picture(). Returns false if none
+    /// does; then there are no sums.
     bool run(const RasterWindow& block);
 
-    /// Sums `channel` (0..2 colour, 3 weight) of the strip's pixels in row y, strip_width of them; what lies
-    /// beyond the block has no meaning.
+    /// The sums of `channel` (0 to 2: colour, 3: weight) of the strip_width pixels of a strip in row y;
+    /// undefined beyond the block.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
     }
@@ -44,7 +44,7 @@ class RunScatter {
                 static_cast<std::size_t>(row)) *
                strip_width;
     }
-    /// A run made ready for filtering.
+    /// A run prepared for filtering.
     struct LaidRun;
     void lay_run(const SplatRun& run, int y);
     void lay_line(LaidRun& laid, int channel, int line_end);
@@ -56,14 +56,14 @@ class RunScatter {
     const SplatTables& tables_;
     RasterWindow block_;
     int strips_ = 0, rows_ = 0;
-    /// Sums of the last few source rows; strip by strip, so that the rows of a strip are neighbours.
+    /// Sums of the last few source rows, stored strip by strip so that the rows of a strip are contiguous.
     std::vector<float> partial_;
     std::vector<double> total_;
-    int touched_begin_ = 0, touched_end_ = 0;  ///< rows of the block that partial_ has something for
-    int fresh_from_ = 0;                       ///< rows of the block from here on have nothing in total_ yet
+    int touched_begin_ = 0, touched_end_ = 0;  ///< rows of the block with values in partial_
+    int fresh_from_ = 0;                       ///< first row of the block without values in total_
     std::vector<LaidRun> laid_;
-    std::vector<float> lines_;     ///< colours of the laid runs, zero around them
-    std::vector<double> running_;  ///< running sums of lines
+    std::vector<float> lines_;     ///< colours of the prepared runs, with zeros around them
+    std::vector<double> running_;  ///< running sums of lines_
     std::size_t lines_used_ = 0, running_used_ = 0;
 };
 

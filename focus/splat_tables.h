@@ -1,4 +1,4 @@
-// Records turned into splats: what is scattered, sorted by source row, apart from how it is scattered.
+// Splats made from records, sorted by source row: the input of scattering.
 #pragma once
 
 #include <array>
@@ -22,43 +22,44 @@
 
 namespace postlens {
 
-/// How far splats of the source can lie from pixels of the picture.
+/// Largest distance between a splat in `source` and a pixel in `picture`.
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
-/// A node of one point sample. Its colour is already times the sample's weight; `weight` itself is 0 for
-/// deeper nodes, as the normalisation counts point samples.
+/// One node of a point sample. Its colour is multiplied by the sample's weight. `weight` is 0 for reflected
+/// and transmitted nodes, so that the sum of weights counts each point sample once.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0;
 };
 
-/// Neighbouring corner samples [begin, end) of weight one that share a disc; their colours stand in the
-/// raster.
+/// Adjacent corner samples, columns [begin, end), of weight 1 with the same disc. SplatTables::raster_row has
+/// their colours.
 struct SplatRun {
     std::int32_t begin = 0, end = 0;
     std::uint32_t kernel = 0;
 };
 
-/// Pixels that a response may reach, relative to its anchor: rows [dy_begin, dy_end), columns [dx_begin,
+/// The pixels that a kernel reaches, relative to its anchor: rows [dy_begin, dy_end), columns [dx_begin,
 /// dx_end).
 struct Reach {
     int dy_begin = 0, dy_end = 0, dx_begin = 0, dx_end = 0;
     void include(const Reach& other);
 };
 
-/// Splats are kept apart by how far they reach: one giant circle in a row must not make every block of the
-/// picture look at all the small ones.
+/// Splats of a row are separated by reach, so that one large circle in a row does not make distant blocks of
+/// the image test all small ones.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
 struct SplatRow {
-    std::vector<SplatRun> runs;  ///< by column
-    std::vector<Splat> splats;   ///< by reach class, each by column
-    /// Class c is splats [class_begin[c], class_begin[c + 1]); together they reach class_reach[c].
+    std::vector<SplatRun> runs;  ///< sorted by column
+    std::vector<Splat> splats;   ///< sorted by reach class, then by column
+    /// Class c has the splats [class_begin[c], class_begin[c + 1]); class_reach[c] is the union of their
+    /// reaches.
     std::array<std::uint32_t, reach_classes + 1> class_begin{};
     std::array<Reach, reach_classes> class_reach{};
-    /// Rows that runs may reach, relative to their own.
+    /// Rows [run_dy_begin, run_dy_end) that the runs reach, relative to this row.
     int run_dy_begin = 0, run_dy_end = 0;
 
     [[nodiscard]] std::span<const Splat> splats_of(std::size_t reach_class) const {
@@ -67,10 +68,11 @@ struct SplatRow {
     }
 };
 
-/// Filled by bands of records in any order, each row once; then finished; then scattered.
+/// Usage: add each row once, in bands in any order; finish; scatter.
 class SplatTables {
   public:
-    /// `source`: the recorded corners. `picture`: the pixels that will be asked for. `response`: none: discs.
+    /// `source`: the recorded corners. `picture`: the pixels that will be scattered to. `response`: null:
+    /// discs.
     SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
@@ -80,31 +82,31 @@ class SplatTables {
     SplatTables(SplatTables&&) = delete;
     SplatTables& operator=(SplatTables&&) = delete;
 
-    /// Takes in the corner rows [y_begin, y_end), in parallel. `band` must hold one row more above and below,
-    /// where the source window has one. Throws Error(invalid_input) for a damaged quadtree.
+    /// Adds the corner rows [y_begin, y_end), in parallel. `band` must have one more row above and below, if
+    /// the source window has it. Throws Error(invalid_input) if a quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// The same for rows whose point samples may be known.
+    /// The same for rows whose point samples may already be found.
     void add_rows(const FrameRows& rows);
-    /// Takes in row y of pixels instead, by growing column; safe for several rows at once. What is hidden is
-    /// left out.
+    /// Adds row y of another program's image, sorted by column. Several threads may add different rows at the
+    /// same time. Hidden samples are skipped.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// For each pixel of the picture, row by row: how much of it nothing may fill where less than one
-    /// arrives. Without, what arrives is all there is.
+    /// Per pixel of the image, row by row: the largest share of the pixel that may be empty if the weights
+    /// that arrive add up to less than 1. Without a call, pixels are always divided by their sum of weights.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
-    /// Makes the kernels; after the last row.
+    /// Makes the kernels. Call it after the last row.
     void finish();
 
-    /// For pictures whose splats would take more memory than there is to be spent. Before the first row: what
-    /// is added up to finish() tells of responses and runs only.
+    /// For images whose splats would exceed a memory limit. Call it before the first row: rows added until
+    /// finish() then only count kernels and runs.
     void survey() { keep_ = Keep::none; }
-    /// After finish(), any number of times: the splats that reach `part`, raster px, are to be kept. Returns
-    /// the runs of rows [begin, end) that are then to be added again, in this order, before finish_strip():
-    /// at first all. `block_px`: of which the parts will be made; the same for all.
+    /// After finish(), any number of times: starts a strip, which keeps the splats that reach `part`, raster
+    /// px. Returns the ranges of rows [begin, end) to add again, in this order, before finish_strip(); the
+    /// first time all rows. `block_px`: the strips' heights are multiples of it.
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// After a first strip, of nothing: how many reach rows [begin, end) of blocks.
+    /// Number of splats that reach the rows [begin, end) of blocks. Call it after a first, empty strip.
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -114,30 +116,31 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Colour `channel` (0..2) of the corners of row y, first at x_begin; meaningful inside the row's runs.
+    /// Colour `channel` (0 to 2) of the corners of row y, from column x_begin on; valid within the row's
+    /// runs.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// Rows that runs, and the splats of a class, may reach from their own, over all rows.
+    /// Union over all rows of what their runs, and their splats of a class, reach.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// See let_nothing_fill; of row y of the picture, raster px; none: none anywhere.
+    /// The values of let_nothing_fill for row y of the image, raster px; null without them.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *
                                                         static_cast<std::size_t>(picture_.width());
     }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
-    /// Greatest diameter of the CoC among what is seen and was hit, px, as it is, not as its level has it.
+    /// Largest CoC diameter of the visible nodes at a finite depth, px, not quantised.
     [[nodiscard]] double largest_coc_px() const;
-    /// How many discs of different radius are in use.
+    /// Number of different radii of discs in use.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// False where no colour is below zero: then no pixel may be.
+    /// Whether any colour is negative; if none is, pixels are clamped to 0.
     [[nodiscard]] bool any_negative() const { return any_negative_; }
 
   private:
@@ -152,20 +155,19 @@ class SplatTables {
 
     Keep keep_ = Keep::all;
     RasterWindow strip_;           ///< raster px
-    StripRows<Splat> strip_rows_;  ///< while there are strips
+    StripRows<Splat> strip_rows_;  ///< only used with strips
     RasterWindow source_, picture_;
     NodeResponses responses_;
     KernelTable kernels_;
-    std::unique_ptr<Builders>
-        builders_;              ///< by thread, while rows are added: what one knows serves its next rows
-    std::vector<Reach> reach_;  ///< by number of kernel
-    /// Planes of the source; what belongs to no run was never written.
+    std::unique_ptr<Builders> builders_;  ///< per thread, while rows are added; keep caches from row to row
+    std::vector<Reach> reach_;            ///< per number of a kernel
+    /// Colour planes of the source; uninitialised outside runs.
     std::array<std::unique_ptr<float[]>, 3> raster_;
     std::vector<SplatRow> rows_;
-    std::vector<float> nothing_;  ///< by pixel of the picture; empty: none
+    std::vector<float> nothing_;  ///< per pixel of the image; may be empty
     BorderRadii border_;
-    std::vector<double> row_largest_radius_px_;  ///< by row
-    std::vector<std::uint8_t> row_negative_;     ///< by row
+    std::vector<double> row_largest_radius_px_;  ///< per row
+    std::vector<std::uint8_t> row_negative_;     ///< per row
     bool any_negative_ = false;
     int run_dy_begin_ = 0, run_dy_end_ = 0;
     std::array<Reach, reach_classes> class_reach_{};
