@@ -1,5 +1,4 @@
-// Guesses: what stands behind the edges of a picture that only has what is in front, and where nothing comes
-// to light.
+// Estimates of what a flat image does not contain: surfaces behind its edges, and disoccluded empty space.
 #pragma once
 
 #include <vector>
@@ -10,23 +9,23 @@
 
 namespace postlens {
 
-/// A guess of what an opaque pixel hides; `known` is false where nothing farther is near enough to come to
-/// light.
+/// Estimate of the surface behind an opaque pixel. `known` is false if no farther surface is close enough to
+/// be disoccluded.
 struct Behind {
     float inverse_z = 0;
     float r = 0, g = 0, b = 0;  ///< premultiplied
-    float alpha = 0;            ///< the rest is nothing
+    float alpha = 0;            ///< the rest is empty
     bool known = false;
-    bool fills = false;  ///< what is seen through the pixel's last sample is nothing, here and around
+    bool fills = false;  ///< StackLights::add: only empty space is behind the pixel and its neighbours
 };
 
-/// For each pixel stored, row by row. From an opaque pixel the picture is searched in eight directions, as
-/// far as the circles of both reach, for where something farther begins: a step of a pixel or more of signed
-/// radius. Where samples have ids, only the finds of the id count that has the greatest sum of one over the
-/// squared distances. The nearest find gives the depth; finds of the same depth (within a pixel of radius)
-/// are averaged by one over their squared distances. Nothing counts as farther than all, and spreads by no
-/// circle. A pixel that lets through is searched from like an opaque one where no direction shows, so far,
-/// the begin of anything farther but nothing (`fills`). The same for any number of threads.
+/// One estimate per stored pixel, row by row. From an opaque pixel, searches eight directions for a farther
+/// surface: an increase of signed CoC radius by at least a pixel, at a distance that the circles of both can
+/// bridge. If samples have ids, only the id with the largest sum of 1 / squared distance counts. The nearest
+/// find gives the depth; the colour is the mean of the finds within a pixel of CoC radius, weighted by 1 /
+/// squared distance. Empty space counts as farther than all surfaces, and is not blurred. Translucent pixels
+/// are treated like opaque ones if only empty space was found behind them in every direction (`fills`). Same
+/// result for any number of threads.
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry);
 
 /// For each pixel of a window, row by row: how much of it nothing may come to fill once all is spread. Where

@@ -1,4 +1,4 @@
-// Impulse responses by waves, in the form that scattering wants.
+// Impulse responses with diffraction, as kernels.
 #pragma once
 
 #include <memory>
@@ -8,10 +8,10 @@
 
 namespace postlens {
 
-/// The round aperture's, each colour channel with its own [potmesil1981]. `wavelengths_nm`: of all channels;
-/// empty: their own bands (lens/wave/spectrum.h). A kernel holds 99 % of its energy where that lies within
-/// 256 px of the geometric edge, and is made 1 in sum. Throws Error(wrong_arguments) for wavelengths out of
-/// range.
+/// The model of a round aperture with diffraction, one kernel per colour channel [potmesil1981].
+/// `wavelengths_nm`: of all channels; empty: each channel's band (lens/wave/spectrum.h). A kernel includes 99
+/// % of the energy, if that lies within 256 px of the geometric edge, and is normalised to 1. Throws
+/// Error(wrong_arguments) if a wavelength is out of range.
 [[nodiscard]] std::unique_ptr<ResponseModel> diffraction_model(const std::vector<double>& wavelengths_nm,
                                                                const FocusGeometry& geometry);
 

@@ -1,4 +1,4 @@
-// One surface at one pixel, from the sums of its parts: its own colour and what mirrors and glass show in it.
+// One surface at one pixel, from the sums of its parts: its own radiance and what it reflects and transmits.
 #pragma once
 
 #include <array>
@@ -17,20 +17,20 @@ struct LayerTerm {
     double weight = 0;
     double depth = 0;                  ///< weight times 1/z'
     std::array<LensMoment, 4> lens{};  ///< of colour and weight
-    double covered = 0;                ///< of the weight: see LayerSplat
+    double covered = 0;                ///< LayerSplat::covered
 };
 
-/// Below this sum of weights nothing is taken to have arrived.
+/// A smaller sum of weights counts as none.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// The fragment of the surface that all terms are of; in the order of their parts. Nothing where the surface
-/// itself does not arrive.
+/// Computes the fragment of a surface from the sums of all its parts, in the order of the parts. None if no
+/// light of the surface itself arrives at the pixel.
 ///
-/// What a chain of bounces shows is a picture of its own, made of the chain's nodes with their own responses
-/// and divided by their own weights; the share of the surface that has this chain, its mask, is blurred by
-/// the surface's responses, so that the mirror's outline moves with the mirror and not with the image. Where
-/// no node of the chain arrives but the mask does (beside the outline of a mirror that is more out of focus
-/// than what it shows), the chain's colours as the mask's own responses spread them stand in.
+/// The nodes of each path form an image of their own: scattered with their own kernels and divided by their
+/// own weights. The share of the surface that has this path, its mask, is scattered with the surface's
+/// kernels, so that a mirror's outline is blurred as the mirror and not as its reflection. Where the mask
+/// arrives but no node of the path does, as beside the outline of a mirror that is more out of focus than its
+/// reflection, the path's colours scattered with the mask's kernels replace them.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

@@ -1,4 +1,4 @@
-// One row of a sample file turned into splats surface by surface: what LayerSplats is made of.
+// Makes the splats of LayerSplats from one row of a sample file.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace postlens {
 
-/// Takes in one row of corners; everything it writes belongs to that row alone.
+/// Processes one row of corners; only writes data of that row.
 class LayerSplats::RowBuilder {
   public:
     explicit RowBuilder(LayerSplats& splats) : t_(splats), cache_(splats.kernels_) {}
@@ -30,17 +30,17 @@ class LayerSplats::RowBuilder {
     void begin_row(int y);
     void end_row();
     void add_light(const PixelLight& light);
-    /// Nodes of one layer at one place.
+    /// The nodes of one layer of a point sample.
     struct Nodes {
         float x, y;
         std::span<const Record> records;
     };
-    /// A node with what it needs to stand as a parent.
+    /// A node, with the data that its children need.
     struct Met {
         const Record* node = nullptr;
         NodeResponse response;
-        std::array<float, 3> subtree{};  ///< colour of the node and all that go on from it
-        LayerPart part{};                ///< where it was placed
+        std::array<float, 3> subtree{};  ///< radiance of the node and its descendants
+        LayerPart part{};                ///< the part that it was added to
     };
 
     void find_hidden(const RecordBand& band, std::size_t pixel);
@@ -49,11 +49,11 @@ class LayerSplats::RowBuilder {
     void add_tree(const PointSample& s, std::span<const Record> nodes, LayerPart::Kind kind);
     void add_hidden_chains(const PointSample& s, std::span<const Record> nodes, const NodeResponse& primary,
                            SurfaceKey surface);
-    /// Of the tree at hand; null: it has none.
+    /// The node of the current tree with this path; null: there is none.
     [[nodiscard]] const Met* met_at(NodePath path) const;
-    /// What has the outline of `from`, the node that a chain goes on from.
+    /// The node whose kernel blurs the outline of `from`.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Of the chain that ends at `met` and goes on from `from`, which was placed.
+    /// Adds the mask of the path that ends at `met`, a child of `from`, which was added before.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);
@@ -68,26 +68,26 @@ class LayerSplats::RowBuilder {
     };
     struct Slot {
         std::uint64_t key = 0;
-        std::size_t index = 0;  ///< of the row's splats
+        std::size_t index = 0;  ///< index of a splat in the row
     };
 
     LayerSplats& t_;
     KernelNumberCache cache_;
     Row row_;
     std::map<LayerPart, std::uint32_t> number_;
-    LayerPart last_part_;  ///< most samples go where the one before went
+    LayerPart last_part_;  ///< cache: most samples have the same part as the sample before
     std::uint32_t last_number_ = ~std::uint32_t{0};
-    glm::dvec2 place_px_{0};  ///< of the sample, from the picture's middle
+    glm::dvec2 place_px_{0};  ///< position of the sample, from the image's centre
     int y_ = 0;
     bool alone_ = true;            ///< the pixel has no other sample
     std::size_t pixel_begin_ = 0;  ///< the pixel's first splat
     std::vector<Slot> slots_{1024};
-    std::vector<Nodes> hidden_;       ///< of the pixel, by place and layer
-    std::vector<Met> met_;            ///< of the tree at hand
-    float covered_ = 0;               ///< share of what is being placed
-    std::vector<double> radii_px_;    ///< signed, of the surfaces met so far
-    std::vector<std::uint32_t> ids_;  ///< of the surfaces met so far
-    std::vector<Shown> shown_;        ///< by chains, so far
+    std::vector<Nodes> hidden_;       ///< hidden layers of the pixel, by position and layer
+    std::vector<Met> met_;            ///< nodes of the current tree
+    float covered_ = 0;               ///< LayerSplat::covered of the current node, as a share
+    std::vector<double> radii_px_;    ///< signed CoC radii of the sample's surfaces so far
+    std::vector<std::uint32_t> ids_;  ///< ids of the sample's surfaces so far
+    std::vector<Shown> shown_;        ///< reflected and transmitted nodes of the sample so far
 };
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Records turned into splats surface by surface: what `layers` accumulates, and what belongs together.
+// Splats made from records, separated by surface: the input of `layers`.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@
 
 namespace postlens {
 
-/// A surface is an object, split where it hides itself: `before` counts the surfaces of the same object that
-/// the same ray meets before.
+/// A surface is an object, divided where it hides itself: `before` is the number of surfaces of the same
+/// object in front of it on the same ray.
 struct SurfaceKey {
     std::uint32_t id = 0;
     std::uint32_t before = 0;
@@ -30,47 +30,46 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// What is accumulated on its own. Ordered so that the parts of a surface stand together, those of one chain
-/// of bounces likewise, longer chains after the chains that they go on from.
+/// A part of the image that has its own sums. Sorted by surface, then by path, parents first.
 struct LayerPart {
     enum class Kind : std::uint32_t {
-        seen,         ///< what the pinhole sees: of the surface, or of what a chain of bounces shows
-        hidden,       ///< what stands behind something else
-        mask,         ///< where what a chain goes on from has that chain, by its own responses; its colour is
-                      ///< that of the chain's nodes
-        hidden_mask,  ///< the same, where what the chain goes on from stands behind something else
-        outer_mask,   ///< of a longer chain: by the responses that the chain it goes on from is masked by
+        seen,         ///< nodes that the pinhole sees
+        hidden,       ///< nodes behind another surface
+        mask,         ///< the nodes' colours, scattered with the kernels of their parent nodes
+        hidden_mask,  ///< the same for parents behind another surface
+        outer_mask,   ///< the same with the kernels that scatter the mask of the parent's path
     };
-    SurfaceKey surface;      ///< of the primary node
-    std::uint32_t path = 0;  ///< NodePath's bits; 0: the surface itself
-    SurfaceKey shown;        ///< what the chain meets; for masks what the chain before it met: nothing at
-                             ///< the first bounce, nor for outer masks
+    SurfaceKey surface;      ///< surface of the primary node
+    std::uint32_t path = 0;  ///< NodePath::bits; 0: the surface itself
+    SurfaceKey shown;  ///< surface of the node; for masks that of the parent, empty if the parent is the
+                       ///< primary node; empty for outer masks
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
-/// A node of one point sample, weighted. `depth` is the weight times 1/z'.
+/// One node of a point sample, multiplied by the sample's weight. `depth` is the weight times 1/z'.
 struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// How much of the lens's radius a pixel of distance from the anchor stands for: the light that arrives d
-    /// px away has come through the lens point d * lens_per_px, in radii, on average.
+    /// Lens radii per px: light that arrives d px from the anchor passed, on average, through the lens point
+    /// d * lens_per_px.
     float lens_per_px = 0;
-    /// Of the weight: what stays hidden, as what hides it moves along with it over the lens.
+    /// Part of the weight that no lens point sees, as the surface in front moves with the node
+    /// (Fragment::covered).
     float covered = 0;
 };
 
-/// Splats of one part that stand in one tile of the raster.
+/// The splats of one part whose anchors lie in one tile of the raster.
 struct LayerCell {
     std::uint32_t part = 0;
     std::uint32_t tile_row = 0;
-    std::uint32_t begin = 0, end = 0;  ///< of the tile row's splats
-    RasterWindow reach;                ///< pixels that they reach
+    std::uint32_t begin = 0, end = 0;  ///< range of the tile row's splats
+    RasterWindow reach;                ///< pixels that the splats reach
 };
 
-/// Least and greatest of the colours of shading trees, channel by channel.
+/// Smallest and largest radiance of the shading trees, per channel.
 struct ColourRange {
     std::array<float, 3> least{}, most{};
     ColourRange();
@@ -78,7 +77,7 @@ struct ColourRange {
     void include(const ColourRange& other);
 };
 
-/// Filled by bands of records in any order, each row once; then finished.
+/// Usage: add each row once, in bands in any order; finish.
 class LayerSplats {
   public:
     /// As SplatTables.

@@ -1,4 +1,4 @@
-// Sums of the splats of one part of a surface over some pixels.
+// Sums of the splats of one LayerPart over a block of pixels.
 #pragma once
 
 #include <array>
@@ -11,25 +11,24 @@
 
 namespace postlens {
 
-/// Colour, weight and depth times response. Each splat costs as much as its outline: as in PointScatter, the
-/// inside of a response is added as a difference where a row of it begins and ends.
+/// Sums of colour, weight and depth times kernel. As in PointScatter, a splat costs as much as its kernel's
+/// outline: the uniform inside of a row is stored as differences at its ends.
 class LayerSums {
   public:
-    /// Nothing over the pixels of `rows`. `with_lens`: lens points are summed up, too. Buffers are kept from
-    /// call to call.
-    /// `from_anchor_px`: where samples stand, right of and below their anchors.
+    /// Sets the sums of the pixels of `rows` to 0. `with_lens`: lens moments are summed as well.
+    /// `from_anchor_px`: position of samples to the right of and below their anchors.
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
-    /// Adds splats by the kernels of one channel.
+    /// Adds splats with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
-    /// Makes sums of the differences; after the last splat.
+    /// Adds up the differences. Call it after the last splat.
     void finish();
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }
-    /// Red, green, blue and weight at a pixel of the rows.
+    /// Sums of red, green, blue and weight at a pixel.
     [[nodiscard]] const double* at(int x, int y) const { return sum_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return depth_[index(x, y)]; }
     [[nodiscard]] double covered_at(int x, int y) const { return covered_[index(x, y)]; }
-    /// The same as `at`, each times the lens point (x and y, in radii of the lens) that it came through.
+    /// The lens moments of `at`: each term multiplied by the lens point of its light, in lens radii.
     [[nodiscard]] std::array<LensMoment, 4> lens_at(int x, int y) const;
 
   private:
@@ -41,10 +40,11 @@ class LayerSums {
     RasterWindow rows_;
     bool with_lens_ = false;
     double from_anchor_px_ = 0;
-    std::size_t width_ = 0;   ///< pixels from row to row: one more than there are, for what ends there
-    std::size_t stride_ = 4;  ///< numbers from pixel to pixel
-    /// By pixel: red, green, blue, weight; with lens points these also times lens_per_px, and that times x
-    /// and y of the anchor, from the corner of the rows.
+    std::size_t width_ =
+        0;  ///< pixels per row of buffers: one more than rows_ has, for differences at its end
+    std::size_t stride_ = 4;  ///< values per pixel
+    /// Per pixel: red, green, blue, weight. With lens moments also these times lens_per_px, and that times
+    /// the anchor's x and y, counted from the corner of rows_.
     std::vector<double> sum_, change_;
     std::vector<double> depth_, depth_change_, covered_, covered_change_;
 };

@@ -1,4 +1,4 @@
-// Impulse responses of a real lens, in the form that scattering wants.
+// Impulse responses of a real lens, as kernels.
 #pragma once
 
 #include <memory>
@@ -11,13 +11,14 @@
 
 namespace postlens {
 
-/// The real lens of `settings.impulse`, set up for a picture of this size whose records have corners in
-/// `recorded`; none for other impulse responses. Throws what reading and focusing the prescription throw.
+/// The real lens of `settings.impulse`, for an image of this size and records with corners in `recorded`.
+/// None if the impulse response is not that of a real lens. Throws what reading and focusing the prescription
+/// throw.
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);
 
-/// From a table of traced rays (lens/prescription/fan_table.h). `geometry`: the view's, in the px that the
-/// picture is scattered in. `half_diagonal_px`: of all that was recorded.
+/// A model from a table of traced rays (lens/prescription/fan_table.h). `geometry`: of `view`, in px of the
+/// trace. `half_diagonal_px`: of the records, with overscan.
 [[nodiscard]] std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,
                                                         double half_diagonal_px,
                                                         double largest_inverse_depth_per_m);

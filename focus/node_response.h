@@ -1,4 +1,4 @@
-// Which impulse response a node of a shading tree has.
+// The impulse response of a node of a shading tree.
 #pragma once
 
 #include <algorithm>
@@ -27,29 +27,28 @@ struct RasterWindow {
     return {std::max(a.x_begin, b.x_begin), std::min(a.x_end, b.x_end), std::max(a.y_begin, b.y_begin),
             std::min(a.y_end, b.y_end)};
 }
-/// The least that holds both.
+/// The smallest window that contains both.
 [[nodiscard]] inline RasterWindow around(const RasterWindow& a, const RasterWindow& b) {
     return {std::min(a.x_begin, b.x_begin), std::max(a.x_end, b.x_end), std::min(a.y_begin, b.y_begin),
             std::max(a.y_end, b.y_end)};
 }
 
-/// From the middle of a window to a place of the raster, px.
+/// Vector from the centre of a window to a raster position, px.
 [[nodiscard]] inline glm::dvec2 from_middle_px(const RasterWindow& window, float x, float y) {
     return {static_cast<double>(x) - (window.x_begin + window.x_end) / 2.0,
             static_cast<double>(y) - (window.y_begin + window.y_end) / 2.0};
 }
 
-/// A node's response: its key without phase, and its size.
+/// A node's impulse response: the key without phase, and its size.
 struct NodeResponse {
     KernelKey key;
-    double radius_px = 0;        ///< of the kernel: half the longer side of its bounding box
-    double exact_radius_px = 0;  ///< of the CoC itself
-    /// What it is made for, 1/m: not the node's own depth, but its level's. Only where it changes over the
-    /// field.
+    double radius_px = 0;        ///< half the longer side of the kernel's bounding box
+    double exact_radius_px = 0;  ///< CoC radius, not quantised
+    /// Inverse depth of the node's level, 1/m. Only for apertures that vary over the image.
     double inverse_depth_per_m = 0;
 };
 
-/// Responses of one lens setting. Places are counted from the middle of the picture.
+/// Impulse responses of one lens setting. Positions are relative to the centre of the image.
 class NodeResponses {
   public:
     NodeResponses(const FocusGeometry& geometry, DepthLevels levels, DepthModel model,
@@ -57,18 +56,18 @@ class NodeResponses {
         : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
 
     [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
-    /// Of a deeper node, as the depth model has it.
+    /// Response of a reflected or transmitted node, by the depth model.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
-    /// Share of the light that the lens lets through. 1 where one kernel serves the whole picture.
+    /// Transmittance of the lens. 1 if one kernel is used for the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Whether the weights spread as the light does; else by `whole`.
+    /// Whether weights are scattered with the same kernel as light; otherwise with that of `whole`.
     [[nodiscard]] bool weighs_as_it_shines(const NodeResponse& response) const {
         return response.key.cell_log2 == 0 || model().weighs_as_it_shines();
     }
-    /// As if nothing were lost.
+    /// The response without vignetting.
     [[nodiscard]] static NodeResponse whole(NodeResponse response);
-    /// Where a sample's response is placed.
+    /// Positions and weights at which a sample's response is placed.
     [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
 
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
@@ -85,8 +84,7 @@ class NodeResponses {
     std::shared_ptr<const ResponseModel> response_;
 };
 
-/// 1/z' of a record: infinity has the inverse depth 0; a depth that is smaller than a float's least normal
-/// number is none.
+/// 1/z' of a record, 1/m; 0 for infinity. Depths below 1e-37 m are clamped.
 [[nodiscard]] inline double inverse_depth_per_m(const Record& node) {
     return 1 / std::max(static_cast<double>(node.z), 1e-37);
 }

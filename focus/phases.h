@@ -1,4 +1,4 @@
-// Where between the pixels the response of a point sample is placed.
+// Subpixel positions at which the impulse response of a point sample is placed.
 #pragma once
 
 #include <array>
@@ -9,14 +9,14 @@
 
 namespace postlens {
 
-/// A place relative to the whole coordinates at or before the sample, in 1/KernelKey::phase_steps px, and how
-/// much of the sample goes there.
+/// A position relative to the integer coordinates at or before the sample, unit 1/KernelKey::phase_steps px,
+/// and the weight of the sample there.
 struct Phase {
     std::int32_t x, y;
     float weight;
 };
 
-/// At most four places.
+/// At most four positions.
 struct Phases {
     std::array<Phase, 4> items{};
     std::size_t count = 0;
@@ -32,13 +32,13 @@ struct Phases {
     }
 };
 
-/// Where the response of a sample is placed, and with what weights; they add up to the sample's weight.
+/// Positions and weights at which the response of a sample is placed; the weights add up to the sample's
+/// weight.
 ///
-/// A sample is one disc at its own position, to 1/16 px for small radii; for larger ones, of which there
-/// would be too many kernels, a position in between is shared out to its neighbours on a coarser grid, which
-/// keeps the centroid. Below 2 px of radius, a sample on the border of pixels that has more weight in one of
-/// them than in another is split into its parts, each placed inside its pixel: so that the picture of a
-/// vanishing CoC is the traced one.
+/// A small disc is placed at the sample's position, quantised to 1/16 px. Larger discs would need too many
+/// kernels, so they are distributed over the nearest positions of a coarser grid, which preserves the
+/// centroid. Below a radius of 2 px, a sample on the border of pixels that has different weights in them is
+/// divided, and each part is placed inside its pixel, so that the image for a CoC of 0 is the pinhole image.
 [[nodiscard]] Phases phases_of(const PointSample& sample, double radius_px);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// What other programs' pictures give to the tables: light at the middle of a pixel.
+// The light of one sample of another program's image: the input of SplatTables and LayerSplats.
 #pragma once
 
 #include <array>
@@ -8,20 +8,20 @@
 
 namespace postlens {
 
-/// Light of one depth in a pixel, taken to come from its middle: a pixel's value is a mean over its square,
-/// and a response's share in a pixel is one as well.
+/// Light at one depth in a pixel. It is placed at the pixel's centre: both a pixel's value and a kernel's
+/// value are means over the pixel.
 struct PixelLight {
     int x = 0;                   ///< column of the pixel
-    double inverse_depth = 0;    ///< 1/m; what covers what
-    double spread_depth = 0;     ///< 1/m; whose circle of confusion it is spread by
-    std::array<float, 3> rgb{};  ///< already times the weight
+    double inverse_depth = 0;    ///< 1/m; for the order of compositing
+    double spread_depth = 0;     ///< 1/m; for the circle of confusion
+    std::array<float, 3> rgb{};  ///< multiplied by the weight
     float weight = 1;            ///< share of the pixel that it fills
-    float covered = 0;           ///< of the weight, see LayerSplat; of what is hidden
-    std::uint32_t surface = 0;   ///< which accumulator of `layers`
-    bool hidden = false;         ///< behind something
+    float covered = 0;           ///< LayerSplat::covered, for hidden light
+    std::uint32_t surface = 0;   ///< number of its surface in `layers`
+    bool hidden = false;         ///< behind another sample
 };
 
-/// Where it stands, with weight one in that pixel.
+/// The point sample at a pixel's centre with weight 1.
 [[nodiscard]] inline PointSample middle_of_pixel(int x, int y) {
     return {.x = static_cast<float>(x) + 0.5F,
             .y = static_cast<float>(y) + 0.5F,

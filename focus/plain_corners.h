@@ -1,4 +1,5 @@
-// The corner samples that ask nothing but their own depth of a lens, plane by plane: most of a frame.
+// Plain corners: undivided corner samples without reflections and refractions, stored as planes. Most of a
+// frame.
 #pragma once
 
 #include <array>
@@ -20,27 +21,28 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// Of some rows of pixels, row by row of the band's width: the corners of weight one whose primary node alone
-/// shines. None lies on the border of the raster, where a corner has not the weight of four pixels.
+/// The plain corners of some rows, row by row of the band's width: corners of weight 1 with radiance in the
+/// primary node only. Corners on the border of the raster have less than the weight of four pixels, so they
+/// are never plain.
 struct PlainCorners {
-    /// 1/z' of the corner at each column, 1/m; `not_plain` where it is not one of these.
+    /// 1/z' of the corner at each column, 1/m; `not_plain` for other corners.
     std::vector<double> inverse_depth;
-    std::vector<float> r, g, b;  ///< as inverse_depth; 0 where it is not one of these
-    /// All other point samples, as indices into PointSamples::samples, in their order: those of row i are
+    std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
+    /// All other point samples as indices into PointSamples::samples, in order: row i has
     /// [other_begin[i], other_begin[i + 1]).
     std::vector<std::uint32_t> others, other_begin;
-    /// What a row's plain corners have in common.
+    /// Ranges of a row's plain corners.
     struct Row {
-        /// Least and greatest 1/z' of what was hit, 1/m; least above greatest where nothing was.
+        /// Smallest and largest 1/z' of corners at a finite depth, 1/m; least > greatest if there is none.
         double least_inverse = std::numeric_limits<double>::infinity(), greatest_inverse = 0;
-        bool negative = false;  ///< any colour is below zero
+        bool negative = false;  ///< some colour is negative
     };
     std::vector<Row> rows;
 
     static constexpr double not_plain = -1;
 };
 
-/// Of the rows that `samples` holds of `band`, without its buffers' memory being given up.
+/// Finds the plain corners of the rows of `band` that `samples` has. Reuses the memory of `out`.
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out);
 
 }  // namespace postlens

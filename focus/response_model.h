@@ -1,4 +1,4 @@
-// Which impulse response a lens has, in the form that scattering wants.
+// Interface: the impulse responses of a lens, as kernels.
 #pragma once
 
 #include <array>
@@ -14,18 +14,18 @@
 
 namespace postlens {
 
-/// A point of light as it arrives: the aperture's point q, in units of its radius, is moved by `map_px q`,
-/// and by what the model adds.
+/// The impulse response of a scene point: light through the aperture point q (lens radii) arrives at `map_px
+/// q`, plus what the model adds.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
-    glm::dvec2 place_px{0};  ///< of the point, from the picture's middle
-    bool whole = true;       ///< as if nothing were lost: what the weights are spread by
-    glm::dvec2 phase_px{0};  ///< of the response's centre from the anchor
+    glm::dvec2 place_px{0};  ///< position of the scene point, from the image's centre
+    bool whole = true;       ///< without vignetting, for weights
+    glm::dvec2 phase_px{0};  ///< position of the response's centre relative to the anchor
     KernelReach reach;
 };
 
-/// Responses of one lens setting. What is round everywhere needs none of the functions: its kernels are those
-/// of discs and ellipses, and the fastest.
+/// Impulse responses of one lens setting. The default is a round aperture, whose kernels are discs and
+/// ellipses, which is fastest.
 class ResponseModel {
   public:
     ResponseModel() = default;
@@ -36,49 +36,49 @@ class ResponseModel {
     virtual ~ResponseModel() = default;
 
     [[nodiscard]] virtual bool is_round() const { return true; }
-    /// Whether a response is an evenly lit outline, and so costs as much as that.
+    /// Whether responses are uniform within an outline, so that they cost as much as the outline.
     [[nodiscard]] virtual bool is_even() const { return true; }
-    /// Whether responses of opposite maps are the same.
+    /// Whether the map -M has the same response as M.
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
-    /// Width of the part of the picture, px, over which one kernel of this map serves: its outline changes
-    /// by less than half a pixel, or hardly next to its size. 0: the whole.
+    /// Width of the part of the image, px, in which one kernel can be used for this map: within it the
+    /// outline changes by less than half a pixel, or by little relative to its size. 0: the whole image.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
-    /// Whether the weights that pictures are divided by spread as the light does at its place. False: as it
-    /// would if nothing were lost.
+    /// Whether weights are scattered with the same kernel as light. False: with the kernel without
+    /// vignetting.
     [[nodiscard]] virtual bool weighs_as_it_shines() const { return false; }
-    /// Share of the light that is not lost at a place, counted as ResponseRequest's.
+    /// Transmittance for a scene point at `place_px` from the image's centre.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
                                               double /*inverse_depth_per_m*/) const {
         return 1;
     }
-    /// No light arrives farther from the centre than this, px.
+    /// Radius outside which the response is 0, px.
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
-    /// Its values add up to 1 where the reach does not cut it, or to 0 where nothing passes.
+    /// The kernel. Its values add up to 1 unless `reach` clips it, or to 0 if no light is transmitted.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
 
-    /// Responses that are dear to make come in few phases from this radius on, px.
+    /// Radius from which on fewer subpixel positions are used, px, as kernels are expensive to make.
     [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
 
-    /// Whether red, green and blue have responses of their own: then `channel_kernels` stands for `kernel`.
+    /// Whether red, green and blue have their own responses: then `channel_kernels` is called instead of
+    /// `kernel`.
     [[nodiscard]] virtual bool has_channels() const { return false; }
-    /// Whether maps other than a multiple of the identity have responses of their own; else what mirrors and
-    /// glass stretch has that of its mean.
+    /// Whether `map_px` may be anisotropic. If not, reflected and transmitted nodes get a mean radius.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
-    /// Of all requests, which share their phase; runs in parallel itself.
+    /// The kernels of all requests, which have the same phase. Runs in parallel.
     [[nodiscard]] virtual std::vector<std::array<Kernel, 3>> channel_kernels(
         std::span<const ResponseRequest> /*requests*/) const {
         return {};
     }
 };
 
-/// Of an aperture.
+/// The model of an aperture of a thin lens.
 [[nodiscard]] std::unique_ptr<ResponseModel> aperture_model(const Aperture& aperture,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);
 
-/// Of a lens setting. `half_diagonal_px`: of the picture, in the px that the geometry counts in. Throws
-/// Error(wrong_arguments) and Error(invalid_input) as read_aperture does, and for kinds that scattering
-/// real lenses, which lens_model (focus/lens_model.h) makes.
+/// The model of an impulse response. `half_diagonal_px`: of the image, in px of `geometry`. Throws
+/// Error(wrong_arguments) and Error(invalid_input) as read_aperture does, and for real lenses, whose model
+/// lens_model (focus/lens_model.h) makes.
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);

@@ -1,4 +1,4 @@
-// A pixel's stack of samples as light for the tables: what of it the pinhole sees, and what it hides.
+// Converts a pixel's stack of samples to PixelLight, separated into what the pinhole sees and what is hidden.
 #pragma once
 
 #include <span>
@@ -11,29 +11,30 @@
 
 namespace postlens {
 
-/// What is to be counted as light: the colours, or the alphas (in all three channels).
+/// Which values become light: the colours, or the alphas (in all three channels).
 enum class StackValue { colour, alpha };
 
-/// Turns stacks into light, one after the other; keeps its buffers.
+/// Converts stacks one after the other.
 ///
-/// Of a sample behind others of transparency T (the product of 1 - alpha before it) the share T alpha is seen
-/// and (1 - T) alpha hidden; its premultiplied colour is divided likewise. Nothing, infinitely far, fills
-/// what is left of a pixel and goes on behind what is translucent. So the lights of a pixel that are seen
-/// fill it exactly. Samples of similar circles are one surface, since they move together over the lens:
-/// within a pixel of signed radius, or a 16th of it beyond 16 px.
+/// A sample behind samples of transmittance T (the product of their 1 - alpha) is seen with the share T alpha
+/// and hidden with (1 - T) alpha; its premultiplied colour is divided in the same ratio. Empty space at
+/// infinity fills the rest of a pixel, and continues behind translucent samples, so the seen shares of a
+/// pixel add up to 1. Samples whose signed CoC radii differ by less than a pixel (beyond 16 px by less than a
+/// 16th) move together over the lens and form one surface.
 class StackLights {
   public:
-    /// `with_nothing`: what is nothing is among the lights as well, and is spread by no circle.
+    /// `with_nothing`: also makes light of empty space, which is not blurred.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Appends to `out`. `behind` may be null. `fills`: before nothing the last sample of a stack is a
-    /// surface that fills its pixel and is seen through evenly, so that its circles add up to one wherever
-    /// they do for an opaque one; what shines through it from behind must be nothing everywhere around.
+    /// Converts a stack and appends to `out`. `behind`: estimate of the surface behind it, may be null.
+    /// `fills`: if only empty space is behind the stack, its last sample is a uniformly translucent surface
+    /// that fills the pixel, so its weights add up to 1 as those of an opaque one. Only empty space may be
+    /// behind its neighbours as well.
     void add(int x, std::span<const StackSample> stack, bool fills, const Behind* behind, StackValue value,
              std::vector<PixelLight>& out);
 
-    /// The surface that something of this signed radius belongs to.
+    /// Number of the surface for a signed CoC radius.
     [[nodiscard]] static std::uint32_t surface_of(double signed_radius_px);
     static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
@@ -52,7 +53,7 @@ class StackLights {
     };
     FocusGeometry geometry_;
     bool with_nothing_;
-    double left_ = 1;  ///< transparency so far
+    double left_ = 1;  ///< transmittance of the samples so far
     std::vector<Met> met_;
     std::vector<Sum> sums_;
 };
