@@ -77,12 +77,13 @@ bool preview_fills(ByteView value) {
 }
 
 /// Bytes of the samples of a chunk, which the OpenEXR library makes room for when it opens a part: at most,
-/// as 4 bytes a channel. What is no header of a picture has none. A part of rows may hold sizes of tiles too.
+/// as 4 bytes a channel. 0 without channels, or for a part of rows without a window. A part of rows may hold
+/// sizes of tiles too.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");
     const auto compression = part.raw("compression", "compression");
-    if (!window || !channels) return 0;
+    if (!channels) return 0;
     constexpr std::size_t after_name = 16;
     std::uint64_t pixel = 0;
     for (std::size_t at = 0; at < channels->size() && (*channels)[at] != 0; pixel += 4) {
@@ -102,6 +103,8 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
+    // The library takes a small window where there is none, but tiles as large as they are said to be.
+    if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
     return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]
                      : 0;

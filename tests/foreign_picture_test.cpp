@@ -637,6 +637,27 @@ TEST(ExrAttribute, NothingShortFollowsAManifest) {
     EXPECT_THROW(with(""), Error);
 }
 
+// Without a data window the OpenEXR library takes a small one, but makes room for tiles of the size that is
+// said.
+TEST(ExrAttribute, TilesAreBoundedWithoutAWindow) {
+    const test::TemporaryFolder folder;
+    const auto path = folder.path() / "tiles.exr";
+    const auto with = [&](std::uint8_t third_byte) {
+        std::string bytes{"\x76\x2f\x31\x01\x02\x02\0\0", 8};
+        const auto add = [&](const std::string& key, const std::string& type, const std::string& value) {
+            bytes +=
+                key + '\0' + type + '\0' + static_cast<char>(value.size()) + std::string(3, '\0') + value;
+        };
+        add("channels", "chlist", std::string("R\0\x01\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0\0", 19));
+        add("tiles", "tiledesc",
+            std::string("\x40\0", 2) + static_cast<char>(third_byte) + std::string("\0\x00\x04\0\0\0", 6));
+        std::ofstream(path, std::ios::binary) << bytes + '\0';
+        check_exr_headers(path);
+    };
+    EXPECT_NO_THROW(with(0));
+    EXPECT_THROW(with(0x36), Error);
+}
+
 TEST(ExrAttribute, FillsItsSize) {
     using B = std::vector<std::uint8_t>;
     EXPECT_TRUE(fills_its_size("int", B(4)));
