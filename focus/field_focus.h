@@ -103,7 +103,7 @@ class FieldFocuser {
     /// The instant at which the share u of the exposure is over.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
-    /// The pixels to leave out, of the strips or of the whole image; none if no set asks for it.
+    /// The pixels to leave out, of the strips or of the whole image; none if no set leaves any out.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;
     FocusFrame& frame_;

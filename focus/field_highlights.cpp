@@ -406,7 +406,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);
-    std::vector<PlacedPatch> before, placed;
+    const double x0 = of_.window_.x_begin + part.x0, y0 = of_.window_.y_begin + part.y0;
+    const auto z = static_cast<double>(s.inverse_z);
+    std::vector<PlacedPatch> before;
     const auto find_before = [&](const glm::dvec2& from_middle_px) {
         before.clear();
         const PointRays rays{s.at + from_middle_px + glm::dvec2(of_.window_.x_begin, of_.window_.y_begin),
@@ -415,17 +417,13 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         for (const Patch& patch : patches.patches) {
             // Sorted by depth, but at their corners: of those that follow some may still be nearer.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
-            placed.clear();
-            const auto z = static_cast<double>(s.inverse_z);
-            place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, placed);
-            for (const PlacedPatch& p : placed) {
-                const RasterRect r = covered(p.patch, p.place);
-                const double x = of_.window_.x_begin + part.x0, y = of_.window_.y_begin + part.y0;
-                if (r.x_max + 1 >= x && r.x_min - 1 <= x + width && r.y_max + 1 >= y &&
-                    r.y_min - 1 <= y + height)
-                    before.push_back(p);
-            }
+            place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }
+        std::erase_if(before, [&](const PlacedPatch& p) {
+            const RasterRect r = covered(p.patch, p.place);
+            return !(r.x_max + 1 >= x0 && r.x_min - 1 <= x0 + width && r.y_max + 1 >= y0 &&
+                     r.y_min - 1 <= y0 + height);
+        });
     };
     find_before({0, 0});
     // Lights of a lamp stand side by side, and each throws a shadow of its own. Where these lie apart, a

@@ -67,7 +67,7 @@ struct Mean {
 CheckedPixels::CheckedPixels(int width, int height) {
     // Products of residuals have a wide distribution: 8000 of them estimate their mean well enough.
     constexpr int enough_pixels = 8000, sparse = 4, dense = 2;
-    edge_ = width * height / (sparse * sparse) >= enough_pixels ? sparse : dense;
+    edge_ = std::int64_t{width} * height / (sparse * sparse) >= enough_pixels ? sparse : dense;
 }
 
 CheckedPixels::Use CheckedPixels::use(int x, int y) const {

@@ -34,8 +34,8 @@ struct PatchLens {
     double exact_px = 0.1;  ///< largest error of a cell's position in a view, px; larger where it is blurred
     /// A patch extends by this beyond its sides, px, so that neighbours with different planes leave no crack.
     double overlap_px = 0.02;
-    /// Bounds of what the motions of all views do to a part of a sheet; none: nothing moves. `middle`,
-    /// `slope` and `reach` are the arguments of RasterMap::tangent.
+    /// Upper bounds of the motion of a part of a sheet over all views; none: nothing moves. `middle`, `slope`
+    /// and `reach` are the arguments of RasterMap::tangent.
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;

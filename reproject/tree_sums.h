@@ -38,7 +38,7 @@ class TreeSums {
     /// Call after the last view, before sum_up.
     void end_views();
     /// Weight of the nodes that are not recorded, reduced for nodes that are dim in the whole tile.
-    /// `guessed`: the part that too few other views have to replace it.
+    /// `guessed`: the part that is not replaced by the mean of other views, as too few of them have the node.
     struct Unknown {
         double all = 0, guessed = 0;
     };

@@ -71,8 +71,7 @@ DistributedTracer::DistributedTracer(const RayScene& scene, const Sampler& sampl
     for (const Object& o : scene.scene().objects) {
         const Material& m = scene.scene().materials[o.material];
         const bool spawns = (m.reflects() || m.transmission != dvec3(0)) && settings_.max_depth > 1;
-        const bool lit = !scene.scene().lights.empty() &&
-                         (m.diffuse != dvec3(0) || m.has_highlight() || m.diffuse_transmission != dvec3(0));
+        const bool lit = !scene.scene().lights.empty() && m.answers_lights();
         const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&o.shape);
         const bool coloured = mesh != nullptr && !(*mesh)->colours.empty();
         const bool textured = m.colour_texture != nullptr || m.emission_texture != nullptr || coloured;
@@ -179,7 +178,7 @@ void DistributedTracer::shade(const PathRay& ray, const SurfacePoint& s, const H
         eye.radiance[ray.sample] += own;
     }
     const bool spawns = m.reflects() || m.transmission != dvec3(0);
-    const bool answers = m.diffuse != dvec3(0) || m.has_highlight() || m.diffuse_transmission != dvec3(0);
+    const bool answers = m.answers_lights();
     if (!spawns && (lights_.empty() || !answers)) return;
     const Facing f = face(s, ray.direction);
     if (answers) light(ray, s, f, key, m, colour, limited, eye, w, counts);

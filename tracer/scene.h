@@ -2,6 +2,7 @@
 // these (read_toml_scene, read_nff_scene); build_scene turns it into something rays can hit.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
@@ -52,6 +53,15 @@ struct Material {
     /// Whether lights make highlights, at some angle.
     [[nodiscard]] bool has_highlight() const {
         return specular != glm::dvec3(0) || (fresnel && specular_grazing != glm::dvec3(0));
+    }
+    /// Whether lights change its radiance.
+    [[nodiscard]] bool answers_lights() const {
+        return diffuse != glm::dvec3(0) || has_highlight() || diffuse_transmission != glm::dvec3(0);
+    }
+    /// Whether it reflects or transmits into a lobe of directions.
+    [[nodiscard]] bool has_lobe() const {
+        return (reflects() && std::isfinite(reflection_exponent)) ||
+               (transmission != glm::dvec3(0) && std::isfinite(transmission_exponent));
     }
 };
 

@@ -18,13 +18,9 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        const bool answers =
-            m.diffuse != glm::dvec3(0) || m.has_highlight() || m.diffuse_transmission != glm::dvec3(0);
-        // Rays go on from a lobe one way each, where a record has its mean.
-        const bool has_lobes = (m.reflects() && std::isfinite(m.reflection_exponent)) ||
-                               (m.transmission != glm::dvec3(0) && std::isfinite(m.transmission_exponent));
-        if (has_lobes || (sampled && answers)) unsteady_.insert(o.id);
-        if (has_lobes) steady_mirrors_ = false;
+        // A ray takes one direction of a lobe; a record has the lobe's mean.
+        if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
+        if (m.has_lobe()) steady_mirrors_ = false;
     }
 }
 
