@@ -9,7 +9,7 @@ CommandResult run_atlas_command(const AtlasOptions& options) {
     const std::filesystem::path folder = options.output;
     AtlasRun run;
     try {
-        run = run_atlas(options.cases, folder, options.restart, options.quiet);
+        run = run_atlas(options.cases, folder, options.restart);
     } catch (const Error& e) {
         if (e.code() != ExitCode::interrupted) throw;
         fail(ExitCode::interrupted,

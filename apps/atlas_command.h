@@ -10,7 +10,7 @@ namespace postlens {
 struct AtlasOptions {
     std::string cases = "tests/stability";  ///< a folder
     std::string output;                     ///< a folder
-    bool restart = false, quiet = false;
+    bool restart = false;
 };
 
 [[nodiscard]] CommandResult run_atlas_command(const AtlasOptions& options);

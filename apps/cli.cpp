@@ -141,12 +141,7 @@ void add_trace(CLI::App& root, State& s) {
             {"rle", RecordCompression::rle},
             {"zips", RecordCompression::zips}});
     common_options(app, s.common);
-    app.callback([&s] {
-        s.common.run = [&s] {
-            s.trace.settings.quiet = s.common.quiet;
-            return run_frames(s.asked_frames(), s.trace);
-        };
-    });
+    app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.trace); }; });
 }
 
 void add_render(CLI::App& root, State& s) {
@@ -180,12 +175,7 @@ void add_render(CLI::App& root, State& s) {
     app.add_flag("--resume", r.resume, "Go on from NAME.partial.exr, which an interrupted run has left");
     tree_options(app, r.tracing.max_depth, r.tracing.min_contribution);
     common_options(app, s.common);
-    app.callback([&s] {
-        s.common.run = [&s] {
-            s.render.settings.quiet = s.common.quiet;
-            return run_frames(s.asked_frames(), s.render);
-        };
-    });
+    app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.render); }; });
 }
 
 void add_image(CLI::App& root, State& s) {
@@ -488,8 +478,10 @@ void check_subcommand(const CLI::App& app, std::span<const std::string> argument
 
 }  // namespace
 
-ParsedCommand parse_command_line(std::vector<std::string> arguments) {
+ParsedCommand parse_command_line(std::vector<std::string> arguments, const InProcess& in_process) {
     const auto state = std::make_shared<State>();
+    state->image.kept = state->focus.kept = state->shoot.focus.kept = state->motionblur.kept =
+        in_process.kept;
     CLI::App app("postlens: render once through a pinhole, apply the lens and the shutter afterwards",
                  "postlens");
     app.set_version_flag("--version", "postlens " POSTLENS_VERSION);
@@ -508,6 +500,11 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments) {
     add_chart_command(app, state->common);
     add_info(app, *state);
     check_subcommand(app, arguments);
+    if (in_process.pictures_stay) {
+        for (const char* name : {"image", "focus", "shoot", "motionblur", "render"}) {
+            app.get_subcommand(name)->get_option("--output")->required(false);
+        }
+    }
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     try {
         app.parse(arguments);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,14 @@ struct ParsedCommand {
     bool json = false;
 };
 
+/// For a caller in the same process.
+struct InProcess {
+    bool pictures_stay = false;       ///< without --output the picture stays in the result
+    std::shared_ptr<KeptFrame> kept;  ///< the sample file that the command names
+};
+
 /// `arguments` without the program's name. Throws Error(wrong_arguments), one line.
-[[nodiscard]] ParsedCommand parse_command_line(std::vector<std::string> arguments);
+[[nodiscard]] ParsedCommand parse_command_line(std::vector<std::string> arguments,
+                                               const InProcess& in_process = {});
 
 }  // namespace postlens

@@ -75,7 +75,6 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
                 }
                 atlas->output = o->output;
                 atlas->restart = o->restart;
-                atlas->quiet = common.quiet;
                 return run_atlas_command(*atlas);
             }
             if (scene->empty())
@@ -85,7 +84,6 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
             o->request.exposure_auto = o->exposure.automatic;
             if (*reference) o->request.reference = **reference;
             if (*noise) o->request.second_reference = **noise;
-            o->request.quiet = common.quiet;
             return run_chart_command(*o);
         };
     });

@@ -155,7 +155,6 @@ void add_fit(CLI::App& lens, ParsedCommand& common) {
     whole(app, "--samples", o->samples, "Depths and fields that are compared", "N", {.low = 3, .high = 64});
     common_options(app, common);
     app.callback([&common, o, limits] {
-        limits->quiet = common.quiet;
         common.run = [o, limits] {
             int tasks = o->lens.input.empty() ? 0 : 1;
             for (const bool given :

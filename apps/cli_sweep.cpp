@@ -138,12 +138,7 @@ void add_sweep(CLI::App& root, ParsedCommand& common) {
     folder_options(app, *o);
     exposure_option(app, o->exposure, "the sample file's");
     common_options(app, common);
-    app.callback([o, &common] {
-        common.run = [o, &common] {
-            o->settings.quiet = common.quiet;
-            return run_sweep(*o);
-        };
-    });
+    app.callback([o, &common] { common.run = [o, &common] { return run_sweep(*o); }; });
 }
 
 }  // namespace postlens

@@ -1,6 +1,7 @@
 // What a subcommand gets and gives back.
 #pragma once
 
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -30,11 +31,13 @@ struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
     std::string text;                                                ///< for people; may have several lines
     std::vector<Warning> warnings;
+    /// Where no output was named: the picture, cut to the crop; of `render --halves` also the halves.
+    std::vector<Image> pictures;
     ExitCode exit_code = ExitCode::ok;
 };
 
-/// Says in the result, where there is a crop, what part of the picture was written.
-void report_crop(const std::optional<Crop>& crop, CommandResult& out);
+class KeptFrame;
+struct OpenFrame;
 
 /// `--exposure`: stops, `auto`, or absent: the file's own, of a scene 0.
 struct ExposureOption {
@@ -77,6 +80,7 @@ struct ForeignOptions {
 
 struct FocusOptions {
     std::string input, output;
+    std::shared_ptr<KeptFrame> kept;  ///< the input, where it is kept open
     LensOptions lens;
     Impulse impulse;
     FocusMethod method = FocusMethod::automatic;
@@ -102,6 +106,7 @@ struct FocusOptions {
 
 struct ImageOptions {
     std::string input, output;
+    std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
     ExposureOption exposure;
     ForeignOptions foreign;
     std::optional<Crop> crop;
@@ -128,6 +133,7 @@ struct RenderOptions {
 
 struct MotionBlurOptions {
     std::string input, output;
+    std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
     std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, from the frame's instant on
     std::string curve = "box";        ///< box, triangle or a file
     std::optional<std::string> paths;
@@ -194,6 +200,11 @@ void refuse_foreign_options(const ForeignOptions& options);
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
+/// The sample file of a command, at the exposure that is asked for.
+[[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
+                                                    const std::shared_ptr<KeptFrame>& kept,
+                                                    const std::optional<double>& exposure_stops,
+                                                    Damage damage);
 /// A warning `salvaged` that says which rows of the file were left out; none where nothing was.
 void warn_of_lost_rows(const SampleFileReader& file, std::vector<Warning>& out);
 

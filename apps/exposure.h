@@ -1,4 +1,4 @@
-// `--exposure`: what it comes to, and what is said of it.
+// `--exposure`: what it comes to.
 #pragma once
 
 #include <filesystem>
@@ -24,10 +24,5 @@ template <typename Picture>
 [[nodiscard]] double exposure_of_picture(const ExposureOption& asked, const Picture& picture) {
     return asked.automatic ? auto_exposure_of(picture()) : asked.stops.value_or(0);
 }
-
-/// Says in the result what the exposure of a written image is, and warns where a PNG, TIFF or JPEG shows
-/// little of it.
-void report_exposure(const std::string& path, const Image& image, const std::optional<Crop>& crop,
-                     CommandResult& out);
 
 }  // namespace postlens

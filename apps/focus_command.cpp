@@ -1,8 +1,10 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "apps/deliver.h"
 #include "apps/exposure.h"
 #include "apps/numbers.h"
+#include "apps/open_frame.h"
 #include "apps/plan_command.h"
 #include "core/text.h"
 #include "focus/bend_warning.h"
@@ -76,20 +78,16 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
     return out;
 }
 
-void report_crop(const std::optional<Crop>& crop, CommandResult& out) {
-    if (!crop) return;
-    out.json["crop"] = {{"x", crop->x}, {"y", crop->y}, {"width", crop->width}, {"height", crop->height}};
-    out.text += fmt::format("\n  of it {}x{} px from {},{} on", crop->width, crop->height, crop->x, crop->y);
-}
-
 CommandResult run_focus(const FocusOptions& options) {
-    check_image_path(options.output);
+    check_output(options.output);
     // What is to be salvaged is a sample file, even where its header no longer says so.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign);
     const Damage damage = damage_rule(options.salvage);
-    const SampleFileReader file(options.input, damage,
-                                exposure_of_samples(options.exposure, options.input, damage));
+    const auto open = open_frame(options.input, options.kept,
+                                 exposure_of_samples(options.exposure, options.input, damage), damage);
+    const SampleFileReader& file = open->file;
+    FocusFrame& frame = open->frame;
     check_crop(options.crop, file.header().width, file.header().height);
     LensOptions lens_options = options.lens;
     if (options.method == FocusMethod::pinhole) {
@@ -118,7 +116,6 @@ CommandResult run_focus(const FocusOptions& options) {
     const bool predict = options.predict && method != FocusMethod::automatic;
     if (predict) check_predictable(file.header(), settings);
     warn_of_lost_rows(file, out.warnings);
-    FocusFrame frame(file);
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
@@ -137,8 +134,6 @@ CommandResult run_focus(const FocusOptions& options) {
     } else {
         result = focus_picture(frame, settings);
     }
-    write_image(options.output, result.image, options.crop);
-
     check_sufficient(file.header(), lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials) {
@@ -182,8 +177,7 @@ CommandResult run_focus(const FocusOptions& options) {
     if (predict && !hybrid.stated) {
         report_prediction(predict_error(frame, {.focus = settings}, result.image, result.views), out);
     }
-    report_crop(options.crop, out);
-    report_exposure(options.output, result.image, options.crop, out);
+    deliver(std::move(result.image), options.output, options.crop, out);
     return out;
 }
 

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "apps/deliver.h"
 #include "apps/exposure.h"
 #include "apps/numbers.h"
 #include "focus/foreign_focus.h"
@@ -79,7 +80,6 @@ CommandResult foreign_image(const ImageOptions& options) {
     const double stops = expose(picture, options.exposure);
     Image image = picture.flattened();
     image.exposure_stops = stops;
-    write_image(options.output, image, options.crop);
     CommandResult out;
     add_warnings(picture, false, out.warnings);
     const int width = options.crop ? options.crop->width : image.width,
@@ -90,8 +90,7 @@ CommandResult foreign_image(const ImageOptions& options) {
                 {"has_alpha", !image.alpha.empty()},
                 {"channels", channels_json(picture.channels)}};
     out.text = fmt::format("{}: {}x{} px, flattened", options.output, width, height);
-    report_crop(options.crop, out);
-    report_exposure(options.output, image, options.crop, out);
+    deliver(std::move(image), options.output, options.crop, out);
     return out;
 }
 
@@ -137,7 +136,6 @@ CommandResult focus_foreign(const FocusOptions& options) {
                                 .views = options.views,
                                 .crop = options.crop});
     result.image.exposure_stops = stops;
-    write_image(options.output, result.image, options.crop);
     add_warnings(picture, true, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
@@ -166,8 +164,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
         result.image.width, result.image.height, method_name(result.method), focal_length_mm, f_number,
         focus_m, counted(static_cast<std::uint64_t>(result.depths), "depth"), px_text(result.largest_coc_px));
     if (told) out.text += fmt::format("\n  {}, {}", method_name(method), usual.reason);
-    report_crop(options.crop, out);
-    report_exposure(options.output, result.image, options.crop, out);
+    deliver(std::move(result.image), options.output, options.crop, out);
     return out;
 }
 

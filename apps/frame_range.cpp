@@ -8,7 +8,7 @@
 #include <new>
 #include <unordered_set>
 
-#include "core/progress.h"
+#include "core/job.h"
 #include "records/image.h"
 #include "records/sample_file.h"
 

@@ -1,27 +1,28 @@
 #include "apps/command.h"
+#include "apps/deliver.h"
 #include "apps/exposure.h"
+#include "apps/open_frame.h"
 
 namespace postlens {
 
 CommandResult run_image(const ImageOptions& options) {
     const std::string& output = options.output;
-    check_image_path(output);
+    check_output(output);
     // What is to be salvaged is a sample file, even where its header no longer says so.
     if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign);
     const Damage damage = damage_rule(options.salvage);
-    const SampleFileReader file(options.input, damage,
-                                exposure_of_samples(options.exposure, options.input, damage));
-    const Image image = pinhole_picture(file, options.crop);
-    write_image(output, image, options.crop);
+    const auto open = open_frame(options.input, options.kept,
+                                 exposure_of_samples(options.exposure, options.input, damage), damage);
+    const SampleFileReader& file = open->file;
+    Image image = pinhole_picture(file, options.crop);
     const int width = options.crop ? options.crop->width : image.width,
               height = options.crop ? options.crop->height : image.height;
     CommandResult out;
     warn_of_lost_rows(file, out.warnings);
     out.json = {{"width", width}, {"height", height}, {"records", file.record_count()}};
     out.text = fmt::format("{}: {}x{} px, pinhole", output, width, height);
-    report_crop(options.crop, out);
-    report_exposure(output, image, options.crop, out);
+    deliver(std::move(image), output, options.crop, out);
     return out;
 }
 

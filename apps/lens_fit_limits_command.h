@@ -17,7 +17,6 @@ struct LensFitLimitsOptions {
     double wavelength_nm = 550;
     std::optional<std::string> picture, frame;  ///< a picture with depth of field, and its sample file
     Impulse impulse;
-    bool quiet = true;
 };
 
 /// "1.2:4" or "1.2:inf". Throws Error(wrong_arguments).

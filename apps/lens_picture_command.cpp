@@ -35,7 +35,7 @@ CommandResult run_lens_fit_picture(const LensFitLimitsOptions& o) {
     set_exposure(picture, file.exposure_stops());
     LensFromPicture found;
     try {
-        found = lens_from_picture(file, picture, {.impulse = o.impulse, .quiet = o.quiet});
+        found = lens_from_picture(file, picture, {.impulse = o.impulse});
     } catch (const Error& e) {
         if (e.code() != ExitCode::invalid_input) throw;
         fail(e.code(), "{}: {}", *o.picture, e.what());

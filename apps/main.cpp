@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "apps/cli.h"
+#include "core/job.h"
 #include "core/memory.h"
 #include "core/progress.h"
-#include "core/threads.h"
+#include "core/signals.h"
 
 namespace {
 
@@ -39,13 +40,16 @@ void report(const CommandResult& result, const ParsedCommand& command, double se
     }
 }
 
-int run(int argc, char** argv) {
+int run(int argc, char** argv, postlens::Job& process) {
+    const postlens::JobScope scope_of_process(process);
     const ParsedCommand command = postlens::parse_command_line({argv + 1, argv + argc});
     if (!command.run) {
         say(stdout, command.text);
         return 0;
     }
-    const postlens::ThreadLimit threads(command.threads);
+    postlens::Job job(
+        {.threads = command.threads, .watch = command.quiet ? nullptr : postlens::terminal_bar()});
+    const postlens::JobScope scope(job);
     const auto start = std::chrono::steady_clock::now();
     const CommandResult result = command.run();
     report(result, command, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
@@ -57,12 +61,13 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    postlens::install_interrupt_handler();
+    static postlens::Job process;  // lives as long as signals may come
+    postlens::cancel_on_signals(process);
     // Over a size limit or into a closed pipe: an error with a message, not a silent end.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     try {
-        return run(argc, argv);
+        return run(argc, argv, process);
     } catch (const postlens::Error& e) {
         say(stderr, std::string("postlens: ") + e.what());
         return static_cast<int>(e.code());

@@ -2,7 +2,9 @@
 #include <limits>
 
 #include "apps/command.h"
+#include "apps/deliver.h"
 #include "apps/exposure.h"
+#include "apps/open_frame.h"
 #include "apps/plan_command.h"
 #include "motionblur/paths_file.h"
 #include "motionblur/vector_blur.h"
@@ -116,8 +118,6 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
                                                   .views = options.settings.views,
                                                   .crop = options.settings.crop});
     result.image.exposure_stops = stops;
-    write_image(options.output, result.image, options.settings.crop);
-
     std::vector<Warning> warnings;
     for (const std::string& text : frame.assumed) warnings.push_back({"assumed", text, 0});
     for (const std::string& problem : frame.problems) warnings.push_back({"ids", problem, 0});
@@ -136,8 +136,7 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
         headline(options, result,
                  fmt::format("by {} and {}, longest {:.4g} px, shutter {:.6g} to {:.6g} frames", frame.u_name,
                              frame.v_name, frame.largest_px, exposure.open_s, exposure.close_s));
-    report_crop(options.settings.crop, out);
-    report_exposure(options.output, result.image, options.settings.crop, out);
+    deliver(std::move(result.image), options.output, options.settings.crop, out);
     return out;
 }
 
@@ -163,7 +162,7 @@ void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warn
 }
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
-    check_image_path(options.output);
+    check_output(options.output);
     // What is to be salvaged is a sample file, even where its header no longer says so.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
@@ -178,8 +177,9 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     settings.curve = shutter_curve(options.curve);
     if (options.paths) settings.paths = read_paths(*options.paths);
     const Damage damage = damage_rule(options.salvage);
-    const SampleFileReader file(options.input, damage,
-                                exposure_of_samples(options.exposure, options.input, damage));
+    const auto open = open_frame(options.input, options.kept,
+                                 exposure_of_samples(options.exposure, options.input, damage), damage);
+    const SampleFileReader& file = open->file;
     settings.exposure = resolve_exposure(options.shutter, file.header(), options.shutter_from_frame);
     const SampleHeader& h = file.header();
     // What a pinhole sees, whose focus does not matter.
@@ -187,8 +187,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
         .lens = {.focal_length_mm = h.focal_length_mm, .f_number = std::numeric_limits<double>::infinity()},
         .crop = settings.crop};
     if (options.predict) check_predictable(h, pinhole);
-    const MotionBlurResult result = motion_blur(file, settings);
-    write_image(options.output, result.image, settings.crop);
+    MotionBlurResult result = motion_blur(file, settings);
 
     std::vector<Warning> warnings;
     warn_of_lost_rows(file, warnings);
@@ -207,9 +206,8 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
         fmt::format("shutter {:.6g} to {:.6g} s", settings.exposure.open_s, settings.exposure.close_s));
     if (options.predict) {
         const FrameMotion motion = motion_of(h, settings.paths);
-        FocusFrame frame(file);
         report_prediction(
-            predict_error(frame,
+            predict_error(open->frame,
                           {.focus = pinhole,
                            .motion = &motion,
                            .shutter = TimeSpan{settings.exposure.open_s, settings.exposure.close_s},
@@ -233,8 +231,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
                                : "");
     }
     if (left > 0) out.text += fmt::format("\n  and {} more (see --json)", left);
-    report_crop(settings.crop, out);
-    report_exposure(options.output, result.image, settings.crop, out);
+    deliver(std::move(result.image), options.output, settings.crop, out);
     return out;
 }
 

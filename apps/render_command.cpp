@@ -2,10 +2,12 @@
 #include <filesystem>
 
 #include "apps/command.h"
+#include "apps/deliver.h"
 #include "apps/exposure.h"
 #include "apps/scene_input.h"
 #include "lens/prescription/read_prescription.h"
 #include "records/aperture_file.h"
+#include "records/crop.h"
 #include "tracer/exposure.h"
 
 namespace postlens {
@@ -68,7 +70,12 @@ CommandResult run_render(const RenderOptions& options) {
     }
     Scene scene = read_scene_of_command(options.scene, options.units, written, out);
     expose(scene, exposure_of_scene(options.exposure, scene, settings.camera_name, settings.camera));
-    const RenderResult r = render_to_file(scene, settings, options.output);
+    const bool to_file = !options.output.empty();
+    if (!to_file && settings.resume) {
+        fail(ExitCode::wrong_arguments, "--resume: goes with --output (got it alone)");
+    }
+    RenderResult r =
+        to_file ? render_to_file(scene, settings, options.output) : render_picture(scene, settings);
     if (r.motion_error_px > MotionAccuracy().tolerance_px) {
         out.warnings.push_back(
             {"motion",
@@ -94,7 +101,7 @@ CommandResult run_render(const RenderOptions& options) {
                 {"impulse", impulse_text(options.impulse)},
                 {"shutter_s", shutter_json(settings)},
                 {"seconds_render", r.seconds_render}};
-    if (settings.halves) {
+    if (settings.halves && to_file) {
         const auto paths = half_paths(options.output);
         out.json["halves"] = {paths[0].string(), paths[1].string()};
     }
@@ -105,8 +112,13 @@ CommandResult run_render(const RenderOptions& options) {
         std::isfinite(r.f_number) ? fmt::format("F = {:.4g} mm, f/{:.4g}", r.focal_length_mm, r.f_number)
                                   : std::string("pinhole"),
         r.focus_m, r.seconds_render, rate);
-    report_crop(settings.crop, out);
-    report_exposure(options.output, r.image, settings.crop, out);
+    report_picture(r.image, options.output, settings.crop, out);
+    if (!to_file) {
+        out.pictures.push_back(cut(r.image, settings.crop));
+        if (settings.halves) {
+            for (const Image& half : r.halves) out.pictures.push_back(cut(half, settings.crop));
+        }
+    }
     return out;
 }
 

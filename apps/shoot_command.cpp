@@ -1,7 +1,9 @@
 #include <cmath>
 
 #include "apps/command.h"
+#include "apps/deliver.h"
 #include "apps/exposure.h"
+#include "apps/open_frame.h"
 #include "apps/plan_command.h"
 #include "motionblur/paths_file.h"
 #include "records/crop.h"
@@ -11,9 +13,11 @@ namespace postlens {
 
 CommandResult run_shoot(const ShootOptions& options) {
     const FocusOptions& o = options.focus;
-    check_image_path(o.output);
+    check_output(o.output);
     const Damage damage = damage_rule(o.salvage);
-    const SampleFileReader file(o.input, damage, exposure_of_samples(o.exposure, o.input, damage));
+    const auto open = open_frame(o.input, o.kept, exposure_of_samples(o.exposure, o.input, damage), damage);
+    const SampleFileReader& file = open->file;
+    FocusFrame& frame = open->frame;
     const SampleHeader& h = file.header();
     check_crop(o.crop, h.width, h.height);
     const ResolvedLens lens = resolve_lens(o.lens, file);
@@ -36,16 +40,13 @@ CommandResult run_shoot(const ShootOptions& options) {
     const bool automatic = o.method == FocusMethod::automatic;
     const bool predict = o.predict && !automatic;
     if (predict) check_predictable(h, settings.focus);
-    FocusFrame frame(file);
     AutoResult planned;
     if (automatic) {
         planned = run_auto(frame, {.hybrid = settings, .target_db = o.target_db}, o.retrace, o.output, out);
     } else {
         planned.hybrid = run_hybrid(frame, settings, o.retrace, o.output, out);
     }
-    const HybridResult& result = planned.hybrid;
-    write_image(o.output, result.focus.image, o.crop);
-
+    HybridResult& result = planned.hybrid;
     check_sufficient(h, lens, out.warnings);
     check_sufficient(h, exposure, out.warnings);
     for (const FocusWarning& w : result.focus.warnings) out.warnings.push_back({w.code, w.text, w.share});
@@ -75,8 +76,7 @@ CommandResult run_shoot(const ShootOptions& options) {
     if (predict && !result.stated) {
         report_prediction(predict_error(frame, settings, result.focus.image, views), out);
     }
-    report_crop(o.crop, out);
-    report_exposure(o.output, result.focus.image, o.crop, out);
+    deliver(std::move(result.focus.image), o.output, o.crop, out);
     return out;
 }
 

@@ -29,7 +29,7 @@ fs::path atlas_strip(const std::string& name) {
     return fs::path("images") / "failures" / (name + ".png");
 }
 
-AtlasRun run_atlas(const fs::path& cases, const fs::path& folder, bool restart, bool quiet) {
+AtlasRun run_atlas(const fs::path& cases, const fs::path& folder, bool restart) {
     AtlasRun out;
     // All are read first: a mistake in the last one must not come up after minutes.
     for (const fs::path& path : atlas_case_files(cases)) out.entries.push_back({read_atlas_case(path), {}});
@@ -37,7 +37,7 @@ AtlasRun run_atlas(const fs::path& cases, const fs::path& folder, bool restart, 
         out.introduction = read_text_file(cases / "introduction.md", largest_text_bytes);
     make_folder(folder);
     for (const char* name : {"cases", "images", "images/failures"}) make_folder(folder / name);
-    Progress progress("atlas", out.entries.size(), quiet);
+    Progress progress("atlas", out.entries.size());
     for (AtlasEntry& e : out.entries) {
         const fs::path json = folder / "cases" / (e.what.name + ".json");
         const fs::path strip = folder / atlas_strip(e.what.name);

@@ -30,6 +30,6 @@ struct AtlasRun {
 /// are kept unless `restart`. Throws Error(interrupted) after keeping what is finished, and what
 /// read_atlas_case and run_atlas_case throw.
 [[nodiscard]] AtlasRun run_atlas(const std::filesystem::path& cases, const std::filesystem::path& folder,
-                                 bool restart, bool quiet);
+                                 bool restart);
 
 }  // namespace postlens

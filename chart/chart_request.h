@@ -38,7 +38,6 @@ struct ChartRequest {
     int rounds = 3;
     double once_above_s = 20;
     bool plots = true;  ///< SVG and PNG by gnuplot
-    bool quiet = true;
 };
 
 /// Throws Error(wrong_arguments) for numbers out of range.

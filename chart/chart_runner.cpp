@@ -97,7 +97,7 @@ class Runner {
         begin(restart, out);
         std::uint64_t steps = 3;
         steps += static_cast<std::uint64_t>(request_.rounds) * (plan_.traces.size() + plan_.points.size());
-        Progress progress("chart", steps, request_.quiet);
+        Progress progress("chart", steps);
         // Traces come before what is made from them; the pinhole picture tells which pixels are affected.
         for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
         references();
@@ -242,7 +242,6 @@ class Runner {
                 s.halves = true;
                 s.seed = reference_seed;
                 s.resume = true;
-                s.quiet = request_.quiet;
                 data_.reference_s = seconds_of([&] { render_to_file(scene_, s, folder_ / "reference.exr"); });
             }
             reference_ = read_image(halves[0]);

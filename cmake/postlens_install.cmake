@@ -17,24 +17,24 @@ set_target_properties(postlens_options PROPERTIES EXPORT_NAME options)
 target_include_directories(postlens_options INTERFACE
   "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/postlens>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
 
-install(TARGETS postlens RUNTIME)
-install(TARGETS ${targets} EXPORT postlensTargets ARCHIVE)
+install(TARGETS postlens RUNTIME COMPONENT program)
+install(TARGETS ${targets} EXPORT postlensTargets ARCHIVE COMPONENT library)
 foreach(folder IN LISTS postlens_header_folders)
-  install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/postlens"
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/postlens" COMPONENT library
     FILES_MATCHING PATTERN "*.h")
 endforeach()
 
 set(package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/postlens")
-install(EXPORT postlensTargets NAMESPACE postlens:: DESTINATION "${package_folder}")
+install(EXPORT postlensTargets NAMESPACE postlens:: DESTINATION "${package_folder}" COMPONENT library)
 configure_package_config_file(cmake/postlensConfig.cmake.in "${PROJECT_BINARY_DIR}/postlensConfig.cmake"
   INSTALL_DESTINATION "${package_folder}")
 # Before 1.0 a minor version may change anything.
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/postlensConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/postlensConfig.cmake" "${PROJECT_BINARY_DIR}/postlensConfigVersion.cmake"
-  DESTINATION "${package_folder}")
+  DESTINATION "${package_folder}" COMPONENT library)
 
 list(TRANSFORM postlens_installed_libraries PREPEND "-lpostlens_" OUTPUT_VARIABLE postlens_pc_libraries)
 list(JOIN postlens_pc_libraries " " postlens_pc_libraries)
 file(RELATIVE_PATH postlens_pc_up "/prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/prefix")
 configure_file(cmake/postlens.pc.in "${PROJECT_BINARY_DIR}/postlens.pc" @ONLY)
-install(FILES "${PROJECT_BINARY_DIR}/postlens.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+install(FILES "${PROJECT_BINARY_DIR}/postlens.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT library)

@@ -228,7 +228,7 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
     view.span_per_m = view.nearest_per_m - view.depths.farthest();
 
     PictureResiduals residuals(file, picture, settings.impulse,
-                               static_cast<std::uint64_t>(25 * settings.starts), settings.quiet);
+                               static_cast<std::uint64_t>(25 * settings.starts));
     if (view.span_per_m < least_span * view.nearest_per_m) refuse_one_depth();
     const Image pinhole = pinhole_picture(file);
     const double spread = residuals.rms_of_even(first_linear_from);

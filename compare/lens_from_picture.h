@@ -30,9 +30,8 @@ struct LensFromPicture {
 };
 
 struct LensFromPictureSettings {
-    Impulse impulse;    ///< the aperture's shape
-    int starts = 3;     ///< minima of the rough search that are looked at, 1 to 16
-    bool quiet = true;  ///< no progress bar
+    Impulse impulse;  ///< the aperture's shape
+    int starts = 3;   ///< minima of the rough search that are looked at, 1 to 16
 };
 
 /// Least squares between `focus` (scatter, 256 depths) and the picture over log(F/n) and 1/s, in which CoCs

@@ -29,8 +29,8 @@ double rms(const std::vector<double>& residuals) {
 }  // namespace
 
 PictureResiduals::PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
-                                   std::uint64_t expected_pictures, bool quiet)
-    : file_(file), impulse_(impulse), progress_("lens", expected_pictures, quiet) {
+                                   std::uint64_t expected_pictures)
+    : file_(file), impulse_(impulse), progress_("lens", expected_pictures) {
     wanted_ = tones_of(picture);
     used_.resize(wanted_.size());
     std::iota(used_.begin(), used_.end(), std::size_t{0});

@@ -17,7 +17,7 @@ class PictureResiduals {
   public:
     /// Keeps references to `file`. Progress counts focused pictures, up to `expected_pictures`.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
-                     std::uint64_t expected_pictures, bool quiet);
+                     std::uint64_t expected_pictures);
 
     /// Looks at these pixels from here on, one entry for each pixel of the picture.
     void use(const std::vector<char>& pixels);

@@ -1,54 +1,49 @@
-// Work that takes a while: it can be watched and it can be interrupted.
+// How far a step of a job is, and the bar that shows it.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <mutex>
 #include <string>
 
+#include "core/job.h"
+
 namespace postlens {
-
-/// Makes SIGINT, SIGTERM and SIGHUP set a flag instead of ending the process; a signal that the process was
-/// started to ignore (nohup, a background job of a script) stays ignored. A second signal ends the process by
-/// its default action, after removing what OutputFile has not yet committed.
-void install_interrupt_handler();
-
-/// True once a signal came. Safe from any thread; costs one relaxed load of an atomic.
-[[nodiscard]] bool interrupted();
-
-/// Throws Error(interrupted) once a signal came. Long loops call it at least every 100 ms.
-void throw_if_interrupted();
-
-/// For tests: sets or clears the flag as a signal would.
-void set_interrupted(bool value);
 
 /// "8 s", "3 min 05 s" or "2 h 07 min"; negative and undefined durations count as zero.
 [[nodiscard]] std::string duration_text(double duration_s);
 
-/// A bar with the time left on stderr, shown only on a terminal, after a second, and unless `quiet`.
-/// `advance` may be called from any thread.
+/// A watcher that draws a bar with the time left on stderr, from a step's first second on. Empty where stderr
+/// is no terminal that could show it.
+[[nodiscard]] std::function<void(const ProgressReport&)> terminal_bar();
+
+/// A step of the current job. Tells the job's watcher how far it is, unless it is part of another step.
 class Progress {
   public:
-    /// `total`: how many steps `advance` will count up to.
-    Progress(std::string label, std::uint64_t total, bool quiet);
+    /// `total`: how many units `advance` will count up to.
+    Progress(std::string step, std::uint64_t total);
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
     Progress(Progress&&) = delete;
     Progress& operator=(Progress&&) = delete;
 
-    void advance(std::uint64_t steps = 1);
+    /// From any thread.
+    void advance(std::uint64_t units = 1);
 
   private:
-    void draw(double elapsed_s, std::uint64_t done);
+    void report(double elapsed_s, bool ended);
 
-    std::string label_;
+    std::string step_;
     std::uint64_t total_;
-    bool enabled_;
+    Job* watched_ = nullptr;  ///< whose watcher is told; absent: nobody
     std::chrono::steady_clock::time_point start_;
     std::atomic<std::uint64_t> done_{0};
-    std::atomic<std::int64_t> next_draw_ms_{1000};
-    std::atomic<bool> drawn_{false};
+    std::atomic<std::int64_t> next_report_ms_{100};
+    std::mutex reporting_;
+    bool reported_ = false;
 };
 
 }  // namespace postlens

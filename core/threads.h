@@ -1,45 +1,17 @@
-// The number of threads, and parallel loops that give the same result for any number of them.
+// Parallel loops that give the same result for any number of threads.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <functional>
-#include <memory>
 #include <optional>
-#include <tbb/task_arena.h>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "core/job.h"
+
 namespace postlens {
-
-/// While it lives, postlens' parallel loops use `threads` threads (0 or less: all the machine has), also
-/// where that is more than there are cores. Limits nest: the inner one holds while it lives, then the outer
-/// one again. To be made and destroyed in one thread, outside of parallel loops, the last made first. Thread
-/// pools of other libraries (OpenEXR, OpenImageIO, OpenCV) are not touched.
-class ThreadLimit {
-  public:
-    explicit ThreadLimit(int threads);
-    ~ThreadLimit();
-    ThreadLimit(const ThreadLimit&) = delete;
-    ThreadLimit& operator=(const ThreadLimit&) = delete;
-    ThreadLimit(ThreadLimit&&) = delete;
-    ThreadLimit& operator=(ThreadLimit&&) = delete;
-
-  private:
-    struct Impl;
-    static Impl* innermost;
-    std::unique_ptr<Impl> impl_;
-
-    friend int thread_count();
-    friend tbb::task_arena* current_arena();
-};
-
-/// How many threads parallel loops use now, at least 1.
-[[nodiscard]] int thread_count();
-
-/// The arena that `ThreadLimit` set up, or nullptr for the default one.
-[[nodiscard]] tbb::task_arena* current_arena();
 
 /// Calls chunk(begin, end) for ranges of at most `grain` indices (1 or more) that cover [0, count) once, in
 /// any order. What parallel_for is made of; stops and throws as described there.
@@ -49,8 +21,8 @@ void parallel_chunks(std::size_t count, std::size_t grain,
 /// Calls body(i) for i in [0, count), in any order, each once. The work of one index must not depend on the
 /// thread it runs on: that is what keeps results equal for any number of threads. What body throws is passed
 /// on, after which no further work is begun; where several indices throw, any one of their exceptions. Stops
-/// with Error(interrupted) when the user interrupts, which is looked for every `grain` indices: `grain` times
-/// the work of one index should stay below 100 ms.
+/// with Error(interrupted) when the current job is cancelled, which is looked for every `grain` indices:
+/// `grain` times the work of one index should stay below 100 ms.
 template <typename Body>
 void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1) {
     parallel_chunks(count, std::max<std::size_t>(grain, 1), [&body](std::size_t begin, std::size_t end) {

@@ -4,6 +4,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <vector>
 
+#include "core/progress.h"
 #include "core/threads.h"
 #include "focus/layer_resolve.h"
 #include "focus/layer_sums.h"
@@ -227,7 +228,9 @@ void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& 
         }
     }
     tbb::enumerable_thread_specific<BlockLayers> workers([&] { return BlockLayers(splats); });
+    Progress progress("layers", cells.size());
     parallel_for(cells.size(), [&](std::size_t i) {
+        progress.advance();
         const int x = picture.x_begin + static_cast<int>(i) % columns * block_width;
         const int y = picture.y_begin + static_cast<int>(i) / columns * block_height;
         const RasterWindow block{x, std::min(x + block_width, picture.x_end), y,

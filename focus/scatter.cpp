@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/multiversion.h"
+#include "core/progress.h"
 #include "core/threads.h"
 #include "focus/point_scatter.h"
 #include "focus/run_scatter.h"
@@ -126,7 +127,10 @@ void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>&
     });
     const int columns = (picture.width() + block_width - 1) / block_width;
     const int rows = (picture.height() + block_height - 1) / block_height;
-    parallel_for(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t i) {
+    const std::size_t blocks = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    Progress progress("scatter", blocks);
+    parallel_for(blocks, [&](std::size_t i) {
+        progress.advance();
         const int x = picture.x_begin + static_cast<int>(i) % columns * block_width;
         const int y = picture.y_begin + static_cast<int>(i) / columns * block_height;
         const RasterWindow block{x, std::min(x + block_width, picture.x_end), y,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/progress.h"
 #include "core/threads.h"
 #include "motionblur/group_blur.h"
 #include "reproject/fill_gaps.h"
@@ -40,7 +41,9 @@ class Composite {
   private:
     template <typename OnPixel>
     void for_each_touched(const OnPixel& on_pixel) const {
+        Progress progress("shutter", bands_.size());
         parallel_for(bands_.size(), [&](std::size_t b) {
+            progress.advance();
             std::vector<Between> between(depths_.size() + 1);
             const BandSurfaces& band = bands_[b];
             for (int y = std::max(0, band.y_begin); y < std::min(out_.image.height, band.y_end); ++y) {

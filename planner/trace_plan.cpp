@@ -141,7 +141,6 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     coarse.camera.height = std::max(1, camera.height / coarser);
     coarse.subdivision.levels = look_levels;
     coarse.seek_small_things = false;  // they are reckoned for the trace's own pixels below
-    coarse.quiet = true;
     const ScratchFile look_file("look.exr");
     const auto start = std::chrono::steady_clock::now();
     const TraceResult traced = trace_to_file(scene, coarse, look_file.path());

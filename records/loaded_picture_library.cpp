@@ -10,12 +10,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// From the program's folder, the same in the build folder and where it is installed, so that either may be
-// moved.
-fs::path module_path() {
+// The file that this code is in: a program, or an extension of another one. The loader knows a program by the
+// name that it was called by, which is no path where the shell found it.
+fs::path own_file() {
     std::error_code ec;
-    const fs::path program = fs::read_symlink("/proc/self/exe", ec);
-    return (program.parent_path() / POSTLENS_MODULE_FOLDER / "postlens_pictures.so").lexically_normal();
+    Dl_info own{};
+    if (::dladdr(reinterpret_cast<const void*>(&own_file), &own) != 0 && own.dli_fname != nullptr &&
+        fs::path(own.dli_fname).is_absolute()) {
+        return fs::canonical(own.dli_fname, ec);
+    }
+    return fs::read_symlink("/proc/self/exe", ec);
+}
+
+// Below one of the folders around that file, as in the build folder and where it is installed, so that either
+// may be moved.
+fs::path module_path() {
+    const fs::path first = own_file().parent_path().parent_path();
+    std::error_code ec;
+    for (fs::path folder = first; !folder.empty(); folder = folder.parent_path()) {
+        fs::path module = folder / POSTLENS_MODULE_FOLDER / "postlens_pictures.so";
+        if (fs::exists(module, ec)) return module;
+        if (folder == folder.root_path()) break;
+    }
+    return first / POSTLENS_MODULE_FOLDER / "postlens_pictures.so";
 }
 
 const PictureLibrary& load() {

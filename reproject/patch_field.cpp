@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "core/progress.h"
 #include "core/threads.h"
 #include "reproject/border_reach.h"
 #include "reproject/patch_raster.h"
@@ -106,12 +107,14 @@ class Field {
     }
 
     void draw(std::span<PatchPicture> out) {
-        parallel_for(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_),
-                     [&](std::size_t tile) {
-                         thread_local std::unique_ptr<Workplace> w;
-                         if (!w) w = std::make_unique<Workplace>();
-                         draw_tile(tile, *w, out);
-                     });
+        const std::size_t tiles = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+        Progress progress("views", tiles);
+        parallel_for(tiles, [&](std::size_t tile) {
+            thread_local std::unique_ptr<Workplace> w;
+            if (!w) w = std::make_unique<Workplace>();
+            draw_tile(tile, *w, out);
+            progress.advance();
+        });
     }
 
   private:

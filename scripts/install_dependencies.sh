@@ -23,11 +23,13 @@ build_packages=(
     libfftw3-dev libceres-dev
     libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
     libxxhash-dev libdeflate-dev libssl-dev
+    pybind11-dev python3-dev python3-numpy
     libgtest-dev libgmock-dev libbenchmark-dev
     gnuplot-nox
 )
-# chromium: the page that `postlens chart` writes is looked at in it.
-check_packages=(git clang-format clang-tidy chromium)
+# chromium: the page that `postlens chart` writes is looked at in it. The others: tests of the Python module.
+check_packages=(git clang-format clang-tidy chromium
+    python3-pytest mypy python3-nbconvert python3-ipykernel python3-matplotlib)
 cpus_packages=("${build_packages[@]}" qemu-user g++-aarch64-linux-gnu)
 # libFuzzer and the sanitizers' run time are no dependence of clang, only a recommendation.
 fuzzing_packages=(clang libclang-rt-14-dev)

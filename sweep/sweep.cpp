@@ -154,15 +154,17 @@ class Sweep {
             sheet.emplace(ImageSize{h.width, h.height}, std::move(captions), grid_.row);
         }
         std::future<std::string> drawn;  // after the sheet, of which it is made
-        Progress progress("sweep", grid_.pictures.size(), settings_.quiet);
+        Progress progress("sweep", grid_.pictures.size());
         try {
             // First what is there: an interruption must not lose it.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
             make_the_others(sheet ? &*sheet : nullptr, progress);
             // While the last ones are written.
             if (sheet) {
-                drawn = std::async(std::launch::async,
-                                   [&sheet] { return png_file(sheet->picture(), "contact.png"); });
+                drawn = std::async(std::launch::async, [&sheet] {
+                    const ThreadLimit one(1);
+                    return png_file(sheet->picture(), "contact.png");
+                });
             }
             while (!finishing_.empty()) finish(progress);
         } catch (...) {
@@ -329,9 +331,11 @@ class Sweep {
         return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
     }
 
-    /// Writes a picture, and finds its figures, while the next ones are made.
+    /// Writes a picture, and finds its figures, while the next ones are made. The work is a job of its own,
+    /// which is not cancelled with the sweep: what was made is kept.
     void start_finishing(std::size_t i, Making made) {
         finishing_.push_back({i, std::async(std::launch::async, [this, i, made = std::move(made)] {
+                                  const ThreadLimit one(1);
                                   const auto start = Clock::now();
                                   SweepRow row = finished_row(i, made.picture);
                                   row.seconds = made.seconds + seconds_since(start);

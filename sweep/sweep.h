@@ -28,7 +28,6 @@ struct SweepSettings {
     std::vector<std::filesystem::path> depends_on;
     Damage damage = Damage::refuse;        ///< what to do about damage in the sample file
     std::optional<double> exposure_stops;  ///< of all pictures; absent: the file's
-    bool quiet = true;                     ///< no progress bar
 };
 
 struct SweepWarning {

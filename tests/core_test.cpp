@@ -21,15 +21,16 @@
 #include <string>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <tbb/global_control.h>
 #include <thread>
 #include <unistd.h>
 #include <vector>
 
 #include "core/error.h"
+#include "core/job.h"
 #include "core/multiversion.h"
 #include "core/output_file.h"
 #include "core/progress.h"
+#include "core/signals.h"
 #include "core/threads.h"
 
 namespace postlens {
@@ -286,30 +287,28 @@ TEST_F(OutputFileTest, MoreFilesThanAreListedForSignalsAreWrittenAllTheSame) {
 
 class InterruptTest : public OutputFileTest {
   protected:
-    void TearDown() override {
-        set_interrupted(false);
-        OutputFileTest::TearDown();
-    }
+    Job job_;
 };
 
-TEST_F(InterruptTest, TheFlagBecomesAnErrorWithItsExitCode) {
+TEST_F(InterruptTest, ACancelledJobBecomesAnErrorWithItsExitCode) {
+    const JobScope scope(job_);
     EXPECT_FALSE(interrupted());
     EXPECT_NO_THROW(throw_if_interrupted());
-    set_interrupted(true);
+    job_.cancel();
     EXPECT_TRUE(interrupted());
     EXPECT_THAT(error_text(ExitCode::interrupted, throw_if_interrupted), StartsWith("interrupted"));
     EXPECT_EQ(static_cast<int>(ExitCode::interrupted), 130);
 }
 
-TEST_F(InterruptTest, OneSignalSetsTheFlagAndDestructorsRun) {
+TEST_F(InterruptTest, OneSignalCancelsTheJobAndDestructorsRun) {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         const int status = status_of_child([&] {
-            install_interrupt_handler();
+            cancel_on_signals(job_);
             {
                 OutputFile file(folder_ / "picture.exr");
                 ::raise(signal);
             }
-            ::_exit(interrupted() ? 7 : 8);
+            ::_exit(job_.cancelled() ? 7 : 8);
         });
         EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 7) << "signal " << signal << ": " << status;
         EXPECT_THAT(names_in(folder_), IsEmpty());
@@ -319,7 +318,7 @@ TEST_F(InterruptTest, OneSignalSetsTheFlagAndDestructorsRun) {
 TEST_F(InterruptTest, ASecondSignalEndsTheProcessAndLeavesNoTemporary) {
     write_text(folder_ / "kept.exr", "older");
     const int status = status_of_child([&] {
-        install_interrupt_handler();
+        cancel_on_signals(job_);
         OutputFile first(folder_ / "kept.exr");
         OutputFile second(folder_ / "new.exr");
         ::raise(SIGINT);
@@ -332,25 +331,25 @@ TEST_F(InterruptTest, ASecondSignalEndsTheProcessAndLeavesNoTemporary) {
 
 TEST_F(InterruptTest, ASignalIgnoredFromTheStartStaysIgnored) {
     // What nohup does for SIGHUP.
-    const int status = status_of_child([] {
+    const int status = status_of_child([&] {
         ::signal(SIGHUP, SIG_IGN);
-        install_interrupt_handler();
+        cancel_on_signals(job_);
         ::raise(SIGHUP);
         ::raise(SIGHUP);
-        ::_exit(interrupted() ? 8 : 7);
+        ::_exit(job_.cancelled() ? 8 : 7);
     });
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 7) << status;
 }
 
 TEST_F(InterruptTest, LoopsStopSoonAndSayWhy) {
     for (const int threads : {1, 2}) {
-        const ThreadLimit limit(threads);
-        set_interrupted(false);
+        Job job({.threads = threads});
+        const JobScope scope(job);
         std::atomic<std::size_t> calls{0};
         // With TBB's ranges alone, one thread would be given thousands of indices without a check.
         const std::string text = error_text(ExitCode::interrupted, [&] {
             parallel_for(100000, [&](std::size_t) {
-                if (calls.fetch_add(1) == 10) set_interrupted(true);
+                if (calls.fetch_add(1) == 10) job.cancel();
             });
         });
         EXPECT_EQ(text, "interrupted; unfinished output was removed");
@@ -363,13 +362,14 @@ TEST_F(InterruptTest, LoopsStopSoonAndSayWhy) {
 }
 
 TEST_F(InterruptTest, GrainIsTheDistanceBetweenChecks) {
-    const ThreadLimit limit(1);
+    Job job({.threads = 1});
+    const JobScope scope(job);
     std::size_t calls = 0;
     error_text(ExitCode::interrupted, [&] {
         parallel_for(
             100000,
             [&](std::size_t) {
-                if (calls++ == 0) set_interrupted(true);
+                if (calls++ == 0) job.cancel();
             },
             64);
     });
@@ -456,21 +456,17 @@ std::size_t threads_seen(std::size_t expected) {
 TEST(ThreadLimit, GivesAsManyThreadsAsAskedForAlsoBeyondTheCores) {
     const int machine = thread_count();
     EXPECT_GE(machine, 1);
-    EXPECT_EQ(current_arena(), nullptr);
     {
         const ThreadLimit limit(5);
         EXPECT_EQ(thread_count(), 5);
-        EXPECT_NE(current_arena(), nullptr);
         EXPECT_EQ(threads_seen(5), 5U);
     }
     EXPECT_EQ(thread_count(), machine);
-    EXPECT_EQ(current_arena(), nullptr);
 }
 
 TEST(ThreadLimit, TheInnerOneHoldsWhileItLives) {
     const int machine = thread_count();
     const ThreadLimit outer(2);
-    tbb::task_arena* const outer_arena = current_arena();
     {
         const ThreadLimit inner(4);
         EXPECT_EQ(thread_count(), 4);
@@ -486,8 +482,83 @@ TEST(ThreadLimit, TheInnerOneHoldsWhileItLives) {
         EXPECT_EQ(thread_count(), machine);
     }
     EXPECT_EQ(thread_count(), 2);
-    EXPECT_EQ(current_arena(), outer_arena);
-    EXPECT_EQ(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism), 2U);
+    EXPECT_EQ(threads_seen(2), 2U);
+}
+
+/// Waits, with a limit, until `condition` holds.
+template <typename Condition>
+bool soon(const Condition& condition) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!condition()) {
+        if (std::chrono::steady_clock::now() > deadline) return false;
+        std::this_thread::yield();
+    }
+    return true;
+}
+
+TEST(Jobs, TwoInOneProcessAreCancelledEachByItself) {
+    Job first({.threads = 2}), second({.threads = 2});
+    std::atomic<int> first_calls{0}, second_calls{0};
+    std::atomic<bool> first_stopped{false};
+    // Loops within loops: a thread that waits in the inner one takes up other work, which must be its job's.
+    std::thread a([&] {
+        const JobScope scope(first);
+        EXPECT_EQ(error_text(ExitCode::interrupted,
+                             [&] {
+                                 parallel_for(1'000'000, [&](std::size_t) {
+                                     parallel_for(50, [&](std::size_t) {
+                                         EXPECT_EQ(&Job::current(), &first);
+                                         ++first_calls;
+                                     });
+                                 });
+                             }),
+                  "interrupted; unfinished output was removed");
+        first_stopped = true;
+    });
+    std::thread b([&] {
+        const JobScope scope(second);
+        parallel_for(400, [&](std::size_t i) {
+            parallel_for(50, [&](std::size_t) {
+                EXPECT_EQ(&Job::current(), &second);
+                ++second_calls;
+            });
+            if (i == 399) {
+                EXPECT_TRUE(soon([&] { return first_calls > 100; }));
+                first.cancel();
+                EXPECT_TRUE(soon([&] { return first_stopped.load(); }));
+            }
+        });
+    });
+    a.join();
+    b.join();
+    EXPECT_TRUE(first.cancelled());
+    EXPECT_FALSE(second.cancelled());
+    EXPECT_EQ(second_calls, 400 * 50);
+    EXPECT_FALSE(interrupted());
+}
+
+TEST(Jobs, WithinAnotherAreCancelledWithItAndReportToItsWatcher) {
+    std::vector<ProgressReport> reports;
+    Job outer({.watch = [&](const ProgressReport& report) { reports.push_back(report); }});
+    const JobScope scope(outer);
+    {
+        const ThreadLimit inner(1);
+        EXPECT_NE(&Job::current(), &outer);
+        Progress step("views", 4);
+        step.advance();
+        std::this_thread::sleep_for(std::chrono::milliseconds(120));
+        Progress part("rows", 100);  // of the step: not reported
+        part.advance(50);
+        step.advance();
+        outer.cancel();
+        EXPECT_TRUE(interrupted());
+    }
+    ASSERT_EQ(reports.size(), 2U);
+    EXPECT_EQ(reports[0].step, "views");
+    EXPECT_EQ(reports[0].share, 0.5);
+    EXPECT_GE(reports[0].seconds_left, 0.12);
+    EXPECT_FALSE(reports[0].ended);
+    EXPECT_TRUE(reports[1].ended);
 }
 
 TEST(Duration, IsWrittenInTheUnitThatFits) {
@@ -505,7 +576,9 @@ TEST(Duration, IsWrittenInTheUnitThatFits) {
 
 /// A step of a fifth at once and another after the second that the bar waits.
 void advance_over_a_second(bool quiet) {
-    Progress progress("trace", 5, quiet);
+    Job job({.watch = quiet ? nullptr : terminal_bar()});
+    const JobScope scope(job);
+    Progress progress("trace", 5);
     progress.advance();
     std::this_thread::sleep_for(std::chrono::milliseconds(1100));
     progress.advance();

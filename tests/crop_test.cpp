@@ -37,7 +37,6 @@ class CropTest : public testing::Test {
         settings.camera.width = width;
         settings.camera.height = height;
         settings.subdivision.levels = 1;
-        settings.quiet = true;
         const auto path = folder_.path() / "frame.exr";
         trace_to_file(*scene_, settings, path);
         file_.emplace(path);

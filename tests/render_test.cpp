@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/progress.h"
+#include "core/job.h"
 #include "core/threads.h"
 #include "tests/repeated_renders.h"
 #include "tests/scene_builder.h"
@@ -375,9 +375,10 @@ TEST(RenderErrors, SettingsOutOfRange) {
 
 TEST(RenderErrors, AnInterruptionBeforeItBeginsWritesNothing) {
     const TemporaryFolder folder;
-    set_interrupted(true);
+    Job job;
+    const JobScope scope(job);
+    job.cancel();
     EXPECT_THROW((void)render_to_file(busy_scene().scene, everything(), folder.path() / "x.exr"), Error);
-    set_interrupted(false);
     EXPECT_FALSE(fs::exists(folder.path() / "x.exr"));
 }
 

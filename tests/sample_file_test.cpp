@@ -24,7 +24,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "core/progress.h"
+#include "core/job.h"
 #include "core/threads.h"
 #include "records/quadtree.h"
 #include "tests/random_records.h"
@@ -612,12 +612,13 @@ TEST(SampleFile, AnInterruptedWriterLeavesTheOlderFile) {
     write_frame(path, frame, RecordCompression::rle);
     const std::string before = bytes_of(path);
     const auto [code, text] = error_of([&] {
+        Job job;
+        const JobScope scope(job);
         SampleFileWriter writer(path, frame.header, RecordCompression::none);
         writer.write(test::rows_of_band(frame.records, 0, 50));
-        set_interrupted(true);
+        job.cancel();
         writer.write(test::rows_of_band(frame.records, 50, 101));
     });
-    set_interrupted(false);
     EXPECT_EQ(code, ExitCode::interrupted);
     { const SampleFileWriter unfinished(path, frame.header, RecordCompression::none); }
     EXPECT_EQ(bytes_of(path), before);

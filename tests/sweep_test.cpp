@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "core/error.h"
-#include "core/progress.h"
+#include "core/job.h"
 #include "core/text_file.h"
 #include "core/threads.h"
 #include "planner/hybrid.h"
@@ -293,14 +293,17 @@ TEST_F(SweepFolder, KeepsWhatIsStillAsItWasMade) {
 TEST_F(SweepFolder, AnInterruptedSweepGoesOn) {
     SweepSettings s = two_by_two();
     for (int i = 0; i < 200; ++i) s.axes.focus_m.push_back(6 + i);
-    std::thread signal([this] {
+    Job job;
+    std::thread canceller([&] {
         while (!std::filesystem::exists(path_ / "out" / "f1.4_s6.exr"))
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        set_interrupted(true);
+        job.cancel();
     });
-    EXPECT_THROW(static_cast<void>(run(s)), Error);
-    signal.join();
-    set_interrupted(false);
+    {
+        const JobScope scope(job);
+        EXPECT_THROW(static_cast<void>(run(s)), Error);
+    }
+    canceller.join();
     EXPECT_FALSE(std::filesystem::exists(path_ / "out" / "sweep.csv"));
     for (const auto& entry : std::filesystem::directory_iterator(path_ / "out")) {  // whole, or not there
         if (entry.path().extension() == ".exr") {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/progress.h"
+#include "core/job.h"
 #include "records/packed_picture.h"
 
 namespace postlens {

@@ -4,8 +4,7 @@
 #include <cstring>
 
 #include "core/error.h"
-#include "core/progress.h"
-#include "core/threads.h"
+#include "core/job.h"
 #include "tracer/ray_scene_impl.h"
 #include "tracer/shape_bounds.h"
 
@@ -71,13 +70,8 @@ void RayScene::Impl::commit(RTCScene s) const {
     // Without this flag Embree never calls a query's own filter.
     rtcSetSceneFlags(s, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     rtcSetSceneProgressMonitorFunction(
-        s, [](void*, double) { return !interrupted(); }, nullptr);
-    const auto build = [&] { rtcCommitScene(s); };
-    if (tbb::task_arena* arena = current_arena()) {
-        arena->execute(build);
-    } else {
-        build();
-    }
+        s, [](void* job, double) { return !static_cast<const Job*>(job)->cancelled(); }, &Job::current());
+    Job::current().run([s] { rtcCommitScene(s); });
     throw_if_interrupted();
     check(device, "building the ray acceleration structure");
 }

@@ -150,7 +150,7 @@ class Renderer {
 };
 
 // Traces all that is missing; `pause` is called several times a second, between parallel loops.
-void trace_all(Renderer& renderer, const RenderSettings& settings, const std::function<void()>& pause) {
+void trace_all(Renderer& renderer, const std::function<void()>& pause) {
     std::uint64_t left = 0;
     int first = renderer.rounds();
     for (std::size_t t = 0; t < renderer.tiles(); ++t) {
@@ -158,7 +158,7 @@ void trace_all(Renderer& renderer, const RenderSettings& settings, const std::fu
         left += static_cast<std::uint64_t>(renderer.rounds() - done);
         first = std::min(first, done);
     }
-    Progress progress("render", left, settings.quiet);
+    Progress progress("render", left);
     std::size_t slice = 64;
     for (int round = first; round < renderer.rounds(); ++round) {
         for (std::size_t begin = 0; begin < renderer.tiles();) {
@@ -213,7 +213,7 @@ RenderResult render_picture(const Scene& scene, const RenderSettings& settings) 
     RenderState state(setup.width(), setup.height(), halves, scene.exposure_stops);
     Renderer renderer(setup, settings, state);
     const auto start = Clock::now();
-    trace_all(renderer, settings, [] {});
+    trace_all(renderer, [] {});
     RenderResult out = finish(setup, settings, renderer, state);
     out.seconds_render = seconds_since(start);
     return out;
@@ -251,7 +251,7 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
         interval_s = std::max(settings.checkpoint_interval_s, 20 * seconds_since(began));
     };
     try {
-        trace_all(renderer, settings, [&] {
+        trace_all(renderer, [&] {
             if (seconds_since(saved) >= interval_s) save();
         });
     } catch (const Error& e) {

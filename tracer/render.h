@@ -49,7 +49,6 @@ struct RenderSettings {
 
     double metres_per_unit = 1;        ///< as the scene was read; only recorded
     double checkpoint_interval_s = 5;  ///< how often the picture so far is written
-    bool quiet = true;                 ///< no progress bar
     /// What of the picture is wanted: tiles of 8 px that have nothing of it stay black. The others have the
     /// same bits as without; files hold the crop alone (see write_image). A run may go on from what one with
     /// another crop has left.

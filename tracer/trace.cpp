@@ -333,8 +333,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
                                                        result.instants_s.size()));
     }
 
-    Progress progress("trace", static_cast<std::uint64_t>(height + 2 * o) * result.instants_s.size(),
-                      settings.quiet);
+    Progress progress("trace", static_cast<std::uint64_t>(height + 2 * o) * result.instants_s.size());
     Radiance radiance(scene.exposure_stops);
     for (std::size_t i = 0; i < result.instants_s.size(); ++i) {
         if (i > 0) {

@@ -46,7 +46,6 @@ struct TraceSettings {
     /// Told, before the records are traced, how many bytes the file will take about (expected_size.h); what
     /// it throws ends the trace. Absent: nobody asks, and no ray is spent on it.
     std::function<void(std::uint64_t bytes)> on_expected_bytes;
-    bool quiet = true;  ///< no progress bar
 };
 
 struct TraceResult {

@@ -1,0 +1,22 @@
+#include "apps/open_frame.h"
+
+#include "apps/command.h"
+
+namespace postlens {
+
+std::shared_ptr<OpenFrame> KeptFrame::at(std::optional<double> exposure_stops) {
+    if (!open_ || stops_ != exposure_stops) {
+        open_.reset();  // two would need twice the memory
+        open_ = std::make_shared<OpenFrame>(path_, damage_, exposure_stops, true);
+        stops_ = exposure_stops;
+    }
+    return open_;
+}
+
+std::shared_ptr<OpenFrame> open_frame(const std::string& input, const std::shared_ptr<KeptFrame>& kept,
+                                      const std::optional<double>& exposure_stops, Damage damage) {
+    if (kept) return kept->at(exposure_stops);
+    return std::make_shared<OpenFrame>(input, damage, exposure_stops, false);
+}
+
+}  // namespace postlens

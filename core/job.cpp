@@ -1,0 +1,108 @@
+#include "core/job.h"
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/task_arena.h>
+#include <utility>
+
+#include "core/error.h"
+
+namespace postlens {
+namespace {
+
+thread_local Job* current_job = nullptr;
+
+/// An arena gets no more threads than there are cores unless all of TBB may have more. This holds what the
+/// widest job alive asks for; narrower ones are limited by their own arenas.
+class WidestJob {
+  public:
+    void add(int threads) {
+        const std::lock_guard lock(mutex_);
+        threads_.insert(threads);
+        allow();
+    }
+    void remove(int threads) {
+        const std::lock_guard lock(mutex_);
+        threads_.erase(threads_.find(threads));
+        allow();
+    }
+    [[nodiscard]] static WidestJob& instance() {
+        static WidestJob widest;
+        return widest;
+    }
+
+  private:
+    void allow() {
+        const int widest = threads_.empty() ? 0 : *threads_.rbegin();
+        if (widest == allowed_) return;
+        allowed_ = widest;
+        // The lowest control alive counts, so the old one goes first.
+        control_.reset();
+        if (widest > tbb::info::default_concurrency()) {
+            control_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(widest));
+        }
+    }
+
+    std::mutex mutex_;
+    std::multiset<int> threads_;
+    int allowed_ = 0;
+    std::optional<tbb::global_control> control_;
+};
+
+}  // namespace
+
+struct Job::Threads {
+    explicit Threads(int number) : arena(number), threads(number) { WidestJob::instance().add(number); }
+    ~Threads() { WidestJob::instance().remove(threads); }
+    Threads(const Threads&) = delete;
+    Threads& operator=(const Threads&) = delete;
+    Threads(Threads&&) = delete;
+    Threads& operator=(Threads&&) = delete;
+
+    tbb::task_arena arena;
+    int threads;
+};
+
+Job::Job(JobSettings settings)
+    : outer_(current_job),
+      threads_(settings.threads > 0 ? settings.threads : tbb::info::default_concurrency()),
+      watch_(std::move(settings.watch)),
+      arena_(std::make_unique<Threads>(threads_)) {}
+
+Job::Job(OfProcess /*process*/) : threads_(tbb::info::default_concurrency()) {}
+
+Job::~Job() = default;
+
+Job& Job::current() {
+    if (current_job != nullptr) return *current_job;
+    static Job of_process{OfProcess{}};
+    return of_process;
+}
+
+void Job::run(const std::function<void()>& work) {
+    if (!arena_) {
+        work();
+        return;
+    }
+    // Where the arena is full, another thread does the work.
+    arena_->arena.execute([&] {
+        const JobScope scope(*this);
+        work();
+    });
+}
+
+JobScope::JobScope(Job& job) : before_(std::exchange(current_job, &job)) {}
+
+JobScope::~JobScope() {
+    current_job = before_;
+}
+
+void throw_if_interrupted() {
+    if (interrupted()) fail(ExitCode::interrupted, "interrupted; unfinished output was removed");
+}
+
+}  // namespace postlens

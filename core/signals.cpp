@@ -1,0 +1,41 @@
+#include "core/signals.h"
+
+#include <atomic>
+#include <csignal>
+
+#include "core/output_file.h"
+
+namespace postlens {
+namespace {
+
+std::atomic<Job*> job_to_cancel{nullptr};
+std::atomic<bool> had_a_signal{false};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<Job*>::is_always_lock_free,
+              "a signal handler may set only lock-free flags");
+
+extern "C" void on_signal(int signal) {
+    if (had_a_signal.exchange(true)) {
+        remove_all_temporaries();
+        ::signal(signal, SIG_DFL);
+        ::raise(signal);
+    } else {
+        job_to_cancel.load()->cancel();
+    }
+}
+
+}  // namespace
+
+void cancel_on_signals(Job& job) {
+    job_to_cancel = &job;
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction action {};
+        if (::sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
+        action = {};
+        action.sa_handler = on_signal;
+        action.sa_flags = SA_RESTART;  // or reads and writes inside libraries would fail with EINTR
+        ::sigemptyset(&action.sa_mask);
+        ::sigaction(signal, &action, nullptr);
+    }
+}
+
+}  // namespace postlens

@@ -1,0 +1,114 @@
+// The module postlens._postlens: what postlens' Python code is made of. See postlens/*.py for what users
+// call.
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "apps/cli.h"
+#include "apps/open_frame.h"
+#include "python/arrays.h"
+#include "python/run_job.h"
+#include "records/encoded_picture.h"
+
+namespace py = pybind11;
+
+namespace postlens::python {
+namespace {
+
+/// What a command comes to: its JSON, the pictures that it did not write with their exposures, its warnings
+/// (code, text, share) and its exit code.
+struct Outcome {
+    std::string json, text;
+    py::list pictures;
+    std::vector<std::tuple<std::string, std::string, double>> warnings;
+    int exit_code = 0;
+};
+
+Outcome run(std::vector<std::string> words, int threads, const py::object& progress,
+            const std::shared_ptr<KeptFrame>& kept) {
+    Outcome out;
+    CommandResult result;
+    double seconds = 0;
+    run_job(threads, progress, [&] {
+        const ParsedCommand command =
+            parse_command_line(std::move(words), {.pictures_stay = true, .kept = kept});
+        if (!command.run) {
+            result.text = command.text;
+            return;
+        }
+        const auto lock = kept ? kept->lock() : std::unique_lock<std::mutex>();
+        const auto start = std::chrono::steady_clock::now();
+        result = command.run();
+        seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    });
+    result.json["seconds"] = seconds;
+    out.json = result.json.dump();
+    out.text = std::move(result.text);
+    for (Image& image : result.pictures) {
+        const std::optional<double> stops = image.exposure_stops;
+        out.pictures.append(py::make_tuple(array_of(std::move(image)), stops));
+    }
+    for (Warning& w : result.warnings) out.warnings.emplace_back(w.code, w.text, w.share);
+    out.exit_code = static_cast<int>(result.exit_code);
+    return out;
+}
+
+void write_picture(const std::filesystem::path& path, const Pixels& pixels,
+                   const std::optional<double>& exposure_stops) {
+    run_job(0, py::none(), [&] {
+        check_image_path(path);
+        write_image(path, image_of(pixels, exposure_stops));
+    });
+}
+
+py::tuple read_picture(const std::filesystem::path& path) {
+    Image image;
+    run_job(0, py::none(), [&] { image = read_image(path); });
+    const std::optional<double> stops = image.exposure_stops;
+    return py::make_tuple(array_of(std::move(image)), stops);
+}
+
+py::bytes png(const Pixels& pixels, const std::optional<double>& exposure_stops) {
+    std::string file;
+    translated([&] { file = png_file(encoded_8bit(image_of(pixels, exposure_stops)), "picture.png"); });
+    return py::bytes(file);
+}
+
+}  // namespace
+}  // namespace postlens::python
+
+PYBIND11_MODULE(_postlens, module) {
+    using namespace postlens;
+    using namespace postlens::python;
+    module.doc() = "What postlens' Python code is made of.";
+    module.attr("__version__") = POSTLENS_VERSION;
+    py::class_<Outcome>(module, "Outcome")
+        .def_readonly("json", &Outcome::json)
+        .def_readonly("text", &Outcome::text)
+        .def_readonly("pictures", &Outcome::pictures)
+        .def_readonly("warnings", &Outcome::warnings)
+        .def_readonly("exit_code", &Outcome::exit_code);
+    py::class_<KeptFrame, std::shared_ptr<KeptFrame>>(module, "KeptFrame")
+        .def(py::init([](std::string path, bool salvage) {
+                 return std::make_shared<KeptFrame>(std::move(path),
+                                                    salvage ? Damage::salvage : Damage::refuse);
+             }),
+             py::arg("path"), py::arg("salvage"));
+    module.def("run", &run, py::arg("words"), py::arg("threads"), py::arg("progress"), py::arg("kept"));
+    module.def("is_sample_file", [](const std::filesystem::path& path) {
+        bool found = false;
+        translated([&] { found = SampleFileReader::is_sample_file(path); });
+        return found;
+    });
+    module.def("write_picture", &write_picture, py::arg("path"), py::arg("pixels"),
+               py::arg("exposure_stops"));
+    module.def("read_picture", &read_picture, py::arg("path"));
+    module.def("png", &png, py::arg("pixels"), py::arg("exposure_stops"));
+    add_records(module);
+}

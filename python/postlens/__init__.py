@@ -1,0 +1,60 @@
+"""postlens: render once through a pinhole, apply the lens and the shutter afterwards.
+
+    import postlens
+    frame = postlens.trace("scene.toml", size=(960, 540), for_f_number=1.4)
+    picture = frame.focus(f_number=1.4, focus_m=2)
+    picture.save("focused.png")
+
+trace(scene) traces a scene into a Frame, open(path) opens a sample file or another program's picture; a Frame
+makes pictures: focus(), motionblur(), shoot(), sweep(), image(). render(scene, spp=...) makes the reference
+by rays, compare(a, b) measures. lens has circles of confusion, depths of field, impulse responses. run() runs
+any other command. Arguments are the command's options with units in their names: --focus is focus_m.
+"""
+
+from __future__ import annotations
+
+from . import lens
+from ._command import PathLike, Progress, Report, run_words
+from ._errors import (
+    ArgumentError,
+    Cancelled,
+    Error,
+    InputError,
+    OutOfMemoryError,
+    OutputError,
+    PostlensWarning,
+)
+from ._frame import Frame, open, render, trace
+from ._picture import Picture, compare, read_picture
+from ._postlens import Records, __version__
+
+__all__ = [
+    "ArgumentError",
+    "Cancelled",
+    "Error",
+    "Frame",
+    "InputError",
+    "OutOfMemoryError",
+    "OutputError",
+    "Picture",
+    "PostlensWarning",
+    "Records",
+    "Report",
+    "compare",
+    "lens",
+    "open",
+    "read_picture",
+    "render",
+    "run",
+    "trace",
+    "__version__",
+]
+
+
+def run(*words: object, threads: int = 0, progress: Progress = None) -> Report:
+    """Any command, as on the command line: run("chart", "scene.toml", "-o", "folder").
+
+    Returns what the command says with --json, its text for people as report["text"] and its exit code as
+    report["exit_code"]. Raises as the command fails.
+    """
+    return run_words([str(word) for word in words], threads, progress, as_keywords=False)[0]

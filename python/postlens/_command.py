@@ -1,0 +1,129 @@
+"""A command's options as Python values: keyword arguments become the words that the command line has."""
+
+from __future__ import annotations
+
+import json
+import numbers
+import os
+import re
+import sys
+import warnings
+from typing import Any, Callable, Mapping, Optional, Union
+
+from . import _postlens
+from ._errors import ArgumentError, Error, PostlensWarning, error_of
+
+Progress = Optional[Callable[[float, float], object]]
+PathLike = Union[str, "os.PathLike[str]"]
+
+_separators = {"size": "x", "shutter": ":", "for_shutter": ":"}
+_units = ("_m", "_mm", "_um", "_nm", "_px", "_s")
+_no_units = ("for_f_number",)
+
+
+def option_name(keyword: str) -> str:
+    """`focus_m` -> `--focus`: the command's options have no units in their names."""
+    if keyword not in _no_units:
+        for unit in _units:
+            if keyword.endswith(unit):
+                keyword = keyword[: -len(unit)]
+                break
+    return "--" + keyword.replace("_", "-")
+
+
+def _text(keyword: str, value: object) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, os.PathLike):
+        return str(os.fspath(value))
+    if isinstance(value, numbers.Integral):
+        return str(int(value))
+    if isinstance(value, numbers.Real):
+        return repr(float(value))
+    if isinstance(value, (tuple, list)):
+        return _separators.get(keyword, ",").join(_text(keyword, v) for v in value)
+    raise ArgumentError(
+        f"{keyword}: wrong type (got {type(value).__name__}; expected a number, a text, a path or a tuple)"
+    )
+
+
+def words_of(options: Mapping[str, object]) -> list[str]:
+    """Absent options (None, False) have no words; True is a flag."""
+    words: list[str] = []
+    for keyword, value in options.items():
+        if value is None or value is False:
+            continue
+        name = option_name(keyword)
+        words.append(name if value is True else f"{name}={_text(keyword, value)}")
+    return words
+
+
+def path_text(what: str, path: object) -> str:
+    if not isinstance(path, (str, os.PathLike)):
+        raise ArgumentError(f"{what}: wrong type (got {type(path).__name__}; expected a path)")
+    text = os.fspath(path)
+    if not isinstance(text, str) or not text:
+        raise ArgumentError(f"{what}: no path (got {path!r}; expected the name of a file)")
+    return os.path.join(".", text) if text.startswith("-") else text  # it would be taken for an option
+
+
+_keyword_of_option = {
+    "focus": "focus_m", "focal-length": "focal_length_mm", "for-focus": "for_focus_m", "time": "time_s",
+    "overscan": "overscan_px", "film-width": "film_width_mm", "film-distance": "film_distance_mm",
+    "fit-paths": "fit_paths_px", "depth": "depth_m", "coc-limit": "coc_limit_mm", "wavelength": "wavelength_nm",
+    "pixel-pitch": "pixel_pitch_um",
+}  # fmt: skip
+
+
+def _in_keywords(text: str) -> str:
+    """`--f-number: out of range ...` -> `f_number: out of range ...`"""
+
+    def keyword(found: re.Match[str]) -> str:
+        option = found.group(1)
+        return _keyword_of_option.get(option, option.replace("-", "_"))
+
+    return re.sub(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)", keyword, text)
+
+
+_folder = os.path.dirname(__file__)
+
+
+def _users_level() -> int:
+    """stacklevel of warnings.warn for the line of the user's that called this package."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == _folder:
+        level, frame = level + 1, frame.f_back
+    return level
+
+
+class Report(dict):  # type: ignore[type-arg]
+    """What the command says with --json, as a dict. Warnings are given by warnings.warn as well."""
+
+
+def run_words(
+    words: list[str],
+    threads: int = 0,
+    progress: Progress = None,
+    kept: Optional["_postlens.KeptFrame"] = None,
+    as_keywords: bool = True,
+) -> tuple[Report, list[tuple[Any, Optional[float]]]]:
+    """Runs a command in this process. Returns its report and the pictures that it has not written.
+
+    as_keywords: errors and warnings call options by their keywords, for callers that know no words.
+    """
+    if progress is not None and not callable(progress):
+        raise ArgumentError(f"progress: cannot be called (got {type(progress).__name__}; expected a function)")
+    if isinstance(threads, bool) or not isinstance(threads, numbers.Integral) or not 0 <= threads <= 4096:
+        raise ArgumentError(f"threads: out of range (got {threads!r}; expected 0 to 4096)")
+    say = _in_keywords if as_keywords else str
+    try:
+        outcome = _postlens.run(words, int(threads), progress, kept)
+    except Error as error:
+        raise error_of(error.exit_code, say(str(error))) from None
+    report = Report(json.loads(outcome.json))
+    report["exit_code"] = outcome.exit_code
+    report["text"] = outcome.text
+    report["warnings"] = [{"code": c, "text": say(t), "share": s} for c, t, s in outcome.warnings]
+    for warning in report["warnings"]:
+        warnings.warn(PostlensWarning(warning["text"], warning["code"], warning["share"]), stacklevel=_users_level())
+    return report, outcome.pictures

@@ -1,0 +1,375 @@
+"""Sample files and other programs' pictures, and the pictures that are made from them."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import tempfile
+import weakref
+from typing import Any, Iterator, Optional, Sequence, Union
+
+from . import _postlens
+from ._command import PathLike, Progress, Report, path_text, run_words, words_of
+from ._errors import ArgumentError
+from ._picture import Picture
+
+Span = tuple[float, float]
+Exposure = Union[float, str, None]
+#: Arguments that are no options of the command.
+_not_options = {"self", "threads", "progress", "scene_path"}
+
+
+def picture_of(
+    words: list[str],
+    options: dict[str, Any],
+    kept: Optional["_postlens.KeptFrame"] = None,
+) -> Picture:
+    """Runs a command whose picture stays in memory. `options`: a function's arguments, as locals() has them."""
+    asked = {k: v for k, v in options.items() if k not in _not_options}
+    report, pictures = run_words(
+        words + words_of(asked), options["threads"], options["progress"], kept
+    )
+    made = [Picture(array, stops, report) for array, stops in pictures]
+    made[0].halves = made[1:]
+    return made[0]
+
+
+class Frame:
+    """A sample file, or another program's picture with depth, that pictures are made from.
+
+    Records that pictures of any lens share stay in memory between pictures. One frame makes one picture at a
+    time; several frames work at once in several threads.
+    """
+
+    def __init__(self, path: PathLike, *, salvage: bool = False) -> None:
+        self._path = path_text("path", path)
+        self._salvage = salvage
+        #: What `postlens info --json` says of the file.
+        self.info: Report = run_words(["info", self._path] + words_of({"salvage": salvage}))[0]
+        if self.info["kind"] not in ("samples", "image"):
+            raise ArgumentError(
+                f"{self._path}: nothing to focus (got a {self.info['kind']}; expected a sample file or a picture)"
+            )
+        #: What `postlens trace --json` said, of a frame that trace() made.
+        self.trace_report: Optional[Report] = None
+        self._kept: Optional[_postlens.KeptFrame] = None
+        if self.info["kind"] == "samples":
+            self._kept = _postlens.KeptFrame(self._path, salvage)
+
+    @property
+    def path(self) -> str:
+        return self._path
+
+    @property
+    def width(self) -> int:
+        """Of its pictures, px."""
+        return int(self.info["width"])
+
+    @property
+    def height(self) -> int:
+        """Of its pictures, px."""
+        return int(self.info["height"])
+
+    def __repr__(self) -> str:
+        return f"<postlens.Frame {self._path!r} {self.width}x{self.height}>"
+
+    def _words(self, command: str) -> list[str]:
+        return [command, self._path] + words_of({"salvage": self._salvage})
+
+    def image(
+        self,
+        *,
+        crop: Optional[tuple[int, int, int, int]] = None,
+        exposure: Exposure = None,
+        layer: Optional[str] = None,
+        threads: int = 0,
+        progress: Progress = None,
+    ) -> Picture:
+        """The pinhole picture, from the records alone. Arguments as in focus()."""
+        return picture_of(self._words("image"), locals(), self._kept)
+
+    def focus(
+        self,
+        *,
+        f_number: Optional[float] = None,
+        focus_m: Optional[float] = None,
+        focus_at: Optional[tuple[float, float]] = None,
+        focal_length_mm: Optional[float] = None,
+        method: Optional[str] = None,
+        views: Optional[int] = None,
+        depths: Optional[int] = None,
+        target_db: Optional[float] = None,
+        scene: Optional[PathLike] = None,
+        framing: Optional[str] = None,
+        breathing: bool = False,
+        impulse: Optional[str] = None,
+        squeeze: Optional[float] = None,
+        cats_eye: Optional[float] = None,
+        spherical: Optional[float] = None,
+        spacing: Optional[str] = None,
+        depth_model: Optional[str] = None,
+        crop: Optional[tuple[int, int, int, int]] = None,
+        exposure: Exposure = None,
+        metres_per_unit: Optional[float] = None,
+        lumens_per_watt: Optional[float] = None,
+        explain: Optional[PathLike] = None,
+        predict: bool = False,
+        strict: bool = False,
+        layer: Optional[str] = None,
+        depth_channel: Optional[str] = None,
+        depth_encoding: Optional[str] = None,
+        depth_file: Optional[PathLike] = None,
+        ids: Optional[str] = None,
+        ids_file: Optional[PathLike] = None,
+        film_width_mm: Optional[float] = None,
+        film_distance_mm: Optional[float] = None,
+        z: Optional[str] = None,
+        threads: int = 0,
+        progress: Progress = None,
+    ) -> Picture:
+        """The picture through a lens.
+
+        f_number: aperture number n; math.inf: a pinhole. Default: the file's.
+        focus_m, focus_at: the distance in focus, m, or the pixel (x, y) whose depth it is.
+        focal_length_mm: focal length F; the view stays unless framing="lens".
+        method: "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole".
+        views: points of the lens that lightfield and hybrid look from.
+        target_db: of "auto", the PSNR wanted. scene: the scene that the frame was traced from, for rays where
+            the records do not tell; then the picture says how far it is from the truth (Picture.stated_db).
+        impulse: what a point out of focus becomes: "disc", "polygon:6", "file:aperture.png", "lens:FILE", ...
+        crop: (x, y, width, height), px. exposure: stops or "auto".
+        layer, depth_channel, depth_encoding, depth_file, ids, ids_file, film_width_mm, film_distance_mm, z:
+            of another program's picture, see docs/inputs.md.
+        threads: 0: all. progress: called as progress(fraction, seconds_left) while it lasts; what it raises
+            stops the work and comes out.
+
+        Returns a Picture. Raises ArgumentError, InputError or OutOfMemoryError with the command's own words.
+        """
+        return picture_of(self._words("focus"), locals(), self._kept)
+
+    def shoot(
+        self,
+        *,
+        f_number: Optional[float] = None,
+        focus_m: Optional[float] = None,
+        focus_at: Optional[tuple[float, float]] = None,
+        focal_length_mm: Optional[float] = None,
+        shutter: Optional[Span] = None,
+        shutter_curve: Optional[str] = None,
+        paths: Optional[PathLike] = None,
+        method: Optional[str] = None,
+        views: Optional[int] = None,
+        target_db: Optional[float] = None,
+        scene: Optional[PathLike] = None,
+        framing: Optional[str] = None,
+        breathing: bool = False,
+        impulse: Optional[str] = None,
+        squeeze: Optional[float] = None,
+        cats_eye: Optional[float] = None,
+        spherical: Optional[float] = None,
+        crop: Optional[tuple[int, int, int, int]] = None,
+        exposure: Exposure = None,
+        metres_per_unit: Optional[float] = None,
+        lumens_per_watt: Optional[float] = None,
+        explain: Optional[PathLike] = None,
+        predict: bool = False,
+        strict: bool = False,
+        threads: int = 0,
+        progress: Progress = None,
+    ) -> Picture:
+        """The picture through a lens and an open shutter at once.
+
+        shutter: (open, close), s on the scene's clock; default: the file's exposure. shutter_curve: "box",
+        "triangle" or a file. paths: a file of objects' paths. Everything else as in focus().
+        """
+        return picture_of(self._words("shoot"), locals(), self._kept)
+
+    def motionblur(
+        self,
+        *,
+        shutter: Optional[Span] = None,
+        shutter_curve: Optional[str] = None,
+        paths: Optional[PathLike] = None,
+        method: Optional[str] = None,
+        views: Optional[int] = None,
+        fit_paths_px: Optional[float] = None,
+        vectors: Optional[tuple[str, str]] = None,
+        vector_scale: Union[float, tuple[float, float], None] = None,
+        vector_offset: Union[float, tuple[float, float], None] = None,
+        vectors_file: Optional[PathLike] = None,
+        crop: Optional[tuple[int, int, int, int]] = None,
+        exposure: Exposure = None,
+        predict: bool = False,
+        strict: bool = False,
+        layer: Optional[str] = None,
+        depth_channel: Optional[str] = None,
+        depth_encoding: Optional[str] = None,
+        depth_file: Optional[PathLike] = None,
+        ids: Optional[str] = None,
+        ids_file: Optional[PathLike] = None,
+        threads: int = 0,
+        progress: Progress = None,
+    ) -> Picture:
+        """The picture of an open shutter and a pinhole.
+
+        shutter: (open, close), s on the scene's clock; of a picture with motion vectors in frames, 0 this one,
+            1 the next. method: "convolve", "lightfield" or "auto".
+        vectors, vector_scale, vector_offset, vectors_file: of such a picture, see docs/motion_vectors.md.
+        Everything else as in focus().
+        """
+        return picture_of(self._words("motionblur"), locals(), self._kept)
+
+    def sweep(
+        self,
+        *,
+        f_number: Union[float, Sequence[float], None] = None,
+        focus_m: Union[float, Sequence[float], None] = None,
+        focal_length_mm: Union[float, Sequence[float], None] = None,
+        impulse: Union[str, Sequence[str], None] = None,
+        shutter: Union[Span, Sequence[Span], None] = None,
+        **options: Any,
+    ) -> Iterator[Picture]:
+        """One picture after the other for every combination of the values, the last argument's values
+        changing fastest; records stay in memory. Other options as in focus(), with a shutter as in shoot().
+        What a picture was made with is in its geometry."""
+        if isinstance(shutter, tuple) and len(shutter) == 2 and not isinstance(shutter[0], (tuple, list)):
+            shutter = [shutter]  # type: ignore[list-item]
+        axes: dict[str, Sequence[Any]] = {}
+        for name, values in (
+            ("f_number", f_number), ("focus_m", focus_m), ("focal_length_mm", focal_length_mm),
+            ("impulse", impulse), ("shutter", shutter),
+        ):  # fmt: skip
+            if values is None:
+                continue
+            axes[name] = [values] if isinstance(values, (int, float, str)) else list(values)
+            if not axes[name]:
+                raise ArgumentError(f"{name}: no values (got an empty sequence; expected one or more)")
+        make: Any = self.focus if shutter is None else self.shoot
+
+        def pictures() -> Iterator[Picture]:
+            for values in itertools.product(*axes.values()):
+                yield make(**dict(zip(axes, values)), **options)
+
+        return pictures()
+
+    def records(self, *, key: int = 0) -> "_postlens.Records":
+        """The records of one of the file's instants (0: the frame's own) as numpy columns that are views of
+        one array; nothing is copied. Colours are radiance."""
+        if self._kept is None:
+            raise ArgumentError(f"{self._path}: has no records (got a picture; expected a sample file)")
+        if isinstance(key, bool) or not isinstance(key, int) or key < 0:
+            raise ArgumentError(f"key: out of range (got {key!r}; expected 0 or more)")
+        return _postlens.read_records(self._path, key, self._salvage)
+
+    def tree_at(self, x: float, y: float, **options: Any) -> Report:
+        """The shading trees at a pixel: samples with their weights, each with its nodes: path, id, name, z',
+        W, and, where f_number and focus_m are given or in the file, the CoC. As `postlens records --json`."""
+        words = self._words("records") + words_of({"at": (x, y), **options})
+        return run_words(words)[0]
+
+
+def open(path: PathLike, *, salvage: bool = False) -> Frame:
+    """A sample file, or another program's OpenEXR picture. salvage: of a damaged sample file read the rows
+    that are whole."""
+    return Frame(path, salvage=salvage)
+
+
+def trace(
+    scene: PathLike,
+    *,
+    output: Optional[PathLike] = None,
+    size: Optional[tuple[int, int]] = None,
+    camera: Optional[str] = None,
+    for_f_number: Optional[float] = None,
+    for_focus_m: Optional[float] = None,
+    for_shutter: Optional[Span] = None,
+    subdivide: Optional[int] = None,
+    threshold: Optional[float] = None,
+    hidden_layers: Union[int, str, None] = None,
+    overscan_px: Union[int, str, None] = None,
+    keys: Union[int, str, None] = None,
+    time_s: Optional[float] = None,
+    film_width_mm: Optional[float] = None,
+    film_distance_mm: Optional[float] = None,
+    max_depth: Optional[int] = None,
+    min_contribution: Optional[float] = None,
+    plan: bool = False,
+    target_db: Optional[float] = None,
+    compression: Optional[str] = None,
+    exposure: Exposure = None,
+    metres_per_unit: Optional[float] = None,
+    lumens_per_watt: Optional[float] = None,
+    force: bool = False,
+    threads: int = 0,
+    progress: Progress = None,
+) -> Frame:
+    """Traces a scene through a pinhole, once for all lenses.
+
+    output: the sample file to write; without it a temporary one that goes with the Frame.
+    size: (width, height), px; default: the camera's.
+    for_f_number, for_focus_m, for_shutter: size the file for such a lens and shutter.
+    plan: choose subdivision, hidden layers, overscan and keys for target_db.
+    Everything else as `postlens trace --help` says.
+
+    Returns the Frame; its trace_report is what `postlens trace --json` says.
+    """
+    options = {k: v for k, v in locals().items() if k not in ("scene", "output", "threads", "progress")}
+    folder: Optional[tempfile.TemporaryDirectory[str]] = None
+    if output is None:
+        folder = tempfile.TemporaryDirectory(prefix="postlens-")
+        output = os.path.join(folder.name, "frame.exr")
+    try:
+        path = path_text("output", output)
+        words = ["trace", path_text("scene", scene), "--output=" + path] + words_of(options)
+        report, _ = run_words(words, threads, progress)
+        frame = Frame(path)
+    except BaseException:
+        if folder is not None:
+            folder.cleanup()
+        raise
+    frame.trace_report = report
+    if folder is not None:
+        weakref.finalize(frame, folder.cleanup)
+    return frame
+
+
+def render(
+    scene: PathLike,
+    *,
+    spp: int,
+    size: Optional[tuple[int, int]] = None,
+    camera: Optional[str] = None,
+    f_number: Optional[float] = None,
+    focus_m: Optional[float] = None,
+    focus_at: Optional[tuple[float, float]] = None,
+    focal_length_mm: Optional[float] = None,
+    framing: Optional[str] = None,
+    breathing: bool = False,
+    impulse: Optional[str] = None,
+    squeeze: Optional[float] = None,
+    cats_eye: Optional[float] = None,
+    spherical: Optional[float] = None,
+    time_s: Optional[float] = None,
+    shutter: Optional[Span] = None,
+    shutter_curve: Optional[str] = None,
+    sampler: Optional[str] = None,
+    seed: Optional[int] = None,
+    halves: bool = False,
+    film_width_mm: Optional[float] = None,
+    film_distance_mm: Optional[float] = None,
+    max_depth: Optional[int] = None,
+    min_contribution: Optional[float] = None,
+    crop: Optional[tuple[int, int, int, int]] = None,
+    exposure: Exposure = None,
+    metres_per_unit: Optional[float] = None,
+    lumens_per_watt: Optional[float] = None,
+    threads: int = 0,
+    progress: Progress = None,
+) -> Picture:
+    """The reference: the picture by distributed rays over lens and time.
+
+    spp: samples a pixel. halves: also keep two independent halves of them (Picture.halves), to measure the
+    noise by. Everything else as in Frame.focus() and trace().
+    """
+    options = dict(locals())
+    return picture_of(["render", path_text("scene", options.pop("scene"))], options)

@@ -1,0 +1,171 @@
+"""Pictures: arrays with what is known of them."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from typing import Any, Optional
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _postlens
+from ._command import PathLike, Report, path_text, run_words
+from ._errors import ArgumentError
+
+Array = npt.NDArray[np.float32]
+
+_geometry_keys = (
+    "method", "views", "depths", "focus_m", "focal_length_mm", "f_number", "impulse", "largest_coc_px",
+    "shutter_open_s", "shutter_close_s", "shutter_open_frames", "shutter_close_frames", "shutter_s", "spp",
+    "seed", "crop",
+)  # fmt: skip
+
+
+def pixels_of(what: str, values: object) -> Array:
+    """(height, width, 3 or 4) float32 in C order, of floats of any precision and order."""
+    array = np.asarray(values)
+    if array.dtype not in (np.float16, np.float32, np.float64):
+        raise ArgumentError(f"{what}: wrong type of values (got {array.dtype}; expected float32 or float64)")
+    if array.ndim != 3 or array.shape[2] not in (3, 4) or 0 in array.shape:
+        raise ArgumentError(f"{what}: wrong shape (got {array.shape}; expected (height, width, 3 or 4))")
+    return np.ascontiguousarray(array, dtype=np.float32)
+
+
+class Picture:
+    """A picture that postlens has made or read.
+
+    array: float32 (height, width, 3), or 4 with alpha; scene-linear, radiance times 2^exposure_stops; row 0
+        at the top. It belongs to the picture and may be changed.
+    exposure_stops: None where it is not known, as of another program's PNG.
+    report: what the command says with --json, as a dict.
+    """
+
+    def __init__(
+        self, array: object, exposure_stops: Optional[float] = 0.0, report: Optional[Report] = None
+    ) -> None:
+        self.array: Array = pixels_of("array", array)
+        self.exposure_stops = exposure_stops
+        self.report: Report = Report() if report is None else report
+        self.halves: list[Picture] = []
+
+    @property
+    def stated_db(self) -> Optional[float]:
+        """PSNR against the truth, dB, as it was measured with rays while the picture was made (methods hybrid
+        and auto with a scene); None where it was not."""
+        return self.report.get("stated_db")
+
+    @property
+    def stated_range_db(self) -> Optional[tuple[float, float]]:
+        """Between which values of PSNR the picture is with 95 % confidence, dB; None as for stated_db."""
+        low, high = self.report.get("stated_low_db"), self.report.get("stated_high_db")
+        return None if low is None else (low, float("inf") if high is None else high)
+
+    @property
+    def target_met(self) -> bool:
+        """False where target_db, or with strict=True a sufficient sample file, was asked for and missed."""
+        return bool(self.report.get("exit_code", 0) == 0)
+
+    @property
+    def warnings(self) -> list[dict[str, Any]]:
+        """Each with code, text and share of the pixels concerned."""
+        return list(self.report.get("warnings", []))
+
+    @property
+    def geometry(self) -> dict[str, Any]:
+        """Lens, shutter and method that the picture was made with; units are in the names."""
+        return {key: self.report[key] for key in _geometry_keys if self.report.get(key) is not None}
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return self.array.shape
+
+    def save(self, path: PathLike) -> None:
+        """Writes .exr (scene-linear), .png, .tif or .jpg (sRGB, clamped). Whole or not at all."""
+        _postlens.write_picture(
+            path_text("path", path), pixels_of("array", self.array), self.exposure_stops
+        )
+
+    def __array__(self, dtype: Any = None) -> npt.NDArray[Any]:
+        return self.array if dtype is None else self.array.astype(dtype)
+
+    def _repr_png_(self) -> bytes:
+        return _postlens.png(pixels_of("array", self.array), self.exposure_stops)
+
+    def __repr__(self) -> str:
+        height, width = self.array.shape[:2]
+        said = ", ".join(f"{k}={v!r}" for k, v in self.geometry.items())
+        return f"<postlens.Picture {width}x{height}{', ' + said if said else ''}>"
+
+
+def read_picture(path: PathLike) -> Picture:
+    """A picture from any file that OpenImageIO reads, scene-linear."""
+    array, stops = _postlens.read_picture(path_text("path", path))
+    return Picture(array, stops)
+
+
+class _AsFiles:
+    """Pictures and arrays as files, for commands that read files; removed at the end."""
+
+    def __init__(self) -> None:
+        self._folder: Optional[tempfile.TemporaryDirectory[str]] = None
+        self._count = 0
+
+    def __enter__(self) -> _AsFiles:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._folder is not None:
+            self._folder.cleanup()
+
+    def path(self, what: str, picture: object) -> str:
+        if isinstance(picture, (str, os.PathLike)):
+            return path_text(what, picture)
+        stops: Optional[float] = 0.0
+        if isinstance(picture, Picture):
+            stops = picture.exposure_stops
+        pixels = pixels_of(what, picture)
+        if self._folder is None:
+            self._folder = tempfile.TemporaryDirectory(prefix="postlens-")
+        self._count += 1
+        path = os.path.join(self._folder.name, f"{what}-{self._count}.exr")
+        _postlens.write_picture(path, pixels, stops)
+        return path
+
+
+def compare(
+    image: object,
+    reference: object,
+    *,
+    noise: object = None,
+    pinhole: object = None,
+    map: Optional[PathLike] = None,
+    side_by_side: Optional[PathLike] = None,
+    exposure: "float | str | None" = None,
+    flip_white: Optional[float] = None,
+    threads: int = 0,
+) -> Report:
+    """How far a picture is from its reference: PSNR, RMSE, relMSE, SSIM and FLIP.
+
+    image, reference: a Picture, an array (height, width, 3 or 4) of float32 or float64, or a file.
+    noise: an independent render of the reference; tells the error above the reference's noise.
+    pinhole: the picture without a lens; figures for the pixels that the lens changes.
+    map, side_by_side: files to draw the differences in.
+    exposure: stops, or "auto", that all are compared at; default: the reference's.
+
+    Returns a dict with psnr_db, rmse, relmse, ssim, flip and more, as `postlens compare --json`.
+    Raises ArgumentError for wrong shapes or types, InputError for unequal sizes.
+    """
+    from ._command import words_of
+
+    with _AsFiles() as files:
+        options = {
+            "noise": None if noise is None else files.path("noise", noise),
+            "pinhole": None if pinhole is None else files.path("pinhole", pinhole),
+            "map": map,
+            "side_by_side": side_by_side,
+            "exposure": exposure,
+            "flip_white": flip_white,
+        }
+        words = ["compare", files.path("image", image), files.path("reference", reference)]
+        return run_words(words + words_of(options), threads)[0]

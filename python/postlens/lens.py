@@ -1,0 +1,77 @@
+"""Single lenses: circle of confusion, depth of field, impulse responses, prescriptions."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from typing import Any, Optional
+
+from ._command import PathLike, Report, path_text, run_words, words_of
+from ._picture import Picture, read_picture
+
+
+def coc(
+    *,
+    focal_length_mm: float,
+    f_number: float,
+    focus_m: float,
+    depth_m: float,
+    coc_limit_mm: Optional[float] = None,
+    pixel_pitch_um: Optional[float] = None,
+) -> Report:
+    """The circle of confusion of what lies at depth_m: coc_mm, coc_px and the depth of field (Potmesil and
+    Chakravarty 1981)."""
+    return run_words(["lens", "coc"] + words_of(locals()))[0]
+
+
+def dof(
+    *,
+    focal_length_mm: float,
+    f_number: float,
+    focus_m: float,
+    coc_limit_mm: Optional[float] = None,
+    pixel_pitch_um: Optional[float] = None,
+) -> Report:
+    """Between which depths the picture is sharp: near_m, far_m (None: infinity), hyperfocal_m."""
+    return run_words(["lens", "dof"] + words_of(locals()))[0]
+
+
+def psf(
+    *,
+    focal_length_mm: Optional[float] = None,
+    f_number: Optional[float] = None,
+    focus_m: Optional[float] = None,
+    depth_m: Optional[float] = None,
+    wavelength_nm: Optional[float] = None,
+    pixel_pitch_um: Optional[float] = None,
+    size_px: Optional[int] = None,
+    impulse: Optional[str] = None,
+    squeeze: Optional[float] = None,
+    cats_eye: Optional[float] = None,
+    spherical: Optional[float] = None,
+) -> Picture:
+    """What one point becomes on the film: its impulse response, energy a pixel, in all three channels."""
+    options: dict[str, Any] = dict(locals())
+    with tempfile.TemporaryDirectory(prefix="postlens-") as folder:
+        path = os.path.join(folder, "psf.exr")
+        report, _ = run_words(["lens", "psf", path] + words_of(options))
+        picture = read_picture(path)
+    picture.report = report
+    return picture
+
+
+def prescription(
+    path: PathLike,
+    *,
+    f_number: Optional[float] = None,
+    focus_m: Optional[float] = None,
+    wavelength_nm: Optional[float] = None,
+    focus_by: Optional[str] = None,
+    move: Optional[str] = None,
+    film_width_mm: Optional[float] = None,
+    output: Optional[PathLike] = None,
+) -> Report:
+    """A prescription's (.dat, .zmx, .seq, .toml) focal lengths, pupils and more. output: a drawing of it."""
+    options = dict(locals())
+    words = ["lens", "show", path_text("path", options.pop("path"))]
+    return run_words(words + words_of(options))[0]

@@ -1,0 +1,103 @@
+#include "python/run_job.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <thread>
+
+#include "core/error.h"
+#include "core/job.h"
+
+namespace py = pybind11;
+
+namespace postlens::python {
+namespace {
+
+/// What the working thread tells the one that waits.
+struct Shared {
+    std::mutex mutex;
+    std::condition_variable changed;
+    bool done = false;
+    std::exception_ptr error;
+    std::optional<ProgressReport> report;
+};
+
+[[noreturn]] void raise(ExitCode code, const std::string& text) {
+    py::object make = py::module_::import("postlens._errors").attr("error_of");
+    const py::object error = make(static_cast<int>(code), text);
+    PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
+    throw py::error_already_set();
+}
+
+/// Signals and progress, with the interpreter's lock held. Throws py::error_already_set.
+void listen(const py::object& progress, const std::optional<ProgressReport>& report) {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (report && !progress.is_none()) progress(report->ended ? 1.0 : report->share, report->seconds_left);
+}
+
+}  // namespace
+
+void translated(const std::function<void()>& call) {
+    try {
+        call();
+    } catch (const Error& e) {
+        raise(e.code(), e.what());
+    } catch (const std::bad_alloc&) {
+        raise(ExitCode::out_of_memory, "not enough memory");
+    }
+}
+
+void run_job(int threads, const py::object& progress, const std::function<void()>& work) {
+    Shared shared;
+    JobSettings settings{.threads = threads};
+    if (!progress.is_none()) {
+        settings.watch = [&shared](const ProgressReport& report) {
+            const std::lock_guard lock(shared.mutex);
+            shared.report = report;
+        };
+    }
+    Job job(std::move(settings));
+    std::thread worker([&] {
+        std::exception_ptr error;
+        try {
+            const JobScope scope(job);
+            work();
+        } catch (...) {
+            error = std::current_exception();
+        }
+        const std::lock_guard lock(shared.mutex);
+        shared.error = error;
+        shared.done = true;
+        shared.changed.notify_all();
+    });
+    std::exception_ptr of_python;
+    {
+        const py::gil_scoped_release released;
+        std::unique_lock lock(shared.mutex);
+        constexpr std::chrono::milliseconds between_looks(50);
+        while (!shared.changed.wait_for(lock, between_looks, [&] { return shared.done; })) {
+            if (of_python) continue;
+            const std::optional<ProgressReport> report = std::exchange(shared.report, std::nullopt);
+            lock.unlock();
+            {
+                const py::gil_scoped_acquire acquired;
+                try {
+                    listen(progress, report);
+                } catch (py::error_already_set&) {
+                    of_python = std::current_exception();
+                    job.cancel();
+                }
+            }
+            lock.lock();
+        }
+        lock.unlock();
+        worker.join();
+    }
+    if (of_python) std::rethrow_exception(of_python);
+    if (shared.error) translated([&] { std::rethrow_exception(shared.error); });
+}
+
+}  // namespace postlens::python

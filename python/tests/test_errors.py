@@ -1,0 +1,94 @@
+"""What goes wrong is one clear line, of the right kind; nothing half-written stays."""
+
+import math
+import os
+import pickle
+
+import numpy as np
+import pytest
+
+import postlens
+
+
+def test_kinds_of_errors(frame, tmp_path):
+    with pytest.raises(postlens.ArgumentError, match="^f_number: out of range") as caught:
+        frame.focus(f_number=-1, focus_m=2)
+    assert caught.value.exit_code == 2 and isinstance(caught.value, ValueError)
+    with pytest.raises(postlens.InputError, match="no such file") as caught:
+        postlens.open(tmp_path / "missing.exr")
+    assert caught.value.exit_code == 3 and isinstance(caught.value, OSError)
+    with pytest.raises(postlens.OutputError) as caught:
+        frame.image().save("/proc/nowhere/x.exr")
+    assert caught.value.exit_code == 4 and isinstance(caught.value, OSError)
+    with pytest.raises(postlens.OutOfMemoryError) as caught:
+        postlens.render(frame_scene(), size=(65536, 65536), spp=1)
+    assert isinstance(caught.value, MemoryError) and isinstance(caught.value, postlens.Error)
+    assert "\n" not in str(caught.value)
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert str(again) == str(caught.value) and again.exit_code == 5
+
+
+def frame_scene():
+    from conftest import SCENES
+
+    return SCENES / "bars.toml"
+
+
+@pytest.mark.parametrize("bad", [math.nan, 0, -1, 1e400 * 0, "two", [1, 2], b"2", object(), 2j])
+def test_wrong_f_numbers(frame, bad):
+    with pytest.raises(postlens.ArgumentError):
+        frame.focus(f_number=bad, focus_m=2)
+
+
+@pytest.mark.parametrize("name, bad", [
+    ("threads", -1), ("threads", 2.5), ("threads", True), ("threads", 10**9), ("progress", 3), ("views", 0),
+    ("crop", (0, 0, 0, 0)), ("crop", (90, 50, 20, 20)), ("crop", 3), ("method", "magic"), ("focus_at", (1e9, 0)),
+    ("scene", ""), ("exposure", "much"),
+])  # fmt: skip
+def test_wrong_arguments(frame, name, bad):
+    with pytest.raises(postlens.Error) as caught:
+        frame.focus(**{"f_number": 2, "focus_m": 2, name: bad} if name != "focus_at" else
+                    {"f_number": 2, name: bad})  # fmt: skip
+    assert str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("bad", [
+    np.zeros((4, 4)), np.zeros((4, 4, 2), np.float32), np.zeros((4, 4, 3), np.uint8), np.zeros((0, 4, 3)),
+    np.zeros((4, 4, 3), complex), None, "", [[1, 2], [3]],
+])  # fmt: skip
+def test_wrong_pictures(bad, frame):
+    with pytest.raises((postlens.Error, ValueError)):
+        postlens.compare(bad, frame.image())
+
+
+def test_files_that_are_none(tmp_path):
+    (tmp_path / "empty.exr").write_bytes(b"")
+    (tmp_path / "text.exr").write_text("hello")
+    for path in (tmp_path, tmp_path / "empty.exr", tmp_path / "text.exr", "/dev/null", "", None, 3, b"x"):
+        with pytest.raises(postlens.Error) as caught:
+            postlens.open(path)
+        assert "\n" not in str(caught.value)
+
+
+def test_a_truncated_frame(frame_path, tmp_path):
+    whole = open(frame_path, "rb").read()
+    cut = tmp_path / "cut.exr"
+    cut.write_bytes(whole[: len(whole) * 2 // 3])
+    with pytest.raises(postlens.InputError):
+        postlens.open(cut).focus(f_number=2, focus_m=2)
+    with pytest.warns(postlens.PostlensWarning) as caught:
+        postlens.open(cut, salvage=True).focus(f_number=2, focus_m=2)
+    assert any(w.message.code == "salvaged" for w in caught)
+
+
+def test_warnings_name_the_users_line(frame):
+    with pytest.warns(postlens.PostlensWarning, match="traced for f-numbers") as caught:
+        frame.focus(f_number=1, focus_m=2)
+    assert caught[0].filename == __file__
+    assert caught[0].message.code == "insufficient"
+
+
+def test_a_failed_trace_leaves_nothing(tmp_path):
+    with pytest.raises(postlens.Error):
+        postlens.trace(tmp_path / "missing.toml", output=tmp_path / "x.exr")
+    assert os.listdir(tmp_path) == []
