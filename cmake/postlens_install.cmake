@@ -1,4 +1,4 @@
-# `cmake --install`: the program, the libraries with their headers, and what finds them: a CMake package and a
+# `cmake --install`: the program with its manual pages, the libraries with their headers, and what finds them: a CMake package and a
 # pkg-config file.
 include(CMakePackageConfigHelpers)
 
@@ -18,6 +18,16 @@ target_include_directories(postlens_options INTERFACE
   "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/postlens>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
 
 install(TARGETS postlens RUNTIME COMPONENT program)
+install(FILES "${PROJECT_SOURCE_DIR}/apps/completion/postlens"
+  DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" COMPONENT program)
+find_program(POSTLENS_HELP2MAN help2man)
+if(POSTLENS_HELP2MAN AND NOT CMAKE_CROSSCOMPILING AND NOT POSTLENS_SANITIZE AND NOT POSTLENS_FUZZ)
+  add_custom_command(OUTPUT "${PROJECT_BINARY_DIR}/man/postlens.1"
+    COMMAND "${PROJECT_SOURCE_DIR}/scripts/man_pages.sh" "$<TARGET_FILE:postlens>" "${PROJECT_BINARY_DIR}/man"
+    DEPENDS postlens "${PROJECT_SOURCE_DIR}/scripts/man_pages.sh" VERBATIM)
+  add_custom_target(man ALL DEPENDS "${PROJECT_BINARY_DIR}/man/postlens.1")
+  install(DIRECTORY "${PROJECT_BINARY_DIR}/man/" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT program)
+endif()
 install(TARGETS ${targets} EXPORT postlensTargets ARCHIVE COMPONENT library)
 foreach(folder IN LISTS postlens_header_folders)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/postlens" COMPONENT library

@@ -73,6 +73,9 @@ struct Workplace {
 /// Number of lines traced together: enough for efficient batches, few enough for the caches.
 constexpr std::size_t lines_together = 4096;
 
+/// A tile of thousands of views takes long enough to be cancelled within.
+constexpr std::size_t views_between_looks = 64;
+
 class Field {
   public:
     explicit Field(const PatchField& field)
@@ -213,6 +216,7 @@ class Field {
         }
         for (std::size_t i = 0; i < set.views.size(); ++i) {
             at.sample = set.views[i].sample;
+            if (i % views_between_looks == 0) throw_if_interrupted();
             draw_view(set, i, lights, at, w);
         }
         if (lights) {

@@ -51,6 +51,11 @@ mapfile -t variables < <(sed -nE 's/^ *find_(path|library)\(([A-Za-z0-9_]+).*/\2
 declare -A found=()
 config_folders=()
 for name in "${names[@]}" "${variables[@]}"; do
+    # Its place is no entry of the cache; the package that has its headers only names those that hold the files.
+    if [[ $name == Python3 ]]; then
+        is_listed python3-dev || complain "Python3: install_dependencies.sh does not list python3-dev"
+        continue
+    fi
     if folder=$(cached "${name}_DIR") && [[ -n $folder ]]; then
         config_folders+=("$folder")
         file=$(find -L "$folder" -maxdepth 1 -iname "$name*config.cmake" | head -n 1)

@@ -27,8 +27,9 @@ build_packages=(
     libgtest-dev libgmock-dev libbenchmark-dev
     gnuplot-nox
 )
-# chromium: the page that `postlens chart` writes is looked at in it. The others: tests of the Python module.
-check_packages=(git clang-format clang-tidy chromium
+# chromium: the page that `postlens chart` writes is looked at in it. help2man, dpkg-dev: Debian packages of postlens.
+# Python's: tests of the module.
+check_packages=(git clang-format clang-tidy chromium help2man dpkg-dev file
     python3-pytest mypy python3-nbconvert python3-ipykernel python3-matplotlib)
 cpus_packages=("${build_packages[@]}" qemu-user g++-aarch64-linux-gnu)
 # libFuzzer and the sanitizers' run time are no dependence of clang, only a recommendation.
