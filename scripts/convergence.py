@@ -3,13 +3,12 @@
 
     convergence.py BUILD OUT [--size WxH] [--reference-spp N] [--seeds N]
 
-BUILD is a built folder (build/release); OUT gets convergence.csv, .md, .svg and .png, and the pictures. The scene is
+BUILD is a built folder (build/release); OUT gets convergence.csv, .md, .svg and .png. The scene is
 samples/scenes/motion.toml through a lens of 50 mm at f/1.4, focused at 4 m, with the shutter open from 0 s to 1 s. The
 reference has two independent halves, and errors are those above its noise. The plot needs gnuplot (Debian: gnuplot-nox).
 """
 
 import argparse
-import json
 import math
 import os
 import subprocess
@@ -17,7 +16,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENE = os.path.join(HERE, "..", "samples", "scenes", "motion.toml")
-LENS = ["--focal-length", "50", "--f-number", "1.4", "--focus", "4", "--shutter", "0:1"]
+LENS = {"focal_length_mm": 50, "f_number": 1.4, "focus_m": 4, "shutter": (0, 1)}
 SAMPLERS = ["random", "grid", "jittered", "poisson", "sobol"]
 SPP = [4, 16, 64, 256]
 
@@ -41,13 +40,6 @@ plot {curves}, {level}*sqrt(4.0/x) with lines dashtype 2 linecolor rgb 'black' t
 """
 
 
-def run(*arguments):
-    result = subprocess.run(arguments, stdout=subprocess.PIPE, check=False)
-    if result.returncode != 0:
-        sys.exit(f"convergence.py: failed with {result.returncode}: {' '.join(arguments)}")
-    return json.loads(result.stdout)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("build")
@@ -56,40 +48,36 @@ def main():
     parser.add_argument("--reference-spp", type=int, default=8192)
     parser.add_argument("--seeds", type=int, default=2, help="renders whose squared errors are averaged")
     options = parser.parse_args()
-    postlens = os.path.join(options.build, "apps", "postlens")
+    sys.path.insert(0, os.path.join(options.build, "python"))
+    import postlens
+
+    size = tuple(int(px) for px in options.size.split("x"))
     os.makedirs(options.out, exist_ok=True)
 
     def at(name):
         return os.path.join(options.out, name)
 
-    def render(name, *more):
-        return run(postlens, "render", SCENE, "-o", at(name), "--size", options.size, *LENS, *more, "--json")
-
-    render("reference.exr", "--spp", str(options.reference_spp), "--halves", "--seed", "1000")
-    run(postlens, "render", SCENE, "-o", at("pinhole.exr"), "--size", options.size, "--f-number", "inf", "--spp", "256",
-        "--json")
+    reference = postlens.render(SCENE, size=size, **LENS, spp=options.reference_spp, halves=True, seed=1000)
+    pinhole = postlens.render(SCENE, size=size, f_number=math.inf, spp=256)
     rows = []
     for sampler in SAMPLERS:
         for spp in SPP:
             total = {"rmse": 0.0, "mse": 0.0, "affected": 0.0, "relmse": 0.0, "flip": 0.0, "seconds": 0.0}
             for seed in range(1, options.seeds + 1):
-                name = f"{sampler}_{spp}_{seed}.exr"
-                made = render(name, "--spp", str(spp), "--sampler", sampler, "--seed", str(seed))
-                c = run(postlens, "compare", at(name), at("reference.a.exr"), "--noise", at("reference.b.exr"),
-                        "--pinhole", at("pinhole.exr"), "--json")
+                made = postlens.render(SCENE, size=size, **LENS, spp=spp, sampler=sampler, seed=seed)
+                c = postlens.compare(made, reference.halves[0], noise=reference.halves[1], pinhole=pinhole)
                 total["rmse"] += c["rmse_above_noise"] ** 2
                 total["mse"] += 10 ** (-c["psnr_above_noise_db"] / 10)
                 total["affected"] += 10 ** (-c["affected_psnr_above_noise_db"] / 10)
                 total["relmse"] += c["relmse_above_noise"]
                 total["flip"] += c["flip"]
-                total["seconds"] += made["seconds_render"]
+                total["seconds"] += made.report["seconds_render"]
             n = options.seeds
             rows.append({"sampler": sampler, "spp": spp, "rmse": math.sqrt(total["rmse"] / n),
                          "psnr_db": -10 * math.log10(total["mse"] / n),
                          "affected_psnr_db": -10 * math.log10(total["affected"] / n),
                          "relmse": total["relmse"] / n, "flip": total["flip"] / n, "seconds": total["seconds"] / n})
-    floor = run(postlens, "compare", at("reference.a.exr"), at("reference.b.exr"), "--pinhole", at("pinhole.exr"),
-                "--json")
+    floor = postlens.compare(*reference.halves, pinhole=pinhole)
 
     keys = list(rows[0])
     with open(at("convergence.csv"), "w", encoding="utf-8") as file:

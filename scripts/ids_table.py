@@ -6,12 +6,11 @@
 BUILD is a built folder (build/release). Each scene is traced through a pinhole and written as another program would have it
 (bench/foreign_export.cpp): a flat picture with the depth of what fills most of a pixel or the mean of all, without ids, with
 one id a pixel, or with a Cryptomatte. Each is focused by `layers` and `scatter` and held against rays through the lens, two
-independent halves of N samples a pixel each; errors are those above their noise. OUT gets the table as ids.md and all
-pictures; references that it already has are used again.
+independent halves of N samples a pixel each; errors are those above their noise. OUT gets the table as ids.md and the flat
+pictures.
 """
 
 import argparse
-import json
 import os
 import subprocess
 import sys
@@ -20,20 +19,13 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes")
 # Scene, size, f-number, focus distance in m, name in the table.
 CASES = [
-    ("bars", "480x270", "1.4", "5", "bars, 480x270, f/1.4 at 5 m"),
-    ("still_life", "480x300", "1.8", "0.8", "still life, 480x300, f/1.8 at 0.8 m"),
-    ("still_life", "480x300", "1.8", "1.5", "the same at 1.5 m"),
+    ("bars", (480, 270), 1.4, 5, "bars, 480x270, f/1.4 at 5 m"),
+    ("still_life", (480, 300), 1.8, 0.8, "still life, 480x300, f/1.8 at 0.8 m"),
+    ("still_life", (480, 300), 1.8, 1.5, "the same at 1.5 m"),
 ]
 DEPTHS = ("most", "mean")
 IDS = ("none", "id", "cryptomatte")
 METHODS = ("layers", "scatter")
-
-
-def run(*arguments):
-    result = subprocess.run(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
-    if result.returncode != 0:
-        sys.exit(f"ids_table.py: failed with {result.returncode}: {' '.join(arguments)}\n{result.stderr.decode()}")
-    return json.loads(result.stdout) if "--json" in arguments else None
 
 
 def main():
@@ -43,11 +35,12 @@ def main():
     parser.add_argument("--spp", type=int, default=256, help="of each half of the reference")
     o = parser.parse_args()
     os.makedirs(o.out, exist_ok=True)
-    postlens = os.path.join(o.build, "apps", "postlens")
+    sys.path.insert(0, os.path.join(o.build, "python"))
+    import postlens
+
     export = os.path.join(o.build, "bench", "foreign_export")
-    for program in (postlens, export):
-        if not os.access(program, os.X_OK):
-            sys.exit(f"ids_table.py: {program} is missing; build the targets postlens and foreign_export")
+    if not os.access(export, os.X_OK):
+        sys.exit(f"ids_table.py: {export} is missing; build the target foreign_export")
 
     lines = ["| scene | method | no ids | one id a pixel | Cryptomatte | mean depth: no ids | one id | Cryptomatte |",
              "|---|---|---|---|---|---|---|---|"]
@@ -57,19 +50,17 @@ def main():
             return os.path.join(o.out, at + suffix)
 
         file = os.path.join(SCENES, scene + ".toml")
-        lens = ["--f-number", f_number, "--focus", focus_m]
-        run(postlens, "trace", file, "-o", out("frame.exr"), "--size", size, "--quiet")
-        if not os.path.exists(out("reference.b.exr")):
-            run(postlens, "render", file, "-o", out("reference.exr"), "--size", size, *lens, "--spp", str(2 * o.spp), "--halves",
-                "--seed", "1", "--quiet")
+        lens = {"f_number": f_number, "focus_m": focus_m}
+        frame = postlens.trace(file, output=out("frame.exr"), size=size)
+        reference, noise = postlens.render(file, size=size, **lens, spp=2 * o.spp, halves=True, seed=1).halves
         for method in METHODS:
             cells = []
             for depth in DEPTHS:
                 for ids in IDS:
-                    flat, picture = out(f"{depth}.{ids}.exr"), out(f"{depth}.{ids}.{method}.exr")
-                    run(export, out("frame.exr"), flat, depth, ids)
-                    run(postlens, "focus", flat, "-o", picture, *lens, "--method", method, "--quiet")
-                    c = run(postlens, "compare", picture, out("reference.a.exr"), "--noise", out("reference.b.exr"), "--json")
+                    flat = out(f"{depth}.{ids}.exr")
+                    subprocess.run([export, frame.path, flat, depth, ids], check=True)
+                    picture = postlens.open(flat).focus(**lens, method=method)
+                    c = postlens.compare(picture, reference, noise=noise)
                     least_noise_db = min(least_noise_db, c["noise_psnr_db"])
                     cells.append(f"{c['psnr_above_noise_db']:.1f}")
             lines.append(f"| {name if method == METHODS[0] else ''} | {method} | {' | '.join(cells)} |")
