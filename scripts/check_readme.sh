@@ -6,7 +6,7 @@
 #   scripts/check_readme.sh [--postlens PROGRAM] [FILE.md...]
 #
 #   --postlens PROGRAM  whose help counts (default: build/release/apps/postlens)
-#   FILE.md             what to read (default: README.md and docs/*.md)
+#   FILE.md             what to read (default: README.md, docs/*.md and docs/tutorials/*.md)
 #
 # Read are code blocks marked sh, bash, shell or console (there: lines that begin with "$ "), and in blocks without
 # a mark the lines that begin with postlens or scripts/. Text inside <...> or in capitals stands for the reader's own.
@@ -22,7 +22,7 @@ if (($# > 0)); then
     documents=("$@")
 else
     documents=(README.md)
-    for document in docs/*.md; do
+    for document in docs/*.md docs/tutorials/*.md; do
         [[ ! -f $document ]] || documents+=("$document")
     done
 fi
