@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """How the noise of `postlens render` falls with the samples, sampler by sampler: the table and the plot of docs/accuracy.md.
 
     convergence.py BUILD OUT [--size WxH] [--reference-spp N] [--seeds N]

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """What ids are worth in another program's picture: the table of docs/inputs.md.
 
     ids_table.py BUILD OUT [--spp N]

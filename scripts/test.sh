@@ -16,6 +16,7 @@ esac
 
 scripts/install_dependencies.sh --for checks
 scripts/check_format.sh
+scripts/check_includes.py
 scripts/build.sh --for checks release
 scripts/check_dependencies.sh build/release
 scripts/check_readme.sh
