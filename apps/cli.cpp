@@ -10,6 +10,7 @@
 #include "apps/cli_options.h"
 #include "apps/frame_range.h"
 #include "apps/numbers.h"
+#include "apps/view_command.h"
 
 #ifndef POSTLENS_VERSION
 #define POSTLENS_VERSION "unknown"
@@ -32,6 +33,7 @@ struct State {
     CompareCommandOptions compare;
     ImageOptions image;
     InfoOptions info;
+    ViewOptions view;
     FrameOptions frames;
     /// What of --frames the command is to know.
     [[nodiscard]] const FrameOptions& asked_frames() {
@@ -460,6 +462,33 @@ void add_info(CLI::App& root, State& s) {
     app.callback([&s] { s.common.run = [&s] { return run_info(s.info); }; });
 }
 
+void add_view(CLI::App& root, State& s) {
+    CLI::App& app = *root.add_subcommand("view", "Refocus by hand, in a browser on this machine");
+    ViewOptions& o = s.view;
+    reads(
+        app.add_option("frame", o.input, "Sample file, or an OpenEXR picture of another program with depth"))
+        ->required()
+        ->type_name("FRAME");
+    reads(app.add_option(
+              "scene", o.scene,
+              "The scene that the frame was traced from: for method auto, and for rays to compare with"))
+        ->type_name("SCENE");
+    app.add_option_function<std::string>(
+           "--port",
+           [&o](const std::string& text) {
+               o.port = parse_whole("--port", text);
+               check_bounds("--port", o.port, text, {.low = 0, .high = 65535});
+           },
+           "Port on 127.0.0.1; 0: any free one [default: 0]")
+        ->type_name("N");
+    app.add_flag("--open", o.open, "Open the address in the desktop's browser");
+    common_options(app, s.common);
+    app.callback([&s] {
+        s.view.threads = s.common.threads;
+        s.common.run = [&s] { return run_view(s.view); };
+    });
+}
+
 // CLI11 says only that one is required.
 void check_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
     if (arguments.empty() || app.get_subcommands([](const CLI::App*) { return true; }).empty()) return;
@@ -498,6 +527,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     add_lens_commands(app, state->common);
     add_compare(app, *state);
     add_chart_command(app, state->common);
+    add_view(app, *state);
     add_info(app, *state);
     check_subcommand(app, arguments);
     if (in_process.pictures_stay) {

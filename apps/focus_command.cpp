@@ -62,9 +62,12 @@ void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, std::vect
     }
     if (range.nearest_focus_m && range.farthest_focus_m &&
         (lens.focus_m < *range.nearest_focus_m || lens.focus_m > *range.farthest_focus_m)) {
-        out.push_back(
-            {"insufficient", fmt::format("the file was traced for focus at {} to {} m (got {})",
-                                         *range.nearest_focus_m, *range.farthest_focus_m, lens.focus_m)});
+        out.push_back({"insufficient",
+                       fmt::format("the file was traced for focus at {}{} m (got {})", *range.nearest_focus_m,
+                                   *range.farthest_focus_m > *range.nearest_focus_m
+                                       ? fmt::format(" to {}", *range.farthest_focus_m)
+                                       : "",
+                                   lens.focus_m)});
     }
 }
 

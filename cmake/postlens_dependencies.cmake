@@ -20,6 +20,15 @@ find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 add_library(xxhash_headers INTERFACE)
 target_include_directories(xxhash_headers SYSTEM INTERFACE "${XXHASH_INCLUDE_DIR}")
 
+# Nor does cpp-httplib.
+find_path(HTTPLIB_INCLUDE_DIR httplib.h REQUIRED)
+find_library(HTTPLIB_LIBRARY cpp-httplib REQUIRED)
+add_library(cpp_httplib INTERFACE)
+target_include_directories(cpp_httplib SYSTEM INTERFACE "${HTTPLIB_INCLUDE_DIR}")
+# As Debian has built it: these decide how its classes are laid out.
+target_compile_definitions(cpp_httplib INTERFACE CPPHTTPLIB_OPENSSL_SUPPORT CPPHTTPLIB_ZLIB_SUPPORT CPPHTTPLIB_BROTLI_SUPPORT)
+target_link_libraries(cpp_httplib INTERFACE "${HTTPLIB_LIBRARY}")
+
 # FFTW ships none either; single and double precision, one thread a transform.
 find_path(FFTW3F_INCLUDE_DIR fftw3.h REQUIRED)
 find_library(FFTW3F_LIBRARY fftw3f REQUIRED)
@@ -30,3 +39,14 @@ find_library(FFTW3_LIBRARY fftw3 REQUIRED)
 add_library(fftw3 INTERFACE)
 target_include_directories(fftw3 SYSTEM INTERFACE "$<BUILD_INTERFACE:${FFTW3F_INCLUDE_DIR}>")
 target_link_libraries(fftw3 INTERFACE "$<BUILD_INTERFACE:${FFTW3_LIBRARY}>" "$<INSTALL_INTERFACE:-lfftw3>")
+
+if(POSTLENS_PYTHON)
+  # Debian's own: pybind11 and numpy are its packages.
+  if(NOT Python3_EXECUTABLE AND EXISTS /usr/bin/python3)
+    set(Python3_EXECUTABLE /usr/bin/python3)
+  endif()
+  find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter Development.Module NumPy)
+  set(PYBIND11_FINDPYTHON OFF)
+  set(PYTHON_EXECUTABLE "${Python3_EXECUTABLE}")
+  find_package(pybind11 2.10 REQUIRED CONFIG)
+endif()

@@ -22,15 +22,15 @@ build_packages=(
     libassimp-dev
     libfftw3-dev libceres-dev
     libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
-    libxxhash-dev libdeflate-dev libssl-dev
+    libxxhash-dev libdeflate-dev libssl-dev libcpp-httplib-dev
     pybind11-dev python3-dev python3-numpy
     libgtest-dev libgmock-dev libbenchmark-dev
     gnuplot-nox
 )
 # chromium: the page that `postlens chart` writes is looked at in it. help2man, dpkg-dev: Debian packages of postlens.
-# Python's: tests of the module.
+# chromium-driver and selenium: tests of the viewer. Python's other packages: tests of the module.
 check_packages=(git clang-format clang-tidy chromium help2man dpkg-dev file
-    python3-pytest mypy python3-nbconvert python3-ipykernel python3-matplotlib)
+    python3-pytest mypy python3-nbconvert python3-ipykernel python3-matplotlib chromium-driver python3-selenium)
 cpus_packages=("${build_packages[@]}" qemu-user g++-aarch64-linux-gnu)
 # libFuzzer and the sanitizers' run time are no dependence of clang, only a recommendation.
 fuzzing_packages=(clang libclang-rt-14-dev)

@@ -1,0 +1,321 @@
+#include "apps/view_session.h"
+
+#include <Imath/half.h>
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string_view>
+#include <tuple>
+#include <unistd.h>
+
+#include "apps/cli.h"
+#include "apps/open_frame.h"
+#include "core/text_file.h"
+#include "core/threads.h"
+#include "records/crop.h"
+
+namespace postlens {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+ViewReply error_reply(int status, const std::string& text) {
+    return {status, "application/json", Json{{"error", text}}.dump()};
+}
+
+void append_bytes(std::string& out, const void* from, std::size_t bytes) {
+    out.append(static_cast<const char*>(from), bytes);
+}
+
+std::uint16_t half_bits(float value) {
+    // Half floats end at 65504: what is brighter is shown as that.
+    return Imath::half(std::clamp(value, -65504.0F, 65504.0F)).bits();
+}
+
+/// Runs a command that leaves its picture in the result; the reply is JSON, then half floats.
+ViewReply picture_reply(const ParsedCommand& command) {
+    const auto start = std::chrono::steady_clock::now();
+    const CommandResult result = command.run();
+    const Image& image = result.pictures.front();
+    Json json = result.json;
+    json.erase("plan");  // by the tile: long, and the page does not draw it
+    json["width"] = image.width;
+    json["height"] = image.height;
+    json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    json["warnings"] = Json::array();
+    for (const Warning& w : result.warnings) json["warnings"].push_back({{"code", w.code}, {"text", w.text}});
+    const std::string text = json.dump();
+    ViewReply out{.type = "application/octet-stream"};
+    const auto length = static_cast<std::uint32_t>(text.size());
+    out.body.reserve(8 + text.size() + 2 * image.rgb.size());
+    append_bytes(out.body, &length, sizeof length);
+    out.body += text;
+    out.body.append((4 - out.body.size() % 4) % 4, '\0');
+    std::vector<std::uint16_t> halves(image.rgb.size());
+    parallel_for(
+        halves.size(), [&](std::size_t i) { halves[i] = half_bits(image.rgb[i]); }, 1U << 16U);
+    append_bytes(out.body, halves.data(), halves.size() * sizeof(std::uint16_t));
+    return out;
+}
+
+/// What the page may ask `focus` and `shoot` for. Nothing that names a file.
+const std::set<std::string_view>& picture_options() {
+    static const std::set<std::string_view> names{
+        "f-number",  "focus",      "focal-length",  "framing",         "impulse",   "squeeze", "cats-eye",
+        "spherical", "method",     "views",         "depths",          "target-db", "crop",    "shutter",
+        "exposure",  "film-width", "film-distance", "metres-per-unit", "z"};
+    return names;
+}
+
+void check_value(const std::string& name, const std::string& value) {
+    constexpr std::size_t longest = 64;
+    const bool plain = std::all_of(value.begin(), value.end(), [](unsigned char c) {
+        return std::isalnum(c) != 0 ||
+               std::string_view("+-.,:_").find(static_cast<char>(c)) != std::string_view::npos;
+    });
+    if (value.size() > longest || !plain) fail(ExitCode::wrong_arguments, "{}: no value of an option", name);
+    if (name == "impulse" && (value.starts_with("file") || value.starts_with("lens")))
+        fail(ExitCode::wrong_arguments, "impulse: no file may be read from here (expected disc or polygon)");
+}
+
+double number_of(const ViewParameters& parameters, const std::string& name) {
+    const auto found = parameters.find(name);
+    if (found == parameters.end()) fail(ExitCode::wrong_arguments, "{}: missing", name);
+    char* end = nullptr;
+    const double value = std::strtod(found->second.c_str(), &end);
+    if (found->second.empty() || *end != '\0' || !std::isfinite(value))
+        fail(ExitCode::wrong_arguments, "{}: no number (got {:.20})", name, found->second);
+    return value;
+}
+
+/// The mean of the two inverse depths at which a node's image is sharp, 1/m.
+float inverse_depth(const Mat2& w) {
+    return (w.xx + w.yy) / 2;
+}
+
+float brightness(const Record& r) {
+    return 0.2126F * r.r + 0.7152F * r.g + 0.0722F * r.b;
+}
+
+std::string option(const std::string& name, const std::string& value) {
+    return "--" + name + "=" + value;
+}
+
+}  // namespace
+
+ViewSession::ViewSession(ViewOptions options) : options_(std::move(options)) {
+    info_ = run_info({.input = options_.input});
+    if (info_.json["kind"] == "samples") {
+        kept_ = std::make_shared<KeptFrame>(options_.input, Damage::refuse);
+    } else if (info_.json["kind"] != "image") {
+        fail(ExitCode::invalid_input, "{}: nothing to view (got a {}; expected a sample file or a picture)",
+             options_.input, info_.json["kind"].get<std::string>());
+    }
+    if (options_.scene) static_cast<void>(run_info({.input = *options_.scene}));
+}
+
+ViewReply ViewSession::frame() const {
+    Json json = info_.json;
+    json.erase("ids");
+    json["file"] = options_.input;
+    json["name"] = std::filesystem::path(options_.input).filename().string();
+    json["scene"] = options_.scene ? Json(*options_.scene) : Json(nullptr);
+    json["records_kept"] = kept_ != nullptr;
+    return {.body = json.dump()};
+}
+
+/// Cancels what the slot is making, and makes something else in its place.
+ViewReply ViewSession::made(Slot& slot, const std::function<ViewReply()>& make) {
+    const auto job = std::make_shared<Job>(JobSettings{.threads = options_.threads});
+    {
+        const std::lock_guard lock(slot.mutex);
+        if (slot.current) slot.current->cancel();
+        slot.current = job;
+    }
+    const std::lock_guard making(slot.making);
+    try {
+        if (stopped_) job->cancel();
+        const JobScope scope(*job);
+        throw_if_interrupted();  // a newer one came while this one waited
+        return make();
+    } catch (const Error& e) {
+        return error_reply(e.code() == ExitCode::interrupted ? 409 : 400, e.what());
+    } catch (const std::bad_alloc&) {
+        return error_reply(400, "not enough memory");
+    } catch (const std::exception& e) {
+        return error_reply(500, e.what());
+    }
+}
+
+std::vector<std::string> ViewSession::words_of(const ViewParameters& parameters) const {
+    const bool shoots = parameters.contains("shutter");
+    std::vector<std::string> words{shoots ? "shoot" : "focus", options_.input};
+    bool with_scene = false;
+    for (const auto& [name, value] : parameters) {
+        if (!picture_options().contains(name)) fail(ExitCode::wrong_arguments, "{:.20}: unknown", name);
+        check_value(name, value);
+        words.push_back(option(name, value));
+        with_scene = with_scene || (name == "method" && (value == "auto" || value == "hybrid"));
+    }
+    if (with_scene && options_.scene) words.push_back(option("scene", *options_.scene));
+    return words;
+}
+
+ViewReply ViewSession::picture(const ViewParameters& parameters) {
+    return made(pictures_, [&] {
+        const ParsedCommand command =
+            parse_command_line(words_of(parameters), {.pictures_stay = true, .kept = kept_});
+        const auto lock = kept_ ? kept_->lock() : std::unique_lock<std::mutex>();
+        throw_if_interrupted();
+        return picture_reply(command);
+    });
+}
+
+ViewReply ViewSession::rays(const ViewParameters& parameters) {
+    return made(rays_, [&] {
+        if (!options_.scene)
+            fail(ExitCode::wrong_arguments, "rays: need the scene (postlens view FRAME SCENE)");
+        static const std::set<std::string_view> names{"f-number", "focus",   "focal-length", "framing",
+                                                      "impulse",  "squeeze", "cats-eye",     "spherical",
+                                                      "shutter",  "spp",     "seed",         "exposure"};
+        std::vector<std::string> words{"render", *options_.scene};
+        for (const auto& [name, value] : parameters) {
+            if (!names.contains(name)) fail(ExitCode::wrong_arguments, "{:.20}: unknown", name);
+            check_value(name, value);
+            words.push_back(option(name, value));
+        }
+        words.push_back(option(
+            "size", fmt::format("{}x{}", info_.json["width"].get<int>(), info_.json["height"].get<int>())));
+        if (!parameters.contains("shutter") && info_.json.contains("time_s"))
+            words.push_back(option("time", fmt::format("{}", info_.json["time_s"].get<double>())));
+        return picture_reply(parse_command_line(words, {.pictures_stay = true}));
+    });
+}
+
+ViewReply ViewSession::pixel(const ViewParameters& parameters) {
+    return made(others_, [&] {
+        if (!kept_) fail(ExitCode::wrong_arguments, "a picture of another program has no records");
+        RecordsOptions options{.input = options_.input,
+                               .at = {number_of(parameters, "x"), number_of(parameters, "y")}};
+        if (parameters.contains("f-number")) options.lens.f_number = number_of(parameters, "f-number");
+        if (parameters.contains("focus") && parameters.at("focus") != "inf")
+            options.lens.focus_m = number_of(parameters, "focus");
+        Json json = run_records(options).json;
+        // Nodes of all samples that are the same thing seen by the same way.
+        struct Seen {
+            double light = 0, inverse_depth = 0;
+            Json node;
+        };
+        std::map<std::pair<std::string, std::uint32_t>, Seen> seen;
+        for (const Json& sample : json["samples"]) {
+            for (const Json& node : sample["nodes"]) {
+                if (node["layer"] != 0) continue;
+                const auto rgb = node["rgb"].get<std::array<double, 3>>();
+                const double light = sample["weight"].get<double>() *
+                                     std::max(1e-12, 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]);
+                Seen& s = seen[{node["path"].get<std::string>(), node["id"].get<std::uint32_t>()}];
+                const auto& w = node["w_per_m"];
+                const double inverse = w.is_null() ? 0 : (w[0][0].get<double>() + w[1][1].get<double>()) / 2;
+                s.light += light;
+                s.inverse_depth += light * inverse;
+                if (s.node.is_null()) s.node = node;
+            }
+        }
+        Json out{{"x", json["x"]}, {"y", json["y"]}, {"nodes", Json::array()}};
+        std::vector<const Seen*> by_light;
+        double all = 0;
+        for (const auto& [key, s] : seen) {
+            by_light.push_back(&s);
+            all += s.light;
+        }
+        std::stable_sort(by_light.begin(), by_light.end(),
+                         [](const Seen* a, const Seen* b) { return a->light > b->light; });
+        for (const Seen* s : by_light) {
+            const double inverse = s->inverse_depth / s->light;
+            Json node = s->node;
+            node.erase("rgb");
+            node["share"] = s->light / all;
+            // Behind infinity, too, the far end of the scale is as near as a lens gets.
+            node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
+            node["behind_infinity"] = inverse < 0;
+            out["nodes"].push_back(std::move(node));
+        }
+        return ViewReply{.body = out.dump()};
+    });
+}
+
+ViewReply ViewSession::depths() {
+    return made(others_, [&] {
+        if (!kept_) fail(ExitCode::wrong_arguments, "a picture of another program has no records");
+        const SampleFileReader file(options_.input, Damage::refuse, 0.0);
+        const int width = file.header().width, height = file.header().height;
+        const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+        std::vector<std::uint16_t> inverse(pixels);
+        std::vector<std::uint32_t> ids(pixels);
+        constexpr int rows_at_once = 64;
+        RecordBand band;
+        for (int first = 0; first < height; first += rows_at_once) {
+            const int end = std::min(height, first + rows_at_once);
+            file.read(first, end, band);
+            parallel_for(static_cast<std::size_t>(end - first), [&](std::size_t row) {
+                const int y = first + static_cast<int>(row);
+                for (int x = 0; x < width; ++x) {
+                    const std::size_t k = band.pixel(x, y);
+                    const Record* best = nullptr;
+                    for (std::uint32_t i = band.offsets[k]; i < band.offsets[k + 1]; ++i) {
+                        const Record& r = band.records[i];
+                        if (r.layer != 0) continue;
+                        if (best == nullptr || brightness(r) > brightness(*best)) best = &r;
+                    }
+                    if (best == nullptr) continue;
+                    const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                           static_cast<std::size_t>(x);
+                    inverse[at] = half_bits(inverse_depth(best->w));
+                    ids[at] = best->id;
+                }
+            });
+        }
+        ViewReply out{.type = "application/octet-stream"};
+        append_bytes(out.body, ids.data(), ids.size() * sizeof ids[0]);
+        append_bytes(out.body, inverse.data(), inverse.size() * sizeof inverse[0]);
+        return out;
+    });
+}
+
+ViewReply ViewSession::save(const ViewParameters& parameters) {
+    return made(pictures_, [&] {
+        ViewParameters asked = parameters;
+        const std::string format = asked.contains("format") ? asked["format"] : "";
+        asked.erase("format");
+        if (format != "png" && format != "exr")
+            fail(ExitCode::wrong_arguments, "format: unknown (got {:.20}; expected png or exr)", format);
+        std::string folder = (std::filesystem::temp_directory_path() / "postlens-view-XXXXXX").string();
+        if (::mkdtemp(folder.data()) == nullptr) fail(ExitCode::cannot_write, "{}: cannot be made", folder);
+        const std::unique_ptr<std::string, void (*)(std::string*)> removed(
+            &folder, [](std::string* f) { std::filesystem::remove_all(*f); });
+        const std::string path = folder + "/picture." + format;
+        std::vector<std::string> words = words_of(asked);
+        words.push_back("--output=" + path);
+        const ParsedCommand command = parse_command_line(words, {.kept = kept_});
+        const auto lock = kept_ ? kept_->lock() : std::unique_lock<std::mutex>();
+        static_cast<void>(command.run());
+        constexpr std::uintmax_t most_bytes = std::uintmax_t{4} << 30U;
+        return ViewReply{.type = format == "png" ? "image/png" : "image/x-exr",
+                         .body = read_text_file(path, most_bytes)};
+    });
+}
+
+void ViewSession::stop() {
+    stopped_ = true;
+    for (Slot* slot : {&pictures_, &rays_, &others_}) {
+        const std::lock_guard lock(slot->mutex);
+        if (slot->current) slot->current->cancel();
+    }
+}
+
+}  // namespace postlens

@@ -1,0 +1,16 @@
+# Writes a C++ file that holds the files of the viewer's page as text: cmake -DOUT=FILE -DFILES=a;b -P embed_files.cmake
+set(body "")
+foreach(file IN LISTS FILES)
+  get_filename_component(name "${file}" NAME)
+  get_filename_component(ending "${file}" LAST_EXT)
+  set(type_of.html "text/html; charset=utf-8")
+  set(type_of.css "text/css; charset=utf-8")
+  set(type_of.js "text/javascript; charset=utf-8")
+  file(READ "${file}" hex HEX)
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${hex}")
+  string(MAKE_C_IDENTIFIER "${name}" identifier)
+  string(APPEND arrays "constexpr char ${identifier}[] = {${bytes}};\n")
+  string(APPEND body "    if (name == \"${name}\") return PageFile{{${identifier}, sizeof ${identifier}}, \"${type_of${ending}}\"};\n")
+endforeach()
+file(WRITE "${OUT}" "#include \"apps/view_page.h\"\n\nnamespace postlens {\nnamespace {\n\n${arrays}\n}  // namespace\n
+std::optional<PageFile> page_file(std::string_view name) {\n${body}    return std::nullopt;\n}\n\n}  // namespace postlens\n")

@@ -1,0 +1,37 @@
+import os
+import pathlib
+import signal
+import subprocess
+import urllib.parse
+
+import pytest
+
+PROGRAM = os.environ["POSTLENS_PROGRAM"]
+SCENE = str(pathlib.Path(__file__).resolve().parents[2] / "samples" / "scenes" / "bars.toml")
+
+
+@pytest.fixture(scope="session")
+def frame(tmp_path_factory):
+    path = str(tmp_path_factory.mktemp("frame") / "a frame.exr")  # a space, for what is copied as a command
+    subprocess.run([PROGRAM, "trace", SCENE, "-o", path, "--size", "240x135", "--for-f-number", "1.4", "--for-focus", "5",
+                    "--overscan", "auto", "--quiet"], check=True)  # fmt: skip
+    return path
+
+
+class Viewer:
+    def __init__(self, *words):
+        self.process = subprocess.Popen([PROGRAM, "view", *words], stdout=subprocess.PIPE, text=True)
+        self.url = self.process.stdout.readline().strip()
+        parts = urllib.parse.urlsplit(self.url)
+        self.host, self.port, self.path = parts.hostname, parts.port, parts.path
+
+    def close(self):
+        self.process.send_signal(signal.SIGINT)
+        return self.process.wait(20)
+
+
+@pytest.fixture(scope="session")
+def viewer(frame):
+    made = Viewer(frame, SCENE)
+    yield made
+    assert made.close() == 0

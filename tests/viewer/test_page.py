@@ -1,0 +1,232 @@
+"""The page in a real browser: what the hand does, and what is seen."""
+
+import json
+import shlex
+import shutil
+import subprocess
+import time
+
+import pytest
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import Select
+
+from conftest import PROGRAM, Viewer
+
+
+def browser_at(url, size="1280,800"):
+    options = webdriver.ChromeOptions()
+    for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
+                 "--enable-unsafe-swiftshader", f"--window-size={size}"):  # fmt: skip
+        options.add_argument(word)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+    driver.get(url)
+    return driver
+
+
+@pytest.fixture
+def page(viewer):
+    driver = browser_at(viewer.url)
+    wait(driver)
+    yield driver
+    wrong = [entry for entry in driver.get_log("browser") if entry["level"] == "SEVERE" and " 409 " not in entry["message"]]
+    driver.quit()
+    assert not wrong
+
+
+def until(what, seconds=60):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        found = what()
+        if found:
+            return found
+        time.sleep(0.03)
+    raise AssertionError("waited too long")
+
+
+def wait(driver):
+    """Until the best picture is there."""
+    until(lambda: driver.execute_script("const s = postlens.state(); return Boolean(s.shown) && !s.working"))
+    time.sleep(0.1)
+
+
+def lens(driver):
+    return driver.execute_script("return postlens.state().lens")
+
+
+def pixels(driver):
+    """The canvas as it is painted, as numbers."""
+    return driver.execute_async_script("""
+      const done = arguments[0], from = document.getElementById("picture"), to = document.createElement("canvas");
+      [to.width, to.height] = [from.width, from.height];
+      document.getElementById("exposure").dispatchEvent(new Event("input"));  // paint, and read in the same frame
+      requestAnimationFrame(() => {
+        const context = to.getContext("2d");
+        context.drawImage(from, 0, 0);
+        done(Array.from(context.getImageData(0, 0, to.width, to.height).data.filter((v, i) => i % 4 != 3)));
+      });""")
+
+
+def at_picture(driver, x, y):
+    """The offset from the canvas's middle of a place in the picture, px."""
+    return driver.execute_script("""
+      const s = postlens.state().frame, c = document.getElementById("picture"), scale = Math.min(c.clientWidth / s.width, c.clientHeight / s.height);
+      return [(arguments[0] - s.width / 2) * scale, (arguments[1] - s.height / 2) * scale];""", x, y)
+
+
+def click(driver, x, y):
+    canvas = driver.find_element(By.ID, "picture")
+    ActionChains(driver).move_to_element_with_offset(canvas, *(int(v) for v in at_picture(driver, x, y))).click().perform()
+
+
+def test_a_click_focuses_there(page, viewer):
+    # The chequered board at the middle is 10 m away, the wall 20 m (samples/scenes/bars.toml).
+    click(page, 150, 85)
+    until(lambda: lens(page)["focus"] != 5)
+    wait(page)
+    first = lens(page)["focus"]
+    click(page, 30, 120)
+    until(lambda: lens(page)["focus"] != first)
+    wait(page)
+    assert lens(page)["focus"] > first
+    assert page.execute_script("return postlens.state().shown.options.focus") == str(lens(page)["focus"]).removesuffix(".0")
+
+
+def test_wheel_and_keys(page):
+    canvas = page.find_element(By.ID, "picture")
+    before = lens(page)["fNumber"]
+    ActionChains(page).scroll_from_origin(
+        webdriver.common.actions.wheel_input.ScrollOrigin.from_element(canvas), 0, 100
+    ).perform()  # fmt: skip
+    until(lambda: lens(page)["fNumber"] > before)
+    body = page.find_element(By.TAG_NAME, "body")
+    body.send_keys("[")
+    until(lambda: lens(page)["fNumber"] == before)
+    body.send_keys("[")
+    until(lambda: lens(page)["fNumber"] < before)
+    body.send_keys("u")
+    until(lambda: lens(page)["fNumber"] == before)
+    near = lens(page)["focus"]
+    body.send_keys(",")
+    until(lambda: lens(page)["focus"] < near)
+    body.send_keys("?")
+    assert page.find_element(By.ID, "shortcuts").is_displayed()
+    page.find_element(By.ID, "shortcuts").send_keys(Keys.ESCAPE)
+    canvas.send_keys(Keys.ENTER)  # by keyboard alone: focus at the middle
+    wait(page)
+
+
+def test_the_command_that_is_copied_makes_the_picture(page, tmp_path):
+    Select(page.find_element(By.ID, "blades")).select_by_value("polygon:6")
+    wait(page)
+    page.find_element(By.ID, "copy").click()
+    command = until(lambda: page.execute_script("return postlens.copied"))
+    words = shlex.split(command)
+    assert words[0] == "postlens" and "--impulse" in words
+    words[0] = PROGRAM
+    subprocess.run([*words, "--quiet"], check=True, cwd=tmp_path)
+    shown = page.execute_script("return Array.from(postlens.state().shown.halves)")
+    code = ("import json, sys, numpy, postlens; print(json.dumps(postlens.read_picture(sys.argv[1]).array"
+            ".astype(numpy.float16).view(numpy.uint16).ravel().tolist()))")  # fmt: skip
+    made = json.loads(subprocess.run(["/usr/bin/python3", "-c", code, tmp_path / "picture.exr"], check=True,
+                                     capture_output=True, text=True).stdout)  # fmt: skip
+    assert made == shown
+
+
+def test_wipe_and_exposure(page):
+    Select(page.find_element(By.ID, "compare")).select_by_value("pinhole")
+    until(lambda: page.execute_script("return Boolean(postlens.state().other)"))
+    half = pixels(page)
+    wipe = page.find_element(By.ID, "wipe")
+    assert wipe.is_displayed()
+    for _ in range(10):
+        wipe.send_keys(Keys.ARROW_RIGHT)
+    assert wipe.get_attribute("aria-valuenow") == "70"
+    more = pixels(page)
+    assert more != half
+    page.find_element(By.TAG_NAME, "body").send_keys("e")
+    assert sum(pixels(page)) > sum(more)
+    Select(page.find_element(By.ID, "compare")).select_by_value("rays")
+    until(lambda: page.execute_script("return (postlens.state().other?.samples ?? 0) >= 16"))
+    Select(page.find_element(By.ID, "compare")).select_by_value("nothing")
+    assert not wipe.is_displayed()
+
+
+def test_what_is_shown(page):
+    seen = []
+    for mode in ("picture", "in_focus", "coc", "depth", "id", "brightness"):
+        Select(page.find_element(By.ID, "show")).select_by_value(mode)
+        time.sleep(0.5)
+        seen.append(tuple(pixels(page)))
+    assert len(set(seen)) == len(seen)
+
+
+def test_dragging_shows_pictures_on_the_way(page):
+    before = page.execute_script("return postlens.timings.length")
+    page.execute_async_script("""
+      const done = arguments[0], slider = document.getElementById("f_number");
+      let step = 0;
+      const timer = setInterval(() => {
+        slider.value = 3 + step % 12;
+        slider.dispatchEvent(new Event("input"));
+        if (++step < 120) return;
+        clearInterval(timer);
+        slider.dispatchEvent(new Event("change"));
+        done();
+      }, 16);""")
+    assert page.execute_script("return postlens.timings.length") - before >= 3
+    wait(page)
+    assert page.execute_script("return postlens.state().shown.options['f-number']") == str(lens(page)["fNumber"])
+    page.find_element(By.ID, "undo").click()  # the drag is one step
+    wait(page)
+    assert lens(page)["fNumber"] != page.execute_script("return 0")
+
+
+def test_without_webgl_the_same_is_painted(viewer):
+    drivers = [browser_at(viewer.url), browser_at(viewer.url + "?plain")]
+    try:
+        for driver in drivers:
+            wait(driver)
+        a, b = (pixels(driver) for driver in drivers)
+        assert len(a) == len(b)
+        assert max(abs(x - y) for x, y in zip(a, b)) <= 2
+    finally:
+        for driver in drivers:
+            driver.quit()
+
+
+@pytest.mark.parametrize("size", ["1600,1000", "1024,700", "400,700"])
+def test_windows_of_all_sizes(viewer, size):
+    driver = browser_at(viewer.url, size)
+    try:
+        wait(driver)
+        canvas = driver.find_element(By.ID, "picture")
+        assert canvas.size["height"] >= 120
+        wide = driver.execute_script("return document.documentElement.scrollWidth - document.documentElement.clientWidth")
+        assert wide <= 0
+        unlabelled = driver.execute_script("""return [...document.querySelectorAll("input, select, button, canvas")].filter(
+          (e) => !(e.labels?.length || e.textContent.trim() || e.getAttribute("aria-label"))).map((e) => e.id)""")
+        assert unlabelled == []
+    finally:
+        driver.quit()
+
+
+def test_another_programs_picture(tmp_path, frame):
+    import os
+
+    flat = tmp_path / "flat.exr"
+    subprocess.run([os.environ["POSTLENS_EXPORT"], frame, flat, "most", "none"], check=True)
+    made = Viewer(str(flat))
+    driver = browser_at(made.url)
+    try:
+        wait(driver)
+        driver.find_element(By.TAG_NAME, "body").send_keys("[")
+        wait(driver)
+        assert driver.execute_script("return postlens.state().shown.report.method") == "layers"
+    finally:
+        driver.quit()
+        assert made.close() == 0

@@ -1,0 +1,178 @@
+"""Who may ask the viewer's server, and for what; hostile requests get 4xx or are cut and harm nothing."""
+
+import http.client
+import json
+import os
+import socket
+import struct
+import subprocess
+import time
+
+import pytest
+
+from conftest import PROGRAM, SCENE, Viewer
+
+
+def get(viewer, path, **headers):
+    connection = http.client.HTTPConnection(viewer.host, viewer.port, timeout=60)
+    connection.request("GET", path, headers=headers)
+    answer = connection.getresponse()
+    body = answer.read()
+    connection.close()
+    return answer, body
+
+
+def is_well(viewer):
+    return get(viewer, viewer.path + "frame")[0].status == 200
+
+
+def test_the_address_is_local_and_secret(viewer):
+    assert viewer.host == "127.0.0.1"
+    assert len(viewer.path.strip("/")) == 32
+    # Nothing listens on other addresses of this machine.
+    with open("/proc/net/tcp") as table:
+        listening = [line.split()[1] for line in table.readlines()[1:] if line.split()[3] == "0A"]
+    assert [a for a in listening if a.endswith(f":{viewer.port:04X}")] == [f"0100007F:{viewer.port:04X}"]
+
+
+def test_the_page_loads_nothing_from_elsewhere(viewer):
+    for name in ("", "viewer.css", "viewer.js"):
+        answer, body = get(viewer, viewer.path + name)
+        assert answer.status == 200
+        assert b"http://" not in body and b"https://" not in body and b"//cdn" not in body
+        policy = answer.headers["Content-Security-Policy"]
+        assert "default-src 'none'" in policy and "script-src 'self'" in policy and "unsafe" not in policy
+        assert answer.headers["Cache-Control"] == "no-store"
+        assert answer.headers["X-Content-Type-Options"] == "nosniff"
+        assert "Access-Control-Allow-Origin" not in answer.headers
+
+
+@pytest.mark.parametrize("path", [
+    "/", "/frame", "//frame", "/" + "0" * 32 + "/", "/" + "0" * 32 + "/frame", "/../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd",
+    "/index.html", "/favicon.ico",
+])  # fmt: skip
+def test_without_the_token_nothing_is_there(viewer, path):
+    answer, body = get(viewer, path)
+    assert answer.status == 404 and body == b"not here\n"
+
+
+@pytest.mark.parametrize("name", ["../frame", "..%2f..%2fetc/passwd", "viewer.js/..", "nothing", "%00", "frame/", "etc/passwd"])
+def test_with_the_token_only_its_own_names(viewer, name):
+    assert get(viewer, viewer.path + name)[0].status in (400, 404)
+
+
+def test_other_pages_and_names_of_hosts_are_refused(viewer):
+    for headers in (
+        {"Host": "evil.example"}, {"Host": f"127.0.0.1.evil.example:{viewer.port}"}, {"Host": ""},
+        {"Host": "localhost:80@evil.example"}, {"Origin": "http://evil.example"}, {"Origin": "null"},
+        {"Sec-Fetch-Site": "cross-site"}, {"Sec-Fetch-Site": "same-site"},
+    ):  # fmt: skip
+        assert get(viewer, viewer.path + "frame", **headers)[0].status in (400, 404), headers
+    # Through ssh -L the port is another one.
+    for host in ("localhost:9000", "127.0.0.1", f"[::1]:{viewer.port}"):
+        assert get(viewer, viewer.path + "frame", Host=host)[0].status == 200
+        assert get(viewer, viewer.path + "frame", Host=host, Origin="http://" + host)[0].status == 200
+
+
+def test_a_picture_has_the_values_of_the_command(viewer, frame, tmp_path):
+    answer, body = get(viewer, viewer.path + "picture?f-number=2&focus=3&method=lightfield&views=16")
+    assert answer.status == 200
+    length = struct.unpack_from("<I", body)[0]
+    report = json.loads(body[4 : 4 + length])
+    assert (report["width"], report["height"], report["views"]) == (240, 135, 16)
+    halves = body[(4 + length + 3) // 4 * 4 :]
+    assert len(halves) == 240 * 135 * 3 * 2
+    out = tmp_path / "x.exr"
+    subprocess.run([PROGRAM, "focus", frame, "-o", out, "--f-number", "2", "--focus", "3", "--method", "lightfield", "--views",
+                    "16", "--quiet"], check=True)  # fmt: skip
+    saved, file = get(viewer, viewer.path + "save?format=exr&f-number=2&focus=3&method=lightfield&views=16")
+    assert saved.status == 200 and file == out.read_bytes()
+
+
+@pytest.mark.parametrize("query", [
+    "f-number=-1", "f-number=nan", "f-number=1e999", "f-number=2&focus=0", "views=99999999999999999999&f-number=2",
+    "views=1e9", "output=/tmp/x.exr", "explain=/tmp/x.png", "scene=/etc/passwd", "paths=/etc/passwd", "impulse=file:/etc/passwd",
+    "impulse=lens:/etc/passwd", "shutter-curve=/etc/passwd", "frames=1-9", "f-number=2%20--output%3Dx", "f-number=" + "1" * 500,
+    "method=magic", "threads=4096", "crop=0,0,99999,99999", "f-number=%00",
+])  # fmt: skip
+def test_wrong_questions_get_one_line(viewer, query):
+    answer, body = get(viewer, viewer.path + "picture?" + query)
+    assert answer.status == 400, body[:200]
+    assert "\n" not in json.loads(body)["error"]
+    assert not os.path.exists("/tmp/x.exr") and not os.path.exists("/tmp/x.png")
+
+
+def test_pixels(viewer):
+    _, body = get(viewer, viewer.path + "pixel?x=120&y=70&f-number=2&focus=5")
+    nodes = json.loads(body)["nodes"]
+    assert abs(sum(n["share"] for n in nodes) - 1) < 1e-9
+    assert nodes == sorted(nodes, key=lambda n: -n["share"])
+    assert nodes[0]["focus_m"] == pytest.approx(nodes[0]["z_m"], rel=0.05)
+    for query in ("x=1e9&y=0", "x=nan&y=1", "y=1", "x=&y="):
+        assert get(viewer, viewer.path + "pixel?" + query)[0].status == 400 or query == "x=1e9&y=0"
+    answer, depths = get(viewer, viewer.path + "depths")
+    assert answer.status == 200 and len(depths) == 240 * 135 * 6
+
+
+def test_other_methods_and_long_requests(viewer):
+    for method in ("POST", "PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT"):
+        connection = http.client.HTTPConnection(viewer.host, viewer.port, timeout=60)
+        connection.request(method, viewer.path + "frame")
+        assert connection.getresponse().status in (400, 404, 405), method
+    assert get(viewer, viewer.path + "frame?" + "a" * 20000)[0].status in (400, 414)
+    assert is_well(viewer)
+
+
+def test_half_a_request_is_cut(viewer):
+    with socket.create_connection((viewer.host, viewer.port)) as connection:
+        connection.settimeout(30)
+        connection.sendall(b"GET " + viewer.path.encode())
+        assert not connection.recv(1000).startswith(b"HTTP/1.1 200")
+    with socket.create_connection((viewer.host, viewer.port)) as connection:
+        connection.settimeout(30)
+        connection.sendall(os.urandom(3000))
+        connection.shutdown(socket.SHUT_WR)
+        assert not connection.recv(1000).startswith(b"HTTP/1.1 200")
+    assert is_well(viewer)
+
+
+def test_idle_connections_are_cut_and_harm_nothing(viewer):
+    idle = [socket.create_connection((viewer.host, viewer.port)) for _ in range(200)]
+    started = time.monotonic()
+    assert is_well(viewer)  # behind 200 that say nothing: 32 at a time are cut after 2 s
+    assert time.monotonic() - started < 40
+    for connection in idle:
+        connection.close()
+
+
+def test_a_newer_picture_cancels_the_older(viewer):
+    older = http.client.HTTPConnection(viewer.host, viewer.port, timeout=120)
+    older.request("GET", viewer.path + "picture?f-number=2&focus=3&method=lightfield&views=4096")
+    time.sleep(0.3)
+    started = time.monotonic()
+    assert get(viewer, viewer.path + "picture?f-number=2&focus=3&method=lightfield&views=4")[0].status == 200
+    # All of the older takes many times as long as both tests together.
+    assert time.monotonic() - started < 20
+    assert older.getresponse().status == 409
+
+
+def test_what_cannot_be_viewed(tmp_path):
+    (tmp_path / "x.exr").write_text("no picture")
+    for words in (["missing.exr"], [str(tmp_path)], [str(tmp_path / "x.exr")], [SCENE], [], ["--port", "99999", SCENE]):
+        run = subprocess.run([PROGRAM, "view", *words], capture_output=True, text=True, timeout=60)
+        assert run.returncode in (2, 3) and run.stderr.count("\n") == 1 and run.stderr.startswith("postlens: ")
+
+
+def test_a_port_that_is_taken(viewer, frame):
+    run = subprocess.run([PROGRAM, "view", frame, "--port", str(viewer.port)], capture_output=True, text=True, timeout=60)
+    assert run.returncode == 2 and "--port: cannot be used" in run.stderr
+
+
+def test_an_end_while_a_picture_is_made(frame):
+    made = Viewer(frame)
+    busy = http.client.HTTPConnection(made.host, made.port, timeout=120)
+    busy.request("GET", made.path + "picture?f-number=2&focus=3&method=lightfield&views=4096")
+    time.sleep(0.3)
+    started = time.monotonic()
+    assert made.close() == 0
+    assert time.monotonic() - started < 15

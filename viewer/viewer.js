@@ -1,0 +1,616 @@
+// The viewer: asks for pictures, draws them, and turns what the hand does into what the command would be told.
+"use strict";
+
+const $ = (id) => document.getElementById(id);
+const canvas = $("picture");
+let frame = null;
+
+// ---- What is asked for ----------------------------------------------------------------------------------------------
+
+/** Thirds of a stop as they are engraved on lenses. */
+const fNumbers = [1, 1.1, 1.2, 1.4, 1.6, 1.8, 2, 2.2, 2.5, 2.8, 3.2, 3.5, 4, 4.5, 5, 5.6, 6.3, 7.1, 8, 9, 10, 11, 13, 14, 16, 18, 20, 22,
+  25, 29, 32, 36, 40, 45];
+const fNumberOf = (step) => fNumbers[Math.min(fNumbers.length - 1, Math.max(0, step))];
+const stepOf = (fNumber) => fNumbers.reduce((best, n, i) => Math.abs(Math.log(n / fNumber)) < Math.abs(Math.log(fNumbers[best] / fNumber)) ? i : best, 0);
+
+/** The slider of focus is even in 1/m, from a little before what is nearest to infinity. */
+const sliderSteps = 1000;
+const nearest = () => 0.9 * (frame.nearest_m ?? 0.3);
+const focusOf = (t) => t >= sliderSteps ? Infinity : Number((nearest() / (1 - t / sliderSteps)).toPrecision(4));
+const sliderOf = (m) => m === Infinity ? sliderSteps : Math.round(sliderSteps * Math.max(0, 1 - nearest() / m));
+
+const lens = { fNumber: 2.8, focus: 1, focalLength: 50, impulse: "disc", shutter: "" };
+let undoStack = [];
+
+/** The lens as options of the command. */
+function lensOptions(of = lens) {
+  const options = { "f-number": String(of.fNumber), focus: of.focus === Infinity ? "inf" : String(of.focus) };
+  if (of.focalLength !== frame.focal_length_mm) options["focal-length"] = String(of.focalLength);
+  if (of.impulse !== "disc") options.impulse = of.impulse;
+  if (of.shutter) options.shutter = of.shutter;
+  return options;
+}
+
+/** From coarse to good. What stands last is what the picture ends as. */
+function stages() {
+  if (!frame.records_kept) return [{}];
+  const views = (n) => ({ method: "lightfield", views: String(n) });
+  return [views(4), views(64), frame.scene ? { method: "auto", "target-db": "40" } : views(256)];
+}
+
+let shown = null;    // the picture: {width, height, halves, report, options}
+let other = null;    // what it is compared with
+let depths = null;   // {ids, inverse}
+let generation = 0;  // of what is asked for
+let firstUnderWay = false, refining = false;
+let again = 0;       // when something else was asked for while the first, coarse picture was made
+const timings = [];  // for measuring: {views, input, answered, painted}
+window.postlens = { timings, state: () => ({ shown, other, lens, frame, generation, working: firstUnderWay || refining }) };
+
+function parsePicture(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const report = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  const begin = Math.ceil((4 + length) / 4) * 4;
+  const halves = new Uint16Array(buffer, begin, report.width * report.height * 3);
+  return { width: report.width, height: report.height, halves, report };
+}
+
+async function ask(what, options) {
+  const answer = await fetch(`${what}?${new URLSearchParams(options)}`);
+  if (answer.status === 409) return null;  // cancelled by a newer one
+  if (!answer.ok) throw new Error((await answer.json().catch(() => ({ error: `${answer.status}` }))).error);
+  return answer;
+}
+
+async function askPicture(what, options) {
+  const answer = await ask(what, options);
+  return answer && parsePicture(await answer.arrayBuffer());
+}
+
+/** Makes the picture of the lens as it is now. The first, coarse one is always finished, or none would be seen while
+    a slider is dragged; the better ones stop as soon as something else is asked for. */
+async function refocus(input = performance.now()) {
+  if (firstUnderWay) {
+    again ||= input;
+    return;
+  }
+  const mine = ++generation;
+  const options = lensOptions();
+  for (const [i, stage] of stages().entries()) {
+    const asked = { ...options, ...stage }, isFirst = i === 0;
+    firstUnderWay = isFirst;
+    refining = !isFirst;
+    say(isFirst ? "" : "finer…");
+    let picture = null, failure = null;
+    try {
+      picture = await askPicture("picture", asked);
+    } catch (error) {
+      failure = error;
+    }
+    if (mine !== generation) return;  // while this one was refined, something else was asked for
+    firstUnderWay = refining = false;
+    if (picture) {
+      shown = { ...picture, options: asked };
+      const answered = performance.now();
+      drawSoon(() => timings.push({ views: stage.views ?? stage.method ?? "", input, answered, painted: performance.now(),
+                                    server: picture.report.seconds }));
+    }
+    if (again) {
+      const since = again;
+      again = 0;
+      refocus(since);
+      return;
+    }
+    if (failure) say(failure.message, true);
+    if (!picture) return;
+  }
+  describe();
+}
+
+/** What is known of the picture that is shown. */
+function describe() {
+  if (!shown) return;
+  const r = shown.report, parts = [`${r.method ?? ""}${r.views ? `, ${r.views} views` : ""}`];
+  if (r.stated_db) parts.push(`${r.stated_db.toFixed(1)} dB measured (${r.stated_low_db.toFixed(1)} to ${r.stated_high_db?.toFixed(1) ?? "∞"})`);
+  for (const warning of r.warnings) parts.push(warning.text);
+  say(parts.join(" · "));
+}
+
+/** A change that can be undone. */
+function change(what) {
+  undoStack.push({ ...lens });
+  if (undoStack.length > 200) undoStack.shift();
+  Object.assign(lens, what);
+  keepBefore();
+  showControls();
+  refocus();
+}
+
+function undo() {
+  if (undoStack.length === 0) return;
+  Object.assign(lens, undoStack.pop());
+  showControls();
+  refocus();
+}
+
+// ---- Comparing ------------------------------------------------------------------------------------------------------
+
+let raysGeneration = 0;
+
+function keepBefore() {
+  if ($("compare").value === "before" && shown) other = shown;
+  if ($("compare").value === "rays") traceRays();
+}
+
+async function compareWith(what) {
+  ++raysGeneration;
+  $("wipe").hidden = what === "nothing";
+  if (what === "nothing") other = null;
+  if (what === "before") other = shown;
+  try {
+    if (what === "pinhole") other = await askPicture("picture", { method: "pinhole" });
+    if (what === "rays") await traceRays();
+  } catch (error) {
+    say(error.message, true);
+  }
+  drawSoon();
+}
+
+/** Rays through the lens, more and more; each answer is independent of those before, and their mean is shown. */
+async function traceRays() {
+  const mine = ++raysGeneration;
+  const options = lensOptions();
+  let sum = null, samples = 0;
+  for (let seed = 1; samples < 1024; ++seed) {
+    const spp = Math.max(4, Math.min(64, samples));
+    const picture = await askPicture("rays", { ...options, spp: String(spp), seed: String(seed) });
+    if (!picture || mine !== raysGeneration) return;
+    sum ??= new Float32Array(picture.halves.length);
+    for (let i = 0; i < sum.length; ++i) sum[i] += spp * floatOf(picture.halves[i]);
+    samples += spp;
+    other = { ...picture, floats: sum.map((v) => v / samples), samples };
+    drawSoon();
+  }
+}
+
+// ---- Numbers --------------------------------------------------------------------------------------------------------
+
+const halfTable = new Float32Array(65536);
+for (let bits = 0; bits < 65536; ++bits) {
+  const sign = bits & 0x8000 ? -1 : 1, exponent = (bits >> 10) & 31, fraction = bits & 1023;
+  halfTable[bits] = sign * (exponent === 0 ? fraction * 2 ** -24
+    : exponent === 31 ? (fraction ? NaN : Infinity) : (1 + fraction / 1024) * 2 ** (exponent - 15));
+}
+const floatOf = (bits) => halfTable[bits];
+const valuesOf = (p, k) => p.floats ? [p.floats[3 * k], p.floats[3 * k + 1], p.floats[3 * k + 2]]
+  : [floatOf(p.halves[3 * k]), floatOf(p.halves[3 * k + 1]), floatOf(p.halves[3 * k + 2])];
+
+/** Circle of confusion of an inverse depth, px: aperture times film distance times the difference of inverse depths. */
+function cocPerInverse() {
+  return lens.focalLength / lens.fNumber * frame.film_distance_mm / 1000 / frame.pixel_pitch_mm;
+}
+const inverseFocus = () => lens.focus === Infinity ? 0 : 1 / lens.focus;
+const modes = ["picture", "in_focus", "coc", "depth", "id", "brightness"];
+const needsDepths = (mode) => ["in_focus", "coc", "depth", "id"].includes(mode);
+const sharpPx = 1.5;  // a circle no wider than this is drawn as in focus
+
+// ---- Drawing --------------------------------------------------------------------------------------------------------
+
+/** The place of the picture in the window: device px a picture px, and where its upper left is. */
+const view = { scale: 0, x: 0, y: 0, fits: true };
+
+function fitView() {
+  const w = canvas.width, h = canvas.height, pw = frame.width, ph = frame.height;
+  view.scale = Math.min(w / pw, h / ph);
+  view.x = (w - pw * view.scale) / 2;
+  view.y = (h - ph * view.scale) / 2;
+  view.fits = true;
+}
+
+const vertexShader = `#version 300 es
+const vec2 corners[3] = vec2[](vec2(-1, -1), vec2(3, -1), vec2(-1, 3));
+void main() { gl_Position = vec4(corners[gl_VertexID], 0, 1); }`;
+const fragmentShader = `#version 300 es
+precision highp float; precision highp int; precision highp usampler2D;
+uniform sampler2D now, before, inverse; uniform usampler2D ids;
+uniform vec2 window, origin; uniform float scale, gain, wipe, coc_scale, focus, nearest; uniform int mode; uniform bool has_before;
+out vec4 colour;
+vec3 heat(float t) { t = clamp(t, 0.0, 1.0);
+  return clamp(vec3(1.5 - abs(4.0 * t - 3.0), 1.5 - abs(4.0 * t - 2.0), 1.5 - abs(4.0 * t - 1.0)), 0.0, 1.0); }
+vec3 srgb(vec3 c) { c = clamp(c, 0.0, 1.0);
+  return mix(12.92 * c, 1.055 * pow(max(c, vec3(1e-6)), vec3(1.0 / 2.4)) - 0.055, step(vec3(0.0031308), c)); }
+void main() {
+  vec2 at = (vec2(gl_FragCoord.x, window.y - gl_FragCoord.y) - origin) / scale;
+  ivec2 size = textureSize(now, 0), p = ivec2(floor(at));
+  if (p.x < 0 || p.y < 0 || p.x >= size.x || p.y >= size.y) { colour = vec4(vec3(0.25), 1); return; }
+  bool old = has_before && gl_FragCoord.x < wipe * window.x;
+  vec3 c = (old ? texelFetch(before, p, 0) : texelFetch(now, p, 0)).rgb * gain;
+  float z = texelFetch(inverse, p, 0).r, coc = coc_scale * abs(z - focus);
+  if (mode == 1) { float grey = dot(srgb(c), vec3(0.2126, 0.7152, 0.0722)); c = coc <= ${sharpPx.toFixed(1)} ? mix(srgb(c), vec3(0.1, 1, 0.3), 0.45) : vec3(grey * 0.6); }
+  else if (mode == 2) c = heat(log2(1.0 + coc) / 6.0);
+  else if (mode == 3) c = heat(z / nearest);
+  else if (mode == 4) { uint id = texelFetch(ids, p, 0).r; uint h = (id + 1u) * 2654435761u;
+    c = id == 0u ? vec3(0) : vec3(h & 255u, (h >> 8) & 255u, (h >> 16) & 255u) / 255.0; }
+  else if (mode == 5) { float l = dot(c, vec3(0.2126, 0.7152, 0.0722)); c = l <= 0.0 ? vec3(0) : heat((log2(l) + 8.0) / 12.0); }
+  else c = srgb(c);
+  colour = vec4(c, 1);
+}`;
+
+class GlPainter {
+  constructor(gl) {
+    this.gl = gl;
+    const program = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, vertexShader], [gl.FRAGMENT_SHADER, fragmentShader]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    gl.useProgram(program);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    this.at = (name) => gl.getUniformLocation(program, name);
+    this.textures = ["now", "before", "inverse", "ids"].map((name, unit) => {
+      const texture = gl.createTexture();
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+      gl.uniform1i(this.at(name), unit);
+      return { name, held: undefined };
+    });
+    this.hold(2, null, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16F, 1, 1, 0, gl.RED, gl.HALF_FLOAT, new Uint16Array(1)));
+    this.hold(3, null, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32UI, 1, 1, 0, gl.RED_INTEGER, gl.UNSIGNED_INT, new Uint32Array(1)));
+  }
+  hold(unit, what, upload) {
+    if (this.textures[unit].held === what) return;
+    this.textures[unit].held = what;
+    this.gl.activeTexture(this.gl.TEXTURE0 + unit);
+    upload();
+  }
+  picture(unit, p) {
+    const gl = this.gl;
+    this.hold(unit, p, () => p.floats
+      ? gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB32F, p.width, p.height, 0, gl.RGB, gl.FLOAT, p.floats)
+      : gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, p.width, p.height, 0, gl.RGB, gl.HALF_FLOAT, p.halves));
+  }
+  paint(s) {
+    const gl = this.gl;
+    this.picture(0, shown);
+    this.picture(1, other ?? shown);
+    if (depths) {
+      const { width, height } = frame;
+      this.hold(2, depths, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16F, width, height, 0, gl.RED, gl.HALF_FLOAT, depths.inverse));
+      this.hold(3, depths, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32UI, width, height, 0, gl.RED_INTEGER, gl.UNSIGNED_INT, depths.ids));
+    }
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.uniform2f(this.at("window"), canvas.width, canvas.height);
+    gl.uniform2f(this.at("origin"), view.x, view.y);
+    for (const name of ["scale", "gain", "wipe", "coc_scale", "focus", "nearest"]) gl.uniform1f(this.at(name), s[name]);
+    gl.uniform1i(this.at("mode"), s.mode);
+    gl.uniform1i(this.at("has_before"), other ? 1 : 0);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+}
+
+/** The same, pixel by pixel, where there is no WebGL2. */
+class PlainPainter {
+  constructor(context) { this.context = context; }
+  paint(s) {
+    const { width: w, height: h } = canvas, image = this.context.createImageData(w, h), out = image.data;
+    const heat = (t) => [3, 2, 1].map((c) => Math.min(1, Math.max(0, 1.5 - Math.abs(4 * Math.min(1, Math.max(0, t)) - c))));
+    const srgb = (v) => { v = Math.min(1, Math.max(0, v)); return v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055; };
+    for (let y = 0, o = 0; y < h; ++y) {
+      for (let x = 0; x < w; ++x, o += 4) {
+        const px = Math.floor((x + 0.5 - view.x) / view.scale), py = Math.floor((y + 0.5 - view.y) / view.scale);
+        let c = [0.25, 0.25, 0.25];
+        if (px >= 0 && py >= 0 && px < frame.width && py < frame.height) {
+          const k = py * frame.width + px;
+          const rgb = valuesOf(other && x + 0.5 < s.wipe * w ? other : shown, k).map((v) => v * s.gain);
+          const light = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+          const z = depths ? floatOf(depths.inverse[k]) : 0, coc = s.coc_scale * Math.abs(z - s.focus);
+          if (s.mode === 1) c = coc <= sharpPx ? rgb.map(srgb).map((v, i) => 0.55 * v + 0.45 * [0.1, 1, 0.3][i]) : [0, 0, 0].fill(0.6 * srgb(light));
+          else if (s.mode === 2) c = heat(Math.log2(1 + coc) / 6);
+          else if (s.mode === 3) c = heat(z / s.nearest);
+          else if (s.mode === 4) { const h2 = Math.imul((depths?.ids[k] ?? 0) + 1, 2654435761) >>> 0; c = [h2 & 255, (h2 >> 8) & 255, (h2 >> 16) & 255].map((v) => v / 255); }
+          else if (s.mode === 5) c = light <= 0 ? [0, 0, 0] : heat((Math.log2(light) + 8) / 12);
+          else c = rgb.map(srgb);
+        }
+        for (let i = 0; i < 3; ++i) out[o + i] = 255 * c[i] + 0.5;
+        out[o + 3] = 255;
+      }
+    }
+    this.context.putImageData(image, 0, 0);
+  }
+}
+
+let painter = null, wipe = 0.5, drawing = false, afterwards = [];
+
+function drawSoon(then) {
+  if (then) afterwards.push(then);
+  if (drawing) return;
+  drawing = true;
+  requestAnimationFrame(() => {
+    drawing = false;
+    if (!shown) return;
+    painter.paint({ scale: view.scale, gain: 2 ** Number($("exposure").value), wipe, coc_scale: cocPerInverse(), focus: inverseFocus(),
+                    nearest: 1 / nearest(), mode: modes.indexOf($("show").value) });
+    $("wipe").style.left = `${100 * wipe}%`;
+    const done = afterwards;
+    afterwards = [];
+    for (const call of done) call();
+  });
+}
+
+function resize() {
+  const ratio = window.devicePixelRatio || 1, fits = view.fits;
+  const width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+  if (fits) fitView();
+  drawSoon();
+}
+
+function zoom(factor, x = canvas.width / 2, y = canvas.height / 2) {
+  const scale = Math.min(64, Math.max(0.05, view.scale * factor));
+  view.x = x - (x - view.x) * scale / view.scale;
+  view.y = y - (y - view.y) * scale / view.scale;
+  view.scale = scale;
+  view.fits = false;
+  drawSoon();
+}
+
+function pan(x, y) {
+  view.x += x;
+  view.y += y;
+  view.fits = false;
+  drawSoon();
+}
+
+// ---- Under the pointer ----------------------------------------------------------------------------------------------
+
+function pixelAt(event) {
+  const box = canvas.getBoundingClientRect(), ratio = canvas.width / box.width;
+  const x = ((event.clientX - box.left) * ratio - view.x) / view.scale, y = ((event.clientY - box.top) * ratio - view.y) / view.scale;
+  return x >= 0 && y >= 0 && x < frame.width && y < frame.height ? [x, y] : null;
+}
+
+const pixelOptions = ([x, y]) => ({ x: x.toFixed(2), y: y.toFixed(2), ...Object.fromEntries(Object.entries(lensOptions()).filter(([k]) => k === "f-number" || k === "focus")) });
+const metres = (m) => m === null ? "∞" : `${Number(m.toPrecision(3))} m`;
+let hover = 0;
+
+async function tellPixel(at) {
+  const mine = ++hover;
+  const k = Math.floor(at[1]) * frame.width + Math.floor(at[0]);
+  const lines = [`${Math.floor(at[0])}, ${Math.floor(at[1])}   ${valuesOf(shown, k).map((v) => v.toPrecision(3)).join("  ")}`];
+  if (depths) lines[0] += `   CoC ${(cocPerInverse() * Math.abs(floatOf(depths.inverse[k]) - inverseFocus())).toFixed(1)} px`;
+  $("under").textContent = lines[0];
+  await new Promise((resolve) => setTimeout(resolve, 250));
+  if (mine !== hover || !frame.records_kept || firstUnderWay) return;
+  try {
+    const answer = await ask("pixel", pixelOptions(at));
+    if (!answer || mine !== hover) return;
+    for (const node of (await answer.json()).nodes.slice(0, 6)) {
+      const coc = node.coc_px ? `CoC ${Math.max(...node.coc_px).toFixed(1)} px` : "";
+      lines.push(`${(100 * node.share).toFixed(0)} %  ${node.path}  ${node.name || node.id}  z' ${metres(node.z_m)}  ${coc}`);
+    }
+    $("under").textContent = lines.join("\n");
+  } catch (error) {
+    say(error.message, true);
+  }
+}
+
+async function focusAt(at) {
+  try {
+    if (!frame.records_kept) {
+      say("a click needs records: this picture has none", true);
+      return;
+    }
+    const answer = await ask("pixel", pixelOptions(at));
+    const node = answer && (await answer.json()).nodes[0];
+    if (!node) return;
+    change({ focus: node.focus_m === null ? Infinity : Number(node.focus_m.toPrecision(4)) });
+    const where = node.path === "primary" ? "" : ` in ${node.path.replaceAll("R", "mirror ").replaceAll("T", "glass ").trim()}`;
+    const text = `focus on ${node.name || "background"}${where}: ${metres(node.focus_m)}${node.behind_infinity ? " (its image lies behind infinity)" : ""}`;
+    say(text);
+  } catch (error) {
+    say(error.message, true);
+  }
+}
+
+// ---- Saving ---------------------------------------------------------------------------------------------------------
+
+/** The command whose picture is the one that is shown. */
+function commandLine() {
+  const quote = (text) => /^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
+  const options = shown.options, words = ["postlens", options.shutter ? "shoot" : "focus", quote(frame.file), "-o", "picture.exr"];
+  for (const [name, value] of Object.entries(options)) words.push(`--${name}`, quote(value));
+  if (frame.scene && options.method === "auto") words.push("--scene", quote(frame.scene));
+  return words.join(" ");
+}
+
+async function copyCommand() {
+  const text = commandLine();
+  window.postlens.copied = text;
+  try {
+    await navigator.clipboard.writeText(text);
+    say(`copied: ${text}`);
+  } catch {
+    say(text);  // to be copied by hand
+  }
+}
+
+async function save(format) {
+  try {
+    say("saving…");
+    const answer = await ask("save", { ...shown.options, format });
+    if (!answer) return say("a newer picture was asked for meanwhile", true);
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(await answer.blob());
+    link.download = `${frame.name.replace(/\.exr$/, "")}_f${lens.fNumber}_${lens.focus === Infinity ? "inf" : lens.focus}m.${format}`;
+    link.click();
+    URL.revokeObjectURL(link.href);
+    say(`saved ${link.download}`);
+  } catch (error) {
+    say(error.message, true);
+  }
+}
+
+// ---- Controls -------------------------------------------------------------------------------------------------------
+
+function say(text, isError = false) {
+  $("status").textContent = text;
+  $("status").classList.toggle("error", isError);
+}
+
+function showControls() {
+  $("f_number").value = stepOf(lens.fNumber);
+  $("f_number_value").textContent = `f/${lens.fNumber}`;
+  $("focus").value = sliderOf(lens.focus);
+  $("focus_value").textContent = lens.focus === Infinity ? "∞" : String(lens.focus);
+  for (const [id, text] of [["f_number", `f/${lens.fNumber}`], ["focus", `${lens.focus} m`]]) $(id).setAttribute("aria-valuetext", text);
+  $("focal_length").value = lens.focalLength;
+  $("blades").value = lens.impulse;
+  $("shutter").value = lens.shutter;
+  $("undo").disabled = undoStack.length === 0;
+}
+
+async function showMode() {
+  if (needsDepths($("show").value) && !depths && frame.records_kept) {
+    say("reading depths…");
+    try {
+      const answer = await ask("depths", {});
+      if (!answer) return;
+      const buffer = await answer.arrayBuffer(), pixels = frame.width * frame.height;
+      depths = { ids: new Uint32Array(buffer, 0, pixels), inverse: new Uint16Array(buffer, 4 * pixels, pixels) };
+      describe();
+    } catch (error) {
+      say(error.message, true);
+    }
+  }
+  drawSoon();
+}
+
+const stepFNumber = (by) => change({ fNumber: fNumberOf(stepOf(lens.fNumber) + by) });
+const stepFocus = (by) => change({ focus: focusOf(Math.min(sliderSteps, Math.max(0, sliderOf(lens.focus) + by))) });
+
+function onKey(event) {
+  if (event.ctrlKey || event.metaKey || event.altKey || $("shortcuts").open) return;
+  if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && (event.key.length > 1 || event.target.type === "text" || event.target.type === "number")) return;
+  const next = (id, by = 1) => { const s = $(id); s.selectedIndex = (s.selectedIndex + by) % s.options.length; s.dispatchEvent(new Event("change")); };
+  const onCanvas = event.target === canvas || event.target === document.body;
+  const step = canvas.width / 12;
+  const keys = {
+    "[": () => stepFNumber(-1), "]": () => stepFNumber(1), ",": () => stepFocus(-10), ".": () => stepFocus(10),
+    e: () => expose(0.5), E: () => expose(-0.5), "+": () => zoom(1.25), "=": () => zoom(1.25), "-": () => zoom(0.8),
+    0: () => { fitView(); drawSoon(); }, v: () => next("show"), u: undo, c: copyCommand,
+    b: () => { $("compare").value = $("compare").value === "before" ? "nothing" : "before"; compareWith($("compare").value); },
+    "?": () => $("shortcuts").showModal(),
+    ...(onCanvas ? { Enter: () => focusAt([(canvas.width / 2 - view.x) / view.scale, (canvas.height / 2 - view.y) / view.scale]),
+      ArrowLeft: () => pan(step, 0), ArrowRight: () => pan(-step, 0), ArrowUp: () => pan(0, step), ArrowDown: () => pan(0, -step) } : {}),
+  };
+  if (!keys[event.key]) return;
+  event.preventDefault();
+  keys[event.key]();
+}
+
+function expose(by) {
+  $("exposure").value = Number($("exposure").value) + by;
+  $("exposure").dispatchEvent(new Event("input"));
+}
+
+/** A drag of a slider is one step of undo. */
+function slider(id, apply) {
+  let before = null;
+  $(id).addEventListener("input", () => {
+    before ??= { ...lens };
+    Object.assign(lens, apply(Number($(id).value)));
+    showControls();
+    refocus();
+  });
+  $(id).addEventListener("change", () => {
+    if (before) undoStack.push(before);
+    before = null;
+    keepBefore();
+    showControls();
+  });
+}
+
+function listen() {
+  slider("f_number", (step) => ({ fNumber: fNumberOf(step) }));
+  slider("focus", (t) => ({ focus: focusOf(t) }));
+  $("focal_length").addEventListener("change", () => { const v = Number($("focal_length").value); if (v > 0) change({ focalLength: v }); });
+  $("blades").addEventListener("change", () => change({ impulse: $("blades").value }));
+  $("shutter").addEventListener("change", () => { if ($("shutter").checkValidity()) change({ shutter: $("shutter").value.trim() }); });
+  $("exposure").addEventListener("input", () => { $("exposure_value").textContent = $("exposure").value; drawSoon(); });
+  $("show").addEventListener("change", showMode);
+  $("compare").addEventListener("change", () => compareWith($("compare").value));
+  $("undo").addEventListener("click", undo);
+  $("copy").addEventListener("click", copyCommand);
+  $("save_png").addEventListener("click", () => save("png"));
+  $("save_exr").addEventListener("click", () => save("exr"));
+  $("help").addEventListener("click", () => $("shortcuts").showModal());
+  $("controls").addEventListener("submit", (event) => event.preventDefault());
+  document.addEventListener("keydown", onKey);
+  new ResizeObserver(resize).observe(canvas);
+
+  let down = null, moved = false;
+  canvas.addEventListener("pointerdown", (event) => { down = event; moved = false; canvas.setPointerCapture(event.pointerId); });
+  canvas.addEventListener("pointermove", (event) => {
+    if (down) {
+      moved = moved || Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) > 4;
+      const ratio = canvas.width / canvas.clientWidth;
+      if (moved) pan(event.movementX * ratio, event.movementY * ratio);
+      return;
+    }
+    const at = shown && pixelAt(event);
+    if (at) tellPixel(at); else { ++hover; $("under").textContent = ""; }
+  });
+  canvas.addEventListener("pointerup", (event) => {
+    const at = pixelAt(event);
+    if (down && !moved && at) focusAt(at);
+    down = null;
+  });
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    const ratio = canvas.width / canvas.clientWidth, box = canvas.getBoundingClientRect();
+    if (event.ctrlKey) zoom(2 ** (-event.deltaY / 200), (event.clientX - box.left) * ratio, (event.clientY - box.top) * ratio);
+    else stepFNumber(event.deltaY > 0 ? 1 : -1);
+  }, { passive: false });
+
+  const moveWipe = (to) => {
+    wipe = Math.min(1, Math.max(0, to));
+    $("wipe").setAttribute("aria-valuenow", Math.round(100 * wipe));
+    drawSoon();
+  };
+  $("wipe").addEventListener("pointerdown", (event) => $("wipe").setPointerCapture(event.pointerId));
+  $("wipe").addEventListener("pointermove", (event) => {
+    const box = canvas.getBoundingClientRect();
+    if ($("wipe").hasPointerCapture(event.pointerId)) moveWipe((event.clientX - box.left) / box.width);
+  });
+  $("wipe").addEventListener("keydown", (event) => {
+    const by = { ArrowLeft: -0.02, ArrowRight: 0.02 }[event.key];
+    if (by === undefined) return;
+    event.preventDefault();
+    event.stopPropagation();
+    moveWipe(wipe + by);
+  });
+}
+
+async function begin() {
+  const gl = new URLSearchParams(location.search).has("plain") ? null : canvas.getContext("webgl2", { alpha: false, antialias: false });
+  painter = gl ? new GlPainter(gl) : new PlainPainter(canvas.getContext("2d"));
+  frame = await (await ask("frame", {})).json();
+  document.title = `${frame.name} · postlens`;
+  lens.focalLength = frame.focal_length_mm ?? 50;
+  lens.fNumber = Number.isFinite(frame.f_number) ? frame.f_number : 2.8;
+  lens.focus = frame.focus_m ?? 2;
+  if (!frame.scene) $("compare").querySelector("[value=rays]").disabled = true;
+  if (!frame.records_kept) for (const mode of $("show").options) mode.disabled = needsDepths(mode.value);
+  $("shutter_label").hidden = !frame.records_kept;
+  listen();
+  showControls();
+  resize();
+  refocus();
+}
+
+begin().catch((error) => say(error.message, true));
