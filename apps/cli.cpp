@@ -11,6 +11,7 @@
 #include "apps/frame_range.h"
 #include "apps/numbers.h"
 #include "apps/view_command.h"
+#include "apps/view_export.h"
 
 #ifndef POSTLENS_VERSION
 #define POSTLENS_VERSION "unknown"
@@ -34,6 +35,7 @@ struct State {
     ImageOptions image;
     InfoOptions info;
     ViewOptions view;
+    ViewExportOptions export_view;
     FrameOptions frames;
     /// What of --frames the command is to know.
     [[nodiscard]] const FrameOptions& asked_frames() {
@@ -482,10 +484,19 @@ void add_view(CLI::App& root, State& s) {
            "Port on 127.0.0.1; 0: any free one [default: 0]")
         ->type_name("N");
     app.add_flag("--open", o.open, "Open the address in the desktop's browser");
+    writes(app.add_option(
+               "--export", s.export_view.output,
+               "Write one page instead, which needs no server: pictures by focus distance and f-number, and "
+               "depths to click on"))
+        ->type_name("PAGE.html");
+    number(app, "--export-mb", s.export_view.most_mb, "With --export: its greatest size", "MB", above_0);
     common_options(app, s.common);
     app.callback([&s] {
         s.view.threads = s.common.threads;
-        s.common.run = [&s] { return run_view(s.view); };
+        s.export_view.input = s.view.input;
+        s.common.run = [&s] {
+            return s.export_view.output.empty() ? run_view(s.view) : export_view(s.export_view);
+        };
     });
 }
 

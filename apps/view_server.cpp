@@ -46,7 +46,8 @@ ViewParameters parameters_of(const httplib::Request& request) {
 
 void send(ViewReply&& reply, httplib::Response& response) {
     response.status = reply.status;
-    response.set_content(std::move(reply.body), reply.type);
+    response.body = std::move(reply.body);
+    response.set_header("Content-Type", reply.type);
 }
 
 }  // namespace
@@ -120,7 +121,7 @@ ViewServer::ViewServer(ViewSession& session, int port) : impl_(std::make_unique<
         impl_->answer(session, request, response);
     });
     server.set_exception_handler(
-        [](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
+        [](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
             response.status = 500;
             response.set_content("internal error\n", "text/plain");
         });

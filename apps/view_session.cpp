@@ -205,11 +205,11 @@ ViewReply ViewSession::pixel(const ViewParameters& parameters) {
         if (parameters.contains("f-number")) options.lens.f_number = number_of(parameters, "f-number");
         if (parameters.contains("focus") && parameters.at("focus") != "inf")
             options.lens.focus_m = number_of(parameters, "focus");
-        Json json = run_records(options).json;
+        const Json json = run_records(options).json;
         // Nodes of all samples that are the same thing seen by the same way.
         struct Seen {
             double light = 0, inverse_depth = 0;
-            Json node;
+            const Json* node = nullptr;
         };
         std::map<std::pair<std::string, std::uint32_t>, Seen> seen;
         for (const Json& sample : json["samples"]) {
@@ -223,7 +223,7 @@ ViewReply ViewSession::pixel(const ViewParameters& parameters) {
                 const double inverse = w.is_null() ? 0 : (w[0][0].get<double>() + w[1][1].get<double>()) / 2;
                 s.light += light;
                 s.inverse_depth += light * inverse;
-                if (s.node.is_null()) s.node = node;
+                if (s.node == nullptr) s.node = &node;
             }
         }
         Json out{{"x", json["x"]}, {"y", json["y"]}, {"nodes", Json::array()}};
@@ -237,7 +237,7 @@ ViewReply ViewSession::pixel(const ViewParameters& parameters) {
                          [](const Seen* a, const Seen* b) { return a->light > b->light; });
         for (const Seen* s : by_light) {
             const double inverse = s->inverse_depth / s->light;
-            Json node = s->node;
+            Json node = *s->node;
             node.erase("rgb");
             node["share"] = s->light / all;
             // Behind infinity, too, the far end of the scale is as near as a lens gets.

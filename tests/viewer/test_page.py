@@ -230,3 +230,35 @@ def test_another_programs_picture(tmp_path, frame):
     finally:
         driver.quit()
         assert made.close() == 0
+
+
+def test_an_exported_page_needs_no_server(frame, tmp_path):
+    page, small = tmp_path / "page.html", tmp_path / "small.html"
+    subprocess.run([PROGRAM, "view", frame, "--export", page, "--quiet"], check=True)
+    said = json.loads(subprocess.run([PROGRAM, "view", frame, "--export", small, "--export-mb", "0.1", "--json"], check=True,
+                                     capture_output=True).stdout)  # fmt: skip
+    assert small.stat().st_size == said["bytes"] < 1e5 and said["pictures"] < 27
+    assert "it holds" in small.read_text()
+    driver = browser_at(page.as_uri())
+    try:
+        shown = lambda: driver.execute_script("return document.getElementById('picture').src")
+        value = lambda: int(driver.execute_script("return document.getElementById('focus').value"))
+        until(lambda: driver.execute_script("return depths !== null"))
+        picture = driver.find_element(By.ID, "picture")
+        ActionChains(driver).move_to_element(picture).click().perform()
+        near, first = value(), shown()
+        # The wall, far behind what is in the middle.
+        driver.execute_script("""
+          const p = document.getElementById("picture"), box = p.getBoundingClientRect(), k = Math.min(box.width / data.width, box.height / data.height);
+          p.dispatchEvent(new MouseEvent("click", { clientX: box.left + box.width / 2 + (30 - 120) * k, clientY: box.top + box.height / 2 + (120 - 67) * k }));""")
+        assert value() > near and shown() != first
+        second = shown()
+        driver.find_element(By.ID, "f_number").send_keys(Keys.ARROW_RIGHT)
+        assert shown() != second
+        assert not [entry for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
+    finally:
+        driver.quit()
+    for words in (["--export", tmp_path / "x.txt"], ["--export", tmp_path / "x.html", "--export-mb", "0.001"]):
+        run = subprocess.run([PROGRAM, "view", frame, *words], capture_output=True, text=True)
+        assert run.returncode == 2 and run.stderr.count("\n") == 1
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["page.html", "small.html"]
