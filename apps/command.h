@@ -33,6 +33,8 @@ struct CommandResult {
     std::vector<Warning> warnings;
     /// Where no output was named: the picture, cut to the crop; of `render --halves` also the halves.
     std::vector<Image> pictures;
+    /// Of `focus` and `shoot` with a scene, likewise: per pixel the share of its view samples that are rays.
+    std::vector<float> ray_share;
     ExitCode exit_code = ExitCode::ok;
 };
 

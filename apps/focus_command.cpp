@@ -180,6 +180,7 @@ CommandResult run_focus(const FocusOptions& options) {
     if (predict && !hybrid.stated) {
         report_prediction(predict_error(frame, {.focus = settings}, result.image, result.views), out);
     }
+    if (options.output.empty()) out.ray_share = cut(hybrid.traced, result.image.width, options.crop);
     deliver(std::move(result.image), options.output, options.crop, out);
     return out;
 }

@@ -76,6 +76,7 @@ CommandResult run_shoot(const ShootOptions& options) {
     if (predict && !result.stated) {
         report_prediction(predict_error(frame, settings, result.focus.image, views), out);
     }
+    if (o.output.empty()) out.ray_share = cut(result.traced, result.focus.image.width, o.crop);
     deliver(std::move(result.focus.image), o.output, o.crop, out);
     return out;
 }

@@ -43,7 +43,15 @@ ViewReply picture_reply(const ParsedCommand& command) {
     const CommandResult result = command.run();
     const Image& image = result.pictures.front();
     Json json = result.json;
-    json.erase("plan");  // by the tile: long, and the page does not draw it
+    if (json.contains("plan")) {
+        // What the page draws of it: the noise of the views, tile by tile.
+        Json noise = Json::array();
+        for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
+        json["tiles"] = {
+            {"edge_px", json["plan"]["tile_px"]}, {"columns", json["plan"]["columns"]}, {"noise_mse", noise}};
+        json.erase("plan");
+    }
+    json["has_ray_share"] = !result.ray_share.empty();
     json["width"] = image.width;
     json["height"] = image.height;
     json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -60,6 +68,10 @@ ViewReply picture_reply(const ParsedCommand& command) {
     parallel_for(
         halves.size(), [&](std::size_t i) { halves[i] = half_bits(image.rgb[i]); }, 1U << 16U);
     append_bytes(out.body, halves.data(), halves.size() * sizeof(std::uint16_t));
+    for (const float share : result.ray_share) {
+        const std::uint16_t half = half_bits(share);
+        append_bytes(out.body, &half, sizeof half);
+    }
     return out;
 }
 

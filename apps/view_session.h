@@ -41,7 +41,8 @@ class ViewSession {
     /// What the page shows at first: size, camera, lens, names.
     [[nodiscard]] ViewReply frame() const;
     /// A picture by `focus`, or by `shoot` where there is a shutter: the length of a JSON text in bytes (32
-    /// bits, little endian), the text, zeros up to a multiple of 4, and RGB as half floats, row by row.
+    /// bits, little endian), the text, zeros up to a multiple of 4, RGB as half floats, row by row, and,
+    /// where the JSON says has_ray_share, a half float a pixel: the share of its view samples that are rays.
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
     /// `render` of the scene: likewise. Cancels other rays only.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);

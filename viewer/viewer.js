@@ -52,7 +52,9 @@ function parsePicture(buffer) {
   const report = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
   const begin = Math.ceil((4 + length) / 4) * 4;
   const halves = new Uint16Array(buffer, begin, report.width * report.height * 3);
-  return { width: report.width, height: report.height, halves, report };
+  const end = begin + 2 * halves.length;
+  const rayShare = report.has_ray_share ? new Uint16Array(buffer, end, report.width * report.height) : null;
+  return { width: report.width, height: report.height, halves, rayShare, report };
 }
 
 async function ask(what, options) {
@@ -190,8 +192,27 @@ function cocPerInverse() {
   return lens.focalLength / lens.fNumber * frame.film_distance_mm / 1000 / frame.pixel_pitch_mm;
 }
 const inverseFocus = () => lens.focus === Infinity ? 0 : 1 / lens.focus;
-const modes = ["picture", "in_focus", "coc", "depth", "id", "brightness"];
+const modes = ["picture", "in_focus", "coc", "depth", "id", "brightness", "unsure", "noise"];
 const needsDepths = (mode) => ["in_focus", "coc", "depth", "id"].includes(mode);
+
+/** What "unsure" and "noise" draw, 0 to 1 a pixel: the share of rays, on a square root's scale; the noise of the views
+    from 60 dB (0) to 30 dB (1). Both are known of pictures by auto with the scene. */
+function shares(mode) {
+  const { width, height, rayShare, report } = shown, out = new Float32Array(width * height);
+  if (mode === "unsure" && rayShare) for (let k = 0; k < out.length; ++k) out[k] = Math.sqrt(floatOf(rayShare[k]));
+  if (mode === "noise" && report.tiles) {
+    const { edge_px: edge, columns, noise_mse: noise } = report.tiles;
+    const levels = noise.map((mse) => Math.min(1, Math.max(0, (60 + 10 * Math.log10(Math.max(mse, 1e-9))) / 30)));
+    for (let y = 0, k = 0; y < height; ++y)
+      for (let x = 0; x < width; ++x, ++k) out[k] = levels[Math.floor(y / edge) * columns + Math.floor(x / edge)];
+  }
+  return out;
+}
+let sharesOf = {};  // of which picture and mode `values` are
+function sharesNow(mode) {
+  if (sharesOf.picture !== shown || sharesOf.mode !== mode) sharesOf = { picture: shown, mode, values: shares(mode) };
+  return sharesOf;
+}
 const sharpPx = 1.5;  // a circle no wider than this is drawn as in focus
 
 // ---- Drawing --------------------------------------------------------------------------------------------------------
@@ -212,7 +233,7 @@ const vec2 corners[3] = vec2[](vec2(-1, -1), vec2(3, -1), vec2(-1, 3));
 void main() { gl_Position = vec4(corners[gl_VertexID], 0, 1); }`;
 const fragmentShader = `#version 300 es
 precision highp float; precision highp int; precision highp usampler2D;
-uniform sampler2D now, before, inverse; uniform usampler2D ids;
+uniform sampler2D now, before, inverse, shares; uniform usampler2D ids;
 uniform vec2 window, origin; uniform float scale, gain, wipe, coc_scale, focus, nearest; uniform int mode; uniform bool has_before;
 out vec4 colour;
 vec3 heat(float t) { t = clamp(t, 0.0, 1.0);
@@ -232,6 +253,7 @@ void main() {
   else if (mode == 4) { uint id = texelFetch(ids, p, 0).r; uint h = (id + 1u) * 2654435761u;
     c = id == 0u ? vec3(0) : vec3(h & 255u, (h >> 8) & 255u, (h >> 16) & 255u) / 255.0; }
   else if (mode == 5) { float l = dot(c, vec3(0.2126, 0.7152, 0.0722)); c = l <= 0.0 ? vec3(0) : heat((log2(l) + 8.0) / 12.0); }
+  else if (mode >= 6) { float t = texelFetch(shares, p, 0).r; c = mix(vec3(0.5 * dot(srgb(c), vec3(0.3333))), heat(t), t > 0.0 ? 0.75 : 0.0); }
   else c = srgb(c);
   colour = vec4(c, 1);
 }`;
@@ -251,7 +273,7 @@ class GlPainter {
     gl.useProgram(program);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     this.at = (name) => gl.getUniformLocation(program, name);
-    this.textures = ["now", "before", "inverse", "ids"].map((name, unit) => {
+    this.textures = ["now", "before", "inverse", "ids", "shares"].map((name, unit) => {
       const texture = gl.createTexture();
       gl.activeTexture(gl.TEXTURE0 + unit);
       gl.bindTexture(gl.TEXTURE_2D, texture);
@@ -260,6 +282,7 @@ class GlPainter {
       return { name, held: undefined };
     });
     this.hold(2, null, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16F, 1, 1, 0, gl.RED, gl.HALF_FLOAT, new Uint16Array(1)));
+    this.hold(4, null, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, 1, 1, 0, gl.RED, gl.FLOAT, new Float32Array(1)));
     this.hold(3, null, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32UI, 1, 1, 0, gl.RED_INTEGER, gl.UNSIGNED_INT, new Uint32Array(1)));
   }
   hold(unit, what, upload) {
@@ -282,6 +305,10 @@ class GlPainter {
       const { width, height } = frame;
       this.hold(2, depths, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16F, width, height, 0, gl.RED, gl.HALF_FLOAT, depths.inverse));
       this.hold(3, depths, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32UI, width, height, 0, gl.RED_INTEGER, gl.UNSIGNED_INT, depths.ids));
+    }
+    if (s.mode >= 6) {
+      const now = sharesNow(modes[s.mode]);
+      this.hold(4, now, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, shown.width, shown.height, 0, gl.RED, gl.FLOAT, now.values));
     }
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.uniform2f(this.at("window"), canvas.width, canvas.height);
@@ -314,6 +341,10 @@ class PlainPainter {
           else if (s.mode === 3) c = heat(z / s.nearest);
           else if (s.mode === 4) { const h2 = Math.imul((depths?.ids[k] ?? 0) + 1, 2654435761) >>> 0; c = [h2 & 255, (h2 >> 8) & 255, (h2 >> 16) & 255].map((v) => v / 255); }
           else if (s.mode === 5) c = light <= 0 ? [0, 0, 0] : heat((Math.log2(light) + 8) / 12);
+          else if (s.mode >= 6) {
+            const t = sharesNow(modes[s.mode]).values[k], grey = 0.5 * (srgb(rgb[0]) + srgb(rgb[1]) + srgb(rgb[2])) / 3;
+            c = heat(t).map((v) => t > 0 ? 0.25 * grey + 0.75 * v : grey);
+          }
           else c = rgb.map(srgb);
         }
         for (let i = 0; i < 3; ++i) out[o + i] = 255 * c[i] + 0.5;
@@ -487,6 +518,8 @@ async function showMode() {
       say(error.message, true);
     }
   }
+  if (["unsure", "noise"].includes($("show").value) && !shown?.report.tiles && !refining)
+    say("known of pictures by auto, with the scene: postlens view FRAME SCENE", true);
   drawSoon();
 }
 

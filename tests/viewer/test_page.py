@@ -158,7 +158,7 @@ def test_wipe_and_exposure(page):
 
 def test_what_is_shown(page):
     seen = []
-    for mode in ("picture", "in_focus", "coc", "depth", "id", "brightness"):
+    for mode in ("picture", "in_focus", "coc", "depth", "id", "brightness", "unsure", "noise"):
         Select(page.find_element(By.ID, "show")).select_by_value(mode)
         time.sleep(0.5)
         seen.append(tuple(pixels(page)))
