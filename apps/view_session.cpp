@@ -78,9 +78,9 @@ ViewReply picture_reply(const ParsedCommand& command) {
 /// What the page may ask `focus` and `shoot` for. Nothing that names a file.
 const std::set<std::string_view>& picture_options() {
     static const std::set<std::string_view> names{
-        "f-number",  "focus",      "focal-length",  "framing",         "impulse",   "squeeze", "cats-eye",
-        "spherical", "method",     "views",         "depths",          "target-db", "crop",    "shutter",
-        "exposure",  "film-width", "film-distance", "metres-per-unit", "z"};
+        "f-number", "focus",     "focus-at",   "focal-length",  "framing",         "impulse",   "squeeze",
+        "cats-eye", "spherical", "method",     "views",         "depths",          "target-db", "crop",
+        "shutter",  "exposure",  "film-width", "film-distance", "metres-per-unit", "z"};
     return names;
 }
 

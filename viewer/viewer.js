@@ -433,7 +433,10 @@ async function tellPixel(at) {
 async function focusAt(at) {
   try {
     if (!frame.records_kept) {
-      say("a click needs records: this picture has none", true);
+      // The picture's own depth there: what focusing a single pixel on itself comes to.
+      const { focus: _, ...options } = lensOptions(), corner = at.map(Math.floor);
+      const one = await askPicture("picture", { ...options, "focus-at": at.map((v) => v.toFixed(2)).join(","), crop: [...corner, 1, 1].join(",") });
+      if (one) change({ focus: one.report.focus_m === null ? Infinity : Number(one.report.focus_m.toPrecision(4)) });
       return;
     }
     const answer = await ask("pixel", pixelOptions(at));

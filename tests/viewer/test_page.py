@@ -227,6 +227,13 @@ def test_another_programs_picture(tmp_path, frame):
         driver.find_element(By.TAG_NAME, "body").send_keys("[")
         wait(driver)
         assert driver.execute_script("return postlens.state().shown.report.method") == "layers"
+        click(driver, 120, 70)
+        until(lambda: lens(driver)["focus"] != 2)
+        wait(driver)
+        near = lens(driver)["focus"]
+        click(driver, 30, 120)
+        until(lambda: lens(driver)["focus"] != near)
+        assert lens(driver)["focus"] > near
     finally:
         driver.quit()
         assert made.close() == 0
