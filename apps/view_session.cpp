@@ -201,10 +201,18 @@ ViewReply ViewSession::rays(const ViewParameters& parameters) {
             check_value(name, value);
             words.push_back(option(name, value));
         }
-        words.push_back(option(
-            "size", fmt::format("{}x{}", info_.json["width"].get<int>(), info_.json["height"].get<int>())));
-        if (!parameters.contains("shutter") && info_.json.contains("time_s"))
-            words.push_back(option("time", fmt::format("{}", info_.json["time_s"].get<double>())));
+        // The frame's own view, whatever the scene's camera says.
+        const Json& frame = info_.json;
+        const int width = frame["width"].get<int>();
+        words.push_back(option("size", fmt::format("{}x{}", width, frame["height"].get<int>())));
+        if (frame.value("projection", "") == "perspective") {
+            words.push_back(
+                option("film-width", fmt::format("{}", width * frame["pixel_pitch_mm"].get<double>())));
+            words.push_back(
+                option("film-distance", fmt::format("{}", frame["film_distance_mm"].get<double>())));
+        }
+        if (!parameters.contains("shutter") && frame.contains("time_s"))
+            words.push_back(option("time", fmt::format("{}", frame["time_s"].get<double>())));
         return picture_reply(parse_command_line(words, {.pictures_stay = true}));
     });
 }

@@ -102,6 +102,23 @@ def test_wrong_questions_get_one_line(viewer, query):
     assert not os.path.exists("/tmp/x.exr") and not os.path.exists("/tmp/x.png")
 
 
+def test_rays_show_what_the_frame_shows(frame, tmp_path):
+    """Also where the frame was traced with another film than the scene's camera has."""
+    narrow = tmp_path / "narrow.exr"
+    subprocess.run([PROGRAM, "trace", SCENE, "-o", narrow, "--size", "120x68", "--film-width", "18", "--quiet"], check=True)
+    made = Viewer(str(narrow), SCENE)
+    means = []
+    for what in ("rays?spp=64&f-number=22&focus=10", "picture?method=lightfield&views=16&f-number=22&focus=10"):
+        answer, body = get(made, made.path + what)
+        assert answer.status == 200
+        length = struct.unpack_from("<I", body)[0]
+        begin = (4 + length + 3) // 4 * 4
+        means.append(struct.unpack_from(f"<{120 * 68 * 3}e", body, begin))
+    assert made.close() == 0
+    # Twice the film would show a board of half the size: a mean difference of some 0.2.
+    assert sum(abs(a - b) for a, b in zip(*means)) / len(means[0]) < 0.03
+
+
 def test_pixels(viewer):
     _, body = get(viewer, viewer.path + "pixel?x=120&y=70&f-number=2&focus=5")
     nodes = json.loads(body)["nodes"]
