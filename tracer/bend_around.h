@@ -1,5 +1,4 @@
-// W.bend of a node as the same chain has it in point samples around, where it is so little that it need not
-// be measured.
+// Takes W.bend of a node from the samples around it where it is small there, which saves measuring it.
 #pragma once
 
 #include <array>
@@ -11,10 +10,10 @@
 
 namespace postlens {
 
-/// Records of four point samples, each as TracedSamples has them.
+/// Records of four point samples, laid out as in TracedSamples.
 using SamplesAround = std::array<std::span<const Record>, 4>;
 
-/// What is asked about: a node seen behind bounces at `ids`, the eye's first.
+/// The node in question and the ids of the objects at which its path bounces, from the eye on.
 struct ChainNode {
     NodePath path;
     std::uint32_t id = 0;
@@ -22,10 +21,10 @@ struct ChainNode {
     std::span<const std::uint32_t> ids;  ///< as many as `path` has bounces
 };
 
-/// The greatest W.bend of the nodes around that are seen by the same path in the same objects, 1/m^2. None
-/// where that does not tell what it is here: a sample has no such node, or none shows the same object, or it
-/// is more than `little` and not about the same all around: of the same object in all four samples, within a
-/// factor of two.
+/// Largest W.bend of the nodes in the four samples that have the same path by the same objects, 1/m^2. Empty
+/// if it may differ at the node in question, which is if a sample has no such node, if none of them lies on
+/// the same object, or if the value exceeds `little` and is not about equal all around (the same object in
+/// all four, values within a factor of two).
 [[nodiscard]] std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node,
                                                float little);
 

@@ -1,5 +1,5 @@
-// Where on the film what was recorded at one instant lies at others: every recorded point moves with its own
-// id, seen by the camera of that instant.
+// Predicts where a point recorded at one instant appears on the film at other instants: the point moves with
+// the object that its id names, and the camera moves as well.
 #pragma once
 
 #include <cstdint>
@@ -16,28 +16,28 @@ namespace postlens {
 
 class FilmMotion {
   public:
-    /// `from_s`: the instant of the records; `instants_s`: those that are asked about. `camera` must be the
-    /// one that `motion` was made of.
+    /// `from_s`: the instant of the records. `instants_s`: the instants to predict for. `camera` must be the
+    /// camera from which `motion` was made.
     FilmMotion(const SceneMotion& motion, const Camera& camera, const CameraOverrides& overrides,
                double from_s, std::span<const double> instants_s);
 
     [[nodiscard]] std::size_t instants() const { return cameras_.size(); }
-    /// Raster position, px, at instant number i of what id shows at `point` (world, m) at `from_s`; nothing
-    /// where that is not in front of the camera.
+    /// Raster position, px, at instant i, of the point of object `id` that is at `point` (world, m) at
+    /// `from_s`. Empty if it is then behind the camera.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// The same of a ray that hit nothing. An orthographic camera sees nothing always at the ray's own place,
-    /// `at`.
+    /// The same for a ray that hit nothing, that is for a point at infinity. With an orthographic camera the
+    /// result is the ray's own position `at`.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
-    /// Whether some id or the camera is elsewhere at one of the instants.
+    /// True if an object or the camera is at another place at one of the instants.
     [[nodiscard]] bool anything_moves() const { return camera_moves_ || !moving_.empty(); }
     [[nodiscard]] bool moves(std::uint32_t id) const { return moving_.contains(id); }
-    /// Whether the camera's motion separates near from far, as every motion does but a turn about the
-    /// pinhole.
+    /// True if the camera's motion causes parallax between near and far points, which every motion does
+    /// except a rotation about the pinhole.
     [[nodiscard]] bool parallax() const { return parallax_; }
-    /// False where a ray surely meets none of the moving ids behind distance t, m.
+    /// False only if the ray cannot hit a moving object beyond distance t, m.
     [[nodiscard]] bool may_meet_moving(const glm::dvec3& origin, const glm::dvec3& direction, double t) const;
 
   private:
@@ -46,18 +46,18 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// Per moving id, per instant: the point at that instant from the point at `from_s`.
+    /// Per moving id and instant: maps a point at `from_s` to its position at that instant.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< around the moving ids at `from_s`
     bool camera_moves_ = false, parallax_ = false;
 };
 
-/// The instants at which motion over a shutter is looked at: nine, evenly spread with both ends, and
-/// `recorded_s`; growing.
+/// The instants at which motion during a shutter interval is sampled, in ascending order: nine evenly spaced
+/// ones including both ends, and `recorded_s`.
 [[nodiscard]] std::vector<double> looked_at_instants(double open_s, double close_s,
                                                      std::span<const double> recorded_s);
 
-/// Instant number i of `count` (2 or more) that are spread evenly from open to close, both included.
+/// Instant i of `count` (at least 2) instants spaced evenly from open to close, both included.
 [[nodiscard]] double even_instant(double open_s, double close_s, int i, int count);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// What lies behind what an eye ray meets: the surfaces that the ray would enter one after the other if
-// nothing stopped it, for lenses that look past an edge and shutters that see what moves away.
+// Hidden surfaces: what an eye ray would hit next if it passed through its first hit. A wide lens sees them
+// past edges, an open shutter once the object in front has moved away.
 #pragma once
 
 #include <cstdint>
@@ -14,53 +14,53 @@
 
 namespace postlens {
 
-/// Which hidden surfaces are wanted.
+/// Which hidden surfaces find_hidden_surfaces returns.
 struct HiddenLayers {
     static constexpr int most = 16;
-    /// With `motion`: each is shaded like the visible one, and what four things that pass before each other
-    /// hide is more than pictures show.
+    /// Limit with `motion`. Each hidden surface costs as much shading as a visible one, and images seldom
+    /// reveal more than four on one ray.
     static constexpr int most_uncovered = 4;
-    /// With `lens` and without `motion`: a lens looks behind an edge less far than things move.
+    /// Limit with `lens` alone: a lens sees less far behind an edge than objects move.
     static constexpr int most_seen_past = 3;
 
-    int count = 0;  ///< the first so many, 0 to `most`; counted whether wanted or not
-    /// Not null: of these at most `most_uncovered`, and only what may come to light: a surface that every
-    /// surface before it moves away from on the film, by more than a quarter of a pixel at some instant.
+    int count = 0;  ///< number of surfaces looked at behind the first hit, 0 to `most`
+    /// Not null: returns only surfaces that motion may reveal, at most `most_uncovered`: at some instant,
+    /// every surface in front has moved away from it on the film by more than a quarter of a pixel.
     const FilmMotion* motion = nullptr;
-    /// Not null: of these also, or only, what some point of a lens may see; and inside what mirrors and glass
-    /// show likewise.
+    /// Not null: returns surfaces that some lens point may see (in addition to those of `motion`), behind
+    /// reflections and refractions as well.
     const LensReach* lens = nullptr;
 
     [[nodiscard]] bool all() const { return motion == nullptr && lens == nullptr; }
 };
 
-/// An eye ray, or one that a mirror or glass sends on, and the first thing it met.
+/// An eye ray, or a ray reflected or refracted on its way, and its first hit.
 struct FirstHit {
     glm::dvec3 origin{0}, direction{0};  ///< direction of unit length
     double cos_axis = 1;                 ///< between the eye ray and the optical axis
     glm::dvec2 at{0};                    ///< raster, px
-    HitKey key;                          ///< `none`: it met nothing
+    HitKey key;                          ///< `none`: the ray hit nothing
     SurfacePoint surface;
-    NodePath path;                   ///< of what is met; behind a bounce only `HiddenLayers::lens` counts
-    std::uint32_t parent = 0;        ///< id of the object where the last bounce was; 0 for none
-    RayDifferentials differentials;  ///< at the origin; of rays behind a bounce only
+    NodePath path;                   ///< of the hit; after a bounce only `HiddenLayers::lens` applies
+    std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0: none
+    RayDifferentials differentials;  ///< at the origin; only set after a bounce
 
-    /// Of what lies on the ray infinitely far away, 1/m, as LensReach counts.
+    /// Inverse depth (LensReach) of a point on the ray at infinite distance, 1/m.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 
-/// A surface behind others, or the nothing behind all.
+/// A hidden surface, or the end of the ray behind the last one.
 struct HiddenHit {
     std::uint32_t ray = 0;    ///< index into the first hits
-    std::uint32_t layer = 0;  ///< how many surfaces are before it
-    HitKey key;               ///< `none`: nothing more is there
-    SurfacePoint surface;     ///< as the ray meets it: t from its origin
+    std::uint32_t layer = 0;  ///< number of surfaces in front of it
+    HitKey key;               ///< `none`: the ray hits nothing more
+    SurfacePoint surface;     ///< t is measured from the ray's origin
 };
 
-/// The hidden surfaces of every ray, each ray's by growing layer. Where a ray leaves an object that it has
-/// entered is no surface, unless the object is flat. A ray whose last layer is nothing has that recorded
-/// once, and none where it met nothing at all. Adds the rays traced to `rays_spent`. Thread-safe;
-/// deterministic.
+/// Appends the hidden surfaces of every ray, sorted by layer within a ray. The point where a ray leaves a
+/// closed object that it has entered does not count as a surface; every hit of a flat object does. After the
+/// last one entry with the key `none` is added, unless the ray hit nothing at all. Adds the number of rays
+/// traced to `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent);
 

@@ -1,5 +1,5 @@
-// What points of a lens see that its centre does not: how far behind the edges of what stands before them
-// hidden surfaces come to be seen.
+// Which hidden surfaces a lens can see: how far the points of a lens look behind an edge that hides a surface
+// from the lens's centre.
 #pragma once
 
 #include <cstdint>
@@ -16,47 +16,49 @@
 
 namespace postlens {
 
-/// Inverse depths are 1/z' of what is seen directly; of what mirrors and glass show they are half the trace
-/// of W. Over a lens of radius R two surfaces part by gain R |1/z1 - 1/z2| px, wherever it is focused, so the
-/// farther one is seen behind an edge of the nearer one for so many px at most.
+/// Decides from depths whether some point of a lens may see a hidden surface. The inverse depth of a node is
+/// half the trace of W, which is 1/z' for surfaces seen directly. From the rim of a lens of radius R, two
+/// surfaces are displaced against each other by gain R |1/z1 - 1/z2| px, whatever the focus distance; that is
+/// how wide a strip of the farther one can appear behind an edge of the nearer one.
 class LensReach {
   public:
-    /// Over a lens's radius; less shows as nothing in a pixel's mean of at least four corners.
+    /// Surfaces displaced by less than this count as one: a pixel is the mean of at least four corners, in
+    /// which such a strip does not show.
     static constexpr double same_place_px = 0.25;
-    /// Edges are known to a pixel's diagonal, and what comes to light is wanted up to the far corners of the
-    /// last pixel that it is seen in.
+    /// Added to the width of the strip: an edge is known to within the diagonal of a pixel, and the surface
+    /// is needed up to the far corners of the last pixel that shows it.
     static constexpr double margin_px = 2.5;
-    /// An edge is where something lies behind its neighbours by so many px over the lens's radius, per px of
-    /// distance. A plane would have to lean so that its tangent is z' / (8 R): no lens looks behind that.
+    /// Least change of displacement per pixel that counts as an edge, px/px. A single plane reaches it only
+    /// where it is so steep that no lens point looks behind it (slope z' / (8 R)).
     static constexpr double edge_slope = 0.125;
-    /// What deeper chains show is not peeled: their nodes are faint, and there are many kinds.
+    /// Nodes after more bounces have no hidden surfaces recorded: they are faint, and there are many of them.
     static constexpr int most_bounces = 2;
 
-    /// Looks at the picture from the pinhole, one ray a pixel, around whole coordinates [x_begin, x_end) x
-    /// [y_begin, y_end); outside nothing is known. `aperture_radius_m` > 0, perspective cameras only.
-    /// `max_depth` as of the trace that asks. The same for any number of threads.
+    /// Traces one ray per pixel of [x_begin, x_end) x [y_begin, y_end) from the pinhole to find depths and
+    /// edges; outside this window no edge is known. Requires `aperture_radius_m` > 0 and a perspective
+    /// camera. `max_depth`: as in the trace that uses it. Deterministic for any number of threads.
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               int x_begin, int x_end, int y_begin, int y_end);
 
-    /// What one ray has met so far, all of it in one picture: the surfaces at the ends of rays with the same
-    /// path that come from the same object.
+    /// The surfaces that one ray has passed so far. They belong to one view of the scene: rays with the same
+    /// path whose last bounce is at the same object.
     struct Covers {
         glm::dvec2 at{0};          ///< raster, px
-        NodePath path;             ///< 0: what the eye ray meets
-        std::uint32_t parent = 0;  ///< id of the object where the last bounce was; 0 for none
-        double nearest = 0;        ///< inverse depth of the first, 1/m
-        double farthest = 0;       ///< of the one farthest away
-        double limit = 0;  ///< of what lies on the ray infinitely far away; not 0 behind curved mirrors
+        NodePath path;             ///< empty: hits of the eye ray
+        std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0: none
+        double nearest = 0;        ///< inverse depth of the first surface, 1/m
+        double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
+        double limit = 0;  ///< inverse depth at infinite distance on the ray; not 0 after curved mirrors
     };
-    /// Whether some point of the lens may see what lies on the ray behind all the covers at inverse depth
-    /// `behind`. Errs on the side of yes.
+    /// True if some lens point may see a surface on this ray, behind all covers, at inverse depth `behind`.
+    /// May be true where none does, never the reverse.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
-    /// The same of anything at all that is farther away.
+    /// True if some lens point may see a surface behind all covers at any greater distance.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
 
-    /// Half the trace of W, 1/m.
+    /// Half the trace of W, 1/m: the mean of the two inverse depths of the image.
     [[nodiscard]] static double inverse_depth(const Mat2& w) {
         return (static_cast<double>(w.xx) + static_cast<double>(w.yy)) / 2;
     }
@@ -74,7 +76,7 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_;
-    double px_per_inverse_m_;  ///< gain R: how far a lens's rim parts surfaces, px m
+    double px_per_inverse_m_;  ///< gain R: displacement at the rim per difference of inverse depths, px m
     std::map<View, MinMaxPyramid> views_;
 };
 

@@ -1,6 +1,6 @@
-// A scene ready for rays, at one instant or over the time that a shutter is open: Embree finds what is hit,
-// in float; the hit itself is then solved again in double, so that normals, mirrors and ray differentials are
-// exact at any scale.
+// A scene prepared for ray tracing, at one instant or for a shutter interval. Embree finds the primitive that
+// a ray hits, in single precision; the hit point is then computed again in double precision, so that normals,
+// reflections and ray differentials are exact at any scale.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace postlens {
 
-/// When a shutter opens and closes, s; a ray's `time` is its share of the way from one to the other.
+/// Shutter interval, s. The `time` of a ray is 0 at its beginning and 1 at its end.
 struct TimeSpan {
     double open_s = 0, close_s = 0;
     [[nodiscard]] double at(double share) const { return open_s + share * (close_s - open_s); }
 };
 
-/// Which primitive was hit. A ray that starts on a surface carries it, so that it does not hit the same point
-/// again.
+/// Identifies the primitive that was hit. A ray that leaves a surface carries the key of that surface, so
+/// that it does not hit the surface again where it starts.
 struct HitKey {
     static constexpr std::uint32_t none = 0xFFFFFFFFU;
     std::uint32_t geometry = none, primitive = none, instance = none;
@@ -29,7 +29,7 @@ struct HitKey {
     [[nodiscard]] bool valid() const { return geometry != none; }
 };
 
-/// A batch of rays, structure of arrays, in groups of 16 that should lie close together.
+/// A batch of rays as a structure of arrays. Each group of 16 is traced together and should be coherent.
 class RayBatch {
   public:
     static constexpr int group = 16;
@@ -45,7 +45,7 @@ class RayBatch {
     // Results of `occlude`: what share of the light passes, per channel.
     std::vector<glm::dvec3> transmittance;
 
-    /// What ray i hit; `none` where nothing was.
+    /// Key of the hit of ray i; `none` if it hit nothing.
     [[nodiscard]] HitKey hit(std::size_t i) const {
         return {hit_geometry[i], hit_primitive[i], hit_instance[i]};
     }
@@ -55,7 +55,7 @@ class RayBatch {
         has_sources = with_sources;
         has_times = with_times;
     }
-    /// Makes room for 16 more rays and returns the index of the first, for a caller that fills the arrays.
+    /// Appends 16 rays, whose arrays the caller fills, and returns the index of the first.
     std::size_t add_group() {
         const auto first = static_cast<std::size_t>(count);
         while (first + group > ox.size()) grow();
@@ -65,7 +65,8 @@ class RayBatch {
     void add(const glm::dvec3& o, const glm::dvec3& d, float far, const HitKey& from = {}, float at = 0) {
         const auto i = static_cast<std::size_t>(count);
         if (i == ox.size()) grow();
-        // All seven converted before any is stored: a store might otherwise change where the next array lies.
+        // All seven are converted before the first store: the compiler must assume that a store of a float
+        // changes the pointers of the other arrays, and would load them again.
         const auto o0 = static_cast<float>(o.x), o1 = static_cast<float>(o.y), o2 = static_cast<float>(o.z);
         const auto d0 = static_cast<float>(d.x), d1 = static_cast<float>(d.y), d2 = static_cast<float>(d.z);
         float *to_ox = ox.data() + i, *to_oy = oy.data() + i, *to_oz = oz.data() + i;
@@ -83,7 +84,7 @@ class RayBatch {
     void grow();
 };
 
-/// The surface at a hit, in world space.
+/// The surface at a hit point, in world space.
 struct SurfacePoint {
     double t = 0;  ///< distance along the (unit) ray, m
     glm::dvec3 position{0};
@@ -101,8 +102,8 @@ class RayScene {
     /// The scene at one instant. Keeps a reference to `scene`. Throws Error(interrupted) when the user
     /// interrupts the build.
     RayScene(const Scene& scene, double time_s);
-    /// The scene while a shutter is open, every ray at its own instant. Shapes with a formula move by their
-    /// true transforms; meshes go linearly from step to step, with as many steps as `accuracy` asks for.
+    /// The scene during a shutter interval; every ray has its own instant. Analytic shapes follow their exact
+    /// transforms. Meshes move linearly between steps; `accuracy` determines how many steps there are.
     RayScene(const Scene& scene, const TimeSpan& span, const MotionAccuracy& accuracy);
     ~RayScene();
     RayScene(const RayScene&) = delete;
@@ -110,37 +111,37 @@ class RayScene {
     RayScene(RayScene&&) = delete;
     RayScene& operator=(RayScene&&) = delete;
 
-    /// Nearest hit of every ray. `coherent`: the rays of a group run nearly side by side.
+    /// Finds the nearest hit of every ray. `coherent`: the rays of each group are nearly parallel.
     void intersect(RayBatch& rays, bool coherent) const;
-    /// What share of light passes each ray's segment: opaque surfaces stop it, transmitting ones colour it
-    /// once per crossing (Whitted's straight shadow rays).
+    /// Finds the share of light that passes along each ray's segment. Opaque surfaces block it; transmitting
+    /// ones multiply it by their colour at each crossing (straight shadow rays as in [whitted1980]).
     void occlude(RayBatch& rays) const;
-    /// The hit solved in double for the ray o + t d, |d| = 1, near the t that `intersect` found.
-    /// `time`: the ray's share of the time span.
+    /// Computes the hit of the ray o + t d, |d| = 1, in double precision, starting from the t that
+    /// `intersect` found. `time`: of the ray, 0 to 1.
     [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t,
                                        double time = 0) const;
-    /// Of the same hit only the object and where its textures are looked up (and the distance): cheaper.
+    /// Computes only the object, texture position and distance of the hit, which is cheaper.
     [[nodiscard]] SurfacePoint texture_point(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,
                                              double t, double time = 0) const;
-    /// The object of that hit, index into Scene::objects.
+    /// The object that was hit, as an index into Scene::objects.
     [[nodiscard]] std::uint32_t object(const HitKey& key) const;
-    /// How the outward unit normal of that hit changes: d(normal) = shape_operator * d(position), 1/m. Only
-    /// for what does not move.
+    /// Derivative of the outward unit normal at the hit: d(normal) = shape_operator * d(position), 1/m. Only
+    /// for objects that do not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
-    /// How far to move a ray's origin off a surface at `p`, m: above float's rounding there, far below all
-    /// else.
+    /// Distance by which to move a ray's origin off a surface at `p`, m: just above the rounding error of
+    /// single precision there, far below the size of any object.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;
-    /// The instant that this is the scene of; for a time span, its beginning.
+    /// The instant of this scene, s; of a shutter interval its beginning.
     [[nodiscard]] double time_s() const;
     [[nodiscard]] const TimeSpan& span() const;
-    /// Whether any object moves during the time span.
+    /// True if an object moves during the shutter interval.
     [[nodiscard]] bool moves() const;
-    /// How far the steps of moving meshes stray from the true motion, px; above the tolerance where even the
-    /// most steps do not suffice.
+    /// Largest deviation of moving meshes, with their linear steps, from their true motion, px. It exceeds
+    /// the tolerance if even the greatest number of steps is too small.
     [[nodiscard]] double motion_error_px() const;
-    /// Embree's own handle, for benchmarks that compare with a bare loop (RTCScene).
+    /// Embree's handle (RTCScene), for benchmarks that compare with a plain loop.
     [[nodiscard]] void* native_handle() const;
 
   private:

@@ -1,5 +1,5 @@
-// How far W errs: what mirrors and glass show moves with the lens point q by -W q only to first order. The
-// second order is measured against exact rays from the rim of a lens.
+// Measures the error of W. The image of a node behind mirrors and glass moves by -W q for a lens point q only
+// to first order; the second-order error is measured with exact rays from the rim of a lens.
 #pragma once
 
 #include <array>
@@ -15,13 +15,13 @@
 
 namespace postlens {
 
-/// Where a chain of rays was bounced so far.
+/// The objects at which a path has bounced so far.
 struct Bounces {
     std::array<std::uint32_t, NodePath::max_bounces> object{};  ///< index into Scene::objects, per bounce
     bool flat = true;  ///< all are reflections at flat surfaces: W is exact
 };
 
-/// A node behind a bounce, and what a ray from another point of the lens must meet to see the same.
+/// A node after at least one bounce, and the target that a ray from another lens point must reach.
 struct BentNode {
     std::uint32_t node = 0;  ///< for the caller
     NodePath path;
@@ -31,19 +31,22 @@ struct BentNode {
     glm::dvec3 target{0};      ///< where the chain ends, world
     glm::dvec3 direction{0};   ///< the chain's last, of unit length
     glm::dvec2 tangent{0};     ///< of the eye ray, raster axes
-    /// Of the target by the tangent of the eye ray, world.
+    /// Derivative of the target by the tangent of the eye ray, world.
     std::array<glm::dvec3, 2> by_tangent{};
     Mat2 w;
 };
 
-/// W.bend of each node, 1/m^2: the largest departure of the tangent of the ray that sees the target from
-/// p - W q, over |q|^2, among four lens points q at `radius_m` on the raster axes; two of them, at right
-/// angles, where it is under 0.05 px for both. The rays are followed through the same chain of objects up to
-/// the last bounce and found by Newton's method with the derivatives at the pinhole; what five steps leave
-/// unsettled is added. Infinity where that does not converge or a chain ends by total reflection. Rays that
-/// something else stands in the way of, or that pass beyond an outline, do not count, unless all four do:
-/// then it is infinity as well. Nor does what stands between the last bounce and the target. Rounded to what
-/// a half float holds. Adds the rays traced to `rays_spent`. Thread-safe; deterministic.
+/// W.bend of each node, 1/m^2. For a lens point q, let e be the difference between the tangent of the ray
+/// that reaches the target and its first-order prediction p - W q; the result is the largest |e| / |q|^2.
+///
+/// Lens points: four at `radius_m` on the raster axes; only two at right angles if both have an error below
+/// 0.05 px. The ray from a lens point is found by Newton's method, with the derivatives at the pinhole, along
+/// the same sequence of objects up to the last bounce; the residual after five steps is added to the error.
+/// Infinity if this does not converge or ends in total internal reflection. A lens point whose ray is
+/// blocked, or passes the outline of an object, is skipped; if all four are, the result is infinity.
+/// Occlusion between the last bounce and the target is ignored.
+///
+/// Rounded to half precision. Adds the number of rays traced to `rays_spent`. Thread-safe and deterministic.
 void measure_bends(const RayScene& scene, const CameraModel& camera, double radius_m,
                    std::span<const BentNode> nodes, std::vector<float>& out, std::uint64_t& rays_spent);
 

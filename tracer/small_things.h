@@ -1,5 +1,6 @@
-// Things so narrow on the film that the corners of pixels may miss them: hairs, wires, distant lamps. The
-// scene knows where they are, so cells there are divided until a corner must hit them.
+// Objects so narrow on the film that all corners of pixels may miss them, such as hairs, wires and distant
+// lamps. Their positions are known from the scene, so cells there are subdivided until a corner must hit
+// them.
 #pragma once
 
 #include <array>
@@ -13,51 +14,52 @@
 
 namespace postlens {
 
-/// What is seen directly of them; mirrors and glass may show others. Planes and meshes that are wider
-/// somewhere are not among them.
+/// Narrow objects that are seen directly, not in reflections or refractions. Planes, and meshes with a wide
+/// part, are not included.
 class SmallThings {
   public:
-    /// Wider than this, px, the corners of undivided pixels hit a thing.
+    /// Objects wider than this are hit by the corners of undivided pixels, px.
     static constexpr double widest_px = 1.5;
-    /// Cells are at most this share of a thing's width, so that a corner hits it wherever it lies ...
+    /// Largest cell near a narrow object, as a share of its width: small enough that a corner hits it
+    /// wherever it lies.
     static constexpr double find_share = 0.5;
-    /// ... and along the outline of what is compact and brighter than white at most this: the area of a disc
-    /// d px wide is then known to 1.2 % (Kendall 1948), and so is the brightness of the blurred disc that it
-    /// becomes.
+    /// The same along the outline of compact objects brighter than white. The area of a disc is then known to
+    /// 1.2 % (Kendall 1948), and so is the brightness of its circle of confusion.
     static constexpr double bright_share = 0.0625;
-    /// Cells are divided no deeper than this.
+    /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
-    /// So many cells for every pixel of the raster are spent at most: bright things first, then the wider
+    /// Limit of the number of cells, per pixel of the raster. Bright objects are served first, then wide
     /// ones.
     static constexpr double most_cells_per_pixel = 4;
 
-    /// None at all, for who samples without a scene.
+    /// No narrow objects, for sampling without a scene.
     SmallThings() = default;
-    /// Those of the scene at an instant, around raster positions [x_begin, x_end] x [y_begin, y_end], px.
+    /// The narrow objects of the scene at an instant near raster positions [x_begin, x_end] x
+    /// [y_begin, y_end], px.
     SmallThings(const Scene& scene, const CameraModel& camera, double time_s, double x_begin, double x_end,
                 double y_begin, double y_end);
 
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
-    /// Levels of subdivision that they ask for, at most `most_levels`; 0 without any.
+    /// Levels of subdivision needed, at most `most_levels`; 0 without narrow objects.
     [[nodiscard]] int levels() const { return levels_; }
-    /// About how many cells they ask for.
+    /// Approximate number of cells needed.
     [[nodiscard]] double cells() const;
-    /// How many objects they belong to.
+    /// Number of narrow objects.
     [[nodiscard]] std::uint64_t objects() const;
-    /// Objects that are too narrow or too many to be sought.
+    /// Number of narrow objects left out because they are too narrow or too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
-    /// How large a cell may be, px.
+    /// Largest size of a cell, px.
     struct Wanted {
         double find_px;     ///< wherever it lies near a thing
         double outline_px;  ///< where its corners differ
     };
-    /// For the square of edge `size` px with its upper left at (x, y) that shows nothing farther away than
-    /// `farthest_m`.
+    /// Limits for the square of `size` px with its upper left corner at (x, y) that shows nothing farther
+    /// away than `farthest_m`.
     [[nodiscard]] Wanted wanted(double x, double y, double size, double farthest_m) const;
 
   private:
-    /// A straight piece of a thing on the film.
+    /// A straight piece of a narrow object, projected to the film.
     struct Piece {
         glm::dvec2 from{0}, to{0};  ///< its axis, px
         double width = 0;           ///< where it is narrowest, px
@@ -66,7 +68,7 @@ class SmallThings {
         double find_px = 1, outline_px = 1;
         double brightness = 0;
         std::uint32_t object = 0;
-        /// About how many cells it asks for.
+        /// Approximate number of cells needed for it.
         [[nodiscard]] double cells() const;
     };
     void add(const Object& object, std::uint32_t index, double brightness, const CameraModel& camera,

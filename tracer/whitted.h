@@ -1,5 +1,5 @@
-// Whitted's recursive ray tracing [whitted1980], breadth first over a batch of point samples: rays of one
-// generation travel in packets, and every node of every shading tree comes out as a record.
+// Whitted's recursive ray tracing [whitted1980], breadth first for a batch of point samples: all rays after
+// the same number of bounces are traced in packets. Every node of every shading tree becomes a record.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +27,8 @@ struct WhittedSettings {
     bool lit = true;  ///< false: lights are left out, as only places are asked for
 };
 
-/// Rays traced, as the SPD counts them; `hidden`: rays that go on behind a surface; `lens`: from points of a
-/// lens, which W.bend is measured by.
+/// Number of rays traced, by the categories of the Standard Procedural Databases. `hidden`: rays continued
+/// behind a surface. `lens`: rays from lens points, which measure W.bend.
 struct RayCounts {
     std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0, lens = 0;
     RayCounts& operator+=(const RayCounts& o) {
@@ -43,7 +43,8 @@ struct RayCounts {
     }
 };
 
-/// What a record's colour was found by: two of the same colour may lie on either side of a pattern.
+/// How the colour of a record came about. Two records of equal colour can still lie on both sides of an edge
+/// in a texture or of a shadow.
 struct ColourSource {
     const Texture* texture = nullptr;  ///< that most of the colour comes from; null: none
     glm::vec3 place{0};                ///< where that was looked at (Texture::place)
@@ -55,8 +56,8 @@ struct ColourSource {
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
-    /// Per record, the part of r, g, b with sampling noise: radiance from lobes, and in a penumbra the
-    /// difference from half of the unshadowed light. Empty if no record has such a part.
+    /// Per record: the part of r, g, b that has sampling noise, that is radiance from lobes and, in
+    /// penumbrae, the difference from half of the unshadowed light. Empty if no record has such a part.
     std::vector<glm::vec3> noisy;
     /// Per record; empty where the scene has neither textures nor lights.
     std::vector<ColourSource> sources;
@@ -64,8 +65,8 @@ struct TracedSamples {
 
 class WhittedTracer {
   public:
-    /// Keeps references to scene, camera and the motion that `hidden` names. A hidden surface is shaded as if
-    /// nothing stood before it; layer 0 of a sample has the same bits with and without.
+    /// Keeps references to scene, camera and the motion in `hidden`. A hidden surface is shaded as if nothing
+    /// were in front of it. Visible surfaces have the same bits with and without hidden ones.
     WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings,
                   const HiddenLayers& hidden = {});
     ~WhittedTracer();
@@ -74,20 +75,20 @@ class WhittedTracer {
     WhittedTracer(WhittedTracer&&) = delete;
     WhittedTracer& operator=(WhittedTracer&&) = delete;
 
-    /// Traces point samples at raster positions, px; groups of 16 that lie close together go fastest.
-    /// Thread-safe. `around(i)`, if given: samples that lie within a pixel of positions[i] and were traced
-    /// before. W.bend of a node is as `bend_around` tells from them, little_bend_px being little; what that
-    /// does not tell is measured.
+    /// Traces point samples at raster positions, px; fastest if groups of 16 lie close together. Thread-safe.
+    /// `around(i)`, if given, returns samples within a pixel of positions[i] that were traced before. W.bend
+    /// of a node is taken from them where `bend_around` can tell that it is small (little_bend_px), and
+    /// measured otherwise.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// At the rim of the lens of which W.bend is measured.
+    /// Error at the rim of the lens, px, below which W.bend counts as small.
     static constexpr double little_bend_px = 0.125;
 
-    /// True where some material reflects or transmits, so that nodes deeper than primary can exist.
+    /// True if a material reflects or transmits, so that there can be nodes after a bounce.
     [[nodiscard]] bool has_deeper_nodes() const;
-    /// Whether W.bend is measured.
+    /// True if W.bend is measured.
     [[nodiscard]] bool measures_bends() const;
-    /// Whether some material has a texture.
+    /// True if a material has a texture.
     [[nodiscard]] bool has_textures() const;
 
   private:
