@@ -1,4 +1,4 @@
-// The compressions of one OpenEXR chunk that sample files use: none, RLE and deflate.
+// Compression of OpenEXR chunks, for the methods that sample files use: none, RLE and deflate.
 #pragma once
 
 #include <cstddef>
@@ -18,11 +18,12 @@ using ByteView = std::span<const std::uint8_t>;
 /// Values of OpenEXR's `compression` attribute.
 enum class ChunkCompression : std::uint8_t { none = 0, rle = 1, zips = 2, zip = 3 };
 
-/// Scanlines that share a chunk: 16 for zip, else 1.
+/// Number of scanlines per chunk: 16 for zip, else 1.
 [[nodiscard]] int rows_per_chunk(ChunkCompression compression);
 
-/// Compresses and expands chunks as OpenEXR does: bytes at even and odd places apart, differences of
-/// neighbours, then run lengths or a zlib stream. Keeps scratch memory: one codec per thread.
+/// Compresses and expands chunks as OpenEXR does: separates bytes at even and odd positions, takes
+/// differences of neighbours, then encodes run lengths or a zlib stream. Has its own scratch memory, so each
+/// thread needs one.
 class ChunkCodec {
   public:
     ChunkCodec();
@@ -32,11 +33,11 @@ class ChunkCodec {
     ChunkCodec(ChunkCodec&&) = delete;
     ChunkCodec& operator=(ChunkCodec&&) = delete;
 
-    /// The packed form, held in `packed`; `raw` itself where packing does not make it smaller, which is how
-    /// OpenEXR marks an unpacked chunk.
+    /// Returns the compressed chunk, which is kept in `packed`; or `raw` itself if compression does not make
+    /// it smaller, since OpenEXR recognises an uncompressed chunk by its size.
     [[nodiscard]] ByteView compress(ChunkCompression compression, ByteView raw, Bytes& packed);
 
-    /// Expands into `raw`, filling it exactly. False where `packed` is damaged.
+    /// Expands `packed` into `raw`, which it must fill exactly. False if `packed` is damaged.
     [[nodiscard]] bool decompress(ChunkCompression compression, ByteView packed, std::span<std::uint8_t> raw);
 
   private:
@@ -51,7 +52,7 @@ class ChunkCodec {
     Bytes apart_, scratch_;
 };
 
-/// Expands a zlib stream into `raw`, filling it exactly. False where it is damaged.
+/// Expands a zlib stream into `raw`, which it must fill exactly. False if it is damaged.
 [[nodiscard]] bool inflate_zlib(ByteView packed, std::span<std::uint8_t> raw);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Flat OpenEXR files, one part of scanlines.
+// Writes flat OpenEXR files with one part, in scanlines.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 namespace postlens {
 
 struct FlatExr {
-    /// Pixel (0, 0) is at `first`, its neighbours `pixel_bytes` and `row_bytes` on.
+    /// Pixel (0, 0) is at `first`; the next pixel is `pixel_bytes` and the next row `row_bytes` farther.
     struct Channel {
         std::string name;
         ExrChannel::Type type = ExrChannel::Type::float32;
@@ -29,8 +29,8 @@ struct FlatExr {
     std::vector<std::pair<std::string, std::string>> texts;  ///< attributes
 };
 
-/// Writes `path`, an existing file, from its beginning on. `shown_name` stands in messages. Returns XXH3 of
-/// the file where that is not compressed. Throws Error(cannot_write), on a full disk too.
+/// Overwrites the existing file `path`. `shown_name` is the name for error messages. Returns the XXH3 hash of
+/// the file if it is not compressed. Throws Error(cannot_write), also if the disk is full.
 std::optional<std::uint64_t> write_flat_exr(const std::filesystem::path& path, const std::string& shown_name,
                                             const FlatExr& picture);
 

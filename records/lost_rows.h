@@ -1,4 +1,4 @@
-// Rows of records that damage has taken from a sample file, and what is read in their place.
+// Rows of records that cannot be read from a damaged sample file, and the records that replace them.
 #pragma once
 
 #include <cstddef>
@@ -18,14 +18,13 @@ struct LostRows {
     friend bool operator==(const LostRows&, const LostRows&) = default;
 };
 
-/// What stands for row y, columns [x_begin, x_end): at the upper-left corner of every pixel a point sample of
-/// a ray that met nothing. Where pixels of the row above are subdivided down to this one there are more, so
-/// that every leaf up there has its corners. `above` holds that row; nullptr where it is lost or there is
-/// none. Offsets are as in RecordBand.
+/// Replacement for row y, columns [x_begin, x_end): a point sample of a ray that hit nothing at the
+/// upper-left corner of every pixel, and further ones where leaves of the row above need them as their lower
+/// corners. `above` holds that row; nullptr if it is lost or does not exist. Offsets are as in RecordBand.
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
-/// Neighbouring rows of the same instant as one run: of `lost`, one flag a row from row y_begin on.
+/// Merges neighbouring lost rows of an instant. `lost` has one flag per row, from row y_begin on.
 void add_runs(std::size_t instant, std::span<const std::uint8_t> lost, int y_begin,
               std::vector<LostRows>& runs);
 

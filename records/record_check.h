@@ -1,4 +1,4 @@
-// What every record of a sample file must satisfy, checked alike when writing and when reading.
+// Conditions that every record of a sample file must satisfy, checked both when writing and when reading.
 #pragma once
 
 #include <span>
@@ -7,7 +7,7 @@
 
 namespace postlens {
 
-/// What the file has channels for.
+/// Optional channels of the file.
 struct RecordChannels {
     bool has_w = false;
     bool has_layers = false;
@@ -15,17 +15,21 @@ struct RecordChannels {
     bool has_marks = false;
 };
 
-/// Offsets inside a pixel are multiples of 1 / position_steps: what a half float holds exactly in [0, 1).
+/// Positions within a pixel are multiples of 1 / position_steps, which half floats represent exactly in [0,
+/// 1).
 inline constexpr int position_steps = 1024;
 
 /// Canonical order inside a pixel: by layer, y, x, path.
 [[nodiscard]] bool canonical_before(const Record& a, const Record& b);
 
-/// The first thing wrong with the records of pixel (x, y), in canonical order, or nullptr. Demanded are:
-/// positions inside the pixel and dyadic; finite colours and W; z' > 0, infinity allowed; valid paths; no
-/// record twice; no deeper node without W channels, no hidden layer without a layer channel, no W.bend or
-/// mark but 0 without its channel, no W.bend below 0, infinity allowed; no bits of a mark but known ones; the
-/// point sample at the pixel's upper-left corner; a primary node in each point sample of layer 0.
+/// Describes the first error in the records of pixel (x, y), which must be in canonical order; nullptr if
+/// there is none. Conditions:
+/// - positions lie inside the pixel and are multiples of 1 / position_steps;
+/// - colours and W are finite; z' > 0 and W.bend >= 0, both may be infinite;
+/// - paths are valid; no record occurs twice; marks have known bits only;
+/// - nodes after a bounce, hidden layers, W.bend and marks occur only if the file has channels for them;
+/// - there is a point sample at the upper-left corner of the pixel;
+/// - every point sample of layer 0 has a primary node.
 [[nodiscard]] const char* problem_of_pixel(std::span<const Record> records, int x, int y,
                                            RecordChannels channels);
 

@@ -1,4 +1,4 @@
-// Who else is told of records that are read, so that they are read and taken apart once.
+// Callbacks for records while they are read, so that several users share one pass over the file.
 #pragma once
 
 #include <functional>
@@ -8,18 +8,18 @@
 
 namespace postlens {
 
-/// Either may be none.
+/// Either function may be empty.
 struct RecordsRead {
-    /// Corner rows [y_begin, y_end) of `band`: each row once and in order.
+    /// Receives the corner rows [y_begin, y_end) of `band`; every row once, in order.
     std::function<void(const RecordBand& band, int y_begin, int y_end)> rows;
-    /// Rows [y_begin, y_end) of pixels of `band` with their leaves, as find_leaves has them: each row once,
+    /// Receives the pixel rows [y_begin, y_end) of `band` and their leaves (find_leaves); every row once,
     /// from several threads.
     std::function<void(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves)> leaves;
 };
 
-/// Tells of corner rows [y_begin, y_end) of a band that nobody has taken apart. The band must have one row
-/// more below them where the file has one; without it the last row is none of pixels. Throws what find_leaves
-/// and those who are told throw.
+/// Passes the corner rows [y_begin, y_end) of a band to the callbacks, after finding their leaves. The band
+/// must hold one more row below, if the file has one; else the last row has no pixels. Throws what
+/// find_leaves and the callbacks throw.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 
 }  // namespace postlens
