@@ -1,5 +1,5 @@
-// What the channels of another program's file belong to: a view and a layer, by the words of their names and
-// of their part's name.
+// Finds out to which view and layer the channels of another program's file belong, from the words in the
+// names of channels and parts.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Words of names, in small letters, that say what a channel holds and not whose it is.
+/// Words, in lower case, that name the content of a channel rather than its layer.
 using PassWords = std::span<const std::string_view>;
 
 inline constexpr std::string_view colour_words[]{"rgba",  "rgb",    "combined", "beauty",
@@ -23,11 +23,11 @@ inline constexpr std::string_view alpha_words[]{"alpha", "a", "rgba"};
 inline constexpr std::string_view id_words[]{"id", "ids", "object", "objectid", "indexob"};
 inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward", "motion", "velocity"};
 
-/// A channel, or several of one pass, and whose they are.
+/// View and layer of a channel or of the channels of one pass.
 ///
-/// Programs write the same things in another order: LAYER.depth.Z, depth.LAYER.Z, a part depth_LAYER with a
-/// channel Z. So the words of the part's name and of the channel's name, without its last one, are a set, of
-/// which the words of the pass and of the view are taken out; what is left is the layer.
+/// Programs order names differently: LAYER.depth.Z, depth.LAYER.Z, or a part depth_LAYER with a channel Z. So
+/// all words of the part's name and of the channel's name, except its last one, form a set; without the words
+/// of the pass and of the view, the rest is the layer.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< of the part or in the name; else the hero of `multiView`; else empty
@@ -35,14 +35,15 @@ struct ChannelGroup {
     bool has_pass = false;           ///< whether a word of the pass was among the names
 };
 
-/// Whose the channels of a part are that begin with `prefix` (its dot included, empty: with nothing).
+/// View and layer of the channels of a part whose names begin with `prefix` (including its dot; empty: no
+/// layer).
 [[nodiscard]] ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::string_view prefix,
                                          PassWords pass);
 
-/// The words of a name in small letters: what stands between characters that are no letters or digits.
+/// Splits a name into words, in lower case, at all characters that are not letters or digits.
 [[nodiscard]] std::vector<std::string> words_of(std::string_view name);
 
-/// One of several channels that could go with the colours.
+/// A channel that may belong to the colours.
 struct GroupCandidate {
     ChannelGroup group;
     std::string name;  ///< what messages call it
@@ -54,10 +55,11 @@ struct GroupMatch {
     bool surmised = false;  ///< it is nobody's by its name, or that of the layer above, which has colours
 };
 
-/// The candidate that goes with colours of the group `own`: of the same view, of the same layer or of one
-/// that holds it (fewest words missing, then the part of the colours, then the rank). Else, `surmised`, the
-/// only one there is of this view or of none that belongs to no other colours (`pictures`: the groups of all
-/// colours of the file). Absent otherwise: what is another view's or another layer's is not taken.
+/// Selects the channel that belongs to the colours of the group `own`. It has the same view, and the same
+/// layer or one that contains it; of several, the one with the fewest words missing, then in the part of the
+/// colours, then with the lowest rank. If there is none, the only candidate of this view (or without a view)
+/// is taken and marked `surmised`, unless it belongs to other colours (`pictures`: the groups of all colours
+/// in the file). Else the result is empty: channels of another view or layer are never taken.
 [[nodiscard]] std::optional<GroupMatch> match_group(std::span<const GroupCandidate> candidates,
                                                     const ChannelGroup& own,
                                                     std::span<const ChannelGroup> pictures);

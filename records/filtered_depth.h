@@ -1,4 +1,5 @@
-// Depths that went through the pixel's filter like colours: times coverage, or means of near and far.
+// Repairs depth channels that were filtered like colours, so that depths at silhouettes are multiplied by
+// coverage or are means of near and far.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +8,7 @@
 
 namespace postlens {
 
-/// A pixel whose depth is a mean of two.
+/// A pixel whose depth is a mean of two depths.
 struct MixedDepth {
     std::size_t pixel = 0;
     float near = 0, far = 0;  ///< numbers as in the file, of the pixels on both sides; `far` may be nothing's
@@ -21,17 +22,18 @@ struct FilteredDepths {
     std::vector<MixedDepth> mixed;  ///< by growing pixel; their depth is now that of the greater share
 };
 
-/// Looks for, and mends in `depth` (row by row, numbers as in the file; 0, 1e9 and more, infinity and NaN are
-/// nothing), what a filter made of depths at silhouettes. `alpha`: of each pixel, 0..1; 0: nothing is there.
+/// Detects filtered depths and repairs them in `depth` (row by row, values as in the file; 0, 1e9 and more,
+/// infinity and NaN mean nothing was hit). `alpha`: per pixel, 0 to 1; 0: nothing is there.
 ///
-/// Times coverage: at rims (0 < A < 1) beside opaque pixels, Z / A is within 5 % of one of them and Z of
-/// none. Where at least 4 rims say so, and four times as many as say the contrary, all rims are divided.
+/// Multiplied by coverage: detected at edge pixels (0 < A < 1) next to opaque ones, if Z / A is within 5 % of
+/// the depth of a neighbour and Z is not. If at least 4 edge pixels, and four times as many as contradict,
+/// show this, all edge pixels are divided by alpha.
 ///
-/// Means: along rows and columns, up to 4 pixels that lead evenly from one plateau to another that differs by
-/// a tenth and more. A depth that was not filtered jumps instead. Where at least 4 edges are such, and half
-/// as many as jump, each of their pixels is a mean: with near and far on its sides, (v - far) / (near - far)
-/// of it is near. Before nothing, a rim with an alpha belongs to its thing alone. Not looked for without
-/// `means`: a Cryptomatte says better what is mixed, and is used with depths as they are.
+/// Means of two depths: detected along rows and columns where up to 4 pixels lead evenly from one depth to
+/// another that differs by a tenth or more; unfiltered depths jump there. If at least 4 edges, and half as
+/// many as there are jumps, show this, each of their pixels counts as mixed, with the share (v - far) / (near
+/// - far) of the near surface. In front of nothing, an edge pixel with alpha belongs to its surface alone.
+/// Only with `means`: a Cryptomatte describes mixed pixels better, and needs the depths as they are.
 [[nodiscard]] FilteredDepths mend_filtered_depths(std::span<float> depth, std::span<const float> alpha,
                                                   std::size_t width, bool means = true);
 

@@ -1,4 +1,4 @@
-// Another program's picture as stacks of samples, one stack for each pixel: colour, alpha and depth.
+// An image of another program, flat or deep, as a stack of samples per pixel with colour, alpha and depth.
 #pragma once
 
 #include <array>
@@ -14,7 +14,8 @@
 
 namespace postlens {
 
-/// Lies over what follows it in its stack ("over" [porter1984]); colours are premultiplied.
+/// One sample of a stack. It is composited over the samples after it ("over" [porter1984]); colours are
+/// premultiplied by alpha.
 struct StackSample {
     float inverse_z = 0;  ///< one over the depth along the axis, 1/m; 0: infinitely far
     float r = 0, g = 0, b = 0;
@@ -22,11 +23,12 @@ struct StackSample {
     std::uint32_t id = 0;  ///< of the surface; 0: the file does not say
 };
 
-/// An id from its channel: the bits, which tell hashes of names and whole numbers alike apart; 0, for none,
-/// of a float that is zero of either sign or NaN.
+/// Converts a value of an id channel to an id. Uses the bits of the float, which distinguish both hashes and
+/// whole numbers. Zero of either sign and NaN give 0, no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
-/// A pixel that several surfaces share, as a Cryptomatte says, or its depth, a mean of theirs.
+/// A pixel that shows several surfaces, known from a Cryptomatte or from a depth that is a mean of two
+/// depths.
 struct MixedPixel {
     std::size_t pixel = 0;             ///< number of its stack
     std::size_t first = 0, count = 0;  ///< of ForeignPicture::shares
@@ -35,11 +37,12 @@ struct MixedPixel {
 struct SurfaceShare {
     std::uint32_t id = 0;  ///< 0: what has none, such as the sky
     float share = 0;       ///< of the pixel; those of a pixel add up to 1
-    /// Where depths and not ids tell the surfaces apart: of this one, 1/m; 0: infinitely far.
+    /// Inverse depth of this surface, 1/m; 0: infinitely far. Only if the surfaces are known from depths, not
+    /// ids.
     std::optional<float> inverse_z;
 };
 
-/// Something that was changed so that the picture could be used at all.
+/// A change that was necessary to use the image.
 struct ForeignRepair {
     std::string code, text;
     double share = 0;  ///< of the pixels stored
@@ -47,12 +50,13 @@ struct ForeignRepair {
 
 struct ForeignPicture {
     int width = 0, height = 0;  ///< of the display window, px: the raster
-    /// Pixels stored: [x_begin, x_end) by [y_begin, y_end), on the raster, which they may leave on any side.
+    /// The stored pixels [x_begin, x_end) x [y_begin, y_end), which may extend beyond the raster on any side.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint64_t> offsets{0};  ///< of each pixel's stack, row by row; one more at the end
     std::vector<StackSample> samples;       ///< each stack nearest first
-    /// Pixels of several surfaces, by growing number, and their shares, the greatest first: that one's id is
-    /// the sample's. Empty without a Cryptomatte and means of depths. Shares below 1 % are left out.
+    /// Pixels that show several surfaces, in ascending order, and the shares of these surfaces, largest
+    /// first; the sample has the id of the largest. Empty without a Cryptomatte or averaged depths. Shares
+    /// below 1 % are left out.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
     ForeignCamera camera;
@@ -70,23 +74,28 @@ struct ForeignPicture {
     [[nodiscard]] bool stores(int x, int y) const {
         return x >= x_begin && x < x_end && y >= y_begin && y < y_end;
     }
-    /// The display window's picture: every stack laid together. `alpha` is absent where all is opaque. Throws
-    /// Error(out_of_memory).
+    /// The image of the display window, with every stack composited. `alpha` is empty if all pixels are
+    /// opaque. Throws Error(out_of_memory).
     [[nodiscard]] Image flattened() const;
-    /// Depth at which half of the light at a place of the raster is held back, m; infinity where none is.
-    /// Throws Error(wrong_arguments) outside of what is stored.
+    /// Depth at a raster position at which the composited alpha reaches one half, m; infinity if it does not.
+    /// Throws Error(wrong_arguments) outside the stored pixels.
     [[nodiscard]] double depth_at(double x, double y) const;
 };
 
-/// Reads what `choice` picks out, in bands. A depth of 0, of 1e9 units and more, infinity and NaN are nothing
-/// hit, as are flat pixels without a depth channel (warned of as "assumed"). Negative depths, where all that
-/// are finite are, are taken as distances (warned of); else they are refused with their place. Depths of flat
-/// pictures that went through the pixel's filter are mended (mend_filtered_depths; "repaired"). Colours that
-/// are not finite get the mean of the finite ones around them (deep samples: black), alphas beyond 0..1 are
-/// cut off; both are warned of as "repaired". Deep samples from Z to ZBack become slices whose circles differ
-/// by little; those that overlap are mixed (tidy_volumes). Ids are the bits of their channel; NaN and zero of
-/// either sign are none. What is wrong about ids is warned of as "ids", and they are left aside. Throws
-/// Error(invalid_input), Error(out_of_memory).
+/// Reads the channels that `choice` selects, in bands of rows.
+/// - Depth: 0, 1e9 units and more, infinity and NaN mean that nothing was hit; so does a flat image without
+/// depth
+///   channel (warning "assumed"). If all finite depths are negative, they are taken as distances with a
+///   warning; a single negative one is an error that names its pixel. Filtered depths of flat images are
+///   repaired (mend_filtered_depths, warning "repaired").
+/// - Colour: values that are not finite are replaced by the mean of finite neighbours, in deep images by
+/// black.
+///   Alpha is clamped to [0, 1]. Both with the warning "repaired".
+/// - Volumes: overlapping deep samples are merged (tidy_volumes) and divided into slices whose circles of
+/// confusion
+///   differ little.
+/// - Ids: see surface_id. Ids that cannot be used are ignored with the warning "ids".
+/// Throws Error(invalid_input) and Error(out_of_memory).
 [[nodiscard]] ForeignPicture read_foreign_picture(const std::filesystem::path& path,
                                                   const ForeignChoice& choice,
                                                   const ForeignCameraChoice& camera);
