@@ -1,4 +1,4 @@
-// An aperture as light sees it: which points of the lens it lets through, and how much.
+// Aperture shapes: which points of the lens transmit light, and how much.
 #pragma once
 
 #include <cstdint>
@@ -10,63 +10,67 @@
 
 namespace postlens {
 
-/// Brightness on a rectangle of cells, row by row; the longer side of the picture spans [-1, 1].
+/// An aperture given as an image of its transmission, row by row. Its longer side spans [-1, 1] on the lens.
 struct AperturePicture {
     int width = 0, height = 0;
     std::vector<double> light;  ///< >= 0, not all 0
 };
 
-/// The point of the unit disc that (u, v) picks, evenly by area; neighbours stay neighbours [shirley1997].
+/// Maps (u, v) in [0, 1)^2 to the unit disc, uniformly in area and continuously [shirley1997].
 [[nodiscard]] glm::dvec2 disc_point(double u, double v);
 
-/// Points of the lens in units of its radius F / 2n, in raster axes: x to the right, y down. A place of the
-/// field is counted from the picture's middle, its corners at length 1.
+/// An aperture. Lens points are in units of its radius F / 2n, in raster axes (x right, y down). A field
+/// position is measured from the centre of the image; the corners of the image have length 1.
 ///
-/// - disc: the unit disc. polygon: inscribed in it. picture: its cells.
-/// - squeeze: x is divided by it, as an anamorphic lens does to what is out of focus.
-/// - cats_eye X: a second rim in front of the lens, a disc as large and as squeezed: light through q that
-///   comes from the direction t passes where |q + X t| <= 1, t in units of the picture's corner. What both
-///   let through is left; the rest of the light is lost, in focus as well. A point at the field f and the
-///   depth z has t = f - q (L/X)/z with L = X R gain/half diagonal, the rim's distance; so |k q + X f| <= 1
-///   with the `rim_scale` k = 1 - L/z, next to 1 for all but the nearest things.
-/// - spherical X, 1/m: the zone of radius rho of the lens is focused at the inverse distance 1/s + X rho^2
-///   (primary spherical aberration; X > 0 undercorrected). Before or behind the focus the response then has
-///   a bright rim and a soft edge, exchanged for X < 0.
+/// - Shape: the unit disc, a polygon inscribed in it, or an image.
+/// - squeeze: divides x, which makes bokeh taller than wide as with an anamorphic lens.
+/// - cats_eye X (mechanical vignetting): a second rim in front of the lens, a disc of the same size and
+/// squeeze.
+///   Light through lens point q from direction t (in units of the image corner) passes if |q + X t| <= 1.
+///   Blocked light is lost, for points in focus too. For a point at field position f and depth z, t = f - q
+///   (L/X)/z, where L = X R gain/half diagonal is the distance of the rim; hence the condition |k q + X f| <=
+///   1 with `rim_scale` k = 1 - L/z, which is close to 1 except for very near points.
+/// - spherical X, 1/m (primary spherical aberration, X > 0 undercorrected): the lens zone of radius rho is
+/// focused
+///   at the inverse distance 1/s + X rho^2. On one side of the focus the impulse response has a bright rim,
+///   on the other a soft edge.
 class Aperture {
   public:
-    /// Of a geometric kind: disc, polygon, or picture with the picture given. Throws Error(wrong_arguments)
-    /// for settings that check_impulse refuses, Error(invalid_input) for a picture without light.
+    /// Makes a disc, a polygon, or the aperture of the given image. Throws Error(wrong_arguments) for
+    /// settings that check_impulse refuses and Error(invalid_input) for an image that transmits no light.
     explicit Aperture(const Impulse& impulse, std::optional<AperturePicture> picture = std::nullopt);
 
-    /// The unit disc, everywhere: what everything else is measured against.
+    /// True for the plain unit disc without any modifier.
     [[nodiscard]] bool is_round() const;
-    /// Whether a response is the same upside down, so that before and behind the focus do not differ.
+    /// True if the aperture is symmetric about its centre, so that impulse responses in front of and behind
+    /// the focus are equal.
     [[nodiscard]] bool is_point_symmetric() const;
     [[nodiscard]] bool varies_over_field() const { return impulse_.cats_eye != 0; }
     [[nodiscard]] double cats_eye() const { return impulse_.cats_eye; }
     [[nodiscard]] double spherical_per_m() const { return impulse_.spherical; }
-    /// Half the width and height of the box around it.
+    /// Half the width and height of the bounding box.
     [[nodiscard]] glm::dvec2 half_extent() const { return half_extent_; }
-    /// No point of it lies farther from the middle.
+    /// Largest distance of a point of the aperture from its centre.
     [[nodiscard]] double farthest() const { return farthest_; }
 
-    /// The rim as a place of the field sees it, chords within `tolerance`. Not for pictures. Empty where
-    /// nothing passes.
+    /// Outline of the part that transmits light at a field position, with chords within `tolerance`. Empty if
+    /// there is none. Not for images.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
-    /// The second rim alone; a square around everything where the rim is too far off to matter.
+    /// Outline of the second rim alone; a square around the whole aperture if the rim blocks nothing.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
-    /// Whether a point of the aperture also passes the second rim.
+    /// True if light through a point of the aperture also passes the second rim.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
-    /// Share of the aperture's light that passes; 1 without a second rim. Exact for the disc; of others from
-    /// a table, within 1e-3 for a rim_scale of 1, from which it goes on in proportion to the disc's.
+    /// Share of the aperture's light that passes the second rim; 1 without one. Exact for the disc. Other
+    /// shapes use a table, accurate to 1e-3 for a rim_scale of 1; other scales change it in proportion to the
+    /// disc.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
-    /// The point of the aperture, without the second rim, that (u, v) in [0, 1) picks, as evenly as the light
-    /// comes through; neighbours mostly stay neighbours.
+    /// Maps (u, v) in [0, 1)^2 to a point of the aperture (ignoring the second rim), in proportion to the
+    /// transmitted light and mostly continuously.
     [[nodiscard]] glm::dvec2 sample(double u, double v) const;
 
-    /// The same for equal apertures, and hardly ever for others.
+    /// Hash of the aperture.
     [[nodiscard]] std::uint64_t fingerprint() const;
 
   private:
@@ -76,8 +80,8 @@ class Aperture {
     [[nodiscard]] bool is_plain_disc() const { return impulse_.kind == ImpulseKind::disc; }
     void lay_transmission_table();
 
-    /// Per axis of the field, over [-1, 1]. Between the steps what passes is told too low: of a
-    /// hexagon's light 0.05 % less arrives with 32 than with 128, and 0.025 % less with 64.
+    /// Steps of the table per axis of the field, over [-1, 1]. Interpolation gives slightly too little: for a
+    /// hexagon, 32 steps lose 0.05 % of the light against 128 steps, 64 steps 0.025 %.
     [[nodiscard]] int table_steps() const { return picture_ ? 32 : 64; }
     static constexpr int table_slices = 9;  ///< rim_scale 1, 0.9375, ... 0.5; at 0 nothing is lost
     Impulse impulse_;

@@ -1,4 +1,4 @@
-// The geometric impulse response of any aperture on the pixel grid.
+// The geometric impulse response of any aperture, on the pixel grid.
 #pragma once
 
 #include "lens/aperture.h"
@@ -6,8 +6,8 @@
 
 namespace postlens {
 
-/// Where light through the point q of the aperture arrives: `map_px q + spherical_px q |q|^2`, px from
-/// `centre_px`. Before the focus, map_px turns the aperture upside down.
+/// Maps a lens point q to the position on the film where its light arrives: `map_px q + spherical_px q
+/// |q|^2`, px, relative to `centre_px`. In front of the focus, map_px inverts the aperture.
 struct ApertureImage {
     glm::dmat2 map_px{1};
     double spherical_px = 0;
@@ -21,26 +21,26 @@ struct PixelWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
 
-/// A map that is too flat to have an area, px, raised to one of this half width.
+/// Least half width of the image of the aperture, px; a thinner one is widened to it so that it has an area.
 inline constexpr double smallest_response_px = 1e-4;
 [[nodiscard]] glm::dmat2 with_area(const glm::dmat2& map_px);
 
-/// True where the response is the image of an outline, evenly lit: then that is all there is to know.
+/// True if the response is the uniformly lit image of an outline, which then describes it completely.
 [[nodiscard]] bool is_even(const Aperture& aperture, const ApertureImage& image);
-/// That outline, px, chords within 1e-3 px, with cats_eye 0.02 px; empty where nothing passes.
+/// That outline, px, with chords within 1e-3 px (0.02 px with cats_eye); empty if no light passes.
 [[nodiscard]] Outline image_outline(const Aperture& aperture, const ApertureImage& image);
 
-/// No point of the response lies farther from its centre, px.
+/// Largest distance of a point of the response from its centre, px.
 [[nodiscard]] double largest_reach_px(const Aperture& aperture, const ApertureImage& image);
 
-/// The response of any aperture, cut to a window; its values add up to 1 without the cut (0 where nothing
-/// passes). The aperture is divided into cells, each of which spreads its light evenly over its own image:
-/// cells of a picture, or rings and sectors so fine that their images follow a curve within 0.02 px. Folds,
-/// where several zones meet, add up.
+/// The response of any aperture within a window. Without the window its values add up to 1 (0 if no light
+/// passes). The aperture is divided into cells, whose light is spread evenly over their images: the pixels of
+/// an aperture image, or rings and sectors so small that their images deviate by less than 0.02 px. Where
+/// images overlap, as in caustics, they add up.
 [[nodiscard]] ResponseGrid dense_response(const Aperture& aperture, const ApertureImage& image,
                                           const PixelWindow& window);
 
-/// The same by `points`^2 rays through the aperture, counted per pixel: slow, obvious, for tests.
+/// Reference for tests: counts `points`^2 rays through the aperture per pixel.
 [[nodiscard]] ResponseGrid ray_response(const Aperture& aperture, const ApertureImage& image,
                                         const PixelWindow& window, int points);
 

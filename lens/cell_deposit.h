@@ -1,4 +1,4 @@
-// Many small polygons, each spreading its energy evenly, summed up over the pixel grid.
+// Adds many small polygons, each with evenly spread energy, to the pixel grid.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,15 +8,16 @@
 
 namespace postlens {
 
-/// Exact area coverage of every polygon, whatever its orientation; one pass over the grid at the end.
+/// Adds exact area coverages, for either orientation of a polygon; the grid is written in one pass at the
+/// end.
 class CellDeposit {
   public:
     /// Adds to `grid`, which must outlive this.
     explicit CellDeposit(ResponseGrid& grid);
-    /// A convex polygon, px relative to the grid's anchor. One of less than 1e-5 px^2 gives its energy to the
-    /// pixels of its middle and of the middles of its sides.
+    /// Adds a convex polygon, px relative to the grid's anchor. A polygon below 1e-5 px^2 gives its energy to
+    /// the pixels of its centre and of the midpoints of its sides.
     void add(std::span<const glm::dvec2> corners, double energy);
-    /// Moves all sums into the grid.
+    /// Writes all sums to the grid.
     void finish();
 
   private:

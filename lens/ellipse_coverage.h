@@ -1,5 +1,4 @@
-// Exact area coverage of a disc or ellipse over the pixel grid: the geometric impulse response of a round
-// aperture.
+// Exact area coverage of pixels by a disc or ellipse: the geometric impulse response of a round aperture.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +7,9 @@
 
 namespace postlens {
 
-/// The image of the unit disc under a 2x2 linear map, about a centre, in pixels: the set
-/// { centre + M u : |u| <= 1 }. Written by rows: on the line at height y the chord is
-/// centre.x + shear * y +- half_chord * sqrt(1 - (y / half_height)^2), y measured from centre.y.
+/// An ellipse { centre + M u : |u| <= 1 }, the image of the unit disc under a 2x2 matrix, px. Stored by its
+/// chords: at height y above the centre the chord is centre.x + shear * y +- half_chord * sqrt(1 - (y /
+/// half_height)^2).
 struct Ellipse {
     double half_height = 0;  ///< > 0
     double half_chord = 0;   ///< > 0, half the chord through the centre row
@@ -24,41 +23,42 @@ struct Ellipse {
     [[nodiscard]] double half_width() const;
 };
 
-/// Covered share of each pixel: values add up to 1 over the whole plane. Row y covers [y, y + 1).
+/// Coverage of the pixels of one row, as shares of the ellipse's area. Row y is [y, y + 1).
 struct CoverageRow {
     int y = 0;
     int x_begin = 0;            ///< column of the first value
     std::vector<double> share;  ///< ellipse area in the pixel / ellipse area
 };
 
-/// Coverage of the ellipse centred at (cx, cy), every row it touches, top to bottom. Exact up to rounding:
-/// areas come from antiderivatives, not from sampling.
+/// Coverage by the ellipse centred at (cx, cy): every row that it touches, from top to bottom. Areas are
+/// integrated analytically, so they are exact up to rounding.
 [[nodiscard]] std::vector<CoverageRow> ellipse_coverage(const Ellipse& ellipse, double cx, double cy);
 
-/// The same for one pixel by brute-force subsampling (n x n points): slow, obvious, for tests.
+/// Reference for tests: coverage of one pixel by n x n sample points.
 [[nodiscard]] double ellipse_coverage_reference(const Ellipse& ellipse, double cx, double cy, int x, int y,
                                                 int n);
 
-/// One row as a span: pixels [inner_begin, inner_end) lie wholly inside and share one value, so a row costs
-/// as much as its outline. Nothing is covered outside [x_begin, x_end); x_begin <= inner_begin <= inner_end
-/// <= x_end.
+/// One row with its inner pixels as an interval: pixels [inner_begin, inner_end) are completely covered and
+/// have the same value, so the cost is that of the outline. Pixels outside [x_begin, x_end) are not covered;
+/// x_begin <= inner_begin <= inner_end <= x_end.
 struct CoverageSpan {
     int x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     /// Shares of [x_begin, inner_begin), then of [inner_end, x_end).
     std::vector<double> edge_share;
 };
 
-/// Coverage row by row, in any order, without touching the inside: O(outline) for all rows together.
+/// Computes the coverage of rows in any order without visiting inner pixels: O(outline) for all rows
+/// together.
 class EllipseRows {
   public:
     EllipseRows(const Ellipse& ellipse, double cx, double cy);
 
-    /// The rows that the ellipse touches.
+    /// Rows touched by the ellipse.
     [[nodiscard]] int y_begin() const { return y_begin_; }
     [[nodiscard]] int y_end() const { return y_end_; }
-    /// Share of a pixel that lies wholly inside.
+    /// Value of a completely covered pixel.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
-    /// Row y of [y_begin, y_end); a buffer given again is reused.
+    /// Computes row y of [y_begin, y_end). Reuses the memory of `out`.
     void row(int y, CoverageSpan& out) const;
 
   private:

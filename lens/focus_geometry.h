@@ -1,4 +1,4 @@
-// How far a record moves on the raster per metre of lens: the one place where mm, m and px meet.
+// Relates lens points to displacements on the raster. Conversions between mm, m and px are done only here.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -14,7 +14,7 @@ enum class Framing {
     breathing,  ///< the film sits at V = F s / (s - F), as in the 1981 paper
 };
 
-/// What was traced.
+/// The film of a trace.
 struct Film {
     double distance_mm = 0;     ///< d
     double pixel_pitch_mm = 0;  ///< > 0
@@ -23,8 +23,8 @@ struct Film {
 /// Throws Error(wrong_arguments) unless both lengths are positive and finite.
 void check_film(const Film& film);
 
-/// A lens set to a focus distance in front of a film that was traced through a pinhole.
-/// A lens point q (m, raster axes) moves what has inverse depth 1/z' by `gain_px * (1/s - 1/z') * q` px.
+/// A lens focused at distance s in front of a film that was traced through a pinhole. Seen from the lens
+/// point q (m, raster axes), a point of inverse depth 1/z' is displaced by `gain_px * (1/s - 1/z') * q` px.
 struct FocusGeometry {
     double aperture_radius_m = 0;    ///< F / (2 n); 0 is a pinhole
     double inverse_focus_per_m = 0;  ///< 1/s; 0 when focused at infinity

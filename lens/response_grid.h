@@ -1,4 +1,4 @@
-// An impulse response laid on the pixel grid: what one point of light becomes on the film.
+// An impulse response on the pixel grid: the image of a point light.
 #pragma once
 
 #include <cstddef>
@@ -6,11 +6,11 @@
 
 namespace postlens {
 
-/// Energy per pixel of a rectangle of pixels. Coordinates are px relative to a whole coordinate of the
-/// raster, the anchor: pixel (i, j) of the grid covers [x_begin + i, x_begin + i + 1) x [y_begin + j, y_begin
-/// + j + 1), x to the right, y down. Where the point's geometric image lies between the pixels (its phase) is
-/// up to who made it. Values are not negative; all pixels of the plane together hold 1 but for losses that
-/// the maker states.
+/// Energy per pixel in a rectangle of pixels. Coordinates are px relative to an integer raster position, the
+/// anchor: pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin + j, y_begin + j + 1), x right, y
+/// down. The subpixel position (phase) of the point's geometric image is chosen by the function that makes
+/// the grid. Values are not negative and add up to 1 over the plane, except for losses that this function
+/// documents.
 struct ResponseGrid {
     int x_begin = 0, y_begin = 0;
     int width = 0, height = 0;

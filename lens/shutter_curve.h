@@ -1,4 +1,4 @@
-// How much light a shutter lets through while it is open.
+// Transmission of a shutter during the exposure.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace postlens {
 
-/// Transmission over the open time, 0 at the opening, 1 at the closing. Only its shape counts: pictures are
-/// weighted means over time, so a curve of half the height gives the same picture.
+/// Transmission over the exposure, whose time runs from 0 (opening) to 1 (closing). Only the shape matters:
+/// an image is a weighted mean over time, so scaling the curve does not change it.
 class ShutterCurve {
   public:
-    /// Open at once, closed at once.
+    /// Constant transmission.
     [[nodiscard]] static ShutterCurve box();
-    /// Rises to the middle and falls again.
+    /// Linear rise to the middle of the exposure, then linear fall.
     [[nodiscard]] static ShutterCurve triangle();
     /// Linear between points (time, transmission). At least two points, times finite and growing (the first
     /// is the opening, the last the closing), transmissions finite, not negative and not all 0: else
@@ -25,15 +25,15 @@ class ShutterCurve {
     /// A text file of such points, two numbers a line; # begins a comment. Throws Error(invalid_input).
     [[nodiscard]] static ShutterCurve read(const std::filesystem::path& path);
 
-    /// The share of the open time by which the share u of the light has come, 0 <= u <= 1: maps evenly spread
-    /// numbers to instants that are as frequent as the shutter is open.
+    /// Time at which the share u of the light has arrived, 0 <= u <= 1. Maps uniformly distributed numbers to
+    /// instants distributed as the transmission.
     [[nodiscard]] double time(double u) const;
-    /// The inverse of `time`: the share of the light that has come by a share of the open time; 0 before the
-    /// opening, 1 after the closing.
+    /// Inverse of `time`: share of the light that has arrived at a time; 0 before the opening, 1 after the
+    /// closing.
     [[nodiscard]] double light(double time) const;
-    /// Light per unit of time at a share of the open time; its integral from 0 to 1 is 1.
+    /// Transmission at a time, normalised so that its integral from 0 to 1 is 1.
     [[nodiscard]] double density(double time) const;
-    /// The same for equal curves, and hardly ever for others.
+    /// Hash of the curve.
     [[nodiscard]] std::uint64_t fingerprint() const;
     [[nodiscard]] bool is_box() const { return knots_.size() == 2 && knots_[0].density == knots_[1].density; }
 
