@@ -202,7 +202,7 @@ void refuse_foreign_options(const ForeignOptions& options);
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
-/// The sample file of a command, at the exposure that is asked for.
+/// Opens the sample file of a command with its colours at the given exposure, or takes the one kept open.
 [[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,

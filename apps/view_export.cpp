@@ -4,14 +4,14 @@
 #include <cmath>
 #include <filesystem>
 #include <openssl/evp.h>
-#include <unistd.h>
 
 #include "apps/cli.h"
-#include "apps/deliver.h"
+#include "apps/image_depths.h"
 #include "apps/open_frame.h"
 #include "apps/view_page.h"
 #include "core/output_file.h"
 #include "core/progress.h"
+#include "core/scratch_file.h"
 #include "core/text_file.h"
 #include "records/encoded_picture.h"
 
@@ -40,47 +40,6 @@ Image shrunk(const Image& from, int by) {
                 const float* p = from.pixel(by * x + k % by, by * y + k / by);
                 for (std::size_t c = 0; c < 3; ++c) out.pixel(x, y)[c] += p[c] / static_cast<float>(by * by);
             }
-        }
-    }
-    return out;
-}
-
-class TemporaryFolder {
-  public:
-    TemporaryFolder() : path_((std::filesystem::temp_directory_path() / "postlens-export-XXXXXX").string()) {
-        if (::mkdtemp(path_.data()) == nullptr) fail(ExitCode::cannot_write, "{}: cannot be made", path_);
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    TemporaryFolder(TemporaryFolder&&) = delete;
-    TemporaryFolder& operator=(TemporaryFolder&&) = delete;
-    [[nodiscard]] const std::string& path() const { return path_; }
-
-  private:
-    std::string path_;
-};
-
-/// Of each pixel the mean inverse depth at which the image of its brightest node is sharp, 1/m.
-std::vector<float> inverse_depths(const SampleFileReader& file) {
-    const int width = file.header().width, height = file.header().height;
-    std::vector<float> out;
-    out.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    RecordBand band;
-    for (int y = 0; y < height; ++y) {
-        file.read(y, y + 1, band);
-        for (int x = 0; x < width; ++x) {
-            const Record* best = nullptr;
-            const std::size_t k = band.pixel(x, y);
-            for (std::uint32_t i = band.offsets[k]; i < band.offsets[k + 1]; ++i) {
-                const Record& r = band.records[i];
-                if (r.layer == 0 && (best == nullptr || r.r + r.g + r.b > best->r + best->g + best->b))
-                    best = &r;
-            }
-            out.push_back(best == nullptr ? 0.0F : std::max(0.0F, (best->w.xx + best->w.yy) / 2));
         }
     }
     return out;
@@ -140,7 +99,9 @@ class Exporter {
     CommandResult run() {
         const auto open = kept_->at(std::nullopt);
         const SampleHeader& h = open->file.header();
-        const std::vector<float> inverse = inverse_depths(open->file);
+        std::vector<float> inverse = image_depths(open->file).inverse_per_m;
+        // No lens focuses behind infinity.
+        for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
         const double f_number = h.f_number && std::isfinite(*h.f_number) ? *h.f_number : 2.8;
         // One picture tells how large all will be; the hardest to compress is one in focus.
@@ -174,11 +135,10 @@ class Exporter {
                                 fmt::format("--focus={}", focus_m), "--method=lightfield", "--views=64"},
                                {.pictures_stay = true, .kept = kept_});
         const CommandResult result = command.run();
-        const TemporaryFolder folder;
-        const std::string path = folder.path() + "/picture.jpg";
-        write_image(path, shrunk(result.pictures.front(), by));
+        const ScratchFile file("picture.jpg");
+        write_image(file.path(), shrunk(result.pictures.front(), by));
         constexpr std::uintmax_t most_bytes = std::uintmax_t{1} << 30U;
-        return read_text_file(path, most_bytes);
+        return read_text_file(file.path(), most_bytes);
     }
 
     [[nodiscard]] std::string page_of(const Plan& plan, const std::vector<float>& inverse, float greatest,

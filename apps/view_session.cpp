@@ -11,13 +11,13 @@
 #include <set>
 #include <string_view>
 #include <tuple>
-#include <unistd.h>
 
 #include "apps/cli.h"
+#include "apps/image_depths.h"
 #include "apps/open_frame.h"
+#include "core/scratch_file.h"
 #include "core/text_file.h"
 #include "core/threads.h"
-#include "records/crop.h"
 
 namespace postlens {
 namespace {
@@ -32,9 +32,15 @@ void append_bytes(std::string& out, const void* from, std::size_t bytes) {
     out.append(static_cast<const char*>(from), bytes);
 }
 
-std::uint16_t half_bits(float value) {
+void append_halves(std::string& out, const std::vector<float>& values) {
     // Half floats end at 65504: what is brighter is shown as that.
-    return Imath::half(std::clamp(value, -65504.0F, 65504.0F)).bits();
+    constexpr float greatest = 65504.0F;
+    std::vector<std::uint16_t> halves(values.size());
+    parallel_for(
+        halves.size(),
+        [&](std::size_t i) { halves[i] = Imath::half(std::clamp(values[i], -greatest, greatest)).bits(); },
+        1U << 16U);
+    append_bytes(out, halves.data(), halves.size() * sizeof halves[0]);
 }
 
 /// Runs a command that leaves its picture in the result; the reply is JSON, then half floats.
@@ -64,14 +70,8 @@ ViewReply picture_reply(const ParsedCommand& command) {
     append_bytes(out.body, &length, sizeof length);
     out.body += text;
     out.body.append((4 - out.body.size() % 4) % 4, '\0');
-    std::vector<std::uint16_t> halves(image.rgb.size());
-    parallel_for(
-        halves.size(), [&](std::size_t i) { halves[i] = half_bits(image.rgb[i]); }, 1U << 16U);
-    append_bytes(out.body, halves.data(), halves.size() * sizeof(std::uint16_t));
-    for (const float share : result.ray_share) {
-        const std::uint16_t half = half_bits(share);
-        append_bytes(out.body, &half, sizeof half);
-    }
+    append_halves(out.body, image.rgb);
+    append_halves(out.body, result.ray_share);
     return out;
 }
 
@@ -103,15 +103,6 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     if (found->second.empty() || *end != '\0' || !std::isfinite(value))
         fail(ExitCode::wrong_arguments, "{}: no number (got {:.20})", name, found->second);
     return value;
-}
-
-/// The mean of the two inverse depths at which a node's image is sharp, 1/m.
-float inverse_depth(const Mat2& w) {
-    return (w.xx + w.yy) / 2;
-}
-
-float brightness(const Record& r) {
-    return 0.2126F * r.r + 0.7152F * r.g + 0.0722F * r.b;
 }
 
 std::string option(const std::string& name, const std::string& value) {
@@ -272,37 +263,10 @@ ViewReply ViewSession::pixel(const ViewParameters& parameters) {
 ViewReply ViewSession::depths() {
     return made(others_, [&] {
         if (!kept_) fail(ExitCode::wrong_arguments, "a picture of another program has no records");
-        const SampleFileReader file(options_.input, Damage::refuse, 0.0);
-        const int width = file.header().width, height = file.header().height;
-        const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-        std::vector<std::uint16_t> inverse(pixels);
-        std::vector<std::uint32_t> ids(pixels);
-        constexpr int rows_at_once = 64;
-        RecordBand band;
-        for (int first = 0; first < height; first += rows_at_once) {
-            const int end = std::min(height, first + rows_at_once);
-            file.read(first, end, band);
-            parallel_for(static_cast<std::size_t>(end - first), [&](std::size_t row) {
-                const int y = first + static_cast<int>(row);
-                for (int x = 0; x < width; ++x) {
-                    const std::size_t k = band.pixel(x, y);
-                    const Record* best = nullptr;
-                    for (std::uint32_t i = band.offsets[k]; i < band.offsets[k + 1]; ++i) {
-                        const Record& r = band.records[i];
-                        if (r.layer != 0) continue;
-                        if (best == nullptr || brightness(r) > brightness(*best)) best = &r;
-                    }
-                    if (best == nullptr) continue;
-                    const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                           static_cast<std::size_t>(x);
-                    inverse[at] = half_bits(inverse_depth(best->w));
-                    ids[at] = best->id;
-                }
-            });
-        }
+        const ImageDepths depths = image_depths(SampleFileReader(options_.input, Damage::refuse, 0.0));
         ViewReply out{.type = "application/octet-stream"};
-        append_bytes(out.body, ids.data(), ids.size() * sizeof ids[0]);
-        append_bytes(out.body, inverse.data(), inverse.size() * sizeof inverse[0]);
+        append_bytes(out.body, depths.ids.data(), depths.ids.size() * sizeof depths.ids[0]);
+        append_halves(out.body, depths.inverse_per_m);
         return out;
     });
 }
@@ -314,19 +278,15 @@ ViewReply ViewSession::save(const ViewParameters& parameters) {
         asked.erase("format");
         if (format != "png" && format != "exr")
             fail(ExitCode::wrong_arguments, "format: unknown (got {:.20}; expected png or exr)", format);
-        std::string folder = (std::filesystem::temp_directory_path() / "postlens-view-XXXXXX").string();
-        if (::mkdtemp(folder.data()) == nullptr) fail(ExitCode::cannot_write, "{}: cannot be made", folder);
-        const std::unique_ptr<std::string, void (*)(std::string*)> removed(
-            &folder, [](std::string* f) { std::filesystem::remove_all(*f); });
-        const std::string path = folder + "/picture." + format;
+        const ScratchFile file("picture." + format);
         std::vector<std::string> words = words_of(asked);
-        words.push_back("--output=" + path);
+        words.push_back("--output=" + file.path().string());
         const ParsedCommand command = parse_command_line(words, {.kept = kept_});
         const auto lock = kept_ ? kept_->lock() : std::unique_lock<std::mutex>();
         static_cast<void>(command.run());
         constexpr std::uintmax_t most_bytes = std::uintmax_t{4} << 30U;
         return ViewReply{.type = format == "png" ? "image/png" : "image/x-exr",
-                         .body = read_text_file(path, most_bytes)};
+                         .body = read_text_file(file.path(), most_bytes)};
     });
 }
 

@@ -1,5 +1,5 @@
-// What the viewer's page asks for: pictures of one frame by the command's own options, and what lies under
-// the pointer.
+// Answers the requests of the viewer's page: images of one frame by the command's own options, and the nodes
+// of a pixel.
 #pragma once
 
 #include <atomic>
@@ -32,8 +32,8 @@ struct ViewReply {
     std::string body;
 };
 
-/// Answers requests, from any thread. A picture that is asked for cancels the one before that is still being
-/// made. Errors become replies: 400 with {"error": text}, 409 where the work was cancelled.
+/// Answers requests from any thread. A request for an image cancels an older one that is still being
+/// computed. Errors become replies: status 400 with {"error": text}, or 409 if the work was cancelled.
 class ViewSession {
   public:
     explicit ViewSession(ViewOptions options);

@@ -16,8 +16,8 @@ namespace {
 
 thread_local Job* current_job = nullptr;
 
-/// An arena gets no more threads than there are cores unless all of TBB may have more. This holds what the
-/// widest job alive asks for; narrower ones are limited by their own arenas.
+/// Raises the thread limit of TBB to that of the widest job alive, because an arena gets no more threads than
+/// there are cores otherwise. Narrower jobs are limited by their own arenas.
 class WidestJob {
   public:
     void add(int threads) {

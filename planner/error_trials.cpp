@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/scratch_file.h"
 #include "planner/picture_request.h"
-#include "planner/scratch_file.h"
 #include "tracer/trace.h"
 
 namespace postlens {

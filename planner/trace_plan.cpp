@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/scratch_file.h"
 #include "core/text.h"
 #include "focus/depth_levels.h"
 #include "focus/frame.h"
@@ -16,7 +17,6 @@
 #include "planner/auto_picture.h"
 #include "planner/edge_cells.h"
 #include "planner/record_floor.h"
-#include "planner/scratch_file.h"
 #include "planner/tile_grid.h"
 #include "records/quadtree.h"
 #include "records/sample_file.h"

@@ -57,4 +57,4 @@ def run(*words: object, threads: int = 0, progress: Progress = None) -> Report:
     Returns what the command says with --json, its text for people as report["text"] and its exit code as
     report["exit_code"]. Raises as the command fails.
     """
-    return run_words([str(word) for word in words], threads, progress, as_keywords=False)[0]
+    return run_words([str(word) for word in words], None, threads, progress)[0]

@@ -15,19 +15,19 @@ from ._errors import ArgumentError, Error, PostlensWarning, error_of
 
 Progress = Optional[Callable[[float, float], object]]
 PathLike = Union[str, "os.PathLike[str]"]
+#: What the command says with --json. Warnings are given by warnings.warn as well.
+Report = dict[str, Any]
 
 _separators = {"size": "x", "shutter": ":", "for_shutter": ":"}
 _units = ("_m", "_mm", "_um", "_nm", "_px", "_s")
-_no_units = ("for_f_number",)
 
 
 def option_name(keyword: str) -> str:
     """`focus_m` -> `--focus`: the command's options have no units in their names."""
-    if keyword not in _no_units:
-        for unit in _units:
-            if keyword.endswith(unit):
-                keyword = keyword[: -len(unit)]
-                break
+    for unit in _units:
+        if keyword.endswith(unit):
+            keyword = keyword[: -len(unit)]
+            break
     return "--" + keyword.replace("_", "-")
 
 
@@ -67,22 +67,15 @@ def path_text(what: str, path: object) -> str:
     return os.path.join(".", text) if text.startswith("-") else text  # it would be taken for an option
 
 
-_keyword_of_option = {
-    "focus": "focus_m", "focal-length": "focal_length_mm", "for-focus": "for_focus_m", "time": "time_s",
-    "overscan": "overscan_px", "film-width": "film_width_mm", "film-distance": "film_distance_mm",
-    "fit-paths": "fit_paths_px", "depth": "depth_m", "coc-limit": "coc_limit_mm", "wavelength": "wavelength_nm",
-    "pixel-pitch": "pixel_pitch_um",
-}  # fmt: skip
-
-
-def _in_keywords(text: str) -> str:
-    """`--f-number: out of range ...` -> `f_number: out of range ...`"""
+def _in_keywords(text: str, options: Mapping[str, object]) -> str:
+    """`--focus: out of range ...` -> `focus_m: out of range ...`"""
+    keywords = {option_name(keyword): keyword for keyword in options}
 
     def keyword(found: re.Match[str]) -> str:
-        option = found.group(1)
-        return _keyword_of_option.get(option, option.replace("-", "_"))
+        option = found.group(0)
+        return keywords.get(option, option[2:].replace("-", "_"))
 
-    return re.sub(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)", keyword, text)
+    return re.sub(r"(?<![\w-])--[a-z]+(?:-[a-z]+)*", keyword, text)
 
 
 _folder = os.path.dirname(__file__)
@@ -96,31 +89,32 @@ def _users_level() -> int:
     return level
 
 
-class Report(dict):  # type: ignore[type-arg]
-    """What the command says with --json, as a dict. Warnings are given by warnings.warn as well."""
-
-
 def run_words(
     words: list[str],
+    options: Optional[Mapping[str, object]] = None,
     threads: int = 0,
     progress: Progress = None,
     kept: Optional["_postlens.KeptFrame"] = None,
-    as_keywords: bool = True,
 ) -> tuple[Report, list[tuple[Any, Optional[float]]]]:
     """Runs a command in this process. Returns its report and the pictures that it has not written.
 
-    as_keywords: errors and warnings call options by their keywords, for callers that know no words.
+    options: keyword arguments, which follow `words`; errors and warnings then call options by their keywords.
     """
     if progress is not None and not callable(progress):
         raise ArgumentError(f"progress: cannot be called (got {type(progress).__name__}; expected a function)")
     if isinstance(threads, bool) or not isinstance(threads, numbers.Integral) or not 0 <= threads <= 4096:
         raise ArgumentError(f"threads: out of range (got {threads!r}; expected 0 to 4096)")
-    say = _in_keywords if as_keywords else str
+    if options is not None:
+        words = words + words_of(options)
+
+    def say(text: str) -> str:
+        return text if options is None else _in_keywords(text, options)
+
     try:
         outcome = _postlens.run(words, int(threads), progress, kept)
     except Error as error:
         raise error_of(error.exit_code, say(str(error))) from None
-    report = Report(json.loads(outcome.json))
+    report: Report = json.loads(outcome.json)
     report["exit_code"] = outcome.exit_code
     report["text"] = outcome.text
     report["warnings"] = [{"code": c, "text": say(t), "share": s} for c, t, s in outcome.warnings]

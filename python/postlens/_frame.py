@@ -16,7 +16,7 @@ from ._picture import Picture
 Span = tuple[float, float]
 Exposure = Union[float, str, None]
 #: Arguments that are no options of the command.
-_not_options = {"self", "threads", "progress", "scene_path"}
+_not_options = {"self", "threads", "progress"}
 
 
 def picture_of(
@@ -26,9 +26,7 @@ def picture_of(
 ) -> Picture:
     """Runs a command whose picture stays in memory. `options`: a function's arguments, as locals() has them."""
     asked = {k: v for k, v in options.items() if k not in _not_options}
-    report, pictures = run_words(
-        words + words_of(asked), options["threads"], options["progress"], kept
-    )
+    report, pictures = run_words(words, asked, options["threads"], options["progress"], kept)
     made = [Picture(array, stops, report) for array, stops in pictures]
     made[0].halves = made[1:]
     return made[0]
@@ -45,7 +43,7 @@ class Frame:
         self._path = path_text("path", path)
         self._salvage = salvage
         #: What `postlens info --json` says of the file.
-        self.info: Report = run_words(["info", self._path] + words_of({"salvage": salvage}))[0]
+        self.info: Report = run_words(["info", self._path], {"salvage": salvage})[0]
         if self.info["kind"] not in ("samples", "image"):
             raise ArgumentError(
                 f"{self._path}: nothing to focus (got a {self.info['kind']}; expected a sample file or a picture)"
@@ -264,8 +262,7 @@ class Frame:
     def tree_at(self, x: float, y: float, **options: Any) -> Report:
         """The shading trees at a pixel: samples with their weights, each with its nodes: path, id, name, z',
         W, and, where f_number and focus_m are given or in the file, the CoC. As `postlens records --json`."""
-        words = self._words("records") + words_of({"at": (x, y), **options})
-        return run_words(words)[0]
+        return run_words(self._words("records"), {"at": (x, y), **options})[0]
 
 
 def open(path: PathLike, *, salvage: bool = False) -> Frame:
@@ -320,8 +317,8 @@ def trace(
         output = os.path.join(folder.name, "frame.exr")
     try:
         path = path_text("output", output)
-        words = ["trace", path_text("scene", scene), "--output=" + path] + words_of(options)
-        report, _ = run_words(words, threads, progress)
+        words = ["trace", path_text("scene", scene), "--output=" + path]
+        report, _ = run_words(words, options, threads, progress)
         frame = Frame(path)
     except BaseException:
         if folder is not None:

@@ -46,7 +46,7 @@ class Picture:
     ) -> None:
         self.array: Array = pixels_of("array", array)
         self.exposure_stops = exposure_stops
-        self.report: Report = Report() if report is None else report
+        self.report: Report = {} if report is None else report
         self.halves: list[Picture] = []
 
     @property
@@ -156,8 +156,6 @@ def compare(
     Returns a dict with psnr_db, rmse, relmse, ssim, flip and more, as `postlens compare --json`.
     Raises ArgumentError for wrong shapes or types, InputError for unequal sizes.
     """
-    from ._command import words_of
-
     with _AsFiles() as files:
         options = {
             "noise": None if noise is None else files.path("noise", noise),
@@ -168,4 +166,4 @@ def compare(
             "flip_white": flip_white,
         }
         words = ["compare", files.path("image", image), files.path("reference", reference)]
-        return run_words(words + words_of(options), threads)[0]
+        return run_words(words, options, threads)[0]

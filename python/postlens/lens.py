@@ -6,7 +6,7 @@ import os
 import tempfile
 from typing import Any, Optional
 
-from ._command import PathLike, Report, path_text, run_words, words_of
+from ._command import PathLike, Report, path_text, run_words
 from ._picture import Picture, read_picture
 
 
@@ -21,7 +21,7 @@ def coc(
 ) -> Report:
     """The circle of confusion of what lies at depth_m: coc_mm, coc_px and the depth of field (Potmesil and
     Chakravarty 1981)."""
-    return run_words(["lens", "coc"] + words_of(locals()))[0]
+    return run_words(["lens", "coc"], locals())[0]
 
 
 def dof(
@@ -33,7 +33,7 @@ def dof(
     pixel_pitch_um: Optional[float] = None,
 ) -> Report:
     """Between which depths the picture is sharp: near_m, far_m (None: infinity), hyperfocal_m."""
-    return run_words(["lens", "dof"] + words_of(locals()))[0]
+    return run_words(["lens", "dof"], locals())[0]
 
 
 def psf(
@@ -54,7 +54,7 @@ def psf(
     options: dict[str, Any] = dict(locals())
     with tempfile.TemporaryDirectory(prefix="postlens-") as folder:
         path = os.path.join(folder, "psf.exr")
-        report, _ = run_words(["lens", "psf", path] + words_of(options))
+        report, _ = run_words(["lens", "psf", path], options)
         picture = read_picture(path)
     picture.report = report
     return picture
@@ -74,4 +74,4 @@ def prescription(
     """A prescription's (.dat, .zmx, .seq, .toml) focal lengths, pupils and more. output: a drawing of it."""
     options = dict(locals())
     words = ["lens", "show", path_text("path", options.pop("path"))]
-    return run_words(words + words_of(options))[0]
+    return run_words(words, options)[0]

@@ -14,6 +14,10 @@ def test_kinds_of_errors(frame, tmp_path):
     with pytest.raises(postlens.ArgumentError, match="^f_number: out of range") as caught:
         frame.focus(f_number=-1, focus_m=2)
     assert caught.value.exit_code == 2 and isinstance(caught.value, ValueError)
+    with pytest.raises(postlens.ArgumentError, match="^focus_m: out of range"):
+        frame.focus(f_number=2, focus_m=0)
+    with pytest.raises(postlens.ArgumentError, match="^--focus: out of range"):
+        postlens.run("focus", frame.path, "-o", "x.exr", "--f-number", "2", "--focus", "0")
     with pytest.raises(postlens.InputError, match="no such file") as caught:
         postlens.open(tmp_path / "missing.exr")
     assert caught.value.exit_code == 3 and isinstance(caught.value, OSError)

@@ -63,12 +63,26 @@ def test_what_is_stated_holds(frame, bars):
     assert frame.focus(f_number=2, focus_m=2).stated_db is None
 
 
-def test_crop_and_alpha(frame):
+def test_crop(frame):
     whole = frame.focus(f_number=2, focus_m=2)
     part = frame.focus(f_number=2, focus_m=2, crop=(10, 5, 30, 20))
     assert part.shape == (20, 30, 3)
     assert np.array_equal(part.array, whole.array[5:25, 10:40])
     assert part.geometry["crop"] == {"x": 10, "y": 5, "width": 30, "height": 20}
+
+
+def test_alpha_is_the_fourth_channel(command, tmp_path):
+    from conftest import SCENES
+
+    deep = SCENES.parents[1] / "tests" / "data" / "exr" / "deep_alpha.exr"
+    picture = postlens.open(deep).image()
+    height, width, channels = picture.shape
+    assert channels == 4
+    assert 0 <= picture.array[:, :, 3].min() < picture.array[:, :, 3].max() <= 1
+    out = tmp_path / "command.exr"
+    subprocess.run([command, "image", deep, "-o", out, "--quiet"], check=True)
+    picture.save(tmp_path / "saved.exr")
+    assert (tmp_path / "saved.exr").read_bytes() == out.read_bytes()
 
 
 def test_render_keeps_its_halves(bars):

@@ -1,13 +1,14 @@
-#include "planner/scratch_file.h"
+#include "core/scratch_file.h"
 
 #include <cstdlib>
 #include <system_error>
+#include <utility>
 
 #include "core/error.h"
 
 namespace postlens {
 
-ScratchFile::ScratchFile(const std::string& name) : name_(name) {
+ScratchFile::ScratchFile(std::string name) : name_(std::move(name)) {
     std::string folder = (std::filesystem::temp_directory_path() / "postlens_XXXXXX").string();
     if (mkdtemp(folder.data()) == nullptr)
         fail(ExitCode::cannot_write, "{}: cannot make a folder there", folder);

@@ -1,4 +1,4 @@
-// A temporary sample file.
+// A temporary file.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@ namespace postlens {
 class ScratchFile {
   public:
     /// Throws Error(cannot_write).
-    explicit ScratchFile(const std::string& name);
+    explicit ScratchFile(std::string name);
     ~ScratchFile();
     ScratchFile(const ScratchFile&) = delete;
     ScratchFile& operator=(const ScratchFile&) = delete;
