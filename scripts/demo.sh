@@ -14,7 +14,7 @@ f_number=1.8
 overscan_px=72 # what the widest circles of confusion at the border need
 declare -A focus_m=([near]=0.8 [middle]=1.5 [far]=4)
 
-scripts/build.sh --for build release postlens
+scripts/build.sh --for build release postlens postlens_python
 postlens=build/release/apps/postlens
 mkdir -p "$out"
 
