@@ -303,6 +303,18 @@ void foreign_channel_options(CLI::App& app, ForeignChoice& to) {
         ->type_name("PICTURE.exr");
 }
 
+void behind_options(CLI::App& app, ForeignOptions& to) {
+    reads(app.add_option(
+              "--behind", to.behind,
+              "Of another program's picture: a picture of the same camera that stands behind it, with "
+              "what the first one hides; may be given again, each behind the one before"))
+        ->type_name("PICTURE.exr")
+        ->allow_extra_args(false);
+    app.add_option("--behind-layer", to.behind_layer,
+                   "--layer of the pictures behind [default: that of --layer]")
+        ->type_name("NAME");
+}
+
 void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to) {
     number(app, "--film-width", to.film_width_mm,
            "Of another program's picture: width of the film [default: the file's, else 36]", "MM", above_0);

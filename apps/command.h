@@ -75,8 +75,11 @@ struct RetraceOptions {
 struct ForeignOptions {
     ForeignChoice choice;
     ForeignCameraChoice camera;
+    std::vector<std::string> behind;  ///< pictures of the same camera that stand behind, nearest first
+    std::string behind_layer;         ///< as `choice.layer`, of those; empty: the same
     [[nodiscard]] bool given() const {
-        return choice.given() || camera.film_width_mm || camera.film_distance_mm || camera.depth_along;
+        return choice.given() || !behind.empty() || !behind_layer.empty() || camera.film_width_mm ||
+               camera.film_distance_mm || camera.depth_along;
     }
 };
 

@@ -4,9 +4,11 @@
 #include "apps/deliver.h"
 #include "apps/exposure.h"
 #include "apps/numbers.h"
+#include "core/text.h"
 #include "focus/foreign_focus.h"
 #include "focus/usual_method.h"
 #include "records/crop.h"
+#include "records/lay_behind.h"
 #include "records/unmix_edges.h"
 #include "sweep/picture_maker.h"
 
@@ -37,6 +39,33 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
+/// Puts the pictures behind behind a picture, in their order. All of them have their edges taken apart first,
+/// so that what one of them shows at an edge is compared with the right depth of the next.
+void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
+                    std::size_t& unmixed) {
+    ForeignChoice choice = options.choice;
+    choice.depth_file.clear();
+    choice.ids_file.clear();
+    if (!options.behind_layer.empty()) choice.layer = options.behind_layer;
+    for (const std::string& name : options.behind) {
+        ForeignPicture back = read_foreign_picture(name, choice, camera);
+        unmixed += unmix_edges(back);
+        const LaidBehind laid = lay_behind(picture, back, name);
+        for (ForeignRepair& r : back.repairs) {
+            r.text = name + ": " + r.text;
+            picture.repairs.push_back(std::move(r));
+        }
+        if (laid.nearer_share > 0) {
+            picture.repairs.push_back(
+                {"behind",
+                 fmt::format(
+                     "{}: {} % of its pixels are nearer than the picture that it is to lie behind: left out",
+                     name, rough(100 * laid.nearer_share)),
+                 laid.nearer_share});
+        }
+    }
+}
+
 /// Brings the colours to what is asked for; returns the stops.
 double expose(ForeignPicture& picture, const ExposureOption& asked) {
     const double stops = exposure_of_picture(asked, [&] { return picture.flattened(); });
@@ -65,11 +94,12 @@ bool is_foreign(const std::string& input) {
 
 void refuse_foreign_options(const ForeignOptions& options) {
     if (!options.given()) return;
-    fail(
-        ExitCode::wrong_arguments,
-        "--layer, --depth-channel, --depth-encoding, --depth-file, --ids, --ids-file, --film-width, "
-        "--film-distance, --z: not for a sample file, which knows its camera (expected an OpenEXR picture of "
-        "another program)");
+    fail(ExitCode::wrong_arguments,
+         "--behind, --behind-layer, --layer, --depth-channel, --depth-encoding, --depth-file, --ids, "
+         "--ids-file, "
+         "--film-width, --film-distance, --z: not for a sample file, which knows its camera (expected an "
+         "OpenEXR picture of "
+         "another program)");
 }
 
 CommandResult foreign_image(const ImageOptions& options) {
@@ -108,13 +138,14 @@ CommandResult focus_foreign(const FocusOptions& options) {
     // A real lens has a focal length of its own, which says nothing about how the picture was taken.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
-    ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, choice);
-    const double stops = expose(picture, options.exposure);
     const bool pinhole = options.method == FocusMethod::pinhole;
+    ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, choice);
+    std::size_t unmixed = pinhole && options.foreign.behind.empty() ? 0 : unmix_edges(picture);
+    lay_all_behind(picture, options.foreign, choice, unmixed);
+    const double stops = expose(picture, options.exposure);
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    const std::size_t unmixed = pinhole ? 0 : unmix_edges(picture);
     check_crop(options.crop, picture.width, picture.height);
     const double f_number =
         pinhole ? std::numeric_limits<double>::infinity()
@@ -142,7 +173,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool told = unplanned && result.method == method;
     out.json = {{"method", method_name(result.method)},
                 {"method_reason", told ? nlohmann::ordered_json(usual.reason) : nullptr},
-                {"views", nullptr},
+                {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},
                 {"depths", result.depths},
                 {"predicted_db", nullptr},
                 {"retraced_share", 0.0},
@@ -156,6 +187,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
                 {"metres_per_unit", picture.camera.metres_per_unit},
                 {"z", picture.camera.depth_along == DepthAlong::ray ? "ray" : "axial"},
                 {"samples", picture.samples.size()},
+                {"behind", options.foreign.behind},
                 {"unmixed", unmixed},
                 {"has_alpha", !result.image.alpha.empty()},
                 {"channels", channels_json(picture.channels)}};

@@ -145,15 +145,18 @@ CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked) 
             return read_foreign_picture(first, of_first(frames, asked.foreign.choice), asked.foreign.camera)
                 .flattened();
         });
-    return each_frame(
-        frames,
-        {options.input, options.output, options.retrace.explain, false, passes_of(asked.foreign.choice)},
-        options, run_focus, [](FocusOptions& o, const FrameFiles& files) {
-            set_passes(o.foreign.choice, files);
-            o.input = files.input;
-            o.output = files.output;
-            o.retrace.explain = files.explain;
-        });
+    std::vector<std::string> passes = passes_of(asked.foreign.choice);
+    const auto own = static_cast<std::ptrdiff_t>(passes.size());
+    passes.insert(passes.end(), asked.foreign.behind.begin(), asked.foreign.behind.end());
+    return each_frame(frames,
+                      {options.input, options.output, options.retrace.explain, false, std::move(passes)},
+                      options, run_focus, [own](FocusOptions& o, const FrameFiles& files) {
+                          set_passes(o.foreign.choice, files);
+                          o.foreign.behind.assign(files.passes.begin() + own, files.passes.end());
+                          o.input = files.input;
+                          o.output = files.output;
+                          o.retrace.explain = files.explain;
+                      });
 }
 
 CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& asked) {

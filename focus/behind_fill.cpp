@@ -38,7 +38,8 @@ class Search {
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
                 double left = 1;
                 float last = nothing_px_;
-                for (std::uint64_t k = p_.offsets[i]; k < p_.offsets[i + 1] && left > opaque_within; ++k) {
+                // Behind the first opaque sample, the last that is known is what an estimate must lie behind.
+                for (std::uint64_t k = p_.offsets[i]; k < p_.offsets[i + 1]; ++k) {
                     left *= 1 - static_cast<double>(p_.samples[k].alpha);
                     last = radius_px(p_.samples[k].inverse_z);
                 }

@@ -15,8 +15,11 @@
 #include "focus/overscan.h"
 #include "focus/reframe.h"
 #include "focus/scatter.h"
+#include "focus/stack_field.h"
 #include "focus/stack_lights.h"
+#include "records/aperture_file.h"
 #include "records/crop.h"
+#include "reproject/fill_gaps.h"
 
 namespace postlens {
 namespace {
@@ -66,6 +69,23 @@ Frame framed(const ForeignPicture& p, Framing framing, const FocusGeometry& geom
     return out;
 }
 
+/// Whether there is anything but opaque pixels.
+bool is_see_through(const ForeignPicture& picture, const std::vector<Behind>& behind) {
+    return !picture.flattened().alpha.empty() ||
+           std::any_of(behind.begin(), behind.end(), [](const Behind& b) { return b.known && b.alpha < 1; });
+}
+
+std::optional<FocusWarning> guessed_warning(const std::vector<Behind>& behind) {
+    const auto known = std::count_if(behind.begin(), behind.end(), [](const Behind& b) { return b.known; });
+    if (known == 0) return {};
+    const double share = static_cast<double>(known) / static_cast<double>(behind.size());
+    return FocusWarning{
+        "uncovered", share,
+        fmt::format("what stands behind {} % of the pixels may come to light and is not in the "
+                    "picture: filled in from around",
+                    rough(100 * share))};
+}
+
 /// One way of focusing one picture: everything but which values are spread.
 class Spread {
   public:
@@ -90,42 +110,24 @@ class Spread {
         } else {
             nothing_ = nothing_in_reach(picture, geometry, window);
         }
-        known_behind_ = static_cast<std::size_t>(
-            std::count_if(behind_.begin(), behind_.end(), [](const Behind& b) { return b.known; }));
     }
 
     [[nodiscard]] FocusResult picture() {
         FocusResult out;
         out.method = method_;
         spread(StackValue::colour, out.image, &out);
-        if (see_through()) {
+        if (is_see_through(picture_, behind_)) {
             Image alpha;
             spread(StackValue::alpha, alpha, nullptr);
             out.image.alpha.resize(alpha.rgb.size() / 3);
             for (std::size_t i = 0; i < out.image.alpha.size(); ++i)
                 out.image.alpha[i] = std::clamp(alpha.rgb[3 * i + 1], 0.0F, 1.0F);
         }
-        if (known_behind_ > 0) {
-            const double share = static_cast<double>(known_behind_) / static_cast<double>(behind_.size());
-            out.warnings.push_back(
-                {"uncovered", share,
-                 fmt::format(
-                     "what stands behind {} % of the pixels may come to light and is not in the picture: "
-                     "filled in from around",
-                     rough(100 * share))});
-        }
+        if (auto warning = guessed_warning(behind_)) out.warnings.push_back(*std::move(warning));
         return out;
     }
 
   private:
-    /// Whether there is anything but opaque pixels.
-    [[nodiscard]] bool see_through() const {
-        const Image flat = picture_.flattened();
-        if (!flat.alpha.empty()) return true;
-        return std::any_of(behind_.begin(), behind_.end(),
-                           [](const Behind& b) { return b.known && b.alpha < 1; });
-    }
-
     template <typename Splats>
     void take_in(Splats& splats, StackValue value) const {
         const auto rows = static_cast<std::size_t>(corners_.height() - 1);
@@ -188,8 +190,51 @@ class Spread {
     std::shared_ptr<const ResponseModel> response_;
     std::vector<Behind> behind_;
     std::vector<float> nothing_;  ///< of scatter
-    std::size_t known_behind_ = 0;
 };
+
+/// Fills what no view shows of an opaque picture, and says how much that is.
+void fill_unseen(StackField& field, const RasterWindow& drawn, std::vector<FocusWarning>& warnings) {
+    std::vector<float> seen(field.unseen.size());
+    double unseen = 0;
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+        seen[k] = 1 - field.unseen[k];
+        unseen += static_cast<double>(field.unseen[k]);
+        if (seen[k] > 0) {
+            for (std::size_t c = 0; c < 3; ++c) field.image.rgb[3 * k + c] /= seen[k];
+        }
+    }
+    fill_gaps(field.image, seen);
+    field.image.alpha.clear();
+    const double share = unseen / (static_cast<double>(drawn.width()) * drawn.height());
+    constexpr double noticeable = 1e-3;
+    if (share > noticeable) {
+        warnings.push_back(
+            {"uncovered", share,
+             fmt::format("{} % of the light comes from beyond the picture or from behind what it "
+                         "shows: filled in from around",
+                         rough(100 * share))});
+    }
+}
+
+FocusResult by_field(const ForeignPicture& picture, const FocusSettings& settings,
+                     const FocusGeometry& geometry, const RasterWindow& window,
+                     const std::optional<Crop>& crop) {
+    FocusResult out;
+    out.method = FocusMethod::lightfield;
+    out.views = settings.views;
+    out.largest_coc_px = largest_coc_px(depth_range(picture), geometry);
+    StackFieldSettings s{geometry, read_aperture(settings.impulse), window, window, settings.views};
+    if (crop) {
+        s.drawn = {window.x_begin + crop->x, window.x_begin + crop->x + crop->width, window.y_begin + crop->y,
+                   window.y_begin + crop->y + crop->height};
+    }
+    const std::vector<Behind> behind = behind_fill(picture, geometry);
+    StackField field = stack_field(picture, behind, s);
+    if (auto warning = guessed_warning(behind)) out.warnings.push_back(*std::move(warning));
+    if (!is_see_through(picture, behind)) fill_unseen(field, s.drawn, out.warnings);
+    out.image = std::move(field.image);
+    return out;
+}
 
 /// The part of a picture that a window of its raster shows.
 Image cut(const ForeignPicture& p, const RasterWindow& window) {
@@ -219,12 +264,14 @@ void reframe_all(Image& image, const RasterWindow& window, const ForeignPicture&
 
 FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& settings) {
     const bool pinhole = settings.method == FocusMethod::pinhole || std::isinf(settings.lens.f_number);
-    if (!pinhole && settings.method != FocusMethod::scatter && settings.method != FocusMethod::layers) {
+    const bool field = settings.method == FocusMethod::lightfield;
+    if (!pinhole && !field && settings.method != FocusMethod::scatter &&
+        settings.method != FocusMethod::layers) {
         fail(ExitCode::wrong_arguments,
              "--method: this one needs a sample file (got a picture of another program; expected pinhole, "
-             "scatter or "
-             "layers)");
+             "scatter, layers or lightfield)");
     }
+    if (!pinhole && field) check_has_points(settings.impulse);
     check_crop(settings.crop, picture.width, picture.height);
     const Film film{picture.camera.film_distance_mm, picture.pixel_pitch_mm()};
     std::optional<LensView> view;
@@ -240,6 +287,10 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& se
     if (pinhole) {
         out.method = FocusMethod::pinhole;
         out.image = cut(picture, frame.window);
+    } else if (field) {
+        out = by_field(picture, settings, geometry, frame.window,
+                       frame.zoom == 1 ? settings.crop : std::nullopt);
+        out.largest_coc_px *= frame.zoom;
     } else {
         out = Spread(picture, settings, geometry, view ? &*view : nullptr, frame.window,
                      frame.zoom == 1 ? settings.crop : std::nullopt)

@@ -161,9 +161,12 @@ TEST_F(ForeignCommand, RefusesInOneLine) {
     write_half_plane(in("a.exr"));
     const std::string a = in("a.exr"), o = in("o.exr");
     const auto two = ExitCode::wrong_arguments;
-    for (const std::string method : {"lightfield", "hybrid"})
-        refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--method", method}, two,
-                "--method");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--method", "hybrid"}, two, "--method");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--method", "lightfield", "--impulse",
+             "diffraction"},
+            two, "--impulse");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--behind", in("none.exr")},
+            ExitCode::invalid_input, "none.exr");
     refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--predict"}, two, "--predict");
     refused({"focus", a, "-o", o, "--focus", "4"}, two, "--f-number");
     refused({"focus", a, "-o", o, "--f-number", "2"}, two, "--focus");
@@ -180,6 +183,9 @@ TEST_F(ForeignCommand, RefusesInOneLine) {
         0);
     refused({"focus", frame, "-o", o, "--f-number", "2", "--focus", "4", "--film-width", "24"}, two,
             "--film-width");
+    refused({"focus", frame, "-o", o, "--f-number", "2", "--focus", "4", "--behind", a}, two, "--behind");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--behind", frame},
+            ExitCode::invalid_input, "frame.exr");
     refused({"image", frame, "-o", o, "--layer", "x"}, two, "--layer");
     refused({"image", frame, "-o", o, "--ids", "x"}, two, "--ids");
     refused({"motionblur", frame, "-o", o, "--shutter", "0:1", "--ids", "x"}, two, "--ids");

@@ -19,6 +19,7 @@ PathLike = Union[str, "os.PathLike[str]"]
 Report = dict[str, Any]
 
 _separators = {"size": "x", "shutter": ":", "for_shutter": ":"}
+_repeated = {"behind"}  #: options of one value each time they are given
 _units = ("_m", "_mm", "_um", "_nm", "_px", "_s")
 
 
@@ -54,7 +55,10 @@ def words_of(options: Mapping[str, object]) -> list[str]:
         if value is None or value is False:
             continue
         name = option_name(keyword)
-        words.append(name if value is True else f"{name}={_text(keyword, value)}")
+        if keyword in _repeated and isinstance(value, (list, tuple)):
+            words += [f"{name}={_text(keyword, v)}" for v in value]
+        else:
+            words.append(name if value is True else f"{name}={_text(keyword, value)}")
     return words
 
 

@@ -113,6 +113,8 @@ class Frame:
         explain: Optional[PathLike] = None,
         predict: bool = False,
         strict: bool = False,
+        behind: Union[PathLike, Sequence[PathLike], None] = None,
+        behind_layer: Optional[str] = None,
         layer: Optional[str] = None,
         depth_channel: Optional[str] = None,
         depth_encoding: Optional[str] = None,
@@ -136,6 +138,7 @@ class Frame:
             the records do not tell; then the picture says how far it is from the truth (Picture.stated_db).
         impulse: what a point out of focus becomes: "disc", "polygon:6", "file:aperture.png", "lens:FILE", ...
         crop: (x, y, width, height), px. exposure: stops or "auto".
+        behind: pictures of the same camera that stand behind this one, nearest first; behind_layer: their layer.
         layer, depth_channel, depth_encoding, depth_file, ids, ids_file, film_width_mm, film_distance_mm, z:
             of another program's picture, see docs/inputs.md.
         threads: 0: all. progress: called as progress(fraction, seconds_left) while it lasts; what it raises
