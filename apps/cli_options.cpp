@@ -310,6 +310,11 @@ void behind_options(CLI::App& app, ForeignOptions& to) {
               "what the first one hides; may be given again, each behind the one before"))
         ->type_name("PICTURE.exr")
         ->allow_extra_args(false);
+    app.add_option(
+           "--overscan", to.camera.overscan_px,
+           "Of another program's picture: how far it shows more than the frame on every side, as where the "
+           "film and the raster were made larger for that; --film-width is the frame's [default: 0]")
+        ->type_name("PX");
     app.add_option("--behind-layer", to.behind_layer,
                    "--layer of the pictures behind [default: that of --layer]")
         ->type_name("NAME");

@@ -79,7 +79,7 @@ struct ForeignOptions {
     std::string behind_layer;         ///< as `choice.layer`, of those; empty: the same
     [[nodiscard]] bool given() const {
         return choice.given() || !behind.empty() || !behind_layer.empty() || camera.film_width_mm ||
-               camera.film_distance_mm || camera.depth_along;
+               camera.film_distance_mm || camera.depth_along || camera.overscan_px != 0;
     }
 };
 

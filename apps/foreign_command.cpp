@@ -97,7 +97,8 @@ void refuse_foreign_options(const ForeignOptions& options) {
     fail(ExitCode::wrong_arguments,
          "--behind, --behind-layer, --layer, --depth-channel, --depth-encoding, --depth-file, --ids, "
          "--ids-file, "
-         "--film-width, --film-distance, --z: not for a sample file, which knows its camera (expected an "
+         "--film-width, --film-distance, --z, --overscan: not for a sample file, which knows its camera "
+         "(expected an "
          "OpenEXR picture of "
          "another program)");
 }

@@ -18,6 +18,9 @@ enum class DepthAlong {
 struct ForeignCameraChoice {
     std::optional<double> film_width_mm, film_distance_mm, focal_length_mm, metres_per_unit;
     std::optional<DepthAlong> depth_along;
+    /// The display window is so many pixels wider than the frame on every side, as where a program renders
+    /// beyond the frame by a larger film. `film_width_mm` is then the frame's.
+    int overscan_px = 0;
 };
 
 struct ForeignCamera {

@@ -52,7 +52,7 @@ class Reader {
                  "to each other)",
                  file_.name(), columns, rows);
         }
-        out_.camera = foreign_camera(file_, out_.channels.part, camera);
+        take_camera(camera);
         const ForeignChannels& c = out_.channels;
         whole_ids_ = !c.id.empty() && file_.kind(c.id_part, c.id) == ChannelKind::whole;
         for (const std::string& problem : c.problems) out_.repairs.push_back({"ids", problem, 0});
@@ -87,6 +87,27 @@ class Reader {
         const std::size_t next = std::max(out_.samples.size() + more, out_.samples.capacity() * 3 / 2);
         require_memory(next * sizeof(StackSample), "the picture's samples");
         out_.samples.reserve(next);
+    }
+
+    /// The camera, and the frame within the display window.
+    void take_camera(ForeignCameraChoice choice) {
+        const int margin = choice.overscan_px;
+        if (margin < 0 || 2 * margin >= std::min(out_.width, out_.height)) {
+            fail(ExitCode::wrong_arguments,
+                 "--overscan: leaves no frame (got {}; expected 0 to {} for the {}x{} px of {})", margin,
+                 (std::min(out_.width, out_.height) - 1) / 2, out_.width, out_.height, file_.name());
+        }
+        const double of_frame = static_cast<double>(out_.width - 2 * margin) / out_.width;
+        // What the file says holds for all that it shows.
+        if (choice.film_width_mm) *choice.film_width_mm /= of_frame;
+        out_.camera = foreign_camera(file_, out_.channels.part, choice);
+        out_.camera.film_width_mm *= of_frame;
+        out_.width -= 2 * margin;
+        out_.height -= 2 * margin;
+        out_.x_begin -= margin;
+        out_.x_end -= margin;
+        out_.y_begin -= margin;
+        out_.y_end -= margin;
     }
 
     struct MatteEntry {

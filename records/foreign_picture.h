@@ -49,7 +49,7 @@ struct ForeignRepair {
 };
 
 struct ForeignPicture {
-    int width = 0, height = 0;  ///< of the display window, px: the raster
+    int width = 0, height = 0;  ///< of the display window less the overscan, px: the raster
     /// The stored pixels [x_begin, x_end) x [y_begin, y_end), which may extend beyond the raster on any side.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint64_t> offsets{0};  ///< of each pixel's stack, row by row; one more at the end

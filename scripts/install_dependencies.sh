@@ -2,11 +2,12 @@
 # Installs the Debian 12 packages that postlens is built and checked with, those of them that are missing.
 # A machine that has them needs neither a network nor root.
 #
-#   scripts/install_dependencies.sh [--for build|checks|cpus|fuzzing] [--list]
+#   scripts/install_dependencies.sh [--for build|checks|cpus|peers|fuzzing] [--list]
 #
 #   --for build    what building, running and testing need
 #   --for checks   that and the tools of scripts/test.sh's checks (default)
 #   --for cpus     what scripts/check_instruction_sets.sh and scripts/check_aarch64.sh need beside the program
+#   --for peers    what `checks` needs, and the programs that postlens works inside of or beside
 #   --for fuzzing  what building needs, and the compiler of scripts/fuzz.sh
 #   --list         print the packages and install nothing
 set -euo pipefail
@@ -32,6 +33,7 @@ build_packages=(
 check_packages=(git clang-format clang-tidy chromium help2man dpkg-dev file
     python3-pytest mypy python3-nbconvert python3-ipykernel python3-matplotlib chromium-driver python3-selenium)
 cpus_packages=("${build_packages[@]}" qemu-user g++-aarch64-linux-gnu)
+peers_packages=("${build_packages[@]}" "${check_packages[@]}" blender)
 # libFuzzer and the sanitizers' run time are no dependence of clang, only a recommendation.
 fuzzing_packages=(clang libclang-rt-14-dev)
 
@@ -50,8 +52,9 @@ case $purpose in
     build) packages=("${build_packages[@]}") ;;
     checks) packages=("${build_packages[@]}" "${check_packages[@]}") ;;
     cpus) packages=("${cpus_packages[@]}") ;;
+    peers) packages=("${peers_packages[@]}") ;;
     fuzzing) packages=("${build_packages[@]}" "${fuzzing_packages[@]}") ;;
-    *) echo "install_dependencies.sh: unknown purpose (got '$purpose'; expected build, checks, cpus or fuzzing)" >&2 && exit 2 ;;
+    *) echo "install_dependencies.sh: unknown purpose (got '$purpose'; expected build, checks, cpus, peers or fuzzing)" >&2 && exit 2 ;;
 esac
 if $list_only; then
     printf '%s\n' "${packages[@]}"

@@ -1,20 +1,23 @@
 #!/usr/bin/env bash
 # Everything that must hold before a change is handed in: format, build, dependencies, documents, all tests.
 #
-#   scripts/test.sh [--sanitize]
+#   scripts/test.sh [--sanitize] [--peers]
 #
+#   --peers     also install the programs that postlens works inside of or beside, and run the tests that need them
 #   --sanitize  also build with the address and undefined-behaviour sanitizers and run all tests with them
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-sanitize=false
-case ${1:-} in
-    '') ;;
-    --sanitize) sanitize=true ;;
-    *) echo "test.sh: unknown argument (got $1; expected --sanitize)" >&2 && exit 2 ;;
-esac
+sanitize=false packages=checks
+for word in "$@"; do
+    case $word in
+        --sanitize) sanitize=true ;;
+        --peers) packages=peers ;;
+        *) echo "test.sh: unknown argument (got $word; expected --sanitize or --peers)" >&2 && exit 2 ;;
+    esac
+done
 
-scripts/install_dependencies.sh --for checks
+scripts/install_dependencies.sh --for $packages
 scripts/check_format.sh
 scripts/check_includes.py
 scripts/build.sh --for checks release

@@ -123,6 +123,7 @@ class Frame:
         ids_file: Optional[PathLike] = None,
         film_width_mm: Optional[float] = None,
         film_distance_mm: Optional[float] = None,
+        overscan_px: Optional[int] = None,
         z: Optional[str] = None,
         threads: int = 0,
         progress: Progress = None,
@@ -139,7 +140,7 @@ class Frame:
         impulse: what a point out of focus becomes: "disc", "polygon:6", "file:aperture.png", "lens:FILE", ...
         crop: (x, y, width, height), px. exposure: stops or "auto".
         behind: pictures of the same camera that stand behind this one, nearest first; behind_layer: their layer.
-        layer, depth_channel, depth_encoding, depth_file, ids, ids_file, film_width_mm, film_distance_mm, z:
+        layer, depth_channel, depth_encoding, depth_file, ids, ids_file, film_width_mm, film_distance_mm, overscan_px, z:
             of another program's picture, see docs/inputs.md.
         threads: 0: all. progress: called as progress(fraction, seconds_left) while it lasts; what it raises
             stops the work and comes out.

@@ -472,7 +472,8 @@ def parse(words):
     return parser.parse_args(words)
 
 
-def main(arguments):
+def prepare(arguments):
+    """Blender's scene, ready to be rendered. Returns it, and what main() says of it."""
     with open(arguments.scene, "rb") as file:
         tables = tomllib.load(file)
     cameras = tables.get("camera", [])
@@ -495,8 +496,13 @@ def main(arguments):
     view.build(scene, f_number, focus_m)
     settings(scene, arguments, moving > 0)
     scene.frame_set(0)
+    return scene, {"outline_px": outline_px, "motion_px": motion_px, "moving": moving}
+
+
+def main(arguments):
+    _, said = prepare(arguments)
     bpy.ops.render.render(write_still=True)
-    print("toml_to_blender: " + json.dumps({"outline_px": outline_px, "motion_px": motion_px, "moving": moving}))
+    print("toml_to_blender: " + json.dumps(said))
 
 
 if __name__ == "__main__":

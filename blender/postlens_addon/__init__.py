@@ -1,0 +1,25 @@
+"""postlens in Blender: renders the scene once through a pinhole and applies the camera's lens and shutter afterwards."""
+
+bl_info = {
+    "name": "postlens",
+    "author": "postlens",
+    "version": (0, 9, 0),
+    "blender": (3, 4, 0),
+    "location": "Properties > Render > postlens",
+    "description": "Depth of field and motion blur after the render, with the camera's own lens",
+    "category": "Render",
+}
+
+from . import operators, panel, settings  # noqa: E402  (Blender reads bl_info from the file's beginning)
+
+
+def register():
+    settings.register()
+    operators.register()
+    panel.register()
+
+
+def unregister():
+    panel.unregister()
+    operators.unregister()
+    settings.unregister()

@@ -1,0 +1,112 @@
+"""Blender's camera as postlens' options. Knows nothing of operators or panels."""
+
+import math
+from dataclasses import dataclass
+
+from mathutils import Vector
+
+
+class CameraError(Exception):
+    """What the camera is that postlens cannot be."""
+
+
+@dataclass(frozen=True)
+class Film:
+    """A raster and the film that it stands for; pixels are square."""
+
+    width_px: int
+    height_px: int
+    width_mm: float
+    distance_mm: float
+
+    @property
+    def pixels_per_radian(self):
+        return self.distance_mm / self.width_mm * self.width_px
+
+    def with_margin(self, margin_px):
+        """The same view with `margin_px` more pixels on every side."""
+        width = self.width_px + 2 * margin_px
+        return Film(width, self.height_px + 2 * margin_px, self.width_mm * width / self.width_px, self.distance_mm)
+
+
+@dataclass(frozen=True)
+class Lens:
+    """What blurs: distances in metres along the camera's axis; Cycles takes Blender's unit for a metre."""
+
+    focal_length_mm: float
+    f_number: float
+    focus_m: float
+    blades: int
+    rotation_rad: float
+    ratio: float
+
+    @property
+    def aperture_radius_m(self):
+        return self.focal_length_mm * 1e-3 / (2 * self.f_number)
+
+    def coc_radius_px(self, distance_m, film):
+        """Of a point in front of the pinhole; infinity is allowed. Positive behind the focus."""
+        return self.aperture_radius_m * film.pixels_per_radian * (1 / self.focus_m - 1 / distance_m)
+
+    def distance_in_front_m(self, radius_px, film):
+        """In front of the focus, the distance of which circles have this radius."""
+        return 1 / (1 / self.focus_m + radius_px / (self.aperture_radius_m * film.pixels_per_radian))
+
+    def options(self):
+        impulse = "disc"
+        if self.blades >= 3:
+            # Cycles has the middle of a side to the right at no rotation, and turns towards the top; postlens counts
+            # from a corner, and towards the bottom.
+            impulse = f"polygon:{self.blades}:{-math.degrees(self.rotation_rad) - 180 / self.blades:.9g}"
+        out = ["--f-number", f"{self.f_number:.9g}", "--focal-length", f"{self.focal_length_mm:.9g}"]
+        out += ["--focus", f"{self.focus_m:.9g}", "--impulse", impulse]
+        if self.ratio != 1:
+            out += ["--squeeze", f"{self.ratio:.9g}"]
+        return out
+
+
+def film_of(scene, camera):
+    """Film of a perspective camera. Raises CameraError."""
+    data = camera.data
+    if data.type != "PERSP":
+        raise CameraError(f"camera {camera.name}: is {data.type.lower()} (expected a perspective camera)")
+    render = scene.render
+    if render.pixel_aspect_x != render.pixel_aspect_y:
+        raise CameraError(
+            f"pixels are not square (got {render.pixel_aspect_x:g}:{render.pixel_aspect_y:g}; expected 1:1)"
+        )
+    if render.use_border:
+        raise CameraError("a render region is set (expected none: Render Region off)")
+    width = max(1, int(render.resolution_x * render.resolution_percentage / 100))
+    height = max(1, int(render.resolution_y * render.resolution_percentage / 100))
+    if data.sensor_fit == "VERTICAL":
+        sensor_mm, sensor_px = data.sensor_height, height
+    else:
+        sensor_mm, sensor_px = data.sensor_width, width if data.sensor_fit == "HORIZONTAL" else max(width, height)
+    return Film(width, height, sensor_mm * width / sensor_px, data.lens)
+
+
+def lens_of(camera, depsgraph):
+    """Lens at the frame that `depsgraph` is evaluated at. Raises CameraError where nothing is in focus."""
+    evaluated = camera.evaluated_get(depsgraph)
+    dof = evaluated.data.dof
+    focus_m = dof.focus_distance
+    if dof.focus_object is not None:
+        target = dof.focus_object.evaluated_get(depsgraph).matrix_world.translation
+        axis = -(evaluated.matrix_world.to_quaternion() @ Vector((0, 0, 1)))
+        focus_m = abs((target - evaluated.matrix_world.translation).dot(axis))
+    if not focus_m > 0:
+        raise CameraError(f"camera {camera.name}: focus distance {focus_m:g} m (expected more than 0)")
+    if not dof.aperture_fstop > 0:
+        raise CameraError(f"camera {camera.name}: f-number {dof.aperture_fstop:g} (expected more than 0)")
+    return Lens(
+        evaluated.data.lens, dof.aperture_fstop, focus_m, dof.aperture_blades, dof.aperture_rotation, dof.aperture_ratio
+    )
+
+
+def depths_of(thing, camera, depsgraph):
+    """Nearest and farthest distance along the camera's axis of an object's bounding box, in Blender's unit."""
+    evaluated = thing.evaluated_get(depsgraph)
+    to_camera = camera.evaluated_get(depsgraph).matrix_world.inverted_safe() @ evaluated.matrix_world
+    depths = [-(to_camera @ Vector(corner)).z for corner in evaluated.bound_box]
+    return min(depths), max(depths)

@@ -1,0 +1,47 @@
+"""The installed `postlens` as a child process: its words, its answer, its end."""
+
+import json
+import os
+import shutil
+import subprocess
+import threading
+
+
+class CommandError(Exception):
+    """What the command says of its failure."""
+
+
+class Cancelled(Exception):
+    """The user's wish."""
+
+
+def find(path):
+    """The program at `path`, or that of the search path. Raises CommandError where there is none."""
+    program = path or shutil.which("postlens") or ""
+    if not program or not os.access(program, os.X_OK) or os.path.isdir(program):
+        raise CommandError(
+            f"postlens is not installed (looked for {path or 'postlens on the search path'}; set its path in the add-on's panel)"
+        )
+    return program
+
+
+def run(program, words, cancelled=lambda: False):
+    """Runs a command; returns what it says with --json. Raises CommandError and Cancelled."""
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+    child = subprocess.Popen(
+        [program, *words, "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+    )
+    said = []
+    reader = threading.Thread(target=lambda: said.extend(child.communicate()), daemon=True)
+    reader.start()
+    while reader.is_alive():
+        reader.join(0.05)
+        if reader.is_alive() and cancelled():
+            child.terminate()
+            reader.join()
+            raise Cancelled()
+    out, err = said
+    if child.returncode not in (0, 6):
+        line = (err.strip().splitlines() or [f"postlens ended with code {child.returncode}"])[-1]
+        raise CommandError(line)
+    return json.loads(out)

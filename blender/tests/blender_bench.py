@@ -1,0 +1,65 @@
+"""Scenes and pictures for the add-on's tests; runs inside Blender."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.join(HERE, "..", "..")
+sys.path[:0] = [os.path.join(ROOT, "blender"), os.path.join(ROOT, "scripts", "peers")]
+
+import bpy  # noqa: E402
+import toml_to_blender  # noqa: E402
+
+BARS = os.path.join(ROOT, "samples", "scenes", "bars.toml")
+
+
+def words():
+    """What follows -- on Blender's command line."""
+    return sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
+
+
+def bars(size, spp, f_number=1.4, focus_m=5, seed=0):
+    """The scene of thin bars before a wall in Cycles, its camera's lens wide open; the add-on is registered."""
+    import postlens_addon
+
+    if hasattr(bpy.types.Scene, "postlens"):
+        postlens_addon.unregister()
+    asked = [BARS, "unused.exr", "--size", size, "--spp", str(spp), "--seed", str(seed)]
+    asked += ["--f-number", str(f_number), "--focus", str(focus_m)]
+    scene, _ = toml_to_blender.prepare(toml_to_blender.parse(asked))
+    postlens_addon.register()
+    return scene
+
+
+def by_cycles(scene, path, spp, seed):
+    """The reference: the same camera with Cycles' own depth of field."""
+    scene.cycles.samples, scene.cycles.seed = spp, seed
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.filepath = path
+    bpy.ops.render.render(write_still=True)
+    return path
+
+
+class Program:
+    """The postlens command."""
+
+    def __init__(self, path):
+        self.path = os.path.abspath(path)
+
+    def __call__(self, *arguments):
+        done = subprocess.run([self.path, *arguments, "--json"], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise AssertionError(done.stderr)
+        return json.loads(done.stdout)
+
+    def psnr_db(self, picture, halves):
+        """Above the noise of a reference of two independent halves."""
+        said = self("compare", picture, halves[0], "--noise", halves[1])
+        return said["psnr_above_noise_db"], said["noise_psnr_db"]
+
+
+def folder():
+    return tempfile.TemporaryDirectory(prefix="postlens_blender_")
