@@ -236,12 +236,13 @@ CommandResult foreign_info(const std::string& input) {
         file.parts()[channels.part].deep ? Cryptomattes() : find_cryptomattes(file, channels.part);
     std::string ids;
     for (const Cryptomatte& m : found.usable) {
-        const int names = m.manifest.empty() ? 0 : manifest_names(m.manifest);
+        const std::optional<std::vector<std::string>> names =
+            m.manifest.empty() ? std::vector<std::string>() : manifest_names(m.manifest);
         mattes.push_back({{"name", m.name},
                           {"ranks", m.ranks.size()},
-                          {"names", names >= 0 ? nlohmann::ordered_json(names) : nullptr}});
+                          {"names", names ? nlohmann::ordered_json(names->size()) : nullptr}});
         ids += fmt::format("\nCryptomatte {}, {}, {}", m.name, counted(m.ranks.size(), "rank"),
-                           names < 0 ? "a manifest that is damaged" : fmt::format("{} names", names));
+                           names ? fmt::format("{} names", names->size()) : "a manifest that is damaged");
     }
     for (const std::string& problem : found.problems) out.warnings.push_back({"ids", problem, 0});
     for (const std::string& text : channels.assumed) out.warnings.push_back({"assumed", text, 0});

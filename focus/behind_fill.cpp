@@ -41,7 +41,7 @@ class Search {
                 // Behind the first opaque sample, the last that is known is what an estimate must lie behind.
                 for (std::uint64_t k = p_.offsets[i]; k < p_.offsets[i + 1]; ++k) {
                     left *= 1 - static_cast<double>(p_.samples[k].alpha);
-                    last = radius_px(p_.samples[k].inverse_z);
+                    last = radius_px(p_.samples[k].spread_inverse_z());
                 }
                 opaque_[i] = left <= opaque_within ? 1 : 0;
                 last_px_[i] = last;
@@ -108,7 +108,7 @@ class Search {
         }
         Behind out;
         out.known = true;
-        out.inverse_z = nearest->stack.empty() ? 0 : nearest->stack[0].inverse_z;
+        out.inverse_z = nearest->stack.empty() ? 0 : nearest->stack[0].spread_inverse_z();
         out.r = static_cast<float>(sum[0] / sum[4]);
         out.g = static_cast<float>(sum[1] / sum[4]);
         out.b = static_cast<float>(sum[2] / sum[4]);
@@ -192,9 +192,9 @@ class Search {
             if (!here || !reach_each_other(distance_px, own_px, last_px)) return false;
             auto stack =
                 is_stored(u, v) ? p_.stack(p_.x_begin + u, p_.y_begin + v) : std::span<const StackSample>();
-            while (!stack.empty() && radius_px(stack[0].inverse_z) - own_px < least_step_px)
+            while (!stack.empty() && radius_px(stack[0].spread_inverse_z()) - own_px < least_step_px)
                 stack = stack.subspan(1);
-            found = {distance_px, stack.empty() ? nothing_px_ : radius_px(stack[0].inverse_z), stack};
+            found = {distance_px, stack.empty() ? nothing_px_ : radius_px(stack[0].spread_inverse_z()), stack};
             return true;
         });
         return found;
@@ -320,7 +320,7 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
                 for (const StackSample& s : p.stack(x, y)) {
                     through = 0;
                     widest_px = std::max(
-                        widest_px, std::abs(geometry.coc_diameter_px(static_cast<double>(s.inverse_z)) / 2));
+                        widest_px, std::abs(geometry.coc_diameter_px(static_cast<double>(s.spread_inverse_z())) / 2));
                 }
             }
             left[at(x, y)] = static_cast<float>(std::max(through, 0.0));

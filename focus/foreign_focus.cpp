@@ -30,9 +30,10 @@ constexpr std::size_t rows_per_task = 4;
 DepthRange depth_range(const ForeignPicture& picture) {
     float nearest = 0, farthest = std::numeric_limits<float>::infinity();  // as inverses
     for (const StackSample& s : picture.samples) {
-        if (s.inverse_z == 0) continue;
-        nearest = std::max(nearest, s.inverse_z);
-        farthest = std::min(farthest, s.inverse_z);
+        const float inverse_z = s.spread_inverse_z();
+        if (inverse_z == 0) continue;
+        nearest = std::max(nearest, inverse_z);
+        farthest = std::min(farthest, inverse_z);
     }
     DepthRange out;
     if (nearest > 0) {

@@ -74,13 +74,13 @@ class Facets {
   private:
     void add(std::size_t pixel, const StackSample& s) {
         Facet f;
-        f.inverse_z.fill(s.inverse_z);
+        f.inverse_z.fill(s.spread_inverse_z());
         f.sample = s;
         f.threshold = random_word(pixel, static_cast<std::uint32_t>(facets_.size() - offsets_.back()));
         facets_.push_back(f);
     }
     [[nodiscard]] double radius_px(const Facet& f) const {
-        return geometry_.coc_diameter_px(static_cast<double>(f.sample.inverse_z)) / 2;
+        return geometry_.coc_diameter_px(static_cast<double>(f.sample.spread_inverse_z())) / 2;
     }
     [[nodiscard]] bool one_surface(const Facet& a, const Facet& b) const {
         if (a.sample.id != 0 && b.sample.id != 0 && a.sample.id != b.sample.id) return false;
@@ -95,7 +95,7 @@ class Facets {
         float apart = std::numeric_limits<float>::infinity();
         for (const Facet& other : at(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                                      static_cast<std::size_t>(x))) {
-            const float d = std::abs(other.sample.inverse_z - f.sample.inverse_z);
+            const float d = std::abs(other.sample.spread_inverse_z() - f.sample.spread_inverse_z());
             if (d < apart && one_surface(f, other)) {
                 apart = d;
                 best = &other;
@@ -123,11 +123,11 @@ class Facets {
         }
         for (std::size_t corner = 0; corner < corners; ++corner) {
             const std::size_t u = 2 * (corner % 2), v = 2 * (corner / 2);
-            double sum = static_cast<double>(f.sample.inverse_z);
+            double sum = static_cast<double>(f.sample.spread_inverse_z());
             int count = 1;
             for (const Facet* other : {around[3 + u], around[3 * v + 1], around[3 * v + u]}) {
                 if (other == nullptr) continue;
-                sum += static_cast<double>(other->sample.inverse_z);
+                sum += static_cast<double>(other->sample.spread_inverse_z());
                 ++count;
             }
             f.inverse_z[corner] = static_cast<float>(sum / count);
@@ -310,10 +310,12 @@ class Band {
             if (!passed_.empty() && passes_[h.at] == 0) continue;
             const StackSample& s = facets_.facet(h.number).sample;
             Sum& sum = sums_[h.at];
-            sum.rgba[0] += s.r;
-            sum.rgba[1] += s.g;
-            sum.rgba[2] += s.b;
-            sum.rgba[3] += s.alpha;
+            if (!s.holdout) {
+                sum.rgba[0] += s.r;
+                sum.rgba[1] += s.g;
+                sum.rgba[2] += s.b;
+                sum.rgba[3] += s.alpha;
+            }
             if (met_.empty()) met_.resize(sums_.size());
             met_[h.at] = 1;
         }

@@ -25,14 +25,14 @@ std::uint32_t StackLights::surface_of(double signed_radius_px) {
     return static_cast<std::uint32_t>(middle + std::copysign(std::min(steps, middle / 2), signed_radius_px));
 }
 
-void StackLights::add_surface(std::uint32_t surface, double inverse_depth, const std::array<double, 3>& rgb,
+void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const std::array<double, 3>& rgb,
                               double alpha, bool behind_all) {
     auto sum = std::find_if(sums_.begin(), sums_.end(), [&](const Sum& s) { return s.surface == surface; });
     if (sum == sums_.end()) {
         sums_.emplace_back().surface = surface;
         sum = sums_.end() - 1;
     }
-    const double radius_px = geometry_.coc_diameter_px(inverse_depth) / 2;
+    const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
     const double seen = behind_all ? 0 : left_, hidden = 1 - seen;
     // What stays hidden, since what hides it moves along over the lens. Behind something translucent a part
     // is seen as well, of which `composite` lets through more, by the same measure.
@@ -55,8 +55,10 @@ void StackLights::add_surface(std::uint32_t surface, double inverse_depth, const
     sum->seen_weight += seen * alpha;
     sum->hidden_weight += hidden * alpha;
     sum->covered += covered * alpha;
-    sum->seen_depth += seen * alpha * inverse_depth;
-    sum->hidden_depth += hidden * alpha * inverse_depth;
+    sum->seen_depths.order += seen * alpha * depths.order;
+    sum->seen_depths.spread += seen * alpha * depths.spread;
+    sum->hidden_depths.order += hidden * alpha * depths.order;
+    sum->hidden_depths.spread += hidden * alpha * depths.spread;
     if (behind_all) return;
     met_.push_back({surface, radius_px, left_ * alpha});
     left_ *= 1 - alpha;
@@ -75,39 +77,40 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, con
     for (const StackSample& s : stack) {
         const bool last = &s == &stack.back();
         const double alpha = fills && last ? 1 : std::max(static_cast<double>(s.alpha), least_alpha);
-        const auto inverse_depth = static_cast<double>(s.inverse_z);
-        add_surface(surface_of(geometry_.coc_diameter_px(inverse_depth) / 2), inverse_depth,
-                    rgb_of(s, static_cast<double>(s.alpha)), alpha, false);
+        const Depths depths{static_cast<double>(s.inverse_z), static_cast<double>(s.spread_inverse_z())};
+        const std::array<double, 3> none{};
+        add_surface(surface_at(depths.spread), depths,
+                    s.holdout ? none : rgb_of(s, static_cast<double>(s.alpha)), alpha, false);
     }
     if (left_ > least_share) {
-        add_surface(nothing, 0, {}, 1, false);
+        add_surface(nothing, {}, {}, 1, false);
     } else if (behind != nullptr && behind->known) {
         const auto inverse_depth = static_cast<double>(behind->inverse_z);
         const auto alpha = static_cast<double>(behind->alpha);
         if (alpha > least_share)
-            add_surface(surface_of(geometry_.coc_diameter_px(inverse_depth) / 2), inverse_depth,
-                        rgb_of(*behind, alpha), alpha, true);
-        if (alpha < 1 - least_share) add_surface(nothing, 0, {}, 1 - alpha, true);
+            add_surface(surface_at(inverse_depth), {inverse_depth, inverse_depth}, rgb_of(*behind, alpha), alpha,
+                        true);
+        if (alpha < 1 - least_share) add_surface(nothing, {}, {}, 1 - alpha, true);
     }
     for (const Sum& s : sums_) {
         if (s.surface == nothing && !with_nothing_) continue;
-        const auto store = [&](const std::array<double, 3>& rgb, double weight, double depth, double covered,
+        const auto store = [&](const std::array<double, 3>& rgb, double weight, const Depths& depths, double covered,
                                bool hidden) {
             if (!(weight > least_share * least_alpha)) return;
             out.push_back(
                 {x,
-                 depth / weight,
-                 s.surface == nothing ? geometry_.inverse_focus_per_m : depth / weight,
+                 depths.order / weight,
+                 s.surface == nothing ? geometry_.inverse_focus_per_m : depths.spread / weight,
                  {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])},
                  static_cast<float>(weight),
                  static_cast<float>(covered),
                  s.surface,
                  hidden});
         };
-        store(s.seen, s.seen_weight, s.seen_depth, 0, false);
+        store(s.seen, s.seen_weight, s.seen_depths, 0, false);
         // Nothing of what moves along comes to light.
         if (s.covered < s.hidden_weight * (1 - least_share))
-            store(s.hidden, s.hidden_weight, s.hidden_depth, s.covered, true);
+            store(s.hidden, s.hidden_weight, s.hidden_depths, s.covered, true);
     }
 }
 

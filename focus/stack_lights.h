@@ -43,13 +43,21 @@ class StackLights {
         std::uint32_t surface;
         double radius_px, seen;
     };
-    void add_surface(std::uint32_t surface, double inverse_depth, const std::array<double, 3>& rgb,
+    /// Inverse depths, 1/m: of the order of compositing, and of the circle of confusion.
+    struct Depths {
+        double order = 0, spread = 0;
+    };
+    void add_surface(std::uint32_t surface, const Depths& depths, const std::array<double, 3>& rgb,
                      double alpha, bool behind_all);
+    [[nodiscard]] std::uint32_t surface_at(double inverse_depth) const {
+        return surface_of(geometry_.coc_diameter_px(inverse_depth) / 2);
+    }
 
     struct Sum {
         std::uint32_t surface = 0;
         std::array<double, 3> seen{}, hidden{};
-        double seen_weight = 0, hidden_weight = 0, covered = 0, seen_depth = 0, hidden_depth = 0;
+        double seen_weight = 0, hidden_weight = 0, covered = 0;
+        Depths seen_depths, hidden_depths;  ///< times the weights
     };
     FocusGeometry geometry_;
     bool with_nothing_;

@@ -168,18 +168,20 @@ ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set) 
     return out;
 }
 
-int manifest_names(const std::string& manifest) {
+std::optional<std::vector<std::string>> manifest_names(const std::string& manifest) {
     // No exceptions, whatever it is; the parser keeps its own stack.
     const auto json = nlohmann::json::parse(manifest, nullptr, false);
-    if (!json.is_object()) return -1;
+    if (!json.is_object()) return std::nullopt;
+    std::vector<std::string> names;
     for (const auto& [name, id] : json.items()) {
-        if (!id.is_string()) return -1;
+        if (!id.is_string()) return std::nullopt;
         const auto& digits = id.get_ref<const std::string&>();
         if (digits.empty() || digits.size() > 8 ||
             digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
-            return -1;
+            return std::nullopt;
+        names.push_back(name);
     }
-    return static_cast<int>(json.size());
+    return names;
 }
 
 std::uint32_t cryptomatte_id(std::string_view name) {

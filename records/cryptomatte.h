@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,8 +41,8 @@ struct Cryptomattes {
 /// View and layer of a usable Cryptomatte, from its name and that of its first part.
 [[nodiscard]] ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set);
 
-/// Number of names in a manifest; -1 if it is not a JSON object of names with eight hexadecimal digits.
-[[nodiscard]] int manifest_names(const std::string& manifest);
+/// The names in a manifest; none if it is not a JSON object of names with up to eight hexadecimal digits.
+[[nodiscard]] std::optional<std::vector<std::string>> manifest_names(const std::string& manifest);
 
 /// Id of a name by the specification: MurmurHash3 (x86, 32 bits, seed 0), with the lowest bit of the exponent
 /// flipped if the float would otherwise be denormal, infinite or NaN.

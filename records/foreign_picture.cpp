@@ -540,17 +540,21 @@ Image ForeignPicture::flattened() const {
         const int y = static_cast<int>(row);
         for (int x = 0; x < width; ++x) {
             if (!stores(x, y)) continue;
-            double left = 1;
+            double left = 1, held_out = 0;
             std::array<double, 3> rgb{};
             for (const StackSample& s : stack(x, y)) {
-                rgb[0] += left * static_cast<double>(s.r);
-                rgb[1] += left * static_cast<double>(s.g);
-                rgb[2] += left * static_cast<double>(s.b);
+                if (s.holdout) {
+                    held_out += left * static_cast<double>(s.alpha);
+                } else {
+                    rgb[0] += left * static_cast<double>(s.r);
+                    rgb[1] += left * static_cast<double>(s.g);
+                    rgb[2] += left * static_cast<double>(s.b);
+                }
                 left *= 1 - static_cast<double>(s.alpha);
             }
             for (std::size_t c = 0; c < 3; ++c) out.pixel(x, y)[c] = static_cast<float>(rgb[c]);
             alpha[row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] =
-                static_cast<float>(1 - left);
+                static_cast<float>(std::max(0.0, 1 - left - held_out));
         }
     });
     if (std::any_of(alpha.begin(), alpha.end(), [](float a) { return a < 1; })) out.alpha = std::move(alpha);

@@ -21,6 +21,10 @@ struct StackSample {
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0: the file does not say
+    /// Inverse depth of the circle of confusion, 1/m, where it is not that of the position; below 0: it is.
+    float moved_inverse_z = -1;
+    bool holdout = false;  ///< hides what is behind it, and has neither colour nor alpha in an image
+    [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }
 };
 
 /// Converts a value of an id channel to an id. Uses the bits of the float, which distinguish both hashes and
