@@ -13,14 +13,14 @@ namespace {
 constexpr int widest_px = 256;
 constexpr int aperture_steps = 48, focus_steps = 81;
 constexpr double narrowest_coc_px = 0.7;
-/// Even steps of CoC up to here, then each larger by a 16th.
+/// CoC diameters are sampled every 0.5 px up to 8 px; beyond that, each is larger than the last by a 16th.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Pixels looked at; more do not sharpen a search in steps of a tenth.
+/// Largest number of compared pixels. More do not improve a search whose apertures differ by about a tenth.
 constexpr std::size_t most_pixels = 12000;
-/// Loose: the model is wrong by about this much beside depth edges.
+/// Residuals above this count linearly. The model is wrong by about this much beside depth edges.
 constexpr double linear_from = 0.1;
 
-/// Luminance and mean inverse depth, every `factor` x `factor` pixels one.
+/// Luminances and inverse depths (1/m), each a mean over a block of `factor` x `factor` pixels.
 struct Reduced {
     cv::Mat pinhole, picture, inverse_depth;
 };
@@ -49,7 +49,7 @@ Reduced reduce(const Image& pinhole, const Image& picture, const RecordedDepths&
     return out;
 }
 
-/// An even disc; each pixel's share from 8x8 points of it.
+/// Kernel of a uniform disc, with sum 1. A pixel's weight is the share of its 8 x 8 points inside the disc.
 cv::Mat disc(double diameter_px) {
     const int reach = static_cast<int>(std::ceil(diameter_px / 2));
     cv::Mat out = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_32F);
@@ -79,13 +79,13 @@ std::vector<double> diameters_up_to(double largest_px) {
     return out;
 }
 
-/// Squared robust residuals of some of the pixels by diameter, and what a lens makes of them.
+/// Table of squared robust residuals: one per blur diameter for each pixel of a subset. A lens selects the
+/// diameter of each pixel.
 class RoughModel {
   public:
     RoughModel(const Reduced& reduced, double largest_px) : diameters_px_(diameters_up_to(largest_px)) {
         const std::size_t pixels = reduced.pinhole.total();
         const std::size_t stride = (pixels + most_pixels - 1) / most_pixels;
-        // An odd one over rows of any width, so that the pixels do not stand in columns.
         for (std::size_t k = 0; k < pixels; k += stride)
             inverse_depth_per_m_.push_back(reduced.inverse_depth.ptr<float>()[k]);
         const std::size_t levels = diameters_px_.size();
@@ -108,7 +108,8 @@ class RoughModel {
         });
     }
 
-    /// `gain_px`: CoC diameter by difference of inverse depths, px m, times the aperture.
+    /// RMS of the residuals for a lens. `gain_px`: CoC diameter per difference of inverse depths, px m, with
+    /// the aperture included.
     [[nodiscard]] double error(double gain_px, double inverse_focus_per_m) const {
         const std::size_t levels = diameters_px_.size();
         double sum = 0;
@@ -166,7 +167,7 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
             bool least = true;
             for (int a = std::max(0, i - 1); a <= std::min(aperture_steps - 1, i + 1); ++a) {
                 for (int b = std::max(0, k - 1); b <= std::min(focus_steps - 1, k + 1); ++b) {
-                    // Of equal neighbours the first counts.
+                    // Of neighbours with equal errors, only the first is a minimum.
                     const bool before = a < i || (a == i && b < k);
                     least = least && (before ? at(i, k) < at(a, b) : at(i, k) <= at(a, b));
                 }

@@ -1,4 +1,4 @@
-// Where to begin the search for a lens: all lenses tried at once on a rough model of blur.
+// Starting points for the search for a lens: a grid of lenses, tested with a rough model of blur.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// A lens as what a picture with its view kept tells of it.
+/// The two parameters of a lens that determine its blur while the field of view stays the same.
 struct LensPlace {
     double aperture_mm = 0;          ///< F / n, > 0
     double inverse_focus_per_m = 0;  ///< 1 / s, 0 or more
@@ -20,11 +20,12 @@ struct RoughMatch {
     double error = 0;  ///< root mean square of `robust` residuals (see picture_tone.h)
 };
 
-/// The lenses at which the rough model is better than at all its neighbours, best first, at least one. The
-/// model: each pixel of the pinhole picture blurred evenly by its own CoC, as if all around it lay at its
-/// depth; made once for each of some 60 diameters, so that a lens costs a look-up for each pixel and 4,000
-/// are tried: apertures whose largest CoC is 0.7 px to a quarter of the picture, focus distances over the
-/// depths seen and half of their range beyond, in 1/s. Pictures of more than 256 px are reduced.
+/// Local minima of the rough model's error over a grid of about 4,000 lenses, smallest error first; at least
+/// one. The model blurs each pixel of the pinhole image with a uniform disc of its own CoC, as if its whole
+/// neighbourhood lay at its depth. The residuals of some 60 diameters are computed once, so that a lens costs
+/// one look-up per pixel. The grid covers apertures whose largest CoC is 0.7 px to a quarter of the image's
+/// width, and values of 1/s over the recorded inverse depths and half of their range beyond either end.
+/// Images wider than 256 px are reduced first.
 [[nodiscard]] std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture,
                                                   const RecordedDepths& depths, const SampleHeader& header);
 

@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-// Okabe and Ito's palette, and black and white for the last two.
+// One colour per cause: grey for none, the palette of Okabe and Ito, and white for the last.
 constexpr std::array<Rgb8, error_causes> colours{{{90, 90, 90},
                                                   {213, 94, 0},
                                                   {0, 114, 178},

@@ -1,4 +1,4 @@
-// The map of why pixels are wrong, as a picture with its legend.
+// Image of a CauseMap (why pixels are wrong), with a legend.
 #pragma once
 
 #include "planner/error_causes.h"
@@ -6,8 +6,9 @@
 
 namespace postlens {
 
-/// Every wrong pixel in the colour of its cause over the grey reference; below, the colours' names with their
-/// shares of the squared error. Scene-linear, for `write_image`. Colours are told apart by the colour-blind.
+/// Shows each wrong pixel in the colour of its cause, over the reference in grey. A legend below names the
+/// causes with their shares of the squared error. Scene-linear, for `write_image`. Colour-blind readers can
+/// distinguish the colours.
 [[nodiscard]] Image cause_picture(const CauseMap& causes, const Image& reference);
 
 }  // namespace postlens

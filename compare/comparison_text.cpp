@@ -31,7 +31,8 @@ std::string share_text(double share) {
     return std::isnan(share) ? "-" : fmt::format("{:.1f} %", 100 * share);
 }
 
-// "48.2 dB; the reference itself is good to 55.1 dB; above its noise 49.1 dB (48.9 to 49.4 dB)"
+// Example: "whole frame: 48.20 dB; the reference itself is good to 55.10 dB; above its noise 49.10 dB (48.90
+// to 49.40 dB)".
 std::string noise_sentence(const char* what, const PixelErrors& errors, const NoiseFloor& noise,
                            bool image_is_a_reference) {
     std::string text = fmt::format("{}: {}; the reference itself is good to {}", what,

@@ -1,4 +1,4 @@
-// A comparison in words, for people.
+// A comparison as text for people.
 #pragma once
 
 #include <string>
@@ -9,14 +9,13 @@
 
 namespace postlens {
 
-/// The figures of the whole frame, of the affected pixels and of the pinhole picture, a row each below a
-/// heading.
+/// Errors of the whole frame, of the affected pixels and of the pinhole image: one row each, below a heading.
 [[nodiscard]] TextTable figures_table(const Comparison& comparison);
 
-/// What a table cannot say, a sentence each: what FLIP looked at, what the reference is good for.
+/// Sentences that complete the table: the error of the reference itself, and the exposures of FLIP.
 [[nodiscard]] std::vector<std::string> comparison_notes(const Comparison& comparison);
 
-/// Columns aligned with blanks; the first to the left, the others to the right.
+/// The table as text. Blanks align its columns: the first to the left, the others to the right.
 [[nodiscard]] std::string aligned(const TextTable& table);
 
 }  // namespace postlens

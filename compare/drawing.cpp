@@ -19,7 +19,7 @@ cv::Scalar scalar(Drawing::Colour c) {
     return {static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
 }
 
-// OpenCV wants whole numbers; what lies far beyond the figure is cut there.
+// Fixed-point coordinates for OpenCV, clamped to 1e5 px so that they fit into an int.
 cv::Point fixed(Drawing::Point p) {
     static constexpr double far = 1e5;
     const auto to = [](double v) {
@@ -46,7 +46,7 @@ std::string escaped(const std::string& words) {
                 out += "&amp;";
                 break;
             default:
-                // Control characters and other bytes that a name may hold are no XML.
+                // Control characters and non-ASCII bytes, which a name may hold, would make the XML invalid.
                 out += static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7E ? '?' : c;
         }
     }

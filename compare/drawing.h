@@ -1,4 +1,4 @@
-// Lines, areas and text, written as SVG or as a picture: figures of optics and curves.
+// Drawings of optics and curves from lines, areas and text, written as SVG or as an image.
 #pragma once
 
 #include <array>
@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// A figure of white ground, in px from its top left corner, y down. Drawn in the order of the calls.
+/// A figure on a white background. Coordinates are px from its top left corner, y down. Later calls draw over
+/// earlier ones.
 class Drawing {
   public:
     using Colour = std::array<std::uint8_t, 3>;
@@ -20,14 +21,14 @@ class Drawing {
     };
     enum class Anchor { start, middle, end };
 
-    /// 1 to 16384 px each.
+    /// Width and height are 1 to 16384 px.
     Drawing(int width_px, int height_px) : width_(width_px), height_(height_px) {}
 
     void line(std::vector<Point> points, Colour colour, double width_px = 1, bool dashed = false);
-    /// Filled and outlined; 3 points or more.
+    /// Draws a filled and outlined polygon of 3 points or more.
     void area(std::vector<Point> points, Colour fill, Colour edge, double width_px = 1);
     void dot(Point at, double radius_px, Colour colour);
-    /// ASCII; `at` is on the base line, `size_px` the height of the capitals times 1.4.
+    /// Writes ASCII text; `at` lies on its baseline, `size_px` is 1.4 times the height of the capitals.
     void text(Point at, double size_px, const std::string& words, Anchor anchor = Anchor::start);
 
     [[nodiscard]] std::string svg() const;
@@ -49,10 +50,11 @@ class Drawing {
     std::vector<Part> parts_;
 };
 
-/// Throws Error(wrong_arguments) unless the ending is .svg or one of `write_image`.
+/// Throws Error(wrong_arguments) unless the file name ends in .svg or in a suffix that `write_image`
+/// supports. `others` names further suffixes in the message.
 void check_drawing_path(const std::filesystem::path& path, const char* others = "");
 
-/// By the ending. Throws Error(cannot_write).
+/// Writes the format that the suffix of the file name selects. Throws Error(cannot_write).
 void write_drawing(const std::filesystem::path& path, const Drawing& drawing);
 
 }  // namespace postlens

@@ -16,7 +16,7 @@ namespace {
 constexpr Rgb8 background{24, 24, 24}, not_a_number{255, 0, 255};
 constexpr int least_width_px = 440, legend_px = 60, margin_px = 10;
 
-// Letters grow with the picture, so that they stay legible where it is looked at as a whole.
+// Text grows with the image, so that it stays legible when the whole image is fitted to a screen.
 double text_scale(int width) {
     return std::clamp(width / 1280.0, 1.0, 8.0);
 }
@@ -27,13 +27,13 @@ std::vector<Rgb8> viridis() {
     cv::applyColorMap(ramp, colours, cv::COLORMAP_VIRIDIS);
     std::vector<Rgb8> out;
     for (int i = 0; i < 256; ++i) {
-        const auto c = colours.at<cv::Vec3b>(0, i);  // blue first
+        const auto c = colours.at<cv::Vec3b>(0, i);  // OpenCV orders the channels blue, green, red
         out.push_back({c[2], c[1], c[0]});
     }
     return out;
 }
 
-// Place on the scale, 0 to 1.
+// Position on the logarithmic scale, 0 to 1, of a difference in 8-bit steps.
 double place(double steps) {
     const double whole = std::log(map_greatest_steps / map_least_steps);
     return std::clamp(std::log(std::max(steps, map_least_steps) / map_least_steps) / whole, 0.0, 1.0);

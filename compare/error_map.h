@@ -1,22 +1,21 @@
-// A picture of where two pictures differ.
+// Image that shows where two images differ.
 #pragma once
 
 #include "records/image.h"
 
 namespace postlens {
 
-/// What the scale of the map covers: 0.1 of an 8-bit step to all 255 of them, logarithmic, the same for every
-/// map, so that maps can be held against each other.
+/// Limits of the map's logarithmic scale, in 8-bit steps. They are the same for every map, so that maps can
+/// be compared with each other.
 inline constexpr double map_least_steps = 0.1, map_greatest_steps = 255;
 
-/// The size of `error_map` for pictures of this size: the pictures' height and a legend, and their width or
-/// what the legend needs.
+/// Size of the `error_map` for images of this size: the legend adds height, and width if the image is narrow.
 [[nodiscard]] ImageSize error_map_size(ImageSize pictures);
 
-/// The largest channel difference of each pixel, of clamped sRGB-encoded values, on a logarithmic scale in
-/// the colours of viridis, which are perceptually uniform and keep their order in grey and for the
-/// colour-blind; magenta where either picture has a NaN or an infinity. The map stands at the top left, below
-/// it a legend with numbers. Scene-linear, to be written with `write_image`. Sizes must agree.
+/// Shows each pixel's largest channel difference, of clamped sRGB values, on a logarithmic scale. The colours
+/// are those of viridis, which are perceptually uniform and keep their order in grey and for colour-blind
+/// readers. Magenta marks pixels in which either image has a NaN or an infinity. The map is at the top left;
+/// below it is a legend with numbers. Scene-linear, for `write_image`. The sizes must agree.
 [[nodiscard]] Image error_map(const Image& image, const Image& reference);
 
 }  // namespace postlens

@@ -1,4 +1,5 @@
-// Cube roots and powers of plain arithmetic: loops over them vectorise, and every machine gets the same bits.
+// Cube root and power computed from basic arithmetic only: loops over them vectorise, and every machine gets
+// the same bits.
 #pragma once
 
 #include <bit>
@@ -6,10 +7,10 @@
 
 namespace postlens {
 
-/// Cube root of v > 1e-30 to 3e-7 of its value.
+/// Cube root of v > 1e-30, with a relative error of at most 3e-7.
 [[nodiscard]] inline float cube_root(float v) {
-    // A third of the exponent, then twice Halley's step, which cubes the relative error (at first below
-    // 0.06).
+    // The first estimate divides the exponent by 3; its relative error is below 0.06. Each of the two Halley
+    // steps cubes the relative error.
     auto r = std::bit_cast<float>(std::bit_cast<std::uint32_t>(v) / 3 + 709921077U);
     for (int i = 0; i < 2; ++i) {
         const float cube = r * r * r;
@@ -18,11 +19,11 @@ namespace postlens {
     return r;
 }
 
-/// v^exponent for 0 <= v < 1e30 and 0 <= exponent <= 1, to 2e-6 of its value; 0 for v below 1e-30, whatever
-/// the exponent.
+/// v^exponent for 0 <= v < 1e30 and 0 <= exponent <= 1, with a relative error of at most 2e-6. For v up to
+/// 1e-30 the result is 0, whatever the exponent.
 [[nodiscard]] inline float power(float v, float exponent) {
-    // log2: v = m 2^e with m in [sqrt(1/2), sqrt(2)), and log m = 2 artanh((m - 1) / (m + 1)), |argument| <
-    // 0.172.
+    // log2(v) = e + log2(m), where v = m 2^e and m lies in [sqrt(1/2), sqrt(2)). A series gives
+    // ln(m) = 2 artanh(s) with s = (m - 1) / (m + 1), |s| < 0.172.
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(v) - 0x3f3504f3U;
     const auto e = static_cast<float>(static_cast<std::int32_t>(bits) >> 23);
     const auto m = std::bit_cast<float>((bits & 0x007fffffU) + 0x3f3504f3U);
@@ -30,8 +31,8 @@ namespace postlens {
     const float log2 =
         e +
         2.885390082F * s * (1 + ss * (0.333333333F + ss * (0.2F + ss * (0.142857143F + ss * 0.111111111F))));
-    // exp2: whole and fractional part, the latter in [-1/2, 1/2], by its Taylor series. Added to 1.5 2^23, p
-    // is rounded and stands in the low bits.
+    // exp2(p): p is split into an integer and a fraction in [-1/2, 1/2], whose power is a Taylor series.
+    // Adding 1.5 * 2^23 rounds p and leaves the integer in the low bits of the sum.
     constexpr float rounder = 12582912.0F;
     const float p = exponent * log2, shifted = p + rounder;
     const float f = (p - (shifted - rounder)) * 0.693147181F;

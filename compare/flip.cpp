@@ -8,17 +8,16 @@
 namespace postlens {
 namespace {
 
-// So many stops lie between the brightest thing a half float holds and the darkest it holds in full
-// precision; what is darker still is not worth an exposure.
+// The normal half floats, from 2^-14 to 2^16, span 30 stops. Darker luminances need no exposure of their own.
 constexpr double most_stops = 30;
 
-// Rec.709 luminance [itu-bt709]; what is below black counts as black.
+// Rec.709 luminance [itu-bt709]. Negative channels count as 0.
 double luminance(const float* p) {
     const auto positive = [](float v) { return static_cast<double>(std::max(v, 0.0F)); };
     return 0.2126 * positive(p[0]) + 0.7152 * positive(p[1]) + 0.0722 * positive(p[2]);
 }
 
-// The mean of the two middle values where their number is even.
+// Median; for an even number of values, the mean of the two middle ones. Reorders `values`.
 double median(std::vector<double>& values) {
     const std::size_t half = values.size() / 2;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(half);
@@ -66,7 +65,7 @@ std::vector<float> hdr_flip_map(const Image& reference, const Image& test, const
                                 const FlipExposures& exposures) {
     std::vector<FlipDisplay> displays;
     const double step = exposures.count > 1 ? (exposures.stop - exposures.start) / (exposures.count - 1) : 0;
-    // Equal exposures give equal errors.
+    // If start and stop are equal, all exposures give the same errors, and one is enough.
     const int different = step > 0 ? exposures.count : 1;
     displays.reserve(static_cast<std::size_t>(different));
     for (int i = 0; i < different; ++i)

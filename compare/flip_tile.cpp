@@ -7,7 +7,8 @@
 #include "compare/fast_math.h"
 #include "core/multiversion.h"
 
-// Before a loop: more pointers than the compiler would look at by itself.
+// Stands before loops over planes that do not overlap. They have more pointers than the compiler checks for
+// overlap, so that it would not vectorise them by itself.
 #if defined(__clang__)
 #define POSTLENS_PLANES_DO_NOT_OVERLAP _Pragma("clang loop vectorize(assume_safety)")
 #else
@@ -19,11 +20,12 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-// [narkowicz2016], with the factor 0.6 on its argument that it needs in order to match the ACES curve.
+// Coefficients of the tone curve of [narkowicz2016]. Its argument is scaled by 0.6, without which it does not
+// match the ACES curve.
 constexpr double tone_n2 = 0.6 * 0.6 * 2.51, tone_n1 = 0.6 * 0.03;
 constexpr double tone_d2 = 0.6 * 0.6 * 2.43, tone_d1 = 0.6 * 0.59, tone_d0 = 0.14;
 
-// A function of the distance to the middle, at 2 radius + 1 places.
+// Samples a function of the distance from the centre tap, in px, at 2 radius + 1 taps.
 template <typename Function>
 std::vector<double> taps_of(int radius, const Function& function) {
     std::vector<double> taps;
@@ -31,7 +33,7 @@ std::vector<double> taps_of(int radius, const Function& function) {
     return taps;
 }
 
-// Positive taps scaled to sum to `share`, negative ones (if there are any) to -share.
+// Scales the taps so that the positive ones sum to `share` and the negative ones, if any, to -share.
 Plane normalised(const std::vector<double>& taps, double share = 1) {
     double positive = 0, negative = 0;
     for (const double t : taps) (t > 0 ? positive : negative) += std::abs(t);
@@ -52,7 +54,7 @@ double sum_of(const std::vector<double>& taps) {
 }  // namespace
 
 FlipFilters::FlipFilters(double pixels_per_degree) {
-    // a sqrt(pi/b) exp(-pi^2 x^2 / b), x in degrees [andersson2020, table 1 and eq. 4].
+    // Each Gaussian is a sqrt(pi/b) exp(-pi^2 x^2 / b), x in degrees [andersson2020, table 1 and eq. 4].
     constexpr double b_achromatic = 0.0047, b_red_green = 0.0053;
     constexpr double a1 = 34.1, b1 = 0.04, a2 = 13.5, b2 = 0.025;
     // Width of the detector of edges and points, in degrees, from peak to trough [andersson2020, sec. 4.2].
@@ -91,7 +93,7 @@ FlipFilters::FlipFilters(double pixels_per_degree) {
 
 FlipDisplay FlipDisplay::at_exposure(double stops) {
     FlipDisplay out;
-    // Beyond this a float holds no light that could be seen.
+    // The clamp keeps the scale within the range of a float.
     out.scale_ = static_cast<float>(std::exp2(std::clamp(stops, -120.0, 120.0)));
     out.n2_ = static_cast<float>(tone_n2);
     out.n1_ = static_cast<float>(tone_n1);
@@ -102,7 +104,7 @@ FlipDisplay FlipDisplay::at_exposure(double stops) {
 }
 
 double flip_tone_curve_inverse(double level) {
-    // (n2 - level d2) x^2 + (n1 - level d1) x - level d0 = 0, the positive root.
+    // Positive root of (n2 - level d2) x^2 + (n1 - level d1) x - level d0 = 0.
     const double a = tone_n2 - level * tone_d2, b = tone_n1 - level * tone_d1, c = -level * tone_d0;
     return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
 }
@@ -150,7 +152,7 @@ inline float clamp01(float v) {
     return std::min(std::max(v, 0.0F), 1.0F);
 }
 
-// What is kept of one picture's tile: its colours after filtering and the strength of edges and points.
+// One image's tile after filtering: colours in L*a*b*, and the strengths of edges and points.
 struct Seen {
     Plane lightness, a, b, edges, points;
     Seen()
@@ -161,7 +163,7 @@ struct Seen {
           points(lightness.size()) {}
 };
 
-// Memory of one tile, used again for the next picture and exposure.
+// Buffers for one tile, reused for the next image and exposure.
 struct Scratch {
     explicit Scratch(int radius) : rows(tile_height + 2 * radius), row_length(tile_width + 2 * radius) {
         const auto in_size = static_cast<std::size_t>(rows) * static_cast<std::size_t>(row_length);
@@ -243,7 +245,7 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
     filter(s.in[1], filters.red_green, filters.red_green, s.out[1]);
     filter(s.in[2], filters.blue_yellow_1_row, filters.blue_yellow_1_column, s.out[2]);
     filter(s.in[2], filters.blue_yellow_2_row, filters.blue_yellow_2_column, s.out[3]);
-    // The Gaussian along rows serves both detectors of what changes along columns.
+    // The vertical edge and point detectors share one Gaussian pass along rows.
     filter_rows(s.in[0], s.rows, filters.gauss, s.half);
     filter_columns(s.half, filters.edge, s.out[5]);
     filter_columns(s.half, filters.point, s.out[7]);
@@ -252,10 +254,11 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
     to_seen(s.out, to);
 }
 
-// Raises `errors` to those of this pair where they are greater. [andersson2020, sec. 4.1.3, 4.2 and 4.3]
+// Raises each value of `errors` to the FLIP error of this pair of tiles if that is greater
+// [andersson2020, sec. 4.1.3, 4.2 and 4.3].
 POSTLENS_MULTIVERSION
 void raise_errors(const Seen& p, const Seen& q, Plane& errors) {
-    // A distance of 0.4 of the greatest one, between green and blue, becomes an error of 0.95.
+    // The greatest colour distance is that between green and blue. 0.4 of it becomes a colour error of 0.95.
     const float greatest = colour_distance(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1}));
     const float knee = 0.4F * greatest;
     const float slope1 = 0.95F / knee, slope2 = 0.05F / (greatest - knee);
@@ -286,7 +289,7 @@ void flip_errors(const Image& reference, const Image& test, const PixelMask& usa
         Tile a, b;
         load(reference, usable, x0, y0, filters.radius, a);
         load(test, usable, x0, y0, filters.radius, b);
-        if (a == b) return;  // as everything that follows would find
+        if (a == b) return;  // the errors are 0, as `map` already says
         Scratch scratch(filters.radius);
         Seen seen_a, seen_b;
         Plane errors(tile_width * tile_height, 0.0F);

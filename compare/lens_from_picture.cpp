@@ -12,24 +12,26 @@
 namespace postlens {
 namespace {
 
-/// Loose while the lens is far off, then as tight as the noise of 256 samples a pixel allows.
+/// Residuals above this count linearly. The limit is large for the first refinement, which starts with a
+/// wrong lens; for the last one it is as small as the noise of 256 samples per pixel allows.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// Half the difference in 1/s over the range of inverse depths.
+/// Half the difference in 1/s of a central difference, as a share of the range of inverse depths.
 constexpr double focus_step = 0.03;
-/// Sides of the blocks whose sums stand for independent observations, px.
+/// Side, in px, of the blocks of pixels whose sums count as independent observations.
 constexpr std::size_t block_px = 16;
-/// Without variation in a picture, nothing is blurred by any lens.
+/// Smallest variation of an image: blur does not show in a constant one.
 constexpr double least_spread = 1e-3;
-/// Of the picture's spread: what the right records leave is a tenth, those of another view most of it.
+/// Largest accepted residual, as a share of the image's variation. The right records leave about a tenth of
+/// the variation unexplained, records of another view most of it.
 constexpr double most_left = 0.5;
-/// Of the pinhole picture's error: a lens that gains less than this is not seen.
+/// Largest accepted error, as a share of the pinhole image's error. Above it, the image shows no blur.
 constexpr double least_gain = 0.8;
-/// Range of inverse depths over the largest, below which everything is at one depth for any lens: its CoCs
-/// differ by a hundredth.
+/// Smallest range of inverse depths, as a share of the largest one. Below it, everything is at one depth for
+/// the lens: its CoCs differ by less than a hundredth.
 constexpr double least_span = 0.01;
-/// Standard errors of log aperture, and of 1/s over the range of depths, from which on a number says nothing.
+/// Largest accepted standard error of log aperture, and of 1/s as a share of the range of inverse depths.
 constexpr double most_error = 0.2;
-/// A second minimum is told of where its error is less than this many times the best one's.
+/// Further minima are reported if their error is less than this many times the best one's.
 constexpr double nearly_as_good = 1.25;
 
 struct View {
@@ -83,10 +85,11 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 10;
-    // The error falls with the square of the step: the one after a fall of 1e-4 is far below 0.1 %.
+    // The error falls with the square of the step, so that after a fall of 1e-4 the next step is far below
+    // 0.1 %.
     options.function_tolerance = tolerance;
-    // Where nearly undamped steps no longer lower the error, what is left are the steps of `focus`, not a
-    // slope.
+    // The solver ends once nearly undamped steps no longer lower the error: then it varies only by the steps
+    // in which `focus` places its discs, without a slope.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
@@ -140,7 +143,7 @@ void refuse_one_depth() {
          "at two or more)");
 }
 
-/// Standard errors at the minimum; throws where they are so large that the numbers mean nothing.
+/// Adds the standard errors at the minimum. Throws if they exceed `most_error`.
 void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& out) {
     std::vector<double> r(residuals.size()), jacobian(2 * residuals.size());
     residuals.at(out.best.place, r.data(), last_linear_from);
@@ -170,7 +173,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
         cov += a * b;
     }
     const double error_a = std::sqrt(var_a), error_b = std::sqrt(var_b);
-    // 1e-4: where the two columns are alike to 0.01 %, the differences' own error is what tells them apart.
+    // determinant / (aa bb) is 1 - correlation^2 of the two derivatives. Below 1e-4 they differ only by the
+    // error of the central differences.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
         refuse_one_depth();
@@ -180,7 +184,7 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     out.correlation = var_a > 0 && var_b > 0 ? cov / (error_a * error_b) : -ab / std::sqrt(aa * bb);
 }
 
-/// Two descents, each over the pixels that are reliable with the lens it begins with.
+/// Descends twice, each time over the pixels that are reliable for the lens with which the descent begins.
 Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& from) {
     residuals.use(reliable_pixels(view.depths, view.geometry(from)));
     const Descent rough = descend(residuals, view, from, first_linear_from, 1e-2);
@@ -188,14 +192,14 @@ Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& f
     return descend(residuals, view, rough.place, last_linear_from, 1e-4);
 }
 
-/// Whether two lenses lie in one valley of the error: steps of the rough search make several minima of one.
+/// Whether two lenses count as one minimum. The grid of the rough search can split one minimum into several.
 bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
     return std::abs(std::log(a.aperture_mm / b.aperture_mm)) < 0.3 &&
            std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;
 }
 
-/// The best starts of as many valleys, in the order in which `focus` likes them; those much worse than the
-/// best are left out.
+/// At most `most` starting points in different minima, sorted by the error that `focus` has there. Those
+/// whose error exceeds 1.5 times the smallest are omitted.
 std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
                                const std::vector<RoughMatch>& matches, int most) {
     std::vector<RoughMatch> out;
@@ -243,7 +247,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         sifted(residuals, view, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
     if (starts.front().error > least_gain * spread) refuse_other_view(starts.front().error, spread);
 
-    // Far off the minimum still, but where there is a lens its pixels are closer already.
+    // If a lens blurred the image, even a start outside the minimum has a smaller error than the pinhole
+    // image.
     if (starts.front().error > sharp_error) refuse_no_blur(starts.front().error, sharp_error);
 
     std::vector<LensFromPicture> found;
@@ -266,7 +271,7 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // By what is left of the spread: each has its own pixels.
+    // The minima are sorted by error / spread, since each was measured over its own pixels.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -13,7 +13,7 @@ namespace {
 constexpr int greatest_block_px = 16;
 constexpr std::size_t wanted_blocks = 64;
 
-// Sums over a block's values, A and B the picture's differences from the references.
+// Sums over the values of a block, with the image's differences A and B from the two references.
 struct Sums {
     double product = 0;     // A B
     double preference = 0;  // A^2 - B^2
@@ -35,9 +35,9 @@ double square(double v) {
     return v * v;
 }
 
-// An estimate of how far the encoding shifts the mean of a noisy value, from two of them. For a curve f and
-// errors of variance v the shift is f'' v / 2; the mean of f(r1) and f(r2) lies on average half of that away
-// from f of the mean.
+// Estimates, from two noisy values r1 and r2, how far an encoding f shifts their mean. For errors of variance
+// v the shift is f'' v / 2. The mean of f(r1) and f(r2) differs from f((r1 + r2) / 2) by half the shift on
+// average.
 double encoding_bias(float r1, float r2, float f1, float f2) {
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -
                 static_cast<double>(srgb_from_linear(0.5F * (r1 + r2))));
@@ -92,7 +92,7 @@ NoisyError error_of(const std::vector<BlockSums>& blocks, Sums BlockSums::*which
     return {.mse = product / values, .standard_error = std::sqrt(variance) / values};
 }
 
-// Half the mean squared difference of the references: the error of one of them.
+// Mean squared error of one reference: half the mean squared difference of the two.
 double noise_of(const std::vector<BlockSums>& blocks, Sums BlockSums::*which, double values) {
     double noise = 0;
     for (const BlockSums& b : blocks) noise += (b.*which).noise;

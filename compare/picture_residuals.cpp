@@ -12,12 +12,12 @@
 namespace postlens {
 namespace {
 
-/// Levels by depth, so many that the picture changes evenly with the lens.
+/// Number of depths of `focus`, large enough that its image changes smoothly with the lens.
 constexpr int levels = 256;
-/// Half the difference in log aperture; see lens_from_picture.
+/// Half the difference in log aperture of a central difference; see `lens_from_picture`.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
-/// Pictures kept: two lenses with their derivatives.
+/// Size of the cache: the images of two lenses, each with the four images of its derivatives.
 constexpr std::size_t most_kept = 10;
 
 double rms(const std::vector<double>& residuals) {
@@ -54,7 +54,7 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
 }
 
 const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place) {
-    // A solver's logarithm of the aperture comes back rounded.
+    // The solver returns the logarithm of the aperture, whose exponential is rounded.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
         if (same(at.aperture_mm, place.aperture_mm) &&
@@ -63,7 +63,7 @@ const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place
     }
     throw_if_interrupted();
     FocusSettings s;
-    // Only F / n counts where the view is kept: F is any.
+    // The field of view stays that of the file, so that only F / n matters and F can be any number.
     s.lens = {1000, 1000 / place.aperture_mm};
     s.focus_distance_m = place.inverse_focus_per_m > 0 ? 1 / place.inverse_focus_per_m
                                                        : std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-// How far `focus` through a lens is from a picture, pixel by pixel, and how that changes with the lens.
+// Residuals per pixel between `focus` through a lens and an image, with their derivatives by the lens.
 #pragma once
 
 #include <deque>
@@ -15,29 +15,29 @@ namespace postlens {
 
 class PictureResiduals {
   public:
-    /// Keeps references to `file`. Progress counts focused pictures, up to `expected_pictures`.
+    /// Keeps a reference to `file`. Progress counts the images that `focus` makes, up to `expected_pictures`.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
-    /// Looks at these pixels from here on, one entry for each pixel of the picture.
+    /// Selects the pixels of all further residuals: one entry per pixel of the image, 0 for unused ones.
     void use(const std::vector<char>& pixels);
-    /// Number of residuals: of pixels looked at.
+    /// Number of residuals, one per selected pixel.
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Robust residuals of `focus` through a lens, beyond `linear_from` counted linearly.
+    /// Robust residuals of `focus` through a lens; above `linear_from` they count linearly.
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Derivatives by log aperture and by 1/s (m), interleaved. `focus_step_per_m`: half the difference in
-    /// 1/s.
+    /// Derivatives by log aperture and by 1/s (1/m), interleaved. `focus_step_per_m`: half the difference in
+    /// 1/s over which they are taken.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// The same residuals of any picture, and of an even one of the median tone.
+    /// The same residuals for any image, and for a constant image of the median tone.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 
     [[nodiscard]] double rms_at(const LensPlace& place, double linear_from);
     [[nodiscard]] double rms_of(const Image& image, double linear_from) const;
     [[nodiscard]] double rms_of_even(double linear_from) const;
-    /// Index of the pixel behind a residual.
+    /// Index of the pixel to which a residual belongs.
     [[nodiscard]] std::size_t pixel(std::size_t residual) const { return used_[residual]; }
 
   private:
@@ -48,7 +48,7 @@ class PictureResiduals {
 
     const SampleFileReader& file_;
     Impulse impulse_;
-    /// Latest last: a solver comes back to where it has been.
+    /// Cache of focused images, newest last. The solver returns to lenses that it has evaluated before.
     std::deque<std::pair<LensPlace, Tones>> focused_;
     Tones wanted_;
     std::vector<std::size_t> used_;

@@ -1,4 +1,4 @@
-// What is compared when a lens is fitted to a picture: luminance on a scale between linear and logarithmic.
+// Values that are compared when a lens is fitted to an image: luminance on a partly logarithmic scale.
 #pragma once
 
 #include <algorithm>
@@ -6,8 +6,8 @@
 
 namespace postlens {
 
-/// log(1 + Y / 0.18), Y the luminance (Rec.709), below 0 counted as 0: linear in the dark, where noise is
-/// even, logarithmic above middle grey, so that lights do not decide alone.
+/// log(1 + Y / 0.18), with the Rec.709 luminance Y; negative Y counts as 0. The scale is linear in dark
+/// areas, whose noise is uniform, and logarithmic above middle grey, so that bright emitters do not dominate.
 inline double picture_tone(double luminance) {
     constexpr double middle_grey = 0.18;
     return std::log1p(std::max(luminance, 0.0) / middle_grey);
@@ -18,7 +18,7 @@ inline double luminance_of(const float* rgb) {
            0.0722 * static_cast<double>(rgb[2]);
 }
 
-/// Half its square is Huber's loss [huber1964]: beyond `linear_from` a residual counts linearly.
+/// Robust residual: half its square is Huber's loss [huber1964], which is linear above `linear_from`.
 inline double robust(double residual, double linear_from) {
     const double a = std::abs(residual);
     return a <= linear_from ? residual

@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-// Rows a task handles at least: a row of a small picture is less work than handing it out.
+// Smallest number of rows per task: one row of a small image is less work than scheduling it.
 constexpr std::size_t grain_rows = 8;
 
 }  // namespace

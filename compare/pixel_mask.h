@@ -1,4 +1,4 @@
-// Which pixels count, and what is done with all of them: encoding, means.
+// Masks of the pixels that count, and operations over all pixels: encoding, sums and means.
 #pragma once
 
 #include <cstddef>
@@ -10,29 +10,30 @@
 
 namespace postlens {
 
-/// One entry a pixel, row-major: 1 where it counts, else 0.
+/// One entry per pixel, row-major: 1 where the pixel counts, else 0.
 using PixelMask = std::vector<std::uint8_t>;
 
 /// 1 where all three channels are finite.
 [[nodiscard]] PixelMask finite_pixels(const Image& image);
-/// 1 where both are; sizes must agree.
+/// 1 where both masks are 1. Their sizes must agree.
 [[nodiscard]] PixelMask both(const PixelMask& a, const PixelMask& b);
 [[nodiscard]] std::size_t count(const PixelMask& mask);
 
-/// Every value clamped to 0..1 and taken through the sRGB transfer curve, as an 8-bit picture would hold it
-/// but not rounded. NaN becomes 0.
+/// Clamps every value to 0..1 and applies the sRGB transfer curve, as for an 8-bit image but without
+/// rounding. NaN becomes 0.
 [[nodiscard]] Image encoded_srgb(const Image& image);
 
-/// 1 where any channel of two encoded pictures of one size differs by more than 1/255, and `counted` is 1.
+/// 1 where `counted` is 1 and any channel of the two encoded images differs by more than 1/255. The images
+/// must have the same size.
 [[nodiscard]] PixelMask affected_pixels(const Image& pinhole_encoded, const Image& reference_encoded,
                                         const PixelMask& counted);
 
-/// The sum of row(y) for y in [0, rows): in parallel, added in one order, so with the same bits for any
-/// number of threads.
+/// Sum of row(y) for y in [0, rows). Rows are evaluated in parallel but added in order, so that the sum has
+/// the same bits for any number of threads.
 [[nodiscard]] double sum_of_rows(int rows, const std::function<double(std::size_t y)>& row);
 
-/// Mean of a map, one value a pixel, over the pixels that `mask` counts and that have a value; NaN stands for
-/// none, in the map and in the result.
+/// Mean of a map, one value per pixel, over the pixels that `mask` counts and whose value is not NaN. The
+/// mean is NaN if there are none.
 [[nodiscard]] double mean_over(const std::vector<float>& map, int width, const PixelMask& mask);
 
 }  // namespace postlens

@@ -9,16 +9,17 @@ namespace {
 
 /// Rows read at a time.
 constexpr int rows_per_band = 64;
-/// Over a pixel, a change of the CoC's diameter by this much is an edge.
+/// A pixel over which the CoC's diameter changes by at least this much is a depth edge.
 constexpr double edge_px = 1;
-/// Beyond the radius: half the diagonal of either pixel.
+/// Added to the CoC's radius: half the diagonal of the emitting and of the receiving pixel, 1.41 px in all.
 constexpr double margin_px = 1.5;
 
 std::size_t index_of(const RecordedDepths& d, int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(d.width) + static_cast<std::size_t>(x);
 }
 
-/// A record counts for its own pixel and, where it lies on a border, for the pixel on the other side.
+/// Adds a record to the pixel that contains it. A record on a pixel's border also counts for the pixels on
+/// the other side.
 void add(RecordedDepths& out, const Record& r, int x, int y) {
     const float inverse = 1 / r.z;
     for (int py = y - (r.y == static_cast<float>(y) ? 1 : 0); py <= y; ++py) {

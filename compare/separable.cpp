@@ -7,7 +7,7 @@
 namespace postlens {
 namespace {
 
-// Results that are summed up at once, small enough for the sums to stay in registers.
+// Number of results that are summed at once: few enough that the sums stay in registers.
 constexpr std::size_t block = 32;
 static_assert(tile_width % block == 0);
 

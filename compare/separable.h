@@ -1,4 +1,4 @@
-// Separable filters over a tile of a picture, the part that FLIP and SSIM share.
+// Separable filters over a tile of an image, shared by FLIP and SSIM.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Results of one tile; a filter of radius r reads r pixels more on every side. Chosen so that the planes of
-/// a tile stay in a core's cache: with r = 10 one plane is 50 kB.
+/// Size of a tile of results, px; a filter of radius r reads r px more on every side. The planes of a tile
+/// fit into a core's cache: with r = 10, one plane is 50 kB.
 inline constexpr int tile_width = 128, tile_height = 64;
 
 /// Calls body(x0, y0) for the tiles that cover width x height, in parallel.
@@ -25,15 +25,16 @@ void for_each_tile(int width, int height, const Body& body) {
     });
 }
 
-/// A plane of tile_height + 2r rows: `tile_width + 2r` values each before the filter along rows, `tile_width`
-/// after it.
+/// One channel of a tile, row by row. For a filter of radius r it has tile_height + 2r rows, of tile_width +
+/// 2r values before the filter along rows and of tile_width values after it.
 using Plane = std::vector<float>;
 
-/// Along rows: `in` has rows of tile_width + taps - 1 values, `out` gets rows of tile_width. taps: the
-/// filter, applied as a correlation, out[x] = sum_k taps[k] in[x + k].
+/// Filters along rows: `in` has rows of tile_width + taps - 1 values, `out` receives rows of tile_width
+/// values. The filter is a correlation, out[x] = sum_k taps[k] in[x + k].
 void filter_rows(const Plane& in, int rows, std::span<const float> taps, Plane& out);
 
-/// Along columns: `in` has tile_height + taps - 1 rows of tile_width, `out` gets tile_height rows.
+/// Filters along columns: `in` has tile_height + taps - 1 rows of tile_width values, `out` receives
+/// tile_height rows.
 void filter_columns(const Plane& in, std::span<const float> taps, Plane& out);
 
 }  // namespace postlens

@@ -13,7 +13,7 @@ namespace {
 constexpr Rgb8 background{24, 24, 24};
 constexpr int gap_px = 8, line_px = 18;
 
-// Panels have one width, that of the map.
+// Positions and sizes, px. All three panels are as wide as the error map.
 struct Layout {
     double scale = 0;
     int panel, gap, line, width, height, text_top;
@@ -42,7 +42,7 @@ Image side_by_side(const Image& image, const Image& reference, const TextTable& 
     for (int i = 0; i < 3; ++i) {
         const int x = at.gap + i * (at.panel + at.gap), top = at.line + at.gap;
         canvas.text(x, at.line, at.scale, names[static_cast<std::size_t>(i)]);
-        // The map is made of bytes, which encoding gives back.
+        // The error map was drawn in 8 bits; encoding reproduces its bytes.
         canvas.picture(x, top,
                        encoded_8bit(i == 0   ? image
                                     : i == 1 ? reference

@@ -1,4 +1,4 @@
-// Two pictures, the map of their differences and what was measured, as one picture.
+// Two images, the map of their differences and a table of errors, as one image.
 #pragma once
 
 #include <string>
@@ -11,13 +11,11 @@ namespace postlens {
 /// Texts in rows and columns; the first row is the heading.
 using TextTable = std::vector<std::vector<std::string>>;
 
-/// Size of `side_by_side` for pictures of this size and so many lines of text, the rows of the table
-/// included.
+/// Size of the `side_by_side` of images of this size. `lines` counts the lines of text and the table's rows.
 [[nodiscard]] ImageSize side_by_side_size(ImageSize pictures, std::size_t lines);
 
-/// From left to right image, reference and `error_map`, each under its name; below them the table and the
-/// lines, which are cut off where they are too long. Scene-linear, to be written with `write_image`. Sizes
-/// must agree.
+/// Shows image, reference and `error_map` from left to right, each below its name. The table and the lines
+/// follow below; lines that are too long are clipped. Scene-linear, for `write_image`. The sizes must agree.
 [[nodiscard]] Image side_by_side(const Image& image, const Image& reference, const TextTable& table,
                                  const std::vector<std::string>& lines);
 

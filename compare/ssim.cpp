@@ -12,7 +12,7 @@ namespace {
 constexpr int radius = 5;
 constexpr std::size_t in_width = tile_width + 2 * radius, in_height = tile_height + 2 * radius;
 
-// [wang2004, sec. III-C]
+// Taps of the Gaussian window, with sum 1 [wang2004, sec. III-C].
 std::array<float, 2 * radius + 1> window() {
     std::array<double, 2 * radius + 1> w{};
     double sum = 0;
@@ -31,9 +31,9 @@ float luma(const float* p) {
     return 0.2126F * p[0] + 0.7152F * p[1] + 0.0722F * p[2];
 }
 
-// The moments that SSIM is made of. With d = a - b its two factors are 1 - mean(d)^2 / (...) and
-// 1 - var(d) / (...): the same numbers, but nearly equal pictures lose no digits in a difference of large
-// sums.
+// The moments from which SSIM is computed. With d = a - b its two factors are 1 - mean(d)^2 / (...) and
+// 1 - var(d) / (...). This form is equal to the usual one, but nearly equal images lose no digits to the
+// difference of large sums.
 struct Moments {
     Plane a, d, aa, bb, dd;
     explicit Moments(std::size_t size) : a(size), d(size), aa(size), bb(size), dd(size) {}

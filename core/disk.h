@@ -1,4 +1,4 @@
-// Asking for room on a disk before work is spent on what will not fit there.
+// Tests for free disk space before work is spent on output that would not fit.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,12 @@
 
 namespace postlens {
 
-/// What may still be written to the file system that `target` is on or will be on, bytes; the largest number
-/// where the system does not say. Links are followed.
+/// Free space, bytes, of the file system that `target` is on or will be on; the largest number if the system
+/// does not state it. Follows links.
 [[nodiscard]] std::uint64_t free_disk_bytes(const std::filesystem::path& target);
 
-/// Throws Error(cannot_write) "TARGET: cannot write (needs about N MB, M MB are free; HINT)" where `bytes`
-/// are more than are free.
+/// Throws Error(cannot_write) "TARGET: cannot write (needs about N MB, M MB are free; HINT)" if `bytes` is
+/// more than `free_bytes`.
 void require_disk(std::uint64_t bytes, std::uint64_t free_bytes, const std::filesystem::path& target,
                   const std::string& hint);
 

@@ -1,4 +1,4 @@
-// How postlens reports what went wrong: one exception type, one line of text, one exit code.
+// How postlens reports errors: one exception type, one line of text, one exit code.
 #pragma once
 
 #include <fmt/format.h>
@@ -16,11 +16,11 @@ enum class ExitCode : int {
     invalid_input = 3,
     cannot_write = 4,
     out_of_memory = 5,
-    shortfall = 6,  ///< done and written, but a target or a sufficiency limit was not met
+    shortfall = 6,  ///< the output is written, but a target or a limit was not met
     interrupted = 130,
 };
 
-/// Thrown for bad input, files and arguments; caught once, at the command.
+/// Thrown for invalid input, files and arguments; caught once, in the command.
 /// `what()` is one line: "FILE:LINE: what is wrong (got X; expected Y)".
 class Error : public std::runtime_error {
   public:

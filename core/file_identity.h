@@ -1,4 +1,4 @@
-// Which file a path means, however it is written.
+// Tests whether different paths name the same file.
 #pragma once
 
 #include <filesystem>
@@ -7,11 +7,11 @@
 
 namespace postlens {
 
-/// Equal for two paths that name one file: through symbolic and hard links, `.` and `..`, absolute or not. Of
-/// a file that is not there yet: by the folder it would lie in.
+/// A text that is equal for two paths of the same file, absolute or relative, also through `.`, `..`,
+/// symbolic and hard links. For a file that does not exist, its folder and name decide.
 [[nodiscard]] std::string file_identity(const std::filesystem::path& path);
 
-/// Throws Error(wrong_arguments) where one of `read` is among the files that are to be `written`.
+/// Throws Error(wrong_arguments) if one of the files `read` is among those to be `written`.
 void refuse_overwriting(std::span<const std::filesystem::path> read,
                         std::span<const std::filesystem::path> written);
 

@@ -1,4 +1,4 @@
-// A short number for long settings: equal for equal ones, and hardly ever for others.
+// A 64-bit hash of settings: equal for equal settings, and almost never for different ones.
 #pragma once
 
 #include <bit>
@@ -6,7 +6,7 @@
 
 namespace postlens {
 
-/// FNV-1a over the bytes of what is added, in its order.
+/// FNV-1a hash over the bytes of the added values, in the order of the calls.
 class Fingerprint {
   public:
     void add(std::uint64_t bits) {

@@ -16,8 +16,8 @@ namespace {
 
 thread_local Job* current_job = nullptr;
 
-/// Raises the thread limit of TBB to that of the widest job alive, because an arena gets no more threads than
-/// there are cores otherwise. Narrower jobs are limited by their own arenas.
+/// Raises TBB's thread limit to the largest number of threads of all jobs that exist, because otherwise an
+/// arena gets at most one thread per core. Jobs with fewer threads are limited by their own arenas.
 class WidestJob {
   public:
     void add(int threads) {
@@ -40,7 +40,7 @@ class WidestJob {
         const int widest = threads_.empty() ? 0 : *threads_.rbegin();
         if (widest == allowed_) return;
         allowed_ = widest;
-        // The lowest control alive counts, so the old one goes first.
+        // Of several controls the lowest applies, so the old one is removed first.
         control_.reset();
         if (widest > tbb::info::default_concurrency()) {
             control_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(widest));
@@ -88,7 +88,7 @@ void Job::run(const std::function<void()>& work) {
         work();
         return;
     }
-    // Where the arena is full, another thread does the work.
+    // If the arena is full, another thread runs `work`, so it needs its own JobScope.
     arena_->arena.execute([&] {
         const JobScope scope(*this);
         work();

@@ -1,4 +1,4 @@
-// A job: one piece of work with its own number of threads, its own cancellation and its own watcher.
+// A job: one piece of work with its own number of threads, its own cancellation and its own progress reports.
 #pragma once
 
 #include <atomic>
@@ -8,26 +8,27 @@
 
 namespace postlens {
 
-/// How far a job is.
+/// The progress of a job's current step.
 struct ProgressReport {
-    std::string step;         ///< what is being done, such as "trace"
-    double share = 0;         ///< of this step, 0 to 1
-    double seconds = 0;       ///< since its beginning
-    double seconds_left = 0;  ///< of this step, as long as it goes on as before
-    bool ended = false;       ///< the step is over, done or not; its last report
+    std::string step;         ///< name of the step, for example "trace"
+    double share = 0;         ///< share of the step that is done, 0 to 1
+    double seconds = 0;       ///< time since the step began
+    double seconds_left = 0;  ///< remaining time of the step, at the same rate
+    bool ended = false;       ///< the step has ended, completed or not; this is its last report
 };
 
 struct JobSettings {
-    int threads = 0;  ///< 0 or less: all the machine has; may be more than there are cores
-    /// Gets the reports, at most ten a second. Called by any thread that works for the job, never twice at
-    /// once; must not throw.
+    int threads = 0;  ///< number of threads, may exceed the number of cores; 0 or less: one per core
+    /// Receives the progress reports, at most ten per second. Called by any thread that works for the job,
+    /// but by one at a time; must not throw.
     std::function<void(const ProgressReport&)> watch = {};
 };
 
-/// What one piece of work may use and what it listens to. Two jobs in one process do not touch each other:
-/// each has threads of its own and is cancelled by itself. A job that is made while the calling thread works
-/// for another belongs to that one: it is cancelled with it, reports to its watcher unless it has one, and
-/// must not outlive it. Thread pools of other libraries (OpenEXR, OpenImageIO, OpenCV) are not touched.
+/// Threads, cancellation and progress reports of one piece of work. Jobs in one process are independent: each
+/// has its own threads and is cancelled separately. A job that is made while the calling thread works for
+/// another one is that job's inner job: it is cancelled with the outer one, reports to the outer one's
+/// watcher unless it has its own, and must not outlive it. Thread pools of other libraries (OpenEXR,
+/// OpenImageIO, OpenCV) are not affected.
 class Job {
   public:
     explicit Job(JobSettings settings = {});
@@ -37,20 +38,21 @@ class Job {
     Job(Job&&) = delete;
     Job& operator=(Job&&) = delete;
 
-    /// The job that the calling thread works for. Outside of every `JobScope` that is the process's own,
-    /// which has all threads, no watcher, and ends with the process.
+    /// The job that the calling thread works for. Outside of every `JobScope` it is the job of the process,
+    /// which has one thread per core and no watcher, and ends with the process.
     [[nodiscard]] static Job& current();
 
-    /// Lets the work stop with Error(interrupted) at its next look. From any thread and from signal handlers.
+    /// Makes the work throw Error(interrupted) at its next test for cancellation. May be called from any
+    /// thread and from signal handlers.
     void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
     [[nodiscard]] bool cancelled() const noexcept {
         return cancelled_.load(std::memory_order_relaxed) || (outer_ != nullptr && outer_->cancelled());
     }
 
-    /// At least 1.
+    /// Number of threads, at least 1.
     [[nodiscard]] int threads() const noexcept { return threads_; }
 
-    /// Calls `work` so that TBB's loops in it run on this job's threads and none else.
+    /// Calls `work`, whose TBB loops then run on this job's threads only.
     void run(const std::function<void()>& work);
 
   private:
@@ -63,12 +65,12 @@ class Job {
     int threads_ = 1;
     std::function<void(const ProgressReport&)> watch_;
     std::atomic<bool> cancelled_{false};
-    std::atomic<bool> reporting_{false};  ///< a step is under way; steps within it do not report
-    std::unique_ptr<Threads> arena_;      ///< absent: TBB's own
+    std::atomic<bool> reporting_{false};  ///< a step is running; steps within it do not report
+    std::unique_ptr<Threads> arena_;      ///< null: TBB's default arena
 };
 
-/// While it lives, the calling thread works for `job`, and so do the threads that its parallel loops use. To
-/// be destroyed in the thread that made it, the last made first.
+/// During the lifetime of this object, the calling thread and the threads of its parallel loops work for
+/// `job`. It must be destroyed by the thread that made it, in reverse order of construction.
 class JobScope {
   public:
     explicit JobScope(Job& job);
@@ -82,7 +84,8 @@ class JobScope {
     Job* before_;
 };
 
-/// While it lives, the calling thread works for a job of `threads` threads within the one before.
+/// During the lifetime of this object, the calling thread works for an inner job of the current one, with
+/// `threads` threads.
 class ThreadLimit {
   public:
     explicit ThreadLimit(int threads) : job_({.threads = threads}), scope_(job_) {}
@@ -92,15 +95,15 @@ class ThreadLimit {
     JobScope scope_;
 };
 
-/// Whether the current job was cancelled. Costs one relaxed load of an atomic per job around it.
+/// Whether the current job or an outer one was cancelled. Costs one relaxed atomic load per job.
 [[nodiscard]] inline bool interrupted() {
     return Job::current().cancelled();
 }
 
-/// Throws Error(interrupted) where the current job was cancelled. Long loops call it at least every 100 ms.
+/// Throws Error(interrupted) if the current job was cancelled. Long loops call it at least every 100 ms.
 void throw_if_interrupted();
 
-/// How many threads the current job has, at least 1.
+/// Number of threads of the current job, at least 1.
 [[nodiscard]] inline int thread_count() {
     return Job::current().threads();
 }

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 
-#ifdef __GLIBC__  // which the headers above say
+#ifdef __GLIBC__  // defined by the headers above
 #include <malloc.h>
 #endif
 

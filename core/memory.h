@@ -1,5 +1,5 @@
-// Asking for memory before taking it: a request that cannot be met ends in one line instead of a killed
-// process.
+// Tests for free memory before it is allocated, so that a lack of memory causes an error message and not a
+// killed process.
 #pragma once
 
 #include <cstdint>
@@ -7,17 +7,18 @@
 
 namespace postlens {
 
-/// What the system says is free for programs, bytes; the largest number where it says nothing.
+/// Memory that the system states as available to programs, bytes; the largest number if it states none.
 [[nodiscard]] std::uint64_t available_memory_bytes();
 
-/// The most memory that this process has held at once so far, bytes (its peak resident set).
+/// Peak resident set size of this process so far, bytes.
 [[nodiscard]] std::uint64_t peak_memory_bytes();
 
-/// Throws Error(out_of_memory) "WHAT needs N MB of memory (M MB are free)" where `bytes` are not to be had.
+/// Throws Error(out_of_memory) "WHAT needs N MB of memory (M MB are free)" if fewer than `bytes` are
+/// available.
 void require_memory(std::uint64_t bytes, const std::string& what);
 
-/// Gives memory that was freed and is kept for what may come back to the system, where the C library can.
-/// For work in parts of which each takes much, in pieces of other sizes than the one before.
+/// Returns freed memory that the C library keeps for later allocations to the system, if the library can. For
+/// work in large parts whose allocations have different sizes.
 void give_back_memory();
 
 }  // namespace postlens

@@ -1,8 +1,8 @@
-// POSTLENS_MULTIVERSION before a function compiles it for several instruction sets; the CPU's best is chosen
-// at load time. With -ffp-contract=off every version gives the same bits, as no sum is reordered; GCC 12
-// fuses sums and differences of products in turn (complex numbers) all the same, which is to be written as
-// two loops. scripts/check_instruction_sets.sh looks. On processors other than x86-64, and with clang, it
-// means nothing.
+// POSTLENS_MULTIVERSION before a function compiles it for several instruction sets; the best one for the CPU
+// is chosen at load time. With -ffp-contract=off all versions give the same bits, as no sum is reordered. GCC
+// 12 nevertheless fuses alternating sums and differences of products (as of complex numbers); write these as
+// two loops. scripts/check_instruction_sets.sh tests this. On processors other than x86-64, and with clang,
+// the macro is empty.
 #pragma once
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(POSTLENS_NO_MULTIVERSION)

@@ -18,8 +18,9 @@ namespace postlens {
 namespace fs = std::filesystem;
 namespace {
 
-// The temporaries alive, for a signal handler. Whoever exchanges a pointer for null owns its text, so that
-// neither side reads what the other has freed. More files at once than slots are written all the same.
+// Paths of the existing temporary files, for the signal handler. Whichever side exchanges a pointer for null
+// owns its text, so neither side reads text that the other has freed. If there are more files than slots, the
+// signal handler does not remove the excess ones.
 constexpr std::size_t slot_count = 64;
 std::array<std::atomic<char*>, slot_count> g_temporaries{};
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");
@@ -52,7 +53,7 @@ int open_retrying(const fs::path& path, int flags) {
     return fd;
 }
 
-/// Zero, or the errno of what went wrong.
+/// Returns 0, or the errno of the call that failed.
 int flush_to_disk(const fs::path& path, int flags) {
     const int fd = open_retrying(path, flags);
     if (fd < 0) return errno;
@@ -62,7 +63,7 @@ int flush_to_disk(const fs::path& path, int flags) {
     } while (result != 0 && errno == EINTR);
     const int error = result == 0 ? 0 : errno;
     ::close(fd);
-    // A file system without fsync has nothing to flush.
+    // Not an error: the file system does not support fsync.
     return error == EINVAL || error == ENOTSUP ? 0 : error;
 }
 
@@ -80,12 +81,12 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              target_.string());
     }
     if (fs::exists(status)) {
-        // The rename would put an ordinary file in the place of a device such as /dev/null.
+        // commit() would replace a device, such as /dev/null, with an ordinary file.
         if (!fs::is_regular_file(status)) {
             fail(ExitCode::cannot_write, "{}: cannot write (got a device, pipe or socket; expected a file)",
                  target_.string());
         }
-        // The rename asks only the folder's permission; a file that its owner protected stays.
+        // A rename only needs write permission for the folder; a write-protected file must not be replaced.
         if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
         if (fs::is_symlink(fs::symlink_status(target_, ec))) {
             destination_ = fs::canonical(target_, ec);
@@ -99,9 +100,9 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              is_file ? fmt::format("{} is a file; expected a folder", folder.string())
                      : fmt::format("folder {} does not exist", folder.string()));
     }
-    // Keeping the ending last lets image writers choose the format. The pid tells a reader of the folder
-    // whose file it is; the number keeps apart two files of one run, and runs whose pids are equal
-    // (containers).
+    // The name keeps the target's extension, by which image writers choose the format. The process id shows
+    // which process owns the file. The number distinguishes several files of one process, and processes with
+    // equal ids (in containers).
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;
     for (int number = 0; fd < 0; ++number) {
@@ -140,8 +141,8 @@ void OutputFile::commit() {
     fs::rename(temporary_, destination_, ec);
     if (ec) fail_to_write(target_, ec.value());
     committed_ = true;
-    // Makes the new name outlive a power cut. The file is whole either way, and a folder that may be written
-    // but not read cannot be opened: no failure here is the user's concern.
+    // Flushes the folder, so that the new name survives a power failure. Errors are ignored: the file is
+    // complete in any case, and a folder that may be written but not read cannot be opened.
     static_cast<void>(flush_to_disk(folder_of(destination_), O_RDONLY | O_DIRECTORY));
 }
 

@@ -1,4 +1,4 @@
-// Output that is either whole or absent: written beside its target, renamed when complete.
+// Output files that are either complete or absent: written beside the target, renamed when complete.
 #pragma once
 
 #include <atomic>
@@ -9,11 +9,11 @@
 
 namespace postlens {
 
-/// A file being written. Give `temporary_path()` to whatever writes it, then `commit()`.
-/// Without `commit()` (an exception, an interruption) the temporary is removed and an older target stays.
-/// A target that is a symbolic link keeps the link; the file it leads to is replaced.
-/// Throws Error(cannot_write) where the target is a folder, a device or write-protected, or where its folder
-/// is missing or not writable: before any work is spent on the contents.
+/// A file that is being written. Write to `temporary_path()`, then call `commit()`.
+/// Without `commit()` (after an exception or an interruption) the temporary file is removed, and an older
+/// target stays. If the target is a symbolic link, the link stays, and the file that it leads to is replaced.
+/// The constructor throws Error(cannot_write) if the target is a folder, a device or write-protected, or if
+/// its folder is missing or not writable: before any work is spent on the contents.
 class OutputFile {
   public:
     explicit OutputFile(std::filesystem::path target);
@@ -23,31 +23,32 @@ class OutputFile {
     OutputFile(OutputFile&&) = delete;
     OutputFile& operator=(OutputFile&&) = delete;
 
-    /// Same folder and same ending as the target, so that writers that go by the ending work.
-    /// The file exists, empty, and belongs to this object alone.
+    /// Path with the folder and the extension of the target, as image writers choose the format by the
+    /// extension. The file exists, is empty, and is used by this object only.
     [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_; }
     [[nodiscard]] const std::filesystem::path& target() const { return target_; }
 
-    /// The whole contents at once, for a file that is made in memory; then `commit()`. Throws
-    /// Error(cannot_write), on a full disk too.
+    /// Writes the whole contents of the file; then call `commit()`. Throws Error(cannot_write), also on a
+    /// full disk.
     void write(std::string_view bytes);
 
-    /// Flushes to disk and renames onto the target; to be called once.
-    /// Throws Error(cannot_write) on failure; the older target is then unchanged.
+    /// Flushes the file to disk and renames it to the target. Call it once.
+    /// Throws Error(cannot_write) on failure; an older target is then unchanged.
     void commit();
 
   private:
     std::filesystem::path target_;
     std::filesystem::path destination_;  ///< the target with links followed
     std::filesystem::path temporary_;
-    std::optional<std::size_t> slot_;  ///< where the temporary is listed for remove_all_temporaries()
+    std::optional<std::size_t>
+        slot_;  ///< index of the temporary's path in the list of remove_all_temporaries()
     bool committed_ = false;
 };
 
-/// A file that is made in memory, whole or not at all. Throws as OutputFile does.
+/// Writes a file with these contents, completely or not at all. Throws as OutputFile does.
 void write_file(const std::filesystem::path& target, std::string_view bytes);
 
-/// Removes the temporaries of every OutputFile alive, for a process that is about to be ended by a signal.
+/// Removes the temporary files of all OutputFile objects, before a signal ends the process.
 /// Async-signal-safe. The objects must not be used afterwards.
 void remove_all_temporaries() noexcept;
 

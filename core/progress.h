@@ -1,4 +1,4 @@
-// How far a step of a job is, and the bar that shows it.
+// Progress of a step of a job, and the progress bar.
 #pragma once
 
 #include <atomic>
@@ -15,14 +15,14 @@ namespace postlens {
 /// "8 s", "3 min 05 s" or "2 h 07 min"; negative and undefined durations count as zero.
 [[nodiscard]] std::string duration_text(double duration_s);
 
-/// A watcher that draws a bar with the time left on stderr, from a step's first second on. Empty where stderr
-/// is no terminal that could show it.
+/// A watcher (JobSettings::watch) that draws a bar with the remaining time on stderr, from the first second
+/// of a step on. Empty if stderr is not a terminal that can show it.
 [[nodiscard]] std::function<void(const ProgressReport&)> terminal_bar();
 
-/// A step of the current job. Tells the job's watcher how far it is, unless it is part of another step.
+/// A step of the current job. Reports its progress to the job's watcher, unless it is part of another step.
 class Progress {
   public:
-    /// `total`: how many units `advance` will count up to.
+    /// `total`: number of units of the whole step, as `advance` counts them.
     Progress(std::string step, std::uint64_t total);
     ~Progress();
     Progress(const Progress&) = delete;
@@ -30,7 +30,7 @@ class Progress {
     Progress(Progress&&) = delete;
     Progress& operator=(Progress&&) = delete;
 
-    /// From any thread.
+    /// Adds completed units. Thread-safe.
     void advance(std::uint64_t units = 1);
 
   private:
@@ -38,7 +38,7 @@ class Progress {
 
     std::string step_;
     std::uint64_t total_;
-    Job* watched_ = nullptr;  ///< whose watcher is told; absent: nobody
+    Job* watched_ = nullptr;  ///< the job whose watcher gets the reports; null: no reports
     std::chrono::steady_clock::time_point start_;
     std::atomic<std::uint64_t> done_{0};
     std::atomic<std::int64_t> next_report_ms_{100};

@@ -1,4 +1,4 @@
-// Counter-based random words: every number is a hash of what it is for, so that it can be asked for in any
+// Counter-based random words: every number is a hash of its key and counter, so they can be made in any
 // order.
 #pragma once
 
@@ -6,11 +6,10 @@
 
 namespace postlens {
 
-/// Samples that are made together; loops over so many lanes become vector instructions.
+/// Number of samples that are made together; loops over this many lanes are vectorised.
 inline constexpr int sample_lanes = 16;
 
-/// A bijection of 64-bit words that leaves no visible order in them: the finaliser of SplitMix64
-/// [steele2014].
+/// Mixes the bits of a 64-bit word, bijectively: the finaliser of SplitMix64 [steele2014].
 [[nodiscard]] constexpr std::uint64_t mix64(std::uint64_t x) {
     x += 0x9e3779b97f4a7c15ULL;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -18,7 +17,7 @@ inline constexpr int sample_lanes = 16;
     return x ^ (x >> 31);
 }
 
-/// The same for 32-bit words; multiplier and shifts of low bias found by C. Wellons' search.
+/// The same for 32-bit words, with multipliers and shifts of low bias, from C. Wellons' search.
 [[nodiscard]] constexpr std::uint32_t mix32(std::uint32_t x) {
     x = (x ^ (x >> 16)) * 0x7feb352dU;
     x = (x ^ (x >> 15)) * 0x846ca68bU;
@@ -46,7 +45,7 @@ inline constexpr int sample_lanes = 16;
     return mix32(mix32(counter + low_word(key)) ^ high_word(key));
 }
 
-/// What the points of one set of one pixel are made from: 64-bit keys of independent streams.
+/// Key of one set of points in one pixel, from which the keys of independent streams are derived.
 struct SetKey {
     std::uint64_t value;
     /// Streams with different `purpose` are independent.

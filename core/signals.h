@@ -1,14 +1,14 @@
-// What a signal does to a command's work.
+// Signals cancel a command's job.
 #pragma once
 
 #include "core/job.h"
 
 namespace postlens {
 
-/// Makes SIGINT, SIGTERM and SIGHUP cancel `job`, which must live as long as the process, instead of ending
-/// the process; a signal that the process was started to ignore (nohup, a background job of a script) stays
-/// ignored. A second signal ends the process by its default action, after removing what OutputFile has not
-/// yet committed. For programs; a library leaves signals to its user.
+/// Makes SIGINT, SIGTERM and SIGHUP cancel `job` instead of ending the process. `job` must exist until the
+/// process ends. A signal that the process was started to ignore (nohup, a background job of a script) stays
+/// ignored. A second signal removes the files that OutputFile has not committed, and then ends the process by
+/// its default action. Only for programs, because a library must not install signal handlers.
 void cancel_on_signals(Job& job);
 
 }  // namespace postlens

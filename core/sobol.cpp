@@ -22,10 +22,10 @@ struct Polynomial {
 constexpr std::array<Polynomial, 4> polynomials{
     {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}}};
 
-/// direction[k]: what bit k of the index adds, bit-reversed.
+/// Direction numbers, bit-reversed: element k is combined by exclusive or if bit k of the index is set.
 constexpr Directions directions(int dimension) {
     Directions v{};
-    if (dimension == 0) {  // van der Corput's sequence: the index mirrored at the point
+    if (dimension == 0) {  // van der Corput sequence: the bits of the index, mirrored at the binary point
         for (int k = 0; k < index_bits; ++k) v[static_cast<std::size_t>(k)] = 1U << k;
         return v;
     }
@@ -56,8 +56,8 @@ constexpr std::uint32_t by_directions(const Directions& v, std::uint32_t index) 
     return x;
 }
 
-/// The sequence is linear over the bits of the index: a word of the lower ten of 20 bits, one of the upper
-/// ten.
+/// The sequence is linear over the bits of the index. A point is the exclusive or of a word for the lower ten
+/// of its 20 index bits and one for the upper ten.
 struct SplitTable {
     alignas(64) std::array<std::uint32_t, 1024> low, high;
 };
@@ -88,7 +88,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return unit_float(reverse_bits(owen_scramble_reversed(x, seed)));
 }
 
-/// Indices in a nested uniform scramble of their own: every aligned block of 2^j samples stays one.
+/// Sample indices, permuted by a nested uniform scramble. Every aligned block of 2^j samples stays an aligned
+/// block.
 template <int lanes>
 [[gnu::always_inline]] inline void shuffled(std::uint32_t seed, std::uint32_t reversed_mask, int first,
                                             std::uint32_t* index) {
@@ -109,8 +110,8 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// The words of samples first .. first + lanes - 1 are low[i] ^ high where `first` is a multiple of 16: they
-/// share the upper bits of their index.
+/// The words of samples first .. first + lanes - 1 are low[i] ^ high if `first` is a multiple of 16, because
+/// the upper bits of these indices are equal.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

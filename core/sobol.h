@@ -10,8 +10,8 @@ namespace postlens {
 
 inline constexpr int sobol_dimensions = 5;
 
-/// Coordinate `dimension` (0 .. 4) of Sobol point `index`, bit-reversed: bit 0 halves the unit interval, bit
-/// 1 its halves and so on. Direction numbers of [joe2008].
+/// Coordinate `dimension` (0 .. 4) of Sobol point `index`, bit-reversed: bit 0 selects a half of the unit
+/// interval, bit 1 a half of that half, and so on. Direction numbers of [joe2008].
 [[nodiscard]] std::uint32_t sobol_reversed(int dimension, std::uint32_t index);
 
 [[nodiscard]] constexpr std::uint32_t reverse_bits(std::uint32_t x) {
@@ -32,30 +32,30 @@ inline constexpr int sobol_dimensions = 5;
     return x ^ x * 0x53a22864U;
 }
 
-// Why the eye ray has one sequence of five dimensions: over 192 integrands that couple pixel, lens and time
-// (edges, discs and lines out of focus and in motion, waves) its RMSE, as a share of that of independent
-// points, has the geometric mean 0.57, 0.42, 0.32, 0.22, 0.16 at 4, 16, 64, 256, 1024 samples; pixel, lens
-// and time padded from three shuffled sets 0.58, 0.45, 0.40, 0.36, 0.32. Other orders of the five dimensions
-// are equal or up to 4 % worse.
+// The eye ray uses one five-dimensional sequence for pixel, lens and time, because its error is smaller. Over
+// 192 integrands that couple the three (edges, discs and lines out of focus and in motion, waves), its RMSE
+// relative to that of independent points has the geometric mean 0.57, 0.42, 0.32, 0.22, 0.16 at 4, 16, 64,
+// 256, 1024 samples. Three separately shuffled sets for pixel, lens and time have 0.58, 0.45, 0.40, 0.36,
+// 0.32. Other orders of the five dimensions are equal or up to 4 % worse.
 
-/// Coordinate `dimension` (0 .. 4) of the five-dimensional sequence, scrambled with this seed, of samples
-/// first .. first + lanes - 1, lanes = 16 or 1, first + lanes <= 2^20.
+/// Writes to `u` coordinate `dimension` (0 .. 4) of the five-dimensional sequence, scrambled with `seed`, for
+/// samples first .. first + lanes - 1; lanes = 16 or 1, first + lanes <= 2^20.
 void sobol_joint(int dimension, std::uint32_t seed, int first, int lanes, float* u);
-/// All five for 16 samples.
+/// The same for all five dimensions and 16 samples.
 void sobol_joint_16(const std::array<std::uint32_t, sobol_dimensions>& seeds, int first,
                     const std::array<float*, sobol_dimensions>& u);
 
-/// Points for sets beyond the five dimensions: the sequence's first one or two, each set in an order of its
-/// own [burley2020]. Samples first .. first + lanes - 1, lanes = 16 or 1.
+/// Points for further dimensions than five: each set uses the sequence's first one or two dimensions, in its
+/// own shuffled order [burley2020]. Samples first .. first + lanes - 1, lanes = 16 or 1.
 class SobolPadding {
   public:
-    /// n: samples of a pixel, 1 .. 2^20; the order is scrambled among the first 2^k >= n indices.
+    /// n: samples of a pixel, 1 .. 2^20; the order is shuffled among the first 2^k >= n indices.
     explicit SobolPadding(std::uint32_t n);
     void fill_2d(SetKey key, int first, int lanes, float* u, float* v) const;  ///< a (0,2)-sequence
     void fill_1d(SetKey key, int first, int lanes, float* u) const;            ///< a (0,1)-sequence
 
   private:
-    std::uint32_t reversed_mask_;  ///< of the k bits of an index, reversed
+    std::uint32_t reversed_mask_;  ///< mask of the k bits of an index, bit-reversed
 };
 
 }  // namespace postlens

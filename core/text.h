@@ -1,4 +1,4 @@
-// Text in input files: numbers without regard to the locale, and excerpts that are safe to show.
+// Text in input files: numbers independent of the locale, and excerpts that are safe to print.
 #pragma once
 
 #include <optional>
@@ -8,18 +8,19 @@
 
 namespace postlens {
 
-/// The whole of `text` as a decimal number ("1", "-.5", "+2e-3"); infinite or NaN where it says so or
-/// overflows. Empty where it is not a number.
+/// All of `text` as a decimal number ("1", "-.5", "+2e-3"). Infinite or NaN if the text says so, and infinite
+/// on overflow. None if the text is not a number.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 
 /// At most 40 characters of text from a file, unprintable ones replaced, in single quotes.
 [[nodiscard]] std::string excerpt(std::string_view text);
 
-/// A number in two digits and without an exponent: 0.12, 3.4, 56, 789; 0.001 is the least that is shown.
+/// A number with two significant digits and without exponent: 0.12, 3.4, 56, 789. Numbers below 0.001 are
+/// rounded to three decimals.
 [[nodiscard]] std::string rough(double value);
 
-/// The candidate with the fewest insertions, deletions, replacements and swaps of neighbours to `word`; the
-/// first of equals. Empty where there are no candidates.
+/// The candidate with the smallest edit distance to `word` (insertions, deletions, replacements and swaps of
+/// neighbouring letters); the first of several. Empty if there are no candidates.
 [[nodiscard]] std::string_view nearest_word(std::string_view word,
                                             std::span<const std::string_view> candidates);
 

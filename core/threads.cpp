@@ -15,9 +15,9 @@ namespace postlens {
 
 #if defined(__SANITIZE_THREAD__)
 
-// ThreadSanitizer does not see how TBB, which is not built for it, orders its tasks, and reports every loop
-// as a race. Plain threads, each with its fixed share of the chunks and no order between them, are what it
-// understands.
+// ThreadSanitizer does not see the synchronisation in TBB, which is not instrumented, and reports every loop
+// as a race. This version therefore uses plain threads, each with a fixed share of the chunks and no order
+// between them.
 void parallel_chunks(std::size_t count, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& chunk) {
     const std::size_t chunks = count / grain + (count % grain != 0 ? 1 : 0);
@@ -28,7 +28,7 @@ void parallel_chunks(std::size_t count, std::size_t grain,
     const auto work = [&](std::size_t first_chunk) {
         const JobScope scope(job);
         for (std::size_t c = first_chunk; c < chunks; c += thread_number) {
-            // Relaxed: an order between chunks would hide races between them.
+            // Relaxed, because synchronisation between chunks would hide races between them.
             if (failed.load(std::memory_order_relaxed)) return;
             try {
                 throw_if_interrupted();
@@ -64,7 +64,7 @@ void parallel_chunks(std::size_t count, std::size_t grain,
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               const JobScope scope(job);
-                              // TBB hands out ranges of many grains; a check per range would come too seldom.
+                              // A range of TBB may have many grains; one test per range would be too rare.
                               for (std::size_t begin = range.begin(); begin != range.end();) {
                                   throw_if_interrupted();
                                   const std::size_t end = begin + std::min(grain, range.end() - begin);

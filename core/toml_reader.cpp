@@ -9,7 +9,7 @@ namespace postlens {
 namespace {
 
 std::string place_of(const std::string& file, const toml::source_position& at) {
-    // A table that the file only implies has no place of its own.
+    // A table that the file does not define explicitly has no position.
     return at.line == 0 ? fmt::format("{}:1:1", file) : fmt::format("{}:{}:{}", file, at.line, at.column);
 }
 
@@ -61,7 +61,7 @@ toml::table parse_toml(const std::string& text, const std::string& file) {
         return toml::parse(text, file);
     } catch (const toml::parse_error& error) {
         const auto& at = error.source().begin;
-        // The parser's own words, on one line.
+        // The parser's message, on one line.
         std::string words(error.description());
         for (char& c : words) {
             const auto byte = static_cast<unsigned char>(c);
@@ -89,7 +89,7 @@ void TomlTable::allow_only(std::initializer_list<std::span<const std::string_vie
     const toml::key* first = nullptr;
     for (const auto& [key, value] : *table_) {
         if (std::find(all.begin(), all.end(), key.str()) != all.end()) continue;
-        // The table is sorted by name; the file's order is what the reader sees.
+        // The table is sorted by name, but the first key in the order of the file is reported.
         if (first == nullptr || key.source().begin < first->source().begin) first = &key;
     }
     if (first == nullptr) return;

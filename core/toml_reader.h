@@ -1,5 +1,5 @@
 // Typed reading of TOML tables: every error has its line and column, every unknown key its nearest known one.
-// Its toml++ takes seconds to compile: only .cpp files that read TOML include this.
+// toml++ takes seconds to compile, so only .cpp files that read TOML include this header.
 #pragma once
 
 #include <filesystem>
@@ -18,11 +18,11 @@
 
 namespace postlens {
 
-/// The text of a TOML file; `file` is how errors call it. Throws Error(invalid_input) "FILE:LINE:COLUMN:
-/// ...".
+/// Parses the text of a TOML file. `file`: its name in error messages. Throws Error(invalid_input)
+/// "FILE:LINE:COLUMN: ...".
 [[nodiscard]] toml::table parse_toml(const std::string& text, const std::string& file);
 
-/// What a number may be. NaN never is.
+/// The legal range of a number. NaN is never legal.
 struct NumberRange {
     double min = -std::numeric_limits<double>::max();
     double max = std::numeric_limits<double>::max();
@@ -30,40 +30,41 @@ struct NumberRange {
     bool excludes_min = false;     ///< min itself is not legal
 };
 
-/// A table of a TOML file together with where it stands and what it is called in errors.
+/// A table of a TOML file, with its position and its name in error messages.
 class TomlTable {
   public:
-    /// `what` is how errors call it, e.g. "object 'ball'".
+    /// `what`: name of the table in error messages, for example "object 'ball'".
     TomlTable(const std::string& file, const toml::table& table, std::string what)
         : file_(&file), table_(&table), what_(std::move(what)) {}
 
     [[nodiscard]] const std::string& what() const { return what_; }
     void rename(std::string what) { what_ = std::move(what); }
 
-    /// Refuses, with the nearest known key, the first key that is in none of the lists.
+    /// Throws if a key is in none of the lists; the error names the first such key and the nearest known one.
     void allow_only(std::initializer_list<std::span<const std::string_view>> known) const;
     [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
 
-    // Each is empty where the key is absent and throws where its value has the wrong type or range.
+    // The following functions return none if the key is absent, and throw if its value has the wrong type or
+    // range.
     [[nodiscard]] std::optional<double> number(std::string_view key, const NumberRange& range = {}) const;
     [[nodiscard]] std::optional<int> integer(std::string_view key, int min, int max) const;
     [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
     /// Printable text of 1 to 255 bytes.
     [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
-    /// Index of the text in `choices`; the error of another one names the nearest.
+    /// Index of the text in `choices`. For another text the error names the nearest choice.
     [[nodiscard]] std::optional<std::size_t> choice(std::string_view key,
                                                     std::span<const std::string_view> choices) const;
     [[nodiscard]] std::optional<glm::dvec3> vec3(std::string_view key, const NumberRange& range = {}) const;
     /// Exactly `count` numbers.
     [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count,
                                                              const NumberRange& range = {}) const;
-    /// Any number of numbers; empty where the key is absent.
+    /// Any number of numbers; no elements if the key is absent.
     [[nodiscard]] std::vector<double> number_list(std::string_view key, const NumberRange& range = {}) const;
     [[nodiscard]] bool is_array(std::string_view key) const;
-    /// A number stands for three equal ones.
+    /// Three numbers; a single number stands for three equal ones.
     [[nodiscard]] std::optional<glm::dvec3> number_or_vec3(std::string_view key,
                                                            const NumberRange& range = {}) const;
-    /// An array of arrays of numbers, e.g. points; every row has min_columns to max_columns of them.
+    /// An array of arrays of numbers, for example points; every row has min_columns to max_columns numbers.
     [[nodiscard]] std::optional<std::vector<std::vector<double>>> rows(std::string_view key,
                                                                        std::size_t min_columns,
                                                                        std::size_t max_columns,
@@ -71,30 +72,32 @@ class TomlTable {
     /// A text or an array of texts.
     [[nodiscard]] std::optional<std::vector<std::string>> texts(std::string_view key) const;
     [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
-    /// An array of tables ([[key]] or [{...}, ...]); `what` is followed by their number. Empty where absent.
+    /// An array of tables ([[key]] or [{...}, ...]). Errors call each by `what` and its number. No elements
+    /// if the key is absent.
     [[nodiscard]] std::vector<TomlTable> tables(std::string_view key, std::string_view what) const;
 
-    /// The value of a key that must be there: required(t.number("radius_m"), "radius_m").
+    /// The value of a key that must be present, for example required(t.number("radius_m"), "radius_m").
+    /// Throws if it is absent.
     template <typename T>
     [[nodiscard]] T required(std::optional<T> value, std::string_view key) const {
         if (!value) fail_here("has no '{}' (expected one)", key);
         return *std::move(value);
     }
-    /// Refuses two keys that say the same thing.
+    /// Throws if both keys are present. For keys of which each defines the same value.
     void refuse_both(std::string_view a, std::string_view b) const;
 
-    /// "FILE:LINE:COLUMN: WHAT: ...", at the value of `key`.
+    /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ..." with the position of the value of `key`.
     template <typename... Args>
     [[noreturn]] void fail_at(std::string_view key, fmt::format_string<Args...> format,
                               Args&&... args) const {
         fail_at_node(*table_->get(key), fmt::format(format, std::forward<Args>(args)...));
     }
-    /// The same at the table itself.
+    /// The same with the position of the table.
     template <typename... Args>
     [[noreturn]] void fail_here(fmt::format_string<Args...> format, Args&&... args) const {
         fail_at_node(*table_, fmt::format(format, std::forward<Args>(args)...));
     }
-    /// "FILE:LINE:COLUMN" of the key's value, for texts that are not errors.
+    /// "FILE:LINE:COLUMN" of the key's value, for messages that are not errors.
     [[nodiscard]] std::string place(std::string_view key) const;
     /// "FILE:LINE" of the table itself.
     [[nodiscard]] std::string line() const;

@@ -13,14 +13,15 @@
 namespace postlens {
 namespace {
 
-/// What is left below this is nothing: sums of rounded alphas.
+/// A transmittance up to this counts as 0, because alphas are rounded.
 constexpr double opaque_within = 1e-3;
-/// Of signed radius, px: less is one surface, or moves along.
+/// Step of signed CoC radius from which neighbours count as different surfaces, px.
 constexpr float least_step_px = 1;
-/// No farther is searched, px.
+/// Largest distance of the search for a farther surface, px.
 constexpr float farthest_px = 512;
 
-/// Radii are looked up many times: of the last sample of each stack, or of nothing behind it.
+/// Searches the surroundings of opaque pixels for farther surfaces. Stores one signed CoC radius per pixel:
+/// that of the sample at which its stack becomes opaque, or infinity where the stack does not.
 class Search {
   public:
     Search(const ForeignPicture& picture, const FocusGeometry& geometry)
@@ -66,8 +67,8 @@ class Search {
     }
 
   private:
-    /// Finds the translucent pixels (`fills_`) that have nothing behind them, here and around: they are
-    /// searched from like opaque ones. All others end what is opaque, as nothing does.
+    /// Finds the translucent pixels (`fills_`) with only empty space behind them and around them; they become
+    /// opaque for the search. All other pixels that are not opaque count as empty space.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -124,12 +125,12 @@ class Search {
     struct Find {
         float distance_px = 0;  ///< 0: none
         float radius_px = 0;
-        std::span<const StackSample> stack;  ///< from the first that is far enough on; empty: nothing
+        std::span<const StackSample> stack;  ///< samples from the first farther one on; none: empty space
     };
 
-    /// Goes from a pixel in a direction, as far as circles reach: `take(distance_px, x, y)` until it returns
-    /// true. Where the raster is larger than what is stored, nothing is; beyond both nobody knows, and the
-    /// walk ends.
+    /// Steps from a pixel in a direction, up to the sum of its CoC radius and the largest one, and calls
+    /// `take(distance_px, x, y)` until that returns true. Raster pixels that are not stored are empty space.
+    /// Outside both the raster and the stored window the content is unknown, and the walk ends.
     template <typename Take>
     void walk(int x, int y, const Direction& d, float own_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -141,14 +142,15 @@ class Search {
             if (take(static_cast<float>(s) * step_px, x, y)) return;
         }
     }
-    /// Whether a circle of this radius, at this distance, reaches one of the other radius.
+    /// Whether two CoCs of these radii, at this distance, overlap or are less than a pixel apart.
     [[nodiscard]] static bool reach_each_other(float distance_px, float own_px, float other_px) {
-        // Nothing is spread by no circle.
+        // Empty space, of infinite radius here, is not blurred.
         const float other = std::isfinite(other_px) ? std::abs(other_px) : 0;
         return distance_px <= std::abs(own_px) + other + 1;
     }
 
-    /// Whether something farther than `own_px`, and not nothing, begins near enough to come to light here.
+    /// Whether a surface farther than `own_px` begins so near that blur can disocclude it at this pixel.
+    /// Empty space does not count.
     [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, float own_px) const {
         bool found = false;
         float before_px = own_px;
@@ -165,12 +167,12 @@ class Search {
     [[nodiscard]] std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
     }
-    // Pixels are counted from the first that is stored.
+    // x and y are relative to the first stored pixel.
     [[nodiscard]] bool is_stored(int x, int y) const { return x >= 0 && x < width_ && y >= 0 && y < height_; }
     [[nodiscard]] float last_at(int x, int y) const {
         return is_stored(x, y) ? last_px_[index(x, y)] : nothing_px_;
     }
-    /// Whether something farther than a pixel of signed radius `own_px` begins between two neighbours.
+    /// Whether a surface farther than a pixel of signed CoC radius `own_px` begins between two neighbours.
     [[nodiscard]] static bool begins(float before_px, float last_px, float own_px) {
         return last_px - before_px >= least_step_px && last_px - own_px >= least_step_px;
     }
@@ -205,8 +207,9 @@ class Search {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Brings the finds of one surface to the front, in their order: of the one that is seen most around. A
-    /// lamp beside an edge does not shine all over what is behind it. Returns how many they are.
+    /// Moves the finds of the id with the largest weight to the front, in their order, and returns their
+    /// number. Other ids are dropped, so that a small emitter beside an edge does not colour all that is
+    /// behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -264,7 +267,7 @@ std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeomet
 
 namespace {
 
-/// Sums over rectangles of a raster; outside of it everything is 0.
+/// Summed-area table: sums over rectangles of a raster. Outside the raster all values are 0.
 class RectangleSums {
   public:
     RectangleSums(int width, int height, const std::vector<float>& values)
@@ -281,7 +284,7 @@ class RectangleSums {
             }
         }
     }
-    /// Columns [x0, x1) of rows [y0, y1).
+    /// Sum over columns [x0, x1) of rows [y0, y1).
     [[nodiscard]] double of(int x0, int x1, int y0, int y1) const {
         const auto at = [&](int x, int y) {
             return sums_[index(std::clamp(x, 0, width_), std::clamp(y, 0, height_))];
@@ -302,7 +305,8 @@ class RectangleSums {
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
                                     const RasterWindow& window) {
-    // Nothing is all that is not stored inside the raster; beyond both nobody knows.
+    // Raster pixels that are not stored are empty. Outside both the raster and the stored window, the content
+    // is unknown and does not count as empty.
     const RasterWindow known{std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
                              std::max(p.height, p.y_end)};
     const auto pixels =
@@ -333,7 +337,8 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // A circle from the middle of a pixel; levels may make it a quarter of a pixel larger.
+            // The CoC is centred on the pixel. Quantisation to depth levels may enlarge it by a quarter of a
+            // pixel.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
             const int reach = static_cast<int>(std::ceil(radius + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;

@@ -16,22 +16,23 @@ struct Behind {
     float r = 0, g = 0, b = 0;  ///< premultiplied
     float alpha = 0;            ///< the rest is empty
     bool known = false;
-    bool fills = false;  ///< StackLights::add: only empty space is behind the pixel and its neighbours
+    bool fills = false;  ///< the pixel is translucent and only empty space lies behind it and its neighbours
 };
 
 /// One estimate per stored pixel, row by row. From an opaque pixel, searches eight directions for a farther
-/// surface: an increase of signed CoC radius by at least a pixel, at a distance that the circles of both can
-/// bridge. If samples have ids, only the id with the largest sum of 1 / squared distance counts. The nearest
-/// find gives the depth; the colour is the mean of the finds within a pixel of CoC radius, weighted by 1 /
-/// squared distance. Empty space counts as farther than all surfaces, and is not blurred. Translucent pixels
-/// are treated like opaque ones if only empty space was found behind them in every direction (`fills`). Same
-/// result for any number of threads.
+/// surface: an increase of signed CoC radius by at least a pixel, at a distance of at most the sum of both
+/// CoC radii plus a pixel. If samples have ids, only the id with the largest sum of 1 / squared distance
+/// counts. The nearest farther surface gives the depth. The colour is the mean over the surfaces found whose
+/// CoC radius differs from it by less than a pixel, weighted by 1 / squared distance. Empty space counts as
+/// farther than all surfaces, and is not blurred. A translucent pixel is treated like an opaque one if only
+/// empty space was found behind it in every direction (`fills`). The result does not depend on the number of
+/// threads.
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry);
 
-/// For each pixel of a window, row by row: how much of it nothing may come to fill once all is spread. Where
-/// something stands, what is nothing in the square around its own circle, in circles: all of it where the
-/// circle sees an edge before nothing, however that runs. Elsewhere what of the pixel is nothing. What lets
-/// through stands in all of its pixel.
+/// For each pixel of a window, row by row: upper bound of the share of the pixel that shows empty space after
+/// blurring, 1 or more meaning all of it. For a pixel with samples, it is the area of the empty pixels within
+/// the bounding square of the pixel's CoC, divided by the area of the CoC, so that it holds for every shape
+/// of an edge within the CoC. For an empty pixel it is 1. A translucent sample counts as covering its pixel.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window);
 

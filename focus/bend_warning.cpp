@@ -12,13 +12,13 @@
 namespace postlens {
 namespace {
 
-/// Which nodes a lens shows elsewhere than W says.
+/// Tests which nodes W misplaces for some lens point.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)
         : px_per_bend_(lens.gain_px * lens.aperture_radius_m * lens.aperture_radius_m) {}
     [[nodiscard]] bool possible(const SampleHeader& h) const { return h.has_bend && px_per_bend_ > 0; }
-    /// At the lens's rim.
+    /// Error of a node's position as seen from the lens's rim, px.
     [[nodiscard]] double px(float bend) const { return px_per_bend_ * static_cast<double>(bend); }
     [[nodiscard]] bool by_bend(float bend) const { return px(bend) > most_bend_px; }
     bool operator()(const Record& r) const {
@@ -29,7 +29,7 @@ class Misplaced {
     double px_per_bend_;
 };
 
-/// Half the width of a node's blur, px.
+/// Half the width of a node's blur, from the root mean square of the singular values of (1/focus - W), px.
 double blur_px(const Record& r, const FocusGeometry& lens) {
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),

@@ -1,4 +1,4 @@
-// Does what mirrors and glass show move with the lens as W says?
+// Warning about nonlinear W: nodes in mirrors and glass that W misplaces for some lens points.
 #pragma once
 
 #include <optional>
@@ -10,28 +10,28 @@
 
 namespace postlens {
 
-/// A warning of code "nonlinear" with the share of the picture's pixels that have a visible node brighter
-/// than 1/255 which W misplaces by more than half a pixel for some point of the lens: where
-/// (d / pitch) W.bend (D / 2)^2 > 0.5 px. Nothing where there is none, for a pinhole, and for files that do
-/// not say (`SampleHeader::has_bend`). Reads the records of the picture once, or not at all if `frame` has
-/// them (FocusFrame::largest_bends); the same for any number of threads. `crop`: of these pixels of the
-/// traced picture only.
+/// A warning of code "nonlinear". Its share is that of the image's pixels with a visible node, brighter than
+/// 1/255, that W misplaces by more than half a pixel for some lens point:
+/// (film distance / pixel pitch) w_bend (D / 2)^2 > 0.5 px, with the aperture's diameter D. None if no pixel
+/// has one, for a pinhole, and for files without w_bend (`SampleHeader::has_bend`). Reads the records once,
+/// or not at all if `frame` holds their errors (FocusFrame::largest_bends). The result does not depend on the
+/// number of threads. With `crop`, only these pixels of the traced image count.
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 
-/// Where that light goes: by pixel of the picture, the radiance of such nodes, each spread over a square as
-/// wide as its blur.
+/// Images of the light that W misplaces: the radiance of the nodes that bend_warning counts, each spread over
+/// a square as wide as its blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
-    /// Takes in the records of rows [y_begin, y_end) of `band`: each row of the file once, in order.
+    /// Adds the records of rows [y_begin, y_end) of `band`. Each row of the file is added once, in order.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Empty where bend_warning has nothing to say.
+    /// Misplaced radiance per pixel, row by row; no elements if no node is misplaced.
     [[nodiscard]] std::vector<float> picture() const {
         return any_ ? summed_up(light_) : std::vector<float>();
     }
-    /// That light times how far from where W puts it a point of the lens's rim sees it, px, farthest_px at
-    /// most; empty likewise.
+    /// Misplaced radiance times the error of its position as seen from the lens's rim, px, limited to
+    /// farthest_px; no elements if no node is misplaced.
     [[nodiscard]] std::vector<float> moved_px() const {
         return any_ ? summed_up(moved_) : std::vector<float>();
     }
@@ -42,7 +42,7 @@ class MisplacedLight {
     int width_, height_;
     bool possible_, any_ = false;
     [[nodiscard]] std::vector<float> summed_up(const std::vector<double>& of) const;
-    std::vector<double> light_, moved_;  ///< squares as differences in both directions, summed up in the end
+    std::vector<double> light_, moved_;  ///< squares as differences in x and y, which summed_up integrates
 };
 
 }  // namespace postlens

@@ -8,7 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Of levels in equal steps of z', of which there are fewer: twice the step of those around the focus.
+/// Largest step of the CoC diameter between levels of linear spacing, px: about twice the half pixel of
+/// LevelTable, because at most `most_linear_levels` of them exist.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -16,8 +17,8 @@ double clamped_radius_px(double diameter_px) {
                       DepthLevels::largest_radius_px);
 }
 
-/// Equal steps of z' that keep the CoC's diameter, G / z' up to a constant, right to half a linear_step_px
-/// at the near end, where it changes fastest.
+/// Number of levels with equal steps of z'. They keep the error of the CoC diameter, which is G / z' plus a
+/// constant, within half a linear_step_px at the near end, where the diameter changes fastest.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
     // 1 / z - 1 / (z + h) = tolerance / G for half a step h at the nearest z.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
@@ -93,7 +94,8 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // What lies within half a step of the range belongs to its end; a primary sample always does.
+    // A depth within half a step outside the range uses the level at its end. The depth of a primary sample
+    // always lies in the range.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

@@ -13,7 +13,7 @@
 namespace postlens {
 
 enum class DepthSpacing {
-    linear,   ///< equal steps in z', as in 1981
+    linear,   ///< equal steps in z', as in [potmesil1981]
     inverse,  ///< equal steps in 1/z', that is, equal steps of CoC
 };
 

@@ -9,13 +9,16 @@
 namespace postlens {
 namespace {
 
+/// Share of the energy that a kernel leaves out.
 constexpr double tail = 0.01;
-/// Beyond the geometric edge a kernel ends here, whatever the tail is.
+/// Largest extent of a kernel beyond the geometric edge, px, even if more than `tail` lies farther out.
 constexpr double widest_skirt_px = 256;
-/// From this radius on the disc of rays stands for the response: fringes are finer than any pixel shows.
+/// CoC radius from which a uniform disc replaces the diffracted response, px: its fringes are finer than a
+/// pixel.
 constexpr double disc_from_px = 2048;
 
-/// Of the disc: what mirrors and glass stretch has that of its mean.
+/// CoC radius, px. An elliptical CoC, as of a node seen in mirrors or glass, gets the disc of its mean
+/// radius.
 double radius_of(const glm::dmat2& map_px) {
     return std::abs(map_px[0].x + map_px[1].y) / 2;
 }

@@ -19,7 +19,7 @@
 namespace postlens {
 namespace {
 
-/// Which pixels of the window light through a point of the lens gets to.
+/// Tests whether the lens point of a view transmits light to a pixel of the window; none: always.
 std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensViewPoint& view) {
     if (!s.aperture.varies_over_field()) return {};
     const glm::dvec2 middle(s.window.width() / 2.0, s.window.height() / 2.0);
@@ -31,7 +31,7 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     };
 }
 
-/// Which ids move alike, and how.
+/// Motion classes of objects: one per moving object, and class 0 for all others, which only the camera moves.
 class Motions {
   public:
     explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
@@ -48,9 +48,9 @@ class Motions {
         return found == classes_.end() ? 0 : found->second;
     }
     [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
-    /// By class: from one instant to another.
+    /// Per class, the motion on the raster from one instant to another.
     [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
-        constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // what has no motion of its own
+        constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // an object without its own motion
         std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};
         for (const std::uint32_t id : ids_) out.push_back(shutter_.motion->map(id, from_s, to_s));
         return out;
@@ -63,7 +63,7 @@ class Motions {
     bool camera_ = false;
 };
 
-/// The recorded instants that a moment is seen from, each moved to it.
+/// The recorded instants that a view at `time_s` uses, with the motions from each of them to `time_s`.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;
@@ -72,7 +72,7 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
-/// Whether gaps in the crop are to be filled from around, however far away that is.
+/// Whether a pixel of the crop is in no view: it is filled from known pixels, which may lie outside the crop.
 bool has_gaps(const PatchPicture& seen, const std::optional<OneSurface>& simple, const Crop& crop) {
     for (int y = crop.y; y < crop.y + crop.height; ++y) {
         for (int x = crop.x; x < crop.x + crop.width; ++x) {
@@ -121,15 +121,15 @@ struct FieldFocuser::Prepared {
     bool moves = false;
     PatchLens lens;
     HighlightRule rule;
-    LightElsewhere less;  ///< what it takes, for rays
+    LightElsewhere less;  ///< radiance of the highlights, which rays leave out
     std::optional<HighlightMotion> highlight_motion;
     [[nodiscard]] const HighlightMotion* moving() const {
         return highlight_motion ? &*highlight_motion : nullptr;
     }
     std::vector<double> instants_s;
-    double strip_records = 0;                 ///< of a strip, at most
-    std::optional<FieldSurfaces> all;         ///< none: they are read strip by strip
-    std::unique_ptr<FieldHighlights> of_all;  ///< none: of each strip
+    double strip_records = 0;                 ///< largest number of records of a strip
+    std::optional<FieldSurfaces> all;         ///< none: surfaces are read strip by strip
+    std::unique_ptr<FieldHighlights> of_all;  ///< null: each strip makes its own highlights
 };
 
 FieldFocuser::~FieldFocuser() = default;
@@ -142,11 +142,11 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // What moves, and what it shows, go their own ways.
+    // A moving surface and the nodes seen in it move differently, so child nodes are drawn for themselves.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // What moves in mirrors, and what is large, blurs its highlights itself.
+    // With motion, highlights seen in moving objects and those of large moving surfaces stay in the views.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
                                    [this](std::uint32_t id, double u) {
@@ -171,7 +171,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // What of a surface's light all of the picture spreads is not known strip by strip.
+        // With rays, the choice of highlights needs all surfaces at once (leave_to_lens), so strips have
+        // none.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -193,7 +194,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
                                                  p.moving());
 }
 
-/// Of surfaces and views that are to come.
+/// The field without its surfaces and sets of views, which the caller adds.
 PatchField FieldFocuser::outline() const {
     const Prepared& p = *prepared_;
     PatchField field;
@@ -204,7 +205,7 @@ PatchField FieldFocuser::outline() const {
     field.piece_px = settings_.piece_px;
     const SampleFileReader& file = frame_.file();
     field.recorded_begin = {file.x_begin(), file.y_begin()};
-    field.recorded_end = {file.x_end() - 1, file.y_end() - 1};  // the last are corners alone
+    field.recorded_end = {file.x_end() - 1, file.y_end() - 1};  // the last row and column have only corners
     if (p.moves) field.motion_class = [&p](std::uint32_t id) { return p.motions->class_of(id); };
     return field;
 }
@@ -266,7 +267,7 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // What is read for a strip may have lights.
+        // Strips are read later and may contain highlights, which need the patches seen from any lens point.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }

@@ -30,20 +30,20 @@ struct FieldShutter {
 };
 
 struct FieldFocusSettings {
-    FocusGeometry geometry;  ///< for pixels of the trace
+    FocusGeometry geometry;  ///< in px of the traced raster
     Aperture aperture;
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
-    std::optional<FieldShutter> shutter;  ///< none: closed; the frame's own instant
+    std::optional<FieldShutter> shutter;  ///< none: all views show the frame's own instant
     /// Leaves out pixels where nothing moves and only one surface is seen, for which scattering is exact, if
     /// they are at least this share of the image. None: draws all pixels.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
-    /// Draws only these pixels of the window, with the same bits as without; the others are undefined.
+    /// Draws only these pixels of the window, bit-identical to a drawing of all; the others are undefined.
     std::optional<Crop> crop;
     int piece_px = SeenTile::edge;  ///< PatchField::piece_px
     /// Memory limit of the surfaces. Larger surfaces are read again for each image, in strips of a quarter of
-    /// the limit. Same bits.
+    /// the limit; the result is bit-identical.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
     /// Traces unsure view samples. Then only highlights whose radiance is the same for all rays are spread by
     /// their impulse response, no pixel is left out, and none is unknown. Null: no rays.
@@ -66,15 +66,15 @@ struct FieldFocus {
 struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and errors (lens_views.h)
-    int first = 0;  ///< more than 0 continues a set whose first views are drawn
+    int first = 0;  ///< number of the first view; more than 0 continues a set
     /// Whether a piece of the window is drawn; none: all are. Pieces that are not drawn are filled as gaps.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< as in FieldFocusSettings; only if a single set is drawn
     // With rays: as in PatchViews.
     std::function<bool(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Number of the image it belongs to, among those drawn together. Sets of one image must draw different
-    /// pieces.
+    /// Number of the image that this set belongs to, among those drawn together. Sets of one image must draw
+    /// different pieces.
     std::size_t picture = 0;
 };
 
@@ -92,7 +92,7 @@ class FieldFocuser {
     FieldFocuser(FieldFocuser&&) = delete;
     FieldFocuser& operator=(FieldFocuser&&) = delete;
 
-    /// Same bits for any number of threads.
+    /// Draws one set. The result is bit-identical for any number of threads.
     [[nodiscard]] FieldFocus draw(const FieldViews& views) const;
     /// Draws several sets at once, which is faster than one after the other.
     [[nodiscard]] std::vector<FieldFocus> draw(std::span<const FieldViews> sets) const;
@@ -111,7 +111,7 @@ class FieldFocuser {
     std::unique_ptr<Prepared> prepared_;
 };
 
-/// Draws one image. Same bits for any number of threads.
+/// Draws one image. The result is bit-identical for any number of threads.
 [[nodiscard]] FieldFocus field_focus(FocusFrame& frame, const FieldFocusSettings& settings);
 
 }  // namespace postlens

@@ -16,37 +16,40 @@
 namespace postlens {
 namespace {
 
-/// px, half width of the blur from which dots would show.
+/// Smaller semi-axis of the CoC, px, from which views would show a highlight as separate dots.
 constexpr double spread_from_px = 2;
-/// px^2; as few views hit what is smaller, however little it is blurred, its light is never left to them.
+/// Area of all highlights of a sheet, px^2, below which they are spread at any blur, as few views hit them.
 constexpr float small_px2 = 4;
-/// px, the squares whose lights are one, of what is blurred by spread_from_px or more; and of what is not.
+/// Edges of the squares in which highlights of one sheet are merged, px: for a blur of spread_from_px or
+/// more, and for less.
 constexpr float merged_px = 0.5F, merged_sharp_px = 0.125F;
-/// Lights that move are at many places each, all of which make a streak: the more of them, the fewer lights.
-/// Up to so many moments 1/8, 1/4 of a pixel.
+/// A moving highlight becomes one source per instant, and these form a streak. The more instants it needs,
+/// the larger the squares: up to these numbers of instants 1/8 px and 1/4 px, else merged_px.
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
-/// Sources of all that moves, if that leaves least_moments of each.
+/// Largest number of sources of all moving highlights, unless each would have fewer than least_moments.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
 /// Radiance above which light is a highlight.
 constexpr float brightest = 1;
-constexpr int band_px = SeenTile::edge;  // tiles of views, to find what reaches one
-/// Nearer than the light by this share, a surface covers it.
+constexpr int band_px = SeenTile::edge;  // height of a row of tiles; sources are indexed by these rows
+/// A surface hides a highlight if its 1/z' is larger than the highlight's by more than this factor.
 constexpr float nearer = 1.02F;
-/// Views of a tile that all drawings of its lights may cost at least.
+/// Smallest cost limit of all visibility samples of a tile, in views of the tile.
 constexpr std::size_t least_drawn = 64;
-/// Of a drawing, however small, next to a view of the whole tile.
+/// Smallest cost of one visibility sample, in views of the whole tile.
 constexpr double least_cost = 0.1;
-/// The squares whose lights are seen alike.
+/// Edge of the squares whose highlights share their visibility, px.
 constexpr double group_px = 1.5;
-/// Where in a pixel the eye looks that sees them: no two in one row or column.
+/// Positions in a pixel at which visibility is sampled: no two share a row or a column.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// For each of them a place, of mean 0 and variance 1 along either axis, that does not go with it: else edges
-/// of shadows would be too soft or too hard.
+/// Per visibility sample, the position of the highlight in its group, in standard deviations: mean 0 and
+/// variance 1 along each axis. It is uncorrelated with drawn_samples; correlation would make the edges of
+/// shadows too soft or too hard.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// Shadows whose deviation from their middle is less are one: a sample's place in its pixel matters more.
+/// Standard deviation of the shadows' positions, px, up to which a group has a single shadow: the position of
+/// a sample in its pixel then matters more.
 constexpr double told_apart_px = 0.3;
 
 double light_of(const std::array<float, 3>& rgb) {
@@ -55,7 +58,7 @@ double light_of(const std::array<float, 3>& rgb) {
 
 }  // namespace
 
-/// A set of views, and which of them lie nearest to each point of the lens.
+/// The highlights over one set of views, with tables of the views nearest to each lens point.
 class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
@@ -76,15 +79,16 @@ class FieldHighlights::OverViews final : public Lights {
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
-    /// Views that are asked whether they see a light: of a table over the lens, `edge` cells across, those
-    /// nearest to the cell; or, of what is hardly blurred, all of them.
+    /// Views that decide whether a source is visible: `nearest` has those nearest to each cell of a table
+    /// over the lens with `edge` by `edge` cells; `all` is for sources that are hardly blurred
+    /// (Source::by_all).
     struct Asked {
         int edge = 0;
         Nearest nearest;
         std::vector<std::uint32_t> all;
     };
-    /// By cell of a table over the lens, `edge` cells across. `away2(view)`: squared, what else it is away
-    /// by.
+    /// The three views nearest to each cell of a table over the lens with `edge` by `edge` cells.
+    /// `away2(view)` is added to the squared distance in lens radii.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
@@ -94,15 +98,16 @@ class FieldHighlights::OverViews final : public Lights {
         if (s.u < 0 || timed_.empty()) return always_;
         return timed_[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
     }
-    /// Those that reach the tile.
+    /// The groups that reach the tile, with their visibility samples per pixel.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
-    /// Of the views that are asked; of those nearest to the point of the lens that `at`, picture px, gets its
-    /// light through.
+    /// Share of the deciding views that see the source at the pixel. Unless Source::by_all, these are the
+    /// views nearest to the lens point through which the light of the source reaches `at`, the pixel's centre
+    /// in image px.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
-    /// In a view, at a pixel of its tile.
+    /// Whether one view sees the source at a pixel of the tile.
     [[nodiscard]] bool sees(const Source& s, const TileViews& views, std::size_t view,
                             std::size_t pixel) const {
         const std::size_t k = view * TileViews::view + pixel;
@@ -111,16 +116,16 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// Of the time that the shutter is open, each with views of its own; all of it is as far as the lens is
-    /// wide.
+    /// The exposure is divided into this many spans, each with its own table. In distances between views the
+    /// whole exposure counts as much as the lens's diameter.
     static constexpr int spans = 16;
     static constexpr double lens_radii_of_open = 2;
-    static constexpr std::size_t least_of_span = 8;  ///< views that are asked where no point of the lens is
+    static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in Asked::all of a span
     const FieldHighlights& of_;
     std::size_t view_count_;
     int set_;
     Asked always_;
-    std::vector<Asked> timed_;  ///< by span; empty: nothing moves
+    std::vector<Asked> timed_;  ///< per span; empty: no highlight moves
 };
 
 std::unique_ptr<Lights> FieldHighlights::over(const std::vector<LensViewPoint>& views, int set,
@@ -149,9 +154,9 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     kernels_ = std::make_unique<KernelTable>(std::vector<double>{}, reach, *model_);
     KernelNumberCache cache(*kernels_);
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
-        // Lights of one sheet that lie close together are one.
+        // Highlights of one sheet in the same square are merged.
         const PatchLens lens = patch_lens(geometry);
-        std::map<std::uint32_t, int> moments;  // by sheet that moves
+        std::map<std::uint32_t, int> moments;  // instants needed, per moving sheet
         std::map<std::tuple<std::uint32_t, int, int>, std::pair<Highlight, double>> merged;
         for (const Highlight& h : mesh->highlights) {
             const double energy = light_of(h.rgb);
@@ -238,7 +243,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMe
     const double most = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}));
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
-    // A pixel that is as large as the response gets light from all of the lens.
+    // A pixel about as large as the impulse response receives light through the whole lens.
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < spread_from_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
@@ -308,13 +313,14 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     const Texel& t = sheets_.primary.texels[texel];
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
     if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
-    // In a mirror: where the view sees the mirror.
+    // A reflected or transmitted source is visible where the view sees the object that reflects or transmits
+    // it.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
 
-// Sources that lie within a pixel and a half, by sheet, so that what is drawn of one place serves all of
-// them: the shadow of what stands before them is then off by less than that.
+// Groups the sources of one sheet that lie in one square of group_px. Visibility is computed once per group,
+// so the position error of an occluder's shadow is less than that.
 void FieldHighlights::group_sources() {
     std::map<std::tuple<bool, std::uint32_t, int, int, bool>, std::uint32_t> known;
     for (Source& s : sources_) {
@@ -365,7 +371,8 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // What is drawn costs by its area: in all as much as the views, or as least_drawn of them.
+    // The cost of a visibility sample is its area. All of them may cost as much as the views of the tile, or
+    // as least_drawn views if there are fewer.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -399,9 +406,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                                              Part& part) const {
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Elsewhere for each group: where many lights shine on one edge they must not all miss it. By its place,
-    // as groups are counted otherwise where a part of the picture is made alone. And for each set, so that
-    // two of them tell how much that matters.
+    // Offset of the sample positions. It differs between groups, so that many highlights behind one edge do
+    // not all miss it. It is made from the group's position, because group numbers depend on the crop. It
+    // differs between sets, so that the difference of two sets includes the error of this sampling.
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
@@ -415,7 +422,7 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
-            // Sorted by depth, but at their corners: of those that follow some may still be nearer.
+            // Patches are sorted by the depth of their corners only, so later ones may still be nearer.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }
@@ -426,9 +433,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         });
     };
     find_before({0, 0});
-    // Lights of a lamp stand side by side, and each throws a shadow of its own. Where these lie apart, a
-    // sample is of one of four places that spread about the middle as the lights do.
-    double shadow_px = 0;  // by which the shadow moves with its light
+    // The highlights of an emitter lie side by side and cast separate shadows. If the shadows lie apart, each
+    // visibility sample uses one of four positions with the standard deviation of the group's sources.
+    double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
     const double s_per_m = of_.geometry_.inverse_focus_per_m;
     for (const PlacedPatch& p : before) {
         const auto of_patch = static_cast<double>(patches.sheet(p.patch).inverse_z_max);

@@ -14,9 +14,9 @@
 
 namespace postlens {
 
-/// The rule that selects highlights, for `tree_sheets`. The mean of a few views would show one ghost per view
-/// of them. Selects nothing for apertures whose impulse response varies over the image or is not the
-/// aperture's shape.
+/// The rule that selects highlights, for `tree_sheets`: in the mean of a few views, they would appear once
+/// per view, as ghosts. Selects nothing for apertures whose impulse response varies over the image or is not
+/// the aperture's shape.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
 /// The highlights that the rule took from the sheets. The light of a highlight reaches a pixel through one
@@ -32,8 +32,8 @@ class FieldHighlights {
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
     /// The highlights as light added to a set of views. `set`: its number, which also seeds the sample
-    /// positions of visibility. `instants`: of the views, as shares of the exposure that are over; may be
-    /// empty if nothing moves. Keeps a reference to this.
+    /// positions of visibility. `instants`: per view, the share of the exposure that is over; may be empty if
+    /// nothing moves. Keeps a reference to this object.
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
@@ -42,7 +42,7 @@ class FieldHighlights {
     struct Source {
         int x = 0, y = 0;  ///< anchor of the kernel, image px
         std::uint32_t kernel = 0;
-        glm::dvec2 at{0};  ///< image px
+        glm::dvec2 at{0};  ///< position, image px
         std::array<float, 3> rgb{};
         double square = 0;  ///< rgb times radiance, of the brightest channel
         glm::dmat2 lens_from_px{1};

@@ -12,10 +12,10 @@
 namespace postlens {
 namespace {
 
-/// A kernel reaches that much farther than the light's own outline: coarse kernels are rounded, and stand up
-/// to a pixel from it.
+/// Factor and margin by which a kernel may exceed its CoC: coarsened kernels have rounded sizes, and their
+/// positions have an error of up to a pixel.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// What reaches farther from its square is kept, up to so much.
+/// Sheets that reach farther than this from their square, px, are kept, up to a total of most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
@@ -34,7 +34,7 @@ std::size_t bytes_of(const PatchMesh& m) {
     return bytes_of(m.patches) + bytes_of(m.planes) + bytes_of(m.follows);
 }
 
-/// The sheets of which `wanted` says so by how far each reaches.
+/// The sheets for whose reach `wanted` returns true.
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
     std::vector<std::uint8_t> which;
@@ -127,7 +127,7 @@ std::vector<FieldStrips::Reach> FieldStrips::reach_of(const PatchMesh& mesh, std
     std::vector<Reach> out(mesh.sheets->sheets.size());
     for (const Patch& patch : mesh.patches) {
         const RasterRect r = sweep_.of(mesh, patch, instant);
-        // As patch_field has it: a pixel more on either side.
+        // patch_field also includes one pixel more on either side.
         out[patch.sheet].include(std::floor(r.y_min - 1), std::floor(r.y_max + 1) + 1);
     }
     const auto include = [&](const Highlight& light) {

@@ -26,27 +26,28 @@ struct FieldSurfaces {
     std::vector<PatchMesh> primary, deeper;
 
     void add(std::shared_ptr<const TreeSheets> some, const PatchLens& lens);
-    /// Sets them as the instants of a field.
+    /// Sets these surfaces as the instants of a field.
     void show(PatchField& field) const;
 };
 
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
-/// Approximate memory of a file's surfaces and patches, bytes per record. Measured on a few rows of squares
-/// of the first instant. 25 without reflections, 140 for many small reflecting objects.
+/// Approximate memory of a file's surfaces and patches, bytes per record, measured on a few rows of squares
+/// of the first instant: from 25 without reflections to 140 for many small reflecting objects.
 [[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
                                              const HighlightRule& rule);
 /// Upper bound of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
 /// Reads the surfaces of an image in strips: for each strip those that reach it in any view. The first read
-/// finds how far the surfaces of each row reach, and keeps the few that reach far; later strips need only
-/// rows close to them.
+/// finds how far the surfaces of each row of squares reach, and keeps the few that reach far. Later strips
+/// then only read the rows close to them.
 class FieldStrips {
   public:
     /// Keeps references to its arguments. `views`: a field without instants; surfaces that lens points within
     /// its lens_reach_px see are included. `lens_box_px`: half the width and height of the lens, as
-    /// LensShift::lens_px, which limits the reach of highlights. `motion`: of highlights; null: none moves.
+    /// LensShift::lens_px, which limits the reach of highlights. `motion`: motion of highlights; null: none
+    /// moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, const PatchLens& lens,
                 const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px,
                 const HighlightMotion* motion);
@@ -77,7 +78,7 @@ class FieldStrips {
     };
     /// A row of squares.
     struct Row {
-        Reach near;  ///< of the surfaces that are not kept
+        Reach near;  ///< union of the reaches of the surfaces that are not kept
         std::vector<Far> far;
     };
     struct Instant {

@@ -25,7 +25,7 @@ RasterWindow recorded_corners(const SampleFileReader& file) {
     return {file.x_begin(), file.x_end(), file.y_begin(), file.y_end()};
 }
 
-/// Where to look for the traced pixels, and how much larger they are to appear.
+/// The part of the traced raster that the image shows, and its magnification.
 struct View {
     RasterWindow window;
     double zoom = 1;
@@ -66,7 +66,7 @@ Image traced_picture(FocusFrame& frame, const RasterWindow& window, const std::o
     return image;
 }
 
-/// Of SplatTables or LayerSplats.
+/// Adds all rows of the frame. `Splats` is SplatTables or LayerSplats.
 template <typename Splats>
 void take_in(FocusFrame& frame, Splats& splats) {
     frame.visit_rows(frame.file().y_begin(), frame.file().y_end(),
@@ -74,16 +74,17 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
-/// How a picture is taken apart whose splats do not fit.
+/// How an image is divided into strips if its splats exceed the memory limit.
 struct StripPlan {
     double splats_per_record;
     std::size_t bytes_of_splat;
-    std::size_t most_bytes;  ///< of the splats of a strip
-    int block_px;            ///< squares that are drawn together
+    std::size_t most_bytes;  ///< memory limit of the splats of a strip
+    int block_px;            ///< edge of the blocks of pixels that are scattered to together
 };
 
-/// A picture whose splats do not fit: first the responses of all rows, then what they reach, then strip by
-/// strip of the picture the splats that reach it. The same bits as all at once. `draw(part)`: of the picture.
+/// Makes an image whose splats exceed the memory limit, bit-identical to the image made at once. Reads the
+/// records several times: to find the kernels of all rows, to find which pixels each splat reaches, and for
+/// each strip to keep the splats that reach it. `draw(part)` makes one part of the image.
 template <typename Splats, typename Draw>
 void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const std::optional<Crop>& crop,
                const Draw& draw) {
@@ -116,7 +117,7 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
         end = row + 1;
         while (end < rows && bytes(row, end + 1) <= most_bytes) ++end;
         const int y = row * block_px, y_end = std::min(end * block_px, picture.height());
-        // Where a row of blocks is too much, some of its columns at a time.
+        // If one row of blocks exceeds the limit, it is divided into parts of several columns.
         const auto parts = static_cast<int>(std::min<std::uint64_t>(
             bytes(row, end) / std::max<std::size_t>(most_bytes, 1) + 1, static_cast<std::uint64_t>(columns)));
         const int width = (columns + parts - 1) / parts * block_px;
@@ -125,8 +126,8 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
     }
 }
 
-/// Blur and magnification commute: everything is blurred in traced pixels, where the CoC is the framed one
-/// over the zoom.
+/// Blur and magnification commute, so the image is blurred at the traced resolution: there a CoC, in px, is
+/// smaller by the zoom than in the framed image.
 FocusGeometry in_traced_px(FocusGeometry geometry) {
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
@@ -165,22 +166,23 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
-        // The samples of a pixel mostly become few splats; beside them stand surfaces, and rows before they
-        // are sorted.
+        // A pixel's samples mostly merge into few splats, at most one per record on average. Sums per surface
+        // and unsorted rows need memory as well, so the splats of a strip get a sixth of the limit.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
                    [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
                        layers(splats, image, part);
                    });
     } else {
-        // A response between four positions of a pixel is four splats.
+        // A response is interpolated between up to four subpixel positions, so a record becomes up to four
+        // splats.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
                    [](const SplatTables& splats, Image& image, const std::optional<Crop>& part) {
                        scatter(splats, image, part);
                    });
     }
-    // What comes next writes the picture, which takes as much again as that.
+    // Writing the image, the next step, takes as much memory as the image itself.
     if (parts) give_back_memory();
     return out;
 }
@@ -209,7 +211,7 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
                                             rough(100 * unknown_share))});
     }
-    // The share of a pixel's light from which on hybrid traces it again.
+    // The share of a pixel's light that is not recorded, from which `hybrid` traces the pixel.
     constexpr float visible = 0.02F;
     const double below = static_cast<double>(std::count_if(unknown_below.begin(), unknown_below.end(),
                                                            [](float u) { return u > visible; })) /
@@ -232,7 +234,7 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
     const bool pinhole = settings.method == FocusMethod::pinhole || std::isinf(settings.lens.f_number);
     check_crop(settings.crop, h.width, h.height);
     if (h.projection == Projection::orthographic) {
-        // Parallel rays meet no lens: there is neither a film distance nor an aperture that they would pass.
+        // An orthographic camera has parallel rays: no lens, no aperture and no film distance.
         if (!pinhole) {
             fail(ExitCode::wrong_arguments,
                  "f-number is out of range for an orthographic file, which no lens can have taken (got {}; "
@@ -258,7 +260,7 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const View shown = framed(file, settings, geometry);
-    // A picture that is magnified is a mean of traced pixels: all of them are made then.
+    // Pixels of a magnified image are means of traced pixels, so the whole traced image is made first.
     const std::optional<Crop> crop = shown.zoom == 1 ? settings.crop : std::nullopt;
     FocusResult out;
     if (pinhole) {

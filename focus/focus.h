@@ -32,11 +32,12 @@ struct FocusSettings {
     std::optional<int> depths;
     /// Number of views of `lightfield`, 1 to most_lens_views.
     int views = default_lens_views;
-    /// Makes only these pixels, with the same bits as without; other pixels are undefined. Warnings count
-    /// only them.
+    /// Makes only these pixels, bit-identical to those of the whole image; other pixels are undefined.
+    /// Warnings count only these pixels.
     std::optional<Crop> crop;
     /// Memory limit of the splats of `scatter` and `layers`, bytes. If they may need more, the image is made
-    /// in strips whose splats need at most a third of it; records are read again for each strip. Same bits.
+    /// in strips whose splats need at most a third of it, and records are read again for each strip. The
+    /// result is bit-identical.
     std::size_t splat_bytes = std::size_t{672} << 20;
 };
 
@@ -60,14 +61,14 @@ struct FocusResult {
     std::vector<FocusWarning> warnings;
 };
 
-/// Makes the image. Same bits for any number of threads. Throws Error(wrong_arguments) if a setting is out of
-/// range, if the crop exceeds the image, or if an orthographic file gets a finite f-number;
+/// Makes the image, bit-identical for any number of threads. Throws Error(wrong_arguments) if a setting is
+/// out of range, if the crop exceeds the image, or if an orthographic file gets a finite f-number;
 /// Error(invalid_input) if the file is damaged.
 [[nodiscard]] FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings);
 /// The same for a single image of a file.
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);
 
-/// The pinhole image, summed from the records: the same bits as part 0 of the file.
+/// The pinhole image, summed from the records: bit-identical to part 0 of the file.
 [[nodiscard]] Image pinhole_picture(const SampleFileReader& file,
                                     const std::optional<Crop>& crop = std::nullopt);
 

@@ -24,7 +24,7 @@
 namespace postlens {
 namespace {
 
-/// Rows that one task turns into light.
+/// Number of rows that one task converts to PixelLight.
 constexpr std::size_t rows_per_task = 4;
 
 DepthRange depth_range(const ForeignPicture& picture) {
@@ -43,7 +43,7 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Corners of all pixels that are known of: stored ones, and those of the raster, where nothing is.
+/// Corners of all pixels of known content: the stored ones, and the others of the raster, which are empty.
 RasterWindow known_corners(const ForeignPicture& p) {
     return {std::min(0, p.x_begin), std::max(p.width, p.x_end) + 1, std::min(0, p.y_begin),
             std::max(p.height, p.y_end) + 1};
@@ -70,7 +70,7 @@ Frame framed(const ForeignPicture& p, Framing framing, const FocusGeometry& geom
     return out;
 }
 
-/// Whether there is anything but opaque pixels.
+/// Whether the result has pixels that are not opaque.
 bool is_see_through(const ForeignPicture& picture, const std::vector<Behind>& behind) {
     return !picture.flattened().alpha.empty() ||
            std::any_of(behind.begin(), behind.end(), [](const Behind& b) { return b.known && b.alpha < 1; });
@@ -87,7 +87,7 @@ std::optional<FocusWarning> guessed_warning(const std::vector<Behind>& behind) {
                     rough(100 * share))};
 }
 
-/// One way of focusing one picture: everything but which values are spread.
+/// Blurs one image with one lens setting: its colours and, if it is translucent, its alpha.
 class Spread {
   public:
     Spread(const ForeignPicture& picture, const FocusSettings& settings, const FocusGeometry& geometry,
@@ -142,7 +142,8 @@ class Spread {
                 for (int x = corners_.x_begin; x < corners_.x_end - 1; ++x) {
                     const bool stored = picture_.stores(x, y);
                     const Behind* behind = stored && !behind_.empty() ? &behind_at(x, y) : nullptr;
-                    // scatter only averages: there what lets through holds nothing back.
+                    // `scatter` has no estimates of hidden surfaces, so translucent samples fill their
+                    // pixels.
                     lights.add(x, stored ? picture_.stack(x, y) : std::span<const StackSample>(),
                                behind == nullptr || behind->fills, behind, value, row);
                 }
@@ -160,7 +161,8 @@ class Spread {
 
     void spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
-            // layers lay nothing behind all else as it is; scatter only averages.
+            // `layers` composites empty space as the farthest surface. `scatter` averages what arrives, so it
+            // needs the largest share of each pixel that may stay empty.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels();
             } else {
@@ -174,7 +176,8 @@ class Spread {
             if (auto warning = overscan_warning(splats.border(), corners_, window_, crop_))
                 report->warnings.push_back(*std::move(warning));
         };
-        // What mirrors and glass show has no depth of its own here, so the depth model does not count.
+        // Reflected and transmitted surfaces have no depths of their own here, so the depth model has no
+        // effect.
         if (method_ == FocusMethod::layers) {
             finish(LayerSplats(corners_, window_, geometry_, levels_, DepthModel::path, response_), layers);
         } else {
@@ -190,7 +193,7 @@ class Spread {
     DepthLevels levels_;
     std::shared_ptr<const ResponseModel> response_;
     std::vector<Behind> behind_;
-    std::vector<float> nothing_;  ///< of scatter
+    std::vector<float> nothing_;  ///< nothing_in_reach, for `scatter`
 };
 
 /// Fills what no view shows of an opaque picture, and says how much that is.
@@ -237,7 +240,7 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
     return out;
 }
 
-/// The part of a picture that a window of its raster shows.
+/// The pixels of a window of the image, without blur.
 Image cut(const ForeignPicture& p, const RasterWindow& window) {
     ForeignPicture moved = p;
     moved.x_begin -= window.x_begin;
@@ -281,7 +284,7 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& se
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(picture, settings.framing, geometry);
-    // Blur and magnification commute: everything is blurred in the picture's own pixels.
+    // Blur and magnification commute, so the image is blurred at its own resolution.
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
     FocusResult out;

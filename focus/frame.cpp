@@ -9,10 +9,11 @@
 namespace postlens {
 namespace {
 
-/// Rows read at a time, and at least where so many hold more than enough records, of 60 bytes about.
+/// Largest number of rows read at a time. From fewest_rows on, a band ends at enough_records records (of
+/// about 60 bytes each).
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
-/// Rows kept together: whoever goes through them all waits for all his threads after so many.
+/// Rows per kept band. Parallel loops over all rows wait for their threads after each band.
 constexpr int kept_together = 256;
 
 int band_end(const SampleFileReader& file, int y_begin, int y_end) {
@@ -38,8 +39,8 @@ FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), m
 void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
-    // A record is at most one point sample; vectors that grow have up to as much again in reserve. Depth and
-    // colour of plain corners come to it.
+    // Each record makes at most one point sample; growing vectors may have twice the capacity they need.
+    // Plain corners add a depth and a colour.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

@@ -1,4 +1,4 @@
-// The records of a sample file as images need them: read again for each image, or kept for many.
+// The records of a sample file, for making images: read again for each image, or kept in memory for many.
 #pragma once
 
 #include <functional>
@@ -19,8 +19,8 @@ struct HighlightRule;
 struct TreeSheets;
 
 /// Rows [y_begin, y_end) of the frame's own instant. `band` has one more row above and below, if the file has
-/// it. `samples`: the point samples, one element per `rows_per_task` rows. `plain`: those that are plain
-/// corners; may be empty.
+/// it. `samples`: the point samples, one element per `rows_per_task` rows; empty if they are not kept.
+/// `plain`: those that are plain corners, likewise.
 struct FrameRows {
     /// find_point_samples also reads one row above and one below, so a task has several rows.
     static constexpr int rows_per_task = 8;
@@ -32,7 +32,7 @@ struct FrameRows {
 
 /// The data that images of any lens share: records, point samples, and sheets of the light field. One thread
 /// at a time may use it; several may call visit_rows if the frame keeps its rows and has been visited once.
-/// Images have the same bits whether data are kept or not.
+/// Images are bit-identical whether data are kept or not.
 class FocusFrame {
   public:
     /// `many`: keeps the records of the frame's own instant, for scattering, and the sheets of every instant
@@ -52,8 +52,8 @@ class FocusFrame {
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// The largest w_bend of at least the rows [y_begin, y_end) of the image. Does not read records again
-    /// that the sheets of instant 0 were made from.
+    /// The largest w_bend per pixel of at least the rows [y_begin, y_end) of the image. If the sheets of
+    /// instant 0 were made before, the records are not read again.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
   private:
@@ -68,7 +68,7 @@ class FocusFrame {
     const SampleFileReader& file_;
     bool many_;
     std::vector<Kept> rows_;
-    std::vector<std::shared_ptr<TreeSheets>> sheets_;  ///< by instant
+    std::vector<std::shared_ptr<TreeSheets>> sheets_;  ///< per instant
     std::optional<LargestBends> bends_;
 };
 

@@ -14,20 +14,20 @@
 namespace postlens {
 namespace {
 
-/// Inner runs shorter than this become taps: two ends of a difference cost as much as a few taps. Measured
-/// with bench/scatter_bench.cpp; from 4 to 12 px there is little between them.
+/// Inner runs shorter than this become taps, because the differences at both ends cost as much as a few taps.
+/// Measured with bench/scatter_bench.cpp; values from 4 to 12 px are about equally fast.
 constexpr int shortest_inner_px = 6;
 
-/// What stands for an ellipse without extent; small enough for the limit of a vanishing CoC.
+/// Radius of the disc that replaces an ellipse of size 0, px. Its kernel equals that of a vanishing CoC.
 constexpr double smallest_ellipse_px = 1e-4;
 
-/// To the nearest.
+/// The nearest number of steps.
 std::int32_t steps(double px, double step_px) {
     const double exact = px / step_px;
     return static_cast<std::int32_t>(exact + std::copysign(0.5, exact));
 }
 
-/// Of EllipseRows or OutlineRows.
+/// The kernel of EllipseRows or OutlineRows.
 template <typename Rows>
 Kernel kernel_of_rows(const Rows& source, KernelReach reach) {
     Kernel out;
@@ -42,7 +42,7 @@ Kernel kernel_of_rows(const Rows& source, KernelReach reach) {
                       .inner_end = std::clamp(span.inner_end, -reach.x, reach.x),
                       .x_end = std::min(span.x_end, reach.x),
                       .tap = static_cast<std::uint32_t>(out.taps.size())};
-        // A row that lies beyond the reach as a whole keeps its place but holds nothing.
+        // A row that lies wholly outside the reach stays in the kernel, but has no pixels.
         if (row.x_begin >= row.x_end) row.x_begin = row.inner_begin = row.inner_end = row.x_end = 0;
         const auto left_taps = static_cast<std::size_t>(span.inner_begin - span.x_begin);
         const bool all_taps = row.inner_end - row.inner_begin < shortest_inner_px;
@@ -136,7 +136,7 @@ KernelKey::Packed KernelKey::packed() const {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value + offset)) << shift;
     };
     const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
-    // 17 bits each hold 16000 px in steps of a quarter, with a sign; fields of 2^14 cells either way.
+    // Fields of 17 bits hold a sign and 16000 px in steps of 1/4 px. Cells range over 2^14 in each direction.
     constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
     const std::uint64_t more =
         (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
@@ -165,7 +165,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         return key.level;
     }
     if (built_) {
-        // No key is new any more, and nobody waits for another.
+        // After `build` the table is only read, so no lock is needed.
         return number_of_key_.at(key.packed());
     }
     const std::lock_guard lock(mutex_);
@@ -177,7 +177,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
 
 Ellipse KernelTable::outline(const KernelKey& key) const {
     if (key.is_disc) return Ellipse::disc(disc_radius_px_[key.level]);
-    // What rounds to nothing keeps half a step, so that it has an area.
+    // A size that is rounded to 0 becomes half a step, so that the ellipse has an area.
     const double step = key.step_px();
     const auto size = [step](std::int32_t n) { return n > 0 ? n * step : step / 2; };
     if (key.half_height == 0 && key.half_chord == 0 && key.top_displacement == 0)

@@ -28,8 +28,7 @@ struct KernelRow {
 };
 
 /// Largest distance of a splat's anchor from a pixel of the image, px. Kernels only have columns [-x, x) and
-/// rows
-/// [-y, y).
+/// rows [-y, y).
 struct KernelReach {
     int x = 0, y = 0;
 };
@@ -79,22 +78,23 @@ struct KernelKey {
     std::int32_t cell_log2 = 0;  ///< the cell's width is 2^cell_log2 px; 0: one cell for the whole image
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
-    /// `fine`: for highlights, whose brightness shows an error of a few hundredths of the disc's radius.
+    /// `fine`: for highlights, in which an error of a few percent of the disc's radius is visible as an error
+    /// of brightness.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
     /// Maps are quantised to this many leading bits of their largest number, but not below a step.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return is_fine ? fine_step_px : ellipse_step_px; }
-    /// Quantises the key more coarsely, so that several keys share a kernel. An ellipse keeps ellipse_bits -
-    /// times leading bits of its largest number, or `times` fewer than it has; its other numbers use the same
-    /// steps, its phase half of them. A map keeps map_bits - times bits, and its cell's width is doubled
-    /// `times` times. 0: unchanged.
+    /// Quantises the key more coarsely, so that several keys share a kernel. An ellipse keeps (ellipse_bits -
+    /// times) leading bits of its largest number, or `times` fewer than it has. Its other numbers have the
+    /// same step, and its phase has half that step. A map keeps (map_bits - times) bits, and the width of its
+    /// cell is doubled `times` times. 0: unchanged.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Number of bits of its largest number, in steps.
+    /// Number of bits of the key's largest number, in steps.
     [[nodiscard]] int extent_bits() const;
-    /// All fields in 128 bits.
+    /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
     struct PackedHash {
         std::size_t operator()(const Packed& key) const noexcept {
@@ -139,10 +139,9 @@ class KernelTable {
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
-    /// How many numbers there are, after `build`. Numbers of unused discs refer to the kernel of another
-    /// number.
+    /// Count of numbers, after `build`. The numbers of unused discs refer to the kernel of another number.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
-    /// How many levels have a kernel of any phase, after `build`.
+    /// Count of levels that have a kernel of any phase, after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
     /// The ellipse of a key, for a round aperture.
     [[nodiscard]] Ellipse outline(const KernelKey& key) const;

@@ -1,4 +1,4 @@
-// Fewer shapes of impulse responses, where there are more than there is memory for.
+// Reduces the number of different kernels if they would exceed the memory limit.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -15,7 +15,7 @@
 namespace postlens {
 namespace {
 
-/// Halves away from zero: the same key whatever order it comes in.
+/// Rounds to a multiple of `unit`, halves away from zero, so that n and -n round alike.
 std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
     return (n < 0 ? -1 : 1) * ((std::abs(n) + unit / 2) / unit) * unit;
 }
@@ -23,7 +23,7 @@ std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
 }  // namespace
 
 void KernelKey::round_to(std::int32_t unit) {
-    // What packed() has room for: beyond, shapes that are not equal would be taken for it.
+    // packed() has 17 bits per number; larger values would make the packed keys of different shapes equal.
     constexpr std::int32_t most = (1 << 16) - 1;
     for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy})
         *n = std::clamp(nearest_multiple(*n, unit), -most, most);
@@ -53,20 +53,20 @@ void KernelKey::coarsen(int times) {
     const std::int32_t unit = std::int32_t{1} << std::max(0, extent_bits() - bits);
     if (unit == 1) return;
     round_to(unit);
-    // Half a step of the shape, or a pixel.
+    // Step of the phase: half a step of the shape, at most a pixel.
     const std::int32_t step = std::min(phase_steps, 2 * unit);
     phase_x = nearest_multiple(phase_x, step);
     phase_y = nearest_multiple(phase_y, step);
 }
 
-// Shapes of one octave of sizes are coarsened alike, so that nothing comes out wider or narrower than a share
-// of itself: were all rounded in the same steps, those that make large kernels small enough would leave
-// nothing of the small ones.
+// All kernels within one octave of size are coarsened equally often, which bounds the relative error of their
+// size. If all kernels had the same absolute step, the step that saves enough memory on large kernels would
+// round small ones to 0.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {
         std::vector<std::uint32_t> numbers;
-        std::array<std::size_t, steps> bytes{};  ///< by times coarsened
+        std::array<std::size_t, steps> bytes{};  ///< memory, per number of coarsenings
         std::size_t times = 0;
     };
     std::array<Octave, std::numeric_limits<std::uint32_t>::digits + 1> octaves;
@@ -81,8 +81,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // One key of each shape goes on to the next step: what is equal now will nearly always be so then.
-        // Which one must not hang on the order in which threads asked for them.
+        // Of keys with the same coarsened shape, one represents all in the next step, as they nearly always
+        // stay equal. Sorting makes that choice independent of the order in which threads requested the keys.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)
@@ -101,7 +101,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             left.swap(kept);
         }
     });
-    // What is lost: twice as much each time, of an outline's size. How often a shape occurs is not known.
+    // Relative error of an outline's size, which doubles with each coarsening. All shapes count the same, as
+    // their frequency is unknown.
     const auto error = [](std::size_t octave, std::size_t times) {
         const int bits = std::min(static_cast<int>(octave), KernelKey::ellipse_bits);
         return std::ldexp(1.0, static_cast<int>(times) - bits);

@@ -1,4 +1,4 @@
-// By pixel, the most that W errs by for what the pinhole sees there.
+// Per pixel, the largest error of W (w_bend) of the nodes that the pinhole sees there.
 #pragma once
 
 #include <vector>
@@ -7,22 +7,22 @@
 
 namespace postlens {
 
-/// Darker nodes no picture of eight bits shows.
+/// Smallest radiance that an image of 8 bits per channel shows.
 inline constexpr float darkest_shown = 1.0F / 255;
 
-/// The greatest W.bend, m^-2 (records/record.h), of a pixel's nodes of layer 0 that are brighter than
-/// darkest_shown. Of no lens: one of diameter D sees such a node up to (d / pitch) W.bend (D / 2)^2 px from
-/// where its W puts it.
+/// Largest w_bend, m^-2 (records/record.h), of the nodes of layer 0 in each pixel that are brighter than
+/// darkest_shown. It does not depend on the lens: for an aperture of diameter D, W misplaces such a node by
+/// up to (film distance / pixel pitch) w_bend (D / 2)^2 px.
 class LargestBends {
   public:
-    /// Rows [y_begin, y_end) of the picture, which is that of `header` without its overscan.
+    /// For rows [y_begin, y_end) of the image of `header`, which has no overscan.
     LargestBends(const SampleHeader& header, int y_begin, int y_end);
-    /// Takes in the records of rows [y_begin, y_end) of `band`, in parallel; rows beyond its own do not
-    /// count.
+    /// Adds the records of rows [y_begin, y_end) of `band`, in parallel. Rows outside the image part are
+    /// skipped.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Whether it is of all these rows of the picture.
+    /// Whether it contains all these rows of the image.
     [[nodiscard]] bool covers(int y_begin, int y_end) const { return y_begin >= y_begin_ && y_end <= y_end_; }
-    /// Of a row of the picture, as wide as it.
+    /// The values of row y, one per pixel of the image's width.
     [[nodiscard]] const float* row(int y) const {
         return values_.data() + static_cast<std::size_t>(y - y_begin_) * static_cast<std::size_t>(width_);
     }

@@ -8,15 +8,16 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// From this sum of the chain's weights on its picture is taken as it is; below, the stand-in is mixed in.
+/// Sum of a path's weights from which its own radiance is used. Below it, the substitute is blended in.
 constexpr double enough_weight = 0.05;
 
+/// The nodes of one path at a pixel, and the radiance they have together.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
-    double masks = 0;                  ///< sum of their weights
-    std::array<double, 3> stand_in{};  ///< of their colours
-    double outer = 0;                  ///< of the weights of outer masks
+    double masks = 0;                  ///< sum of the weights of all masks
+    std::array<double, 3> stand_in{};  ///< sum of the colours of all masks: the substitute
+    double outer = 0;                  ///< sum of the weights of the outer masks
     [[nodiscard]] NodePath path() const { return NodePath(terms[0].part->path); }
 };
 
@@ -25,7 +26,8 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds what a chain shows where a surface has it; it comes through the lens as the surface's own light.
+/// Adds the radiance of a path to a surface, in proportion to its mask. It is distributed over the lens like
+/// the surface's own weight.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -35,7 +37,7 @@ void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<doub
     }
 }
 
-/// The same of what that chain goes on from, where the masks belong to it.
+/// Adds the radiance of a path to the fragment of its parent node `shown`, with the masks of that node.
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -44,7 +46,7 @@ void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     }
 }
 
-/// Of the terms of one thing that is seen, hidden or both.
+/// The fragment of one surface from its seen and its hidden term; one may be null.
 std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
@@ -53,8 +55,8 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// The things of a chain as fragments, each with what the chains that go on from it show; returns the sum of
-/// their weights.
+/// Converts the nodes of a path to fragments, adds the radiance of the longer paths that continue it, and
+/// returns the sum of the weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -99,7 +101,7 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // What this one shows is known without its own nodes.
+        // The continued path gives the radiance, so no substitute for the own nodes is needed.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)
@@ -119,7 +121,7 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // The longest first: paths grow from a chain to those that go on from it.
+    // Longest paths first: a path needs the results of the paths that continue it.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

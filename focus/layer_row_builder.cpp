@@ -7,11 +7,11 @@
 namespace postlens {
 namespace {
 
-/// Where a pixel has several samples their places are shared out to fewer: to quarters of a pixel from this
-/// radius on, and from the next to whole ones. An edge changes by (step / radius)^2 / 8 < 1e-3 of its height
-/// (see phases_of), and the samples of a pixel become few splats.
+/// CoC radii from which the several samples of a pixel are placed at fewer subpixel positions, in steps of a
+/// quarter or a whole pixel, so that they merge into few splats. A blurred edge changes by (step / radius)^2
+/// / 8 < 1e-3 of its height (see phases_of).
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Radii for which phases_of has these steps.
+/// Radii for which phases_of uses these steps.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -25,8 +25,8 @@ double signed_radius_px(const FocusGeometry& geometry, double inverse_depth_per_
     return std::clamp(geometry.coc_diameter_px(inverse_depth_per_m) / 2, -most, most);
 }
 
-/// The best linear guess of the lens point that light came through, from where it arrived: a disc of radius R
-/// has the variance R^2 / 4 along each axis, a pixel 1 / 12.
+/// Least-squares linear estimate of the lens point through which light passed, per px of the position at
+/// which it arrives. A disc of radius R has the variance R^2 / 4 along each axis, a pixel 1 / 12.
 double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m) {
     const double radius_px = signed_radius_px(geometry, inverse_depth_per_m);
     return radius_px / (radius_px * radius_px + 1.0 / 3);
@@ -56,7 +56,7 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
         KernelKey key = response.key;
-        // A disc that fits into any part of a pixel is the same wherever it stands in there.
+        // A disc much smaller than a pixel has the same kernel at all positions inside the pixel.
         constexpr std::int32_t middle = KernelKey::phase_steps / 2;
         const bool tiny = response.radius_px < tiny_px;
         key.phase_x = tiny ? middle * ((p.x > 0) - (p.x < 0)) : p.x;
@@ -69,12 +69,12 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Samples of a pixel that share a response become one splat. The numbers of kernels depend on timing; the
-// slots must not.
+// Samples of a pixel that share a kernel become one splat. Slots are chosen by the hash of the kernel's key,
+// because kernel numbers depend on the timing of threads and the result must not.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
-        // Fibonacci hashing; what meets a slot that is taken stays on its own.
+        // Fibonacci hashing. On a collision the older splat stays separate.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
             LayerSplat& to = row_.splats[slot.index];
@@ -92,8 +92,8 @@ void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number,
     row_.splats.push_back(splat);
 }
 
-// Light and weight by one response, or by two where the lens holds something back: what is missing from the
-// light is not missing from what it is divided by.
+// Places colour and weight with one kernel or, if the lens vignettes, with two: the weight has the kernel
+// without vignetting, so that dividing the colour by it does not undo the vignetting.
 void LayerSplats::RowBuilder::add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                                        const std::array<float, 3>& rgb, const LayerPart& part) {
     const NodeResponses& responses = t_.responses_;
@@ -116,7 +116,7 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
                         is_primary ? primary : t_.responses_.of(node, primary, place_px_),
                         {node.r, node.g, node.b}});
     }
-    // Nodes stand by growing path, and a chain's number is greater than that of the chain it goes on from.
+    // Nodes are sorted by path, and a path's number is greater than that of its parent path.
     for (std::size_t i = met_.size(); i-- > 0;) {
         if (met_[i].node->path == NodePath()) continue;
         for (Met& parent : met_) {
@@ -132,8 +132,9 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// What is entered is left again wherever it is entered: the far side has no outline of its own, and is masked
-// as the near side is. It may be seen through a caustic, whose W would blur away what shines through it.
+// A ray that enters an object leaves it too, so the object's far side has no outline of its own and is masked
+// with the near side's kernel. The far side's own W may be that of a caustic and would blur the mask far too
+// much.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -170,7 +171,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     covered_ = 0;
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
-        // Of primary nodes that the pinhole sees, and of what was hit, as in scatter.
+        // As in `scatter`, only visible primary nodes at a finite depth count.
         if (inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
         t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
@@ -190,7 +191,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     for (Met& met : met_) {
         const Record& node = *met.node;
         if (node.path == NodePath()) continue;
-        // A node whose parent was not recorded goes on from the nearest that was.
+        // If the parent was not recorded, the nearest recorded ancestor replaces it.
         NodePath parent = node.path.parent();
         const Met* from = met_at(parent);
         while (from == nullptr) from = met_at(parent = parent.parent());
@@ -203,7 +204,8 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// What stands behind what a chain shows: of the surface that the chain begins at, which is seen.
+// Adds nodes that are hidden behind reflected or transmitted nodes. `surface`: the visible surface at which
+// their paths begin.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

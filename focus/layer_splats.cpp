@@ -13,7 +13,7 @@
 namespace postlens {
 namespace {
 
-/// Edge of a tile, px: what is looked at together when a block asks what reaches it.
+/// Edge of a tile, px: a block of the image tests the splats of a tile together for whether they reach it.
 constexpr int tile_px = 64;
 
 }  // namespace
@@ -68,7 +68,7 @@ void LayerSplats::add_rows(const FrameRows& rows) {
     });
     if (keep_ != Keep::strip) return;
     strip_rows_.settle();
-    // Rows come from the top: what is above the next ones is complete.
+    // Rows are added from the top, so the tile rows above the next row are complete.
     join_rows(static_cast<std::size_t>(rows.y_end - source_.y_begin) / tile_px);
 }
 
@@ -82,7 +82,7 @@ void LayerSplats::Row::clear() {
 
 void LayerSplats::store(int y, Row& made) {
     const auto index = static_cast<std::size_t>(y - source_.y_begin);
-    if (index < joined_ * tile_px) return;  // added already: it came with the rows before
+    if (index < joined_ * tile_px) return;  // the row was added before, with an earlier range
     if (keep_ == Keep::none) {
         made.splats.clear();
         made.part.clear();
@@ -100,7 +100,7 @@ void LayerSplats::store(int y, Row& made) {
         made.splats.resize(kept);
         made.part.resize(kept);
     }
-    // A copy has no more memory than it needs.
+    // A copy has no spare capacity.
     rows_[index] = made;
 }
 
@@ -108,11 +108,11 @@ struct LayerSplats::Segment {
     std::uint32_t part = 0;
     std::uint32_t tile = 0;  ///< tile_y * tiles in a row + tile_x
     std::uint32_t row = 0;
-    std::uint32_t begin = 0, count = 0;  ///< in the row
+    std::uint32_t begin = 0, count = 0;  ///< range of the row's splats
     [[nodiscard]] auto place() const { return std::tie(part, tile, row); }
 };
 
-// The row's splats by part and tile, their order kept within each.
+// Sorts the splats of a row by part and tile (stable), and appends their segments.
 void LayerSplats::sort_row(std::size_t index, std::vector<Segment>& segments) {
     Row& row = rows_[index];
     if (row.splats.empty()) return;
@@ -160,8 +160,8 @@ void LayerSplats::find_reach(LayerCell& cell) const {
         cell.reach = i == 0 ? reach_of(all[i]) : around(cell.reach, reach_of(all[i]));
 }
 
-// Brings the rows of a row of tiles together, cell by cell, and gives up what they held: all splats are never
-// held twice.
+// Joins the rows of a row of tiles, sorted by cell, and frees the memory of these rows, so that there are
+// never two copies of all splats.
 std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
     const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
     std::vector<std::vector<Segment>> by_row(last_row - first_row);
@@ -200,7 +200,7 @@ void LayerSplats::sort_cells() {
     cells_.clear();
     for (const auto& some : tile_cells_) cells_.insert(cells_.end(), some.begin(), some.end());
     tile_cells_.clear();
-    // Within a part the tiles are in their order already.
+    // Within a part the tiles are already in order.
     std::stable_sort(cells_.begin(), cells_.end(),
                      [](const LayerCell& a, const LayerCell& b) { return a.part < b.part; });
 }
@@ -238,7 +238,7 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // What reaches far stands already where its row is not added again.
+    // Rows that are not read again only have their kept splats, which reach far.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
         std::map<LayerPart, std::uint32_t> number;

@@ -61,7 +61,7 @@ struct LayerSplat {
     float covered = 0;
 };
 
-/// The splats of one part whose anchors lie in one tile of the raster.
+/// The splats of one part whose anchors lie in one tile of 64 x 64 raster px.
 struct LayerCell {
     std::uint32_t part = 0;
     std::uint32_t tile_row = 0;
@@ -80,7 +80,7 @@ struct ColourRange {
 /// Usage: add each row once, in bands in any order; finish.
 class LayerSplats {
   public:
-    /// As SplatTables.
+    /// Arguments as for SplatTables.
     LayerSplats(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
@@ -133,7 +133,7 @@ class LayerSplats {
         std::vector<LayerPart> parts;
         std::vector<std::uint32_t> part;  ///< per splat, index into `parts`
         std::vector<LayerSplat> splats;
-        /// Empties it, and keeps its memory.
+        /// Removes all elements, but keeps the capacity.
         void clear();
         double largest_radius_px = 0;
         ColourRange colours;
@@ -142,7 +142,7 @@ class LayerSplats {
     struct Segment;
     void sort_row(std::size_t index, std::vector<Segment>& segments);
     std::vector<LayerCell> join(std::size_t tile_row);
-    /// Tile rows [joined_, end).
+    /// Joins the tile rows [joined_, end).
     void join_rows(std::size_t end);
     void sort_cells();
     void begin_tile_rows();
@@ -157,7 +157,7 @@ class LayerSplats {
         LayerPart part;
         LayerSplat splat;
     };
-    StripRows<PartSplat> strip_rows_;  ///< while there are strips
+    StripRows<PartSplat> strip_rows_;  ///< only used with strips
     RasterWindow source_, picture_;
     NodeResponses responses_;
     KernelTable kernels_;

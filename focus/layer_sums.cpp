@@ -31,14 +31,14 @@ struct LayerPass {
     double* covered_change = nullptr;
 };
 
-/// `vectors`: of four numbers for each pixel.
+/// Adds splats to a block. `vectors`: number of groups of four sums per pixel, 4 with lens moments, else 1.
 template <std::size_t vectors>
 __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
     const int width = pass.rows.x_end - pass.rows.x_begin;
     for (std::size_t i = 0; i < pass.count; ++i) {
         const LayerSplat& s = pass.splats[i];
         const Kernel& kernel = pass.kernels->kernel(s.kernel, pass.channel);
-        // Columns from the first.
+        // Column of the anchor, relative to the block.
         const int x = s.x - pass.rows.x_begin;
         if (x + kernel.x_end <= 0 || x + kernel.x_begin >= width) continue;
         FourDoubles value[vectors];
@@ -98,7 +98,7 @@ void add_with_lens(const LayerPass& pass) {
     add_splats<4>(pass);
 }
 
-/// Makes the first `width` pixels of a row sums of changes from the left, on top of what they hold.
+/// Adds to the first `width` pixels of a row the prefix sums of their differences.
 template <std::size_t numbers>
 void sum_row(double* sum, const double* change, std::size_t width) {
     double inside[numbers] = {};

@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Sums of colour, weight and depth times kernel. As in PointScatter, a splat costs as much as its kernel's
-/// outline: the uniform inside of a row is stored as differences at its ends.
+/// Sums of colour, weight and depth times kernel. As in PointScatter, the cost of a splat is proportional to
+/// its kernel's outline: the uniform inside of a row is stored as differences at its ends.
 class LayerSums {
   public:
     /// Sets the sums of the pixels of `rows` to 0. `with_lens`: lens moments are summed as well.

@@ -13,40 +13,40 @@
 namespace postlens {
 namespace {
 
-/// LayerSums keep up to 280 B a pixel: one fits the second-level cache.
+/// Width of a block, px. LayerSums need up to 280 B per pixel, so that those of a block fit the L2 cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
-/// Fragments and sums held at a time, of 270 B about: where very many surfaces meet in a block it is done row
-/// by row.
+/// Largest number of fragments and of sums in memory at a time, about 270 B each. A block with very many
+/// surfaces is processed in parts of a few rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
-/// Values of the three channels that one pass is right about: all, or one where each has kernels of its own.
+/// Stores the channels that one pass computes: all three, or one if each channel has its own kernels.
 void store(const LayerSplats& splats, const std::array<double, 3>& rgb, std::size_t channel, float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;
-        // Differences of sums leave the last bits of what was subtracted, and a colour's share of the lens is
-        // known to first order only.
+        // Sums of differences leave rounding errors, and colours are only a linear function of the lens
+        // point, so the result may leave the range of the recorded colours.
         out[c] = std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
     }
 }
 
-/// What a chain of bounces shows is composed by itself, by alphas alone.
+/// Whether a part needs lens moments. Reflected and transmitted nodes are composited by alpha alone.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
 
-/// Works on one block after another; keeps its buffers.
+/// Makes the blocks of one thread, one after the other, and reuses its buffers.
 class BlockLayers {
   public:
     explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
 
-    /// `cells`: numbers of those that reach the block, growing.
+    /// Makes the pixels of a block. `cells`: ascending indices of the cells that reach it.
     void run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image);
 
   private:
-    /// Cells [begin, end) of the block's, all of one part.
+    /// The cells of one part: [begin, end) of the block's cells.
     struct PartCells {
         const LayerPart* part;
         std::size_t begin, end;
@@ -65,12 +65,13 @@ class BlockLayers {
     [[nodiscard]] bool meets_another(std::size_t surface) const;
 
     const LayerSplats& splats_;
-    RasterWindow rows_;  ///< of the block, being worked on
+    RasterWindow rows_;  ///< the rows of the block that are being made
     std::vector<PartCells> parts_;
-    std::vector<RasterWindow> surfaces_;  ///< where each arrives in the block
+    std::vector<RasterWindow> surfaces_;  ///< per surface, the pixels of the block that it reaches
     std::vector<LayerSums> sums_;
     std::vector<LayerTerm> terms_;
-    std::vector<std::int32_t> first_;  ///< entry of each pixel, or -1; the rest follow, the last added first
+    std::vector<std::int32_t>
+        first_;  ///< per pixel, head of a linked list in entries_, last added first; or -1
     std::vector<Entry> entries_;
     std::vector<Fragment> fragments_;
 };
@@ -160,7 +161,7 @@ void BlockLayers::store_pixels(std::size_t channel, Image& image) {
     }
 }
 
-// Where a surface is alone nothing asks which lens points it comes through.
+// A surface needs lens moments only where it may overlap another one.
 bool BlockLayers::meets_another(std::size_t surface) const {
     constexpr std::size_t few = 64;
     if (surfaces_.size() > few) return true;
@@ -172,7 +173,7 @@ bool BlockLayers::meets_another(std::size_t surface) const {
 
 void BlockLayers::run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image) {
     find_parts(block, cells);
-    std::vector<std::size_t> begins;  // of the parts of each surface
+    std::vector<std::size_t> begins;  // first part of each surface
     surfaces_.clear();
     for (std::size_t i = 0; i < parts_.size(); ++i) {
         if (i == 0 || parts_[i].part->surface != parts_[i - 1].part->surface) {
@@ -243,7 +244,7 @@ void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& 
 
 namespace {
 
-/// Terms without their part, of every pixel of a picture.
+/// The sums of one part for every pixel of the image; LayerTerm::part is not set.
 using ReferenceSums = std::vector<LayerTerm>;
 
 void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,

@@ -7,15 +7,15 @@
 
 namespace postlens {
 
-/// Rows of a block in which images are made, from the window's first row on.
+/// Height of the blocks in which images are made, px; the first block begins at the window's first row.
 inline constexpr int layers_block_px = 64;
 
-/// Makes the image of the splats' image window; resizes `image`. In parallel; same bits for any number of
+/// Makes the image of the splats' image window; resizes `image`. In parallel; bit-identical for any number of
 /// threads. `wanted`: as in scatter().
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
-/// The same from the definition, with every impulse response evaluated at every pixel: a slow and obvious
-/// reference for tests.
+/// The same image, computed by the definition, with every impulse response evaluated at every pixel: a slow
+/// and obvious reference for tests.
 [[nodiscard]] Image layers_reference(const LayerSplats& splats);
 
 }  // namespace postlens

@@ -24,10 +24,11 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
     [[nodiscard]] bool weighs_as_it_shines() const override { return true; }
-    // Smaller ones must show where in its pixel a sample lies.
+    // For smaller responses, the subpixel position of a sample is visible.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
-        // Half a pixel, or a part of a large response that nobody sees in its edge.
+        // Within a cell the response changes by up to half a pixel, or 2 % of its reach, which is not
+        // visible.
         constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
         const double w = inverse_depth_per_m(map_px);
         const double within = std::max(within_px, within_share * geometry_.gain_px * table_.reach(w));
@@ -39,7 +40,8 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // Of a matrix no larger than its Frobenius norm, on a pupil that may have grown by a half.
+        // The Frobenius norm bounds the displacement by the anisotropic part. 1.5: the pupil may be half as
+        // large again.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -52,14 +54,15 @@ class LensModel final : public ResponseModel {
                                              geometry_.aperture_radius_m,
                              .axis = place_px > 0 ? request.place_px / place_px : glm::dvec2(0, 1),
                              .centre_px = request.phase_px};
-        // As with other apertures: smaller than a pixel its shape does not show, but a sample on a corner of
-        // pixels must give each its quarter.
+        // As for other apertures, the shape of a response below a pixel is not visible, so a disc is used,
+        // from which the four pixels around a sample on a pixel corner get a quarter each.
         constexpr double least_px = 0.5;
         const double size_px = fan_reach_px(fan, image);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // What mirrors and glass spread as far as this is faint; the lens's own part in it cannot be told.
+        // An anisotropic response of this size, from mirrors or glass, is faint: the lens's aberrations are
+        // not visible in it, and an ellipse suffices.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -69,7 +72,8 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // The map is gain R (I/s - W).
+    // The map is gain R (I/s - W), with aperture radius R and focus distance s; this is the mean of W's
+    // diagonal.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

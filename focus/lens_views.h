@@ -23,7 +23,7 @@ struct LensViewPoint {
 
 /// Whether the impulse response is that of an aperture of a thin lens, which has lens points.
 [[nodiscard]] bool has_points(const Impulse& impulse);
-/// Throws Error(wrong_arguments) if it is not.
+/// Throws Error(wrong_arguments) if the impulse response has no lens points (has_points).
 void check_has_points(const Impulse& impulse);
 
 /// Views [first, first + views) of a set: lens points distributed as the aperture's transmittance, with

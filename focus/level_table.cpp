@@ -9,23 +9,24 @@ namespace postlens {
 namespace {
 
 constexpr double even_px = LevelTable::even_diameter_px;
-/// Just under half a pixel of diameter between levels, so that no CoC is off by a quarter of one.
+/// Step of the diameter just under half a pixel, so that the error of a CoC diameter is below a quarter
+/// pixel.
 constexpr double step_diameter_px = 0.49;
-/// That would make a small disc, and what it shows of a highlight, a fifth brighter or darker: a fiftieth of
-/// the diameter between its levels, and no less than an eighth of a pixel.
+/// Such a step would change the brightness of a small disc, as of a highlight, by a fifth. Small discs
+/// therefore have a step of a fiftieth of the diameter, at least an eighth of a pixel.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
-/// Less is no blur: the picture of records is softer by as much where cells of different sizes meet, and came
-/// out worse with both (47.0 to 45.3 dB at f/64, where circles are up to 0.3 px wide).
+/// Smaller diameters count as 0: where leaves of different sizes meet, the recorded image is already about
+/// that soft. More blur lowers its PSNR from 47.0 to 45.3 dB at f/64, where CoCs are up to 0.3 px wide.
 constexpr double sharp_below_px = 0.4;
-/// Levels per factor e of the CoC beyond even_px.
+/// Number of levels per factor e of the diameter beyond even_px.
 constexpr double levels_per_e = 500;
 const double smallest_levels = smallest_px / small_step_px,
              small_levels = smallest_levels + std::log(small_px / smallest_px) / small_step_share,
              even_levels = small_levels + (even_px - small_px) / step_diameter_px;
 
-/// Steps from a diameter of 0 on.
+/// Number of steps, not rounded, from diameter 0 to a diameter; diameter_after is the inverse.
 double steps_to(double diameter_px) {
     if (diameter_px < sharp_below_px) return 0;
     if (diameter_px <= smallest_px) return diameter_px / small_step_px;
@@ -42,10 +43,10 @@ double diameter_after(double steps) {
     return even_px * std::exp((steps - even_levels) / levels_per_e);
 }
 
-/// So many at a time: first their cells, which is arithmetic that vectors do, then the levels.
+/// Number of depths processed together: first all cells, by SIMD arithmetic, then all levels, by table.
 constexpr std::size_t together = 128;
 
-/// Diameters and their cells; what is beyond them has the first one.
+/// Computes diameters and their table cells. A diameter beyond the table gets cell 0.
 POSTLENS_MULTIVERSION
 void find_cells(int cells_per_px, int end_px, const FocusGeometry& geometry,
                 const double* __restrict inverse_depth_per_m, std::size_t count, double* __restrict wide_px,

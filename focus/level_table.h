@@ -1,4 +1,4 @@
-// The levels around the focus: quantised diameters of circles of confusion.
+// The levels around the focus: quantised CoC diameters.
 #pragma once
 
 #include <array>
@@ -10,22 +10,22 @@
 namespace postlens {
 
 /// Steps between levels grow with the diameter: an eighth of a pixel from 0.4 px on, then a fiftieth of the
-/// diameter, then half a pixel; from `even_diameter_px` on they grow again, to a 500th of the diameter. A
-/// circle uses the nearest level. All lenses share the table.
+/// diameter, then half a pixel; from `even_diameter_px` on a 500th of the diameter. A CoC uses the nearest
+/// level. All lenses share the table.
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;
-    /// Wider circles use the level of this diameter.
+    /// Larger CoCs use the level of this diameter.
     static constexpr double largest_diameter_px = 2e5;
 
     [[nodiscard]] static const LevelTable& the();
 
     /// Diameter of a level, px.
     [[nodiscard]] static double diameter_px(std::uint32_t level);
-    /// The nearest level by its definition, with logarithms. `diameter_px` must be finite; its sign is
-    /// ignored.
+    /// The nearest level, computed by its definition, with logarithms. `diameter_px` must be finite; its sign
+    /// is ignored.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
-    /// The same, looked up in the table if it is below the table's end.
+    /// The same level, from the table if the diameter is below the table's end.
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);

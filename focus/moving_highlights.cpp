@@ -9,15 +9,16 @@
 namespace postlens {
 namespace {
 
-/// Instants that tell how fast it goes.
+/// Number of instants at which the speed of a highlight is measured.
 constexpr int looks = 64;
-/// From one moment to the next: px, or of the blur's half width.
+/// Largest step from one instant of a streak to the next: px, or share of the CoC radius if that is more.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// Parts of a share of the light, and how they go from place to place: per px, so that neighbours a quarter
-/// or half a pixel apart have others.
+/// Number of parts of a share of the exposure, one of which is the instant of a highlight if instants are
+/// jittered. The factors, 1/px, select the part from the raster position, so that highlights a quarter or
+/// half a pixel apart get different ones.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
-/// px, of a place and of a blur's half width: farther away nothing of it arrives.
+/// Largest position and CoC radius, px. Beyond it no light of a highlight reaches the image.
 constexpr double farthest_px = 1e5;
 
 }  // namespace
@@ -44,7 +45,7 @@ std::shared_ptr<const HighlightMotion::Maps> HighlightMotion::maps(std::uint32_t
 bool HighlightMotion::moved(const Highlight& light, const RasterMap& map, Highlight& out) const {
     const RasterPoint from{static_cast<double>(light.x), static_cast<double>(light.y),
                            static_cast<double>(light.inverse_z)};
-    // A pixel to either side: what has come nearer is larger.
+    // Neighbouring positions give the change of area: a surface that comes nearer becomes larger.
     const std::optional<RasterPoint> to = map(from), right = map({from.x + 1, from.y, from.inverse_z}),
                                      below = map({from.x, from.y + 1, from.inverse_z});
     if (!to || !right || !below) return false;
@@ -65,7 +66,7 @@ bool HighlightMotion::moved(const Highlight& light, const RasterMap& map, Highli
 
 int HighlightMotion::moments_wanted(const Highlight& light, const SheetKey& key) const {
     if (!moves(key)) return 1;
-    double fastest_px = 0;  // from one look to the next
+    double fastest_px = 0;  // largest motion from one instant to the next
     double blur_px = HUGE_VAL;
     Highlight last;
     bool has_last = false;

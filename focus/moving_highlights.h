@@ -1,4 +1,4 @@
-// Highlights that move while the light comes in: at as many instants as make a streak of their responses.
+// Highlights that move during the exposure: impulse responses at enough instants to form a streak.
 #pragma once
 
 #include <cstdint>
@@ -17,41 +17,45 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// px^2, of all such light of a sheet: views show more as a streak themselves.
+    /// Area of all radiance above the limit in a sheet, px^2, below which it is spread as a streak. Views
+    /// alone show larger areas as streaks.
     static constexpr float largest_px2 = 64;
-    /// Radiance above the limit: of less no view shows a dot that matters.
+    /// Smallest radiance above the limit that is spread as a streak. Less leaves no visible dots in the
+    /// views.
     static constexpr float least_radiance = 3;
 
-    /// From the recorded instant to the one until which the share `u` (0 to 1) of the light has come in.
+    /// Motion of an object from the recorded instant to that at which the share `u` (0 to 1) of the exposure
+    /// is over.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
-    /// `lens`: what the responses are of.
+    /// `moves`: whether an object moves on the raster. `lens`: determines the size of the impulse responses.
     HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens);
 
-    /// Whether what is in such a sheet is seen directly and moves.
+    /// Whether the surface of a sheet is seen directly and moves.
     [[nodiscard]] bool moves(const SheetKey& key) const { return key.path.bits() == 0 && moves_(key.id); }
-    /// Whether a light that moves is one to be spread along its way.
+    /// Whether a moving highlight is spread as a streak. `area_px2`: as in HighlightRule.
     [[nodiscard]] static bool takes(const Highlight& light, float area_px2);
-    /// Where it is at one instant, with its share of the light.
+    /// A highlight at one instant.
     struct Moment {
-        Highlight light;
-        double u = 0;
-        double share = 1;  ///< of all instants
+        Highlight light;   ///< as seen at the instant
+        double u = 0;      ///< share of the exposure that is over, 0 to 1; -1: present all the time
+        double share = 1;  ///< share of the highlight's energy
     };
-    /// How many instants make a streak of a light, a power of two: from one to the next by no more than half
-    /// a pixel or a quarter of the blur, of its place and of its rim, if that takes no more than
-    /// `most_moments`; 1 where it does not move.
+    /// Number of instants that form a streak of a highlight, a power of two, at most `most_moments`. Up to
+    /// that limit, position and CoC radius together change from one instant to the next by at most half a
+    /// pixel, or a quarter of the smallest CoC radius if that is more. 1 if the highlight does not move.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
-    /// So many, at even shares of the light. What lies behind the camera, or so far from any picture that
-    /// nothing of it arrives, is left out. One with u = -1 where it does not move. `turned`: not in the
-    /// middles of the shares but anywhere in them, elsewhere for lights at other places: of several that lie
-    /// close together a streak is made even though there are fewer than wanted.
+    /// The highlight at `count` instants, one per equal share of the exposure. Leaves out instants at which
+    /// it lies behind the camera, or so far away that no light reaches an image. A highlight that does not
+    /// move gets a single one with u = -1. The instants are in the middles of the shares. If `turned`, they
+    /// are jittered by raster position instead, so that several highlights close together form a streak with
+    /// fewer instants than moments_wanted.
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 
   private:
     using Maps = std::vector<RasterMap>;
-    /// To the middles of `count` even shares. Thread-safe.
+    /// Motions of an object to the middles of `count` equal shares of the exposure. Thread-safe.
     [[nodiscard]] std::shared_ptr<const Maps> maps(std::uint32_t id, int count) const;
     [[nodiscard]] bool moved(const Highlight& light, const RasterMap& map, Highlight& out) const;
 

@@ -6,9 +6,9 @@
 namespace postlens {
 namespace {
 
-/// A phase in between is shared out to its neighbours from this radius on at quarters of a pixel.
+/// A CoC radius for which phases_of uses subpixel positions in steps of a quarter pixel.
 constexpr double few_phases_from_px = 17;
-/// Outlines closer than this to a circle's are taken for one, px.
+/// Ellipses that differ from a circle by less than this, px, are treated as circles.
 constexpr double round_within_px = 0.05;
 
 }  // namespace
@@ -34,15 +34,15 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
     return out;
 }
 
-// What responses that are not round have besides: their own extent, and a place in the field.
+// Sets what only responses of other than round apertures have: their own extent, and a cell of the image.
 void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
                                  const glm::dvec2& place_px) const {
     out.radius_px = response_->reach_px(map_px);
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // A share of another depth than the response's would not be what reaches a pixel through the second rim:
-    // with levels half a pixel apart 0.4 % of all light went missing.
+    // The depth of the level, not of the node: the transmittance must be that of the kernel, which the second
+    // rim vignettes. The node's depth loses 0.4 % of all light with levels half a pixel apart.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);
@@ -58,7 +58,8 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // The node moves by gain (I/s - W) q for q on the aperture; glm's matrices go by columns.
+    // The node moves by gain (I/s - W) q for lens point q, with focus distance s; glm matrices are
+    // column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

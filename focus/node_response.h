@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Half-open rectangle of whole coordinates, raster px.
+/// Half-open rectangle with integer coordinates, raster px.
 struct RasterWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     [[nodiscard]] int width() const { return x_end - x_begin; }

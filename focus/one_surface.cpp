@@ -6,7 +6,7 @@
 namespace postlens {
 namespace {
 
-/// How much a patch may be stretched by looking from the rim of the lens.
+/// Largest stretch of a patch, relative to its size, in the view from the lens's rim.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
@@ -17,7 +17,7 @@ void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int
         return static_cast<int>(
             std::clamp(std::floor((px - begin) / OneSurface::edge), -1.0, static_cast<double>(count)));
     };
-    // A pixel of margin: the filter of the pixels and of what scatters.
+    // A margin of one pixel, for the pixel filter and for scattered kernels.
     const int x0 = std::max(0, cell(r.x_min - 1, window.x_begin, columns)),
               x1 = std::min(columns - 1, cell(r.x_max + 1, window.x_begin, columns)),
               y0 = std::max(0, cell(r.y_min - 1, window.y_begin, rows)),
@@ -77,7 +77,7 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // One surface seen twice lies over itself: more area than the cell has.
+            // Counts the recorded area per cell: if it is more than the cell's, the surface overlaps itself.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

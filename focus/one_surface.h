@@ -26,7 +26,7 @@ struct OneSurface {
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
-/// Computes it from the patches of an image, which may be added in any order and in any number of parts.
+/// Computes a OneSurface from the patches of an image, which may be added in any order and in several parts.
 class OneSurfaceFinder {
   public:
     /// `lens_px`: half the width and height of the lens's box, times film distance / pitch, px m.
@@ -41,7 +41,7 @@ class OneSurfaceFinder {
     RasterWindow window_;
     int columns_, rows_;
     std::vector<std::uint32_t> owner_;
-    std::vector<int> recorded_;  ///< px^2 of the patches recorded there
+    std::vector<int> recorded_;  ///< per cell, recorded area of the patches, px^2
 };
 
 }  // namespace postlens

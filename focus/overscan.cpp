@@ -10,18 +10,18 @@
 namespace postlens {
 namespace {
 
-/// Less than half a pixel of missing light is no matter for a warning.
+/// Smaller reaches of missing light into the image, px, cause no warning.
 constexpr double smallest_reach_px = 0.5;
 
-/// How far what lies beyond one side reaches into the picture, pixel by pixel along that side.
+/// Per pixel along one side of the image, how far light from beyond the records reaches into the image, px.
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));
     for (int i = begin; i < end; ++i) {
-        // A pixel lies between two corners.
+        // Radii are recorded at corners; a pixel has one on either side.
         const auto at = static_cast<std::size_t>(i - first);
         const double reach = static_cast<double>(std::max(radii[at], radii[at + 1])) - margin_px;
-        // Reaches beyond a million pixels are beyond any picture.
+        // 1e6 px is more than the size of any image.
         if (reach > smallest_reach_px)
             out[static_cast<std::size_t>(i - begin)] = static_cast<int>(std::ceil(std::min(reach, 1e6)));
     }
@@ -48,7 +48,7 @@ std::optional<FocusWarning> overscan_warning(const BorderRadii& border, const Ra
     };
     const std::array<int, 4> most{largest(left), largest(right), largest(top), largest(bottom)};
     if (*std::max_element(most.begin(), most.end()) == 0) return std::nullopt;
-    // Overscan is the same on all sides.
+    // All sides have the same overscan, so the side that needs most decides.
     int needed_px = 0;
     for (std::size_t i = 0; i < 4; ++i) {
         if (most[i] > 0) needed_px = std::max(needed_px, margin[i] + most[i]);

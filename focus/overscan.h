@@ -1,4 +1,4 @@
-// Does the file hold what the lens brings into the picture from beyond its border?
+// Warning that light from beyond the records blurs into the image.
 #pragma once
 
 #include <optional>
@@ -8,10 +8,10 @@
 
 namespace postlens {
 
-/// A warning of code "overscan" where circles of confusion along the outermost records are wider than the
-/// recorded margin: the pixels within reach of what was not recorded are then normalised over what was.
-/// Measured by the CoC found at the edge of the records, not by the largest in the picture. With a crop of
-/// the picture: the share of its pixels, and nothing where it has none of them.
+/// A warning of code "overscan" if CoCs of the outermost records are larger than the recorded margin. The
+/// pixels that they reach miss light from beyond the records, and are normalised by the light that is
+/// recorded. The CoCs at the border of the records count, not the largest of the image. `crop`: only these
+/// pixels of the image count. None if no pixel is affected.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
                                                            const RasterWindow& source,
                                                            const RasterWindow& picture,

@@ -9,23 +9,24 @@
 namespace postlens {
 namespace {
 
-/// From this radius on a sample is one disc at its own place even where it has more weight in one of the
-/// pixels around it than in another; below, each pixel's part is placed inside that pixel, so that the
-/// picture of a vanishing CoC is the traced one.
+/// CoC radius, px, from which a sample is a single disc at its own position, even if its weight differs
+/// between the pixels around it. Below, each pixel's part is placed inside that pixel, so that the image for
+/// a CoC of 0 is the pinhole image.
 constexpr double one_disc_from_px = 2;
 
-/// Steps of the phases that kernels of this radius come in, per px. A phase in between is shared out to its
-/// neighbours: that keeps the centroid and widens the response by a variance of at most 1/4 of a squared
-/// step, which changes an edge by about (step / radius)^2 / 8 of its height: 1e-4 or less from 2 px on.
+/// Number of subpixel positions per px for kernels of this radius. A sample between them is distributed over
+/// its neighbours. That keeps the centroid and adds a variance of at most 1/4 of a squared step, which
+/// changes a blurred edge by about (step / radius)^2 / 8 of its height: 1e-4 or less from 2 px on.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;
 }
 
-/// Where leaves of different sizes meet, sums over corners are the trapezoidal rule with ends: each end of a
-/// run of leaves of size h errs by h^2 / 12 of the slope there (Euler and Maclaurin), which would blur every
-/// border that leaves were divided for by up to h^2 / 6 of variance. Its corner, of weight h / 2, moved by
-/// h / 6 into the leaf makes up for it; leaves of equal size on both sides leave it where it is.
+/// Displacement, px, of a corner sample between leaves of different sizes. The sum over corners is the
+/// trapezoidal rule. At each end of a run of leaves of size h it has an error of h^2 / 12 times the slope
+/// (Euler-Maclaurin), which would blur edges, along which leaves are divided, by a variance of up to h^2 / 6.
+/// Moving the corner, of weight h / 2, by h / 6 into the leaf compensates for it. Between leaves of equal
+/// size the displacement is 0.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {
@@ -37,7 +38,8 @@ std::pair<float, float> shift_between_leaves(const PointSample& s) {
     return total > 0 ? std::pair(x / total, y / total) : std::pair(0.0F, 0.0F);
 }
 
-/// The phase nearest to a fraction of a pixel that is not on an edge of it and must not come to be.
+/// The phase nearest to a position inside a pixel, never on the pixel's border. `fraction`: position, 0 to 1
+/// px.
 std::int32_t phase_inside(float fraction) {
     return std::clamp(static_cast<std::int32_t>(std::lround(fraction * KernelKey::phase_steps)), 1,
                       KernelKey::phase_steps - 1);
@@ -77,7 +79,8 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // A quarter of the leaf's edge: the middle of the part of the leaf that the sample stands for.
+        // A corner sample stands for a quarter of each leaf; the centre of that part is a quarter of the
+        // leaf's edge away.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

@@ -1,5 +1,5 @@
-// Plain corners: undivided corner samples without reflections and refractions, stored as planes. Most of a
-// frame.
+// Plain corners: undivided corner samples without reflections and refractions, stored as planes. Most samples
+// of a frame are plain corners.
 #pragma once
 
 #include <array>

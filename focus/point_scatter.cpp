@@ -12,11 +12,11 @@ namespace {
 // NOLINTNEXTLINE(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32), aligned(8), may_alias));
 
-/// One source row's splats against the rows of a block.
+/// Arguments of add_points: the splats of one source row, and the rows of a block that they are added to.
 struct PointPass {
     const Splat* splats = nullptr;
     std::size_t count = 0;
-    int y = 0;  ///< of the source row
+    int y = 0;  ///< number of the source row
     const KernelTable* kernels = nullptr;
     std::size_t channel = 0;
     RasterWindow rows;
@@ -31,7 +31,7 @@ void add_points(const PointPass& pass) {
     for (std::size_t i = 0; i < pass.count; ++i) {
         const Splat& s = pass.splats[i];
         const Kernel& kernel = pass.kernels->kernel(s.kernel, pass.channel);
-        // Columns from the block's first.
+        // Column of the anchor, relative to the block.
         const int x = s.x - pass.rows.x_begin;
         if (x + kernel.x_end <= 0 || x + kernel.x_begin >= width) continue;
         const FourDoubles value = {static_cast<double>(s.r), static_cast<double>(s.g),
@@ -99,7 +99,7 @@ void PointScatter::run(const RasterWindow& rows) {
     stride_ = static_cast<std::size_t>(rows.width()) + 1;
     sum_.resize(std::max(sum_.size(), 4 * stride_ * static_cast<std::size_t>(rows.height())));
     change_.resize(sum_.size());
-    // And one pixel more, where what ends with the last one ends.
+    // One more pixel, for differences at the end of a run that ends with the last pixel.
     const std::size_t values = 4 * (static_cast<std::size_t>(reached_.width()) + 1);
     for (int y = reached_.y_begin; y < reached_.y_end; ++y) {
         for (auto* buffer : {&sum_, &change_})

@@ -10,13 +10,13 @@
 namespace postlens {
 namespace {
 
-/// The box that an output pixel covers along one axis: whole traced pixels and their shares of it.
+/// The traced pixels that an output pixel covers along one axis, with the share of each.
 struct Box {
     int first = 0;
     std::vector<double> share;  ///< adds up to 1
 };
 
-/// Rounding may put an edge this far beyond the pixel that it belongs to.
+/// Tolerance for rounding errors of pixel borders, px.
 constexpr double rounding_px = 1e-9;
 
 double traced_position(double position, int size, double zoom) {
@@ -58,7 +58,7 @@ Image reframe(const Image& traced, const RasterWindow& window, int width, int he
         rows.size(),
         [&](std::size_t y) {
             const Box& row = rows[y];
-            // First down, then across: each traced row is read once in order.
+            // Averages columns first, then rows, so that each traced row is read once, in memory order.
             std::vector<double> mean(3 * static_cast<std::size_t>(window.width()));
             for (std::size_t j = 0; j < row.share.size(); ++j) {
                 const float* from = traced.pixel(0, row.first + static_cast<int>(j) - window.y_begin);

@@ -27,7 +27,8 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!aperture_.varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
-        // The second rim moves by this many px of the response per px of the picture.
+        // Displacement of the second rim in the response, px, per px of displacement of the point in the
+        // image.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
@@ -40,8 +41,9 @@ class ApertureModel final : public ResponseModel {
     }
     [[nodiscard]] Kernel kernel(const ResponseRequest& request) const override {
         const ApertureImage at = image(request);
-        // Smaller than a pixel, its shape does not show; but a sample on a corner of pixels must give each of
-        // them its quarter, so that the picture of a vanishing CoC is the traced one.
+        // The shape of a response below a pixel is not visible, so a disc is used. The four pixels around a
+        // sample on a pixel corner get a quarter of it each, so that the image for a CoC of 0 is the pinhole
+        // image.
         constexpr double least_px = 0.5;
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
@@ -60,7 +62,7 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // The map is gain R (I/s - W).
+            // The map is gain R (I/s - W), with aperture radius R and focus distance s.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }
@@ -73,7 +75,7 @@ class ApertureModel final : public ResponseModel {
     double spherical_px_;
     double half_diagonal_px_;
     double inverse_focus_per_m_;
-    double map_px_m_;  ///< px by which the rim of the lens moves what differs from the focus by 1/m
+    double map_px_m_;  ///< displacement by the lens's rim, px, per 1/m of defocus
     double rim_distance_m_;
 };
 

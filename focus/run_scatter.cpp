@@ -8,15 +8,17 @@
 namespace postlens {
 namespace {
 
-/// Float sums hold this many source rows before they go to double: rounding stays below 1e-6 of the sum.
+/// Number of source rows added in float before the sums go to double, so that rounding stays below 1e-6 of a
+/// sum.
 constexpr int source_rows_per_flush = 32;
-/// Source rows that are filtered strip by strip together: meanwhile the sums of one strip and channel, for
-/// radii up to 64 px, stay in the first-level cache.
+/// Number of source rows that are filtered together, strip by strip. The sums of one strip and channel then
+/// stay in the L1 cache for CoC radii up to 64 px.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
 
-/// Vectors of eight make a strip: few enough for registers, enough to hide the loop around them.
+/// A row of a strip is 8 vectors of 8 floats: few enough for the registers, and enough to make the overhead
+/// of the loop small.
 constexpr int lanes = 8;
 constexpr int vectors = RunScatter::strip_width / lanes;
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -26,20 +28,20 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double DoublesAnywhere __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// What filter_strip needs besides where it writes.
+/// The inputs of filter_strip.
 struct StripFilter {
-    const KernelRow* rows;  ///< of dy = 0, 1, ...
+    const KernelRow* rows;  ///< kernel rows dy = 0, 1, ...
     const float* taps;
     const float* line;      ///< source colour at the strip's first pixel
     const double* running;  ///< sum of source colours before the strip's first pixel, times the inner share
 };
 
-/// Source rows above and below that get the same: dy in [begin, end) with a place to write.
+/// Kernel rows dy, [begin, end), whose target rows lie in the block.
 struct RowRange {
     int begin, end;
 };
 
-/// Adds the source row, filtered by kernel row dy, to `down` + dy rows and to `up` - dy rows.
+/// Adds the source row, filtered by kernel row dy, to row `down` + dy and to row `up` - dy.
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -84,7 +86,8 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// The same where all that a kernel row reaches is one: its sum.
+/// The same for a source row whose values are 1 in the kernel's whole reach: adds the sums of the kernel
+/// rows.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -124,11 +127,11 @@ struct RunScatter::LaidRun {
     double inner;
     RowRange down, up;
     int y, strip_begin, strip_end;
-    int full_begin, full_end;  ///< strips of which every pixel gets whole kernel rows
+    int full_begin, full_end;  ///< strips in which the run covers the kernel's whole width around every pixel
     int line_begin;            ///< column of the lines' first value
     int from, to;              ///< columns of the run within the lines
-    /// By channel: the colours, in the raster itself where that will do, else from lines_; and where in
-    /// running_ their sums begin.
+    /// Per channel: the colours in the raster, if the run covers the line, else null; the index of a copy of
+    /// the colours in lines_; the index of their running sums in running_.
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
 };
@@ -149,7 +152,7 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // Rows that were skipped so far are moved as well: as zeros.
+    // Rows that no run has reached yet are moved as well, as zeros.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
     flush_rows(fresh_from_, end, true);
@@ -197,7 +200,7 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // Kernel rows by dy >= 0; row -1 - dy is the same.
+    // Only kernel rows dy >= 0 are used; row -1 - dy is equal to row dy.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);
@@ -213,7 +216,7 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
         std::clamp(strip_of(run.begin + reach + strip_width - 1), laid.strip_begin, laid.strip_end);
     laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
-    // A line covers whatever its strips may look at.
+    // A line covers all columns that filtering its strips may read.
     laid.line_begin = block_.x_begin + laid.strip_begin * strip_width - reach - 1;
     const int line_end = block_.x_begin + laid.strip_end * strip_width + reach + 1;
     laid.from = std::clamp(run.begin, laid.line_begin, line_end);
@@ -234,7 +237,7 @@ void RunScatter::lay_line(LaidRun& laid, int channel, int line_end) {
         channel < 3 ? tables_.raster_row(channel, laid.y) + (laid.from - tables_.source().x_begin) : nullptr;
     if (inside == length && source != nullptr) {
         laid.in_raster[c] = source;
-        // The strips will ask for it piece by piece, row by row: in no order that the hardware would foresee.
+        // Strips read the line in parts, in an order that the hardware prefetcher does not predict.
         for (std::size_t i = 0; i < length; i += cache_line_floats) __builtin_prefetch(source + i);
     } else {
         laid.line_at[c] = lines_used_;
@@ -268,7 +271,7 @@ void RunScatter::lay_running_sums(LaidRun& laid, int channels, int line_end) {
             source[c] =
                 tables_.raster_row(static_cast<int>(c), laid.y) + (laid.from - tables_.source().x_begin);
     }
-    // Three chains of additions side by side: each alone would wait for itself.
+    // Three independent chains of additions are interleaved, which hides the latency of each.
     double r = 0, g = 0, b = 0;
     for (std::size_t i = 0; i < inside; ++i) {
         running[0][i] = r;

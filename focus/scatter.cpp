@@ -15,20 +15,21 @@
 namespace postlens {
 namespace {
 
-// What is being added to fits the second-level cache: twice the radius in rows of 16 B a pixel. Taller blocks
-// share more filtered rows, wider ones more running sums; smaller ones keep more threads busy. Found with
-// bench/scatter_bench.cpp.
+// Size of a block, px. The rows that a run adds to, twice its CoC radius with 16 B per pixel, fit the L2
+// cache. Taller blocks share more filtered rows, wider ones more running sums; smaller blocks keep more
+// threads busy. Measured with bench/scatter_bench.cpp.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
-/// PointScatter keeps 64 B a pixel and looks at every splat once for so many rows.
+/// Number of rows per call of PointScatter, which needs 64 B per pixel and tests every splat once per call.
 constexpr int point_rows = 32;
 
 constexpr int strip_width = RunScatter::strip_width;
 
-/// Sums of a strip of pixels, channel by channel; strip_width of each.
+/// Per channel, the sums of one row of a strip: strip_width values.
 using Sums = std::array<const double*, 4>;
 
-/// What a pixel is divided by: nothing fills what is left of it, as far as it may.
+/// The divisor of a pixel: the weight that arrived, plus that of empty space, which fills the pixel up to 1
+/// but has at most `most_nothing`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -40,7 +41,7 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     const double* __restrict g = sums[1];
     const double* __restrict b = sums[2];
     const double* __restrict weight = sums[3];
-    // Differences of sums leave the last bits of what was subtracted, which may lie below zero.
+    // Sums of differences leave rounding errors, which may be negative.
     const double least = may_be_negative ? -std::numeric_limits<double>::infinity() : 0;
     for (int i = 0; i < strip_width; ++i) {
         const double scale = weight[i] > smallest_weight ? 1 / filled(weight[i], nothing[i]) : 0;
@@ -50,7 +51,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     }
 }
 
-/// Responses with channels: each of the three has made its own sums of all, of which it keeps its colour.
+/// Normalises and stores one channel, if channels have their own kernels. Of the sums, which were made with
+/// the channel's kernels, only its colour and the weight are used.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();
@@ -69,8 +71,8 @@ void store_channel(const SplatTables& tables, const PointScatter& points, std::s
     }
 }
 
-/// Brings together what runs and single splats have left in a few rows of a block. `runs` is
-/// absent where nothing of theirs arrives.
+/// Adds the sums of runs and of single splats in a few rows of a block, normalises and stores them. `runs` is
+/// null if no run reaches the block.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter& points,
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};

@@ -13,21 +13,21 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Shorter runs cost less as splats of their own: a run pays for its whole reach, a splat for its outline.
-/// Measured with bench/scatter_bench.cpp.
+/// Smallest length of a run, px. Fewer corners are faster as single splats: the cost of a run grows with its
+/// whole reach, that of a splat with its kernel's outline. Measured with bench/scatter_bench.cpp.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
 
 }  // namespace
 
-/// Takes in one row of corners; everything it writes belongs to that row alone.
+/// Makes the splats of one row of corners; only writes data of that row.
 class SplatTables::RowBuilder {
   public:
     explicit RowBuilder(SplatTables& tables)
         : t_(tables), round_(tables.responses_.model().is_round()), cache_(tables.kernels_) {}
 
-    /// Row `row` of the samples, which is y of the raster.
+    /// Adds row `row` of the samples, which is raster row y.
     void build(const RecordBand& band, const PointSamples& samples, const PlainCorners& plain,
                std::size_t row, int y);
     void build(std::span<const PixelLight> lights, int y);
@@ -38,7 +38,7 @@ class SplatTables::RowBuilder {
     void add_plain(const PlainCorners& plain, std::size_t row);
     void add_sample(const PointSample& s, std::span<const Record> nodes);
     void add_light(const PixelLight& light);
-    /// `weight`: of the point sample, 0 for what the normalisation does not count.
+    /// `weight`: factor of the sample's weight; 0 if the normalisation does not count this node.
     void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                     float weight);
     void add_splat(std::int32_t column, const KernelKey& key, const std::array<float, 3>& rgb, float weight) {
@@ -49,11 +49,12 @@ class SplatTables::RowBuilder {
     SplatTables& t_;
     bool round_;  ///< all responses are discs and ellipses
     KernelNumberCache cache_;
-    std::vector<std::uint32_t> level_;  ///< of each corner of the row in the raster, else no_level
+    std::vector<std::uint32_t>
+        level_;  ///< per column, the level of a corner stored in raster_; else no_level
     std::vector<Splat> splats_;
     std::vector<SplatRun> runs_;
     std::array<float*, 3> raster_{};
-    glm::dvec2 place_px_{0};  ///< of the sample, from the picture's middle
+    glm::dvec2 place_px_{0};  ///< position of the sample, from the image's centre
     int y_ = 0;
     double largest_radius_px_ = 0;
     bool negative_ = false;
@@ -78,8 +79,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // Of primary nodes alone: near a fold W has no bound, and a number without one tells nobody anything. And
-    // of what was hit: nothing has no circle to be seen.
+    // Only primary nodes count, since W of other nodes is unbounded near a caustic, and only at a finite
+    // depth, since empty space has no visible CoC.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -113,12 +114,12 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
         add_splats(s, primary, rgb, 1);
         return;
     }
-    // What the lens holds back is missing from the light, not from what it is divided by.
+    // Vignetting attenuates the colours, but not the weights by which they are divided.
     add_splats(s, primary, rgb, 0);
     add_splats(s, NodeResponses::whole(primary), {0, 0, 0}, 1);
 }
 
-// Does for each what add_sample does; a test compares them.
+// Has the same result as add_sample for each plain corner; a test compares them.
 void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
     const std::size_t width = level_.size(), at = row * width;
     const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);
@@ -130,7 +131,7 @@ void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t r
     const PlainCorners::Row& facts = plain.rows[row];
     negative_ |= facts.negative;
     if (facts.least_inverse > facts.greatest_inverse) return;
-    // A circle is linear in 1/z': the largest is that of the nearest or the farthest.
+    // The signed CoC radius is linear in 1/z', so the nearest or the farthest corner has the largest one.
     for (const double end : {facts.least_inverse, facts.greatest_inverse}) {
         const double radius_px = std::abs(t_.responses_.geometry().coc_diameter_px(end) / 2);
         largest_radius_px_ = std::max(largest_radius_px_, radius_px);
@@ -248,7 +249,7 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // One px more on either side for phases that lie beyond the anchor.
+    // One px more on either side, as the subpixel position may be up to 1 px from the anchor.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }
@@ -316,7 +317,7 @@ void SplatTables::find_reaches() {
     }
 }
 
-// Splats by reach class, their order by column kept within each.
+// Sorts splats by reach class; within a class they stay sorted by column.
 void SplatTables::sort_by_reach(SplatRow& row) const {
     const std::vector<Splat> unsorted = row.splats;
     std::vector<std::uint8_t> classes;
@@ -369,7 +370,7 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
     if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
-    // What reaches far stands already where its row is not added again.
+    // Rows that are not added again only have their kept splats, which reach far.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         std::vector<Splat> splats;
         for (const auto& far : strip_rows_.far(y)) {

@@ -47,8 +47,8 @@ struct Reach {
     void include(const Reach& other);
 };
 
-/// Splats of a row are separated by reach, so that one large circle in a row does not make distant blocks of
-/// the image test all small ones.
+/// Splats of a row are separated by reach, so that a single large CoC in a row does not make distant blocks
+/// of the image test all small ones.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
@@ -159,8 +159,8 @@ class SplatTables {
     RasterWindow source_, picture_;
     NodeResponses responses_;
     KernelTable kernels_;
-    std::unique_ptr<Builders> builders_;  ///< per thread, while rows are added; keep caches from row to row
-    std::vector<Reach> reach_;            ///< per number of a kernel
+    std::unique_ptr<Builders> builders_;  ///< per thread, while rows are added; they keep caches between rows
+    std::vector<Reach> reach_;            ///< per kernel number
     /// Colour planes of the source; uninitialised outside runs.
     std::array<std::unique_ptr<float[]>, 3> raster_;
     std::vector<SplatRow> rows_;

@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-/// What shines without covering anything needs a weight to be carried by.
+/// Smallest alpha of a sample. Samples that emit light but cover nothing need a weight to be composited.
 constexpr double least_alpha = 1e-4;
-/// Shares of a pixel below this are rounding.
+/// Smaller shares of a pixel are rounding errors.
 constexpr double least_share = 1e-6;
 
 }  // namespace
@@ -34,12 +34,13 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
     const double seen = behind_all ? 0 : left_, hidden = 1 - seen;
-    // What stays hidden, since what hides it moves along over the lens. Behind something translucent a part
-    // is seen as well, of which `composite` lets through more, by the same measure.
+    // The share that stays hidden from all lens points, because its occluder moves with it over the lens.
+    // Behind a translucent occluder it is measured by `independence`, as `composite` does for the part that
+    // is seen.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
-        // Nothing does not move: it is everywhere the same.
+        // Empty space is the same everywhere, so no occluder moves with it.
         const double apart = surface == nothing     ? 1
                              : m.surface == surface ? 0
                              : opaque               ? std::min(1.0, std::abs(radius_px - m.radius_px))
@@ -108,7 +109,7 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, con
                  hidden});
         };
         store(s.seen, s.seen_weight, s.seen_depths, 0, false);
-        // Nothing of what moves along comes to light.
+        // Light that always moves with its occluder is seen by no lens point.
         if (s.covered < s.hidden_weight * (1 - least_share))
             store(s.hidden, s.hidden_weight, s.hidden_depths, s.covered, true);
     }

@@ -1,4 +1,5 @@
-// Converts a pixel's stack of samples to PixelLight, separated into what the pinhole sees and what is hidden.
+// Converts a pixel's stack of samples to PixelLight, separated into the light that the pinhole sees and
+// hidden light.
 #pragma once
 
 #include <span>
@@ -27,10 +28,10 @@ class StackLights {
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Converts a stack and appends to `out`. `behind`: estimate of the surface behind it, may be null.
-    /// `fills`: if only empty space is behind the stack, its last sample is a uniformly translucent surface
-    /// that fills the pixel, so its weights add up to 1 as those of an opaque one. Only empty space may be
-    /// behind its neighbours as well.
+    /// Converts a stack and appends to `out`. `behind`: estimate of the surface behind the stack, may be
+    /// null. `fills`: the last sample is a uniformly translucent surface that fills the pixel, so the stack's
+    /// weights add up to 1 as those of an opaque one. Only for pixels that, like their neighbours, have only
+    /// empty space behind them.
     void add(int x, std::span<const StackSample> stack, bool fills, const Behind* behind, StackValue value,
              std::vector<PixelLight>& out);
 

@@ -1,5 +1,4 @@
-// What the rows of a file reach in a picture that is made strip by strip: what has to be read again for a
-// strip, and what need not be.
+// For images that are made strip by strip: which rows of the file must be read again for a strip.
 #pragma once
 
 #include <algorithm>
@@ -15,20 +14,20 @@
 
 namespace postlens {
 
-/// Most of what stands in a row of a file reaches the rows of pixels around it, and little reaches far: that
-/// is kept, so that for a strip only its own rows and those close to it have to be read again. `Item`:
-/// something of a row that reaches rows of pixels.
+/// Most items of a file's row reach only pixel rows close to it. The few that reach far are kept, so that for
+/// a strip only its own rows and those close to it must be read again. `Item`: an item of a row, for example
+/// a splat, that reaches several pixel rows.
 template <typename Item>
 class StripRows {
   public:
     struct Far {
         Item item;
-        int first = 0, last = 0;  ///< reaches pixels of rows [first, last)
+        int first = 0, last = 0;  ///< pixel rows [first, last) that the item reaches
     };
 
     StripRows() = default;
-    /// Of a file's rows, `source`, in a picture of blocks of `block_px`. All rows of the file have to be read
-    /// for any strip until they were added.
+    /// `source`: the rows of the file. `picture`: the image, in blocks of `block_px` rows. A row that was
+    /// never added must be read for every strip.
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
           first_(picture.y_begin),
@@ -36,7 +35,8 @@ class StripRows {
           blocks_((picture.height() + block_px - 1) / block_px),
           rows_(static_cast<std::size_t>(source.height())) {}
 
-    /// Forgets the row, of which all is then added in order. Safe for several rows at once, as add is.
+    /// Removes the items of a row; all its items are then added again, in order. Like add, thread-safe for
+    /// different rows.
     void begin_row(int y) {
         Row& to = row(y);
         to.first = std::numeric_limits<int>::max();
@@ -58,7 +58,8 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Once some rows are complete: keeps less where it has become too much.
+    /// Called when some rows are complete. While the kept items exceed the memory limit, doubles the reach
+    /// from which items are kept, and drops the others.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -80,8 +81,9 @@ class StripRows {
         }
     }
 
-    /// The rows that have to be read for pixels of rows [first, last), as runs [begin, end) in order; with
-    /// them come rows between that have not, where reading them costs less than beginning anew.
+    /// The rows that must be read for the pixel rows [first, last), as ascending ranges [begin, end). Ranges
+    /// include short gaps of rows that need not be read, as reading these is faster than starting a new
+    /// range.
     [[nodiscard]] std::vector<std::pair<int, int>> to_be_read(int first, int last) const {
         constexpr int worth_a_gap = 16;
         std::vector<std::pair<int, int>> out;
@@ -97,7 +99,7 @@ class StripRows {
         }
         return out;
     }
-    /// How many items reach blocks [begin, end), once all rows were added.
+    /// Number of items that reach the blocks [begin, end). Call it after all rows were added.
     [[nodiscard]] std::uint64_t reaching(int begin, int end) const {
         std::uint64_t out = 0, gone = 0;
         for (const Row& r : rows_) {
@@ -107,19 +109,19 @@ class StripRows {
         }
         return out - gone;
     }
-    /// What a row has that reaches far, in order: all there is of a row that has not to be read.
+    /// The kept items of a row, which reach far, in order. A row that need not be read has only these.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }
 
   private:
-    /// Of items kept at a time.
+    /// Memory limit of all kept items, bytes.
     static constexpr std::size_t far_bytes = std::size_t{32} << 20;
 
     struct Row {
-        int first = 0, last = 0;  ///< reached by what is not kept
+        int first = 0, last = 0;  ///< pixel rows that the items reach that are not kept
         std::vector<Far> far;
-        std::vector<std::uint32_t> begins, ends;  ///< by block, the items that it is the first or last for
+        std::vector<std::uint32_t> begins, ends;  ///< per block, number of items that reach it first or last
         [[nodiscard]] bool known() const { return !begins.empty(); }
         void include(int begin, int end) {
             first = std::min(first, begin);

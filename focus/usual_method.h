@@ -1,4 +1,4 @@
-// Which method to take where nobody asked for one.
+// The default method of making an image.
 #pragma once
 
 #include <string_view>
@@ -17,7 +17,7 @@ struct UsualMethod {
 /// them the background of a blurred edge is not recorded, and the average that `scatter` takes has the
 /// smaller error.
 [[nodiscard]] UsualMethod usual_method(const SampleHeader& header);
-/// Of a picture of another program: `layers`.
+/// The default for an image of another program: `layers`.
 [[nodiscard]] UsualMethod usual_method_of_foreign_picture();
 
 }  // namespace postlens

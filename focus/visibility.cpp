@@ -13,7 +13,7 @@ double independence(double radius_px, double other_px) {
 
 namespace {
 
-/// A share of the pixel's light over the lens: S(q) = mean + 4 tilt . q.
+/// A transmittance or coverage as a linear function of the lens point q: S(q) = mean + 4 tilt . q.
 struct OverLens {
     double mean = 0;
     LensMoment tilt;
@@ -23,17 +23,17 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// How much passes, 0 to 1, of something with this sum and moment.
+    /// Share, 0 to 1, of light with this sum and this lens moment that the transmittance S lets pass.
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
         if (sum == 0) return 0;
         return std::clamp(mean + 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum, 0.0, 1.0);
     }
 };
 
-/// A surface that has been laid down.
+/// A surface that was composited before, in front of the others.
 struct Laid {
     double radius_px;
-    OverLens cover;  ///< what it holds back
+    OverLens cover;  ///< its coverage over the lens
 };
 
 template <typename Before>
@@ -54,8 +54,8 @@ void sort(std::span<Fragment> fragments, const Before& before) {
 void sort_by_depth(std::span<Fragment> fragments) {
     sort(fragments,
          [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
-    // Depths are means, so that roundings would decide about what lies in one plane: there the smaller one
-    // comes first, as a wall that fills the pixel leaves nothing to a lamp on it.
+    // Depths are means, so rounding errors would decide the order of surfaces in one plane. There the smaller
+    // alpha comes first; otherwise a wall that fills the pixel would hide an emitter on it.
     constexpr double one_plane = 1e-5;
     for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
         while (end < fragments.size() &&
@@ -72,12 +72,12 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// Adds `times` a light, as much of it as the lens lets through, to a pixel; what it fills is counted on its
-/// own.
+/// Light of a fragment after occlusion by the surfaces in front. `add` adds `times` a light; the colours and
+/// alpha are attenuated separately, each with its own lens moment.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
-    LensMoment lens;  ///< of alpha
+    LensMoment lens;  ///< lens moment of alpha
 
     void add(const SurfaceLight& light, double times, const OverLens& open) {
         if (!(times > 0)) return;
@@ -91,8 +91,8 @@ struct Arrived {
     }
 };
 
-/// What of the lens is held back by surfaces that move along with one. Going forward the radii part, and from
-/// some surface on all are independent.
+/// Coverage by the surfaces in front that move with a surface of this signed CoC radius. Their radii differ
+/// more the nearer they are, so that from the first independent one on all are independent.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -115,13 +115,13 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // What moves along hides nothing of what the pinhole sees.
+        // Surfaces that move with the fragment do not hide what the pinhole sees of it.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // No more than is free, and no less than cannot be covered.
+        // The coverage is at most what is still free, and at least the part that cannot be hidden.
         const double least =
             std::min(f.seen.alpha + f.hidden.alpha, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = light.alpha > 0 ? std::clamp(light.alpha, std::max(least, 0.0), free.mean) : 0;
@@ -132,7 +132,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // No part of the disc has a greater moment: a half of it 0.21, a small part at the rim its own size.
+        // Upper bound of the moment of a part of the unit disc by its area, as a share: half the disc has
+        // 0.21, and a small part at the rim its own area.
         const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }

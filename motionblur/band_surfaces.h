@@ -1,4 +1,4 @@
-// Rows of a sample file as leaves and surfaces, for all that walks over pixels.
+// Reads rows of a sample file and turns them into leaves and surfaces, for code that iterates over pixels.
 #pragma once
 
 #include <functional>
@@ -9,13 +9,13 @@
 
 namespace postlens {
 
-/// The pixels of rows [y_begin, y_end).
+/// Leaves and surfaces of the pixels in rows [y_begin, y_end).
 struct BandSurfaces {
-    int x_begin = 0, width = 0, y_begin = 0, y_end = 0;  ///< width: of the band, one more than it has pixels
+    int x_begin = 0, width = 0, y_begin = 0, y_end = 0;  ///< width: columns of the band, one more than pixels
     PixelLeaves leaves;
     SampleSurfaces surfaces;
 
-    /// leaf(leaf) for those of a pixel.
+    /// Calls on_leaf(leaf) for the leaves of a pixel.
     template <typename OnLeaf>
     void for_each_leaf(int x, int y, const OnLeaf& on_leaf) const {
         const std::size_t k = static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +
@@ -27,19 +27,20 @@ struct BandSurfaces {
 
 inline constexpr int band_rows = 32;
 
-/// The records of an instant, in bands of `band_rows` rows of pixels and the closing row, as far as they are
-/// in memory: a frame has many more rows than those over which something moves.
+/// Records of one instant in bands of `band_rows` rows of pixels, each with the row below, which holds the
+/// records on the lower border. Only some bands are in memory: objects move over a small part of a frame's
+/// rows.
 class RecordBands {
   public:
     /// Keeps a reference to the file and reads nothing yet.
     explicit RecordBands(const SampleFileReader& file, std::size_t instant = 0);
 
-    /// Reads all, one band after the other; keeps those for which `keep` says so.
+    /// Reads all bands in turn and keeps in memory those for which `keep` returns true.
     void read_all(const std::function<bool(const RecordBand&)>& keep);
-    /// Reads those in which pixel rows [y_begin, y_end) lie, unless they are there.
+    /// Reads the bands of pixel rows [y_begin, y_end) that are not in memory.
     void need(int y_begin, int y_end);
     void need_all() { need(file_.y_begin(), file_.y_end()); }
-    /// A band that is not in memory has rows and columns, and no records and offsets.
+    /// A band that is not in memory has its rows and columns but no records and offsets.
     [[nodiscard]] const std::vector<RecordBand>& bands() const { return bands_; }
 
   private:
@@ -50,15 +51,15 @@ class RecordBands {
     void read(RecordBand& band) const;
 };
 
-/// Of the bands in which rows [y_begin, y_end) lie, which must be in memory; the others stay empty.
+/// Surfaces of the bands that contain rows [y_begin, y_end) and must be in memory. The others stay empty.
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 
-/// Which group an id belongs to.
+/// Finds the group to which an id belongs.
 class GroupTable {
   public:
     explicit GroupTable(const std::vector<MovingGroup>& groups);
-    /// -1: to none.
+    /// Index of the id's group; -1 for none.
     [[nodiscard]] int operator()(std::uint32_t id) const {
         if (id < small_.size()) return small_[id];
         const auto found =

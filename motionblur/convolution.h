@@ -1,4 +1,4 @@
-// i1 * i2 of [potmesil1983]: the raster of a moving thing, convolved with that of its path.
+// i1 * i2 of [potmesil1983]: convolution of the raster of a moving object with the raster of its path.
 #pragma once
 
 #include <optional>
@@ -8,34 +8,34 @@
 
 namespace postlens {
 
-/// Planes of floats over a window of the raster of cells; each plane row by row, all 0 outside.
+/// Planes of floats over a window of the raster of cells. Each plane is stored row by row and is 0 outside.
 struct Planes {
     int x_begin = 0, y_begin = 0, width = 0, height = 0;
     std::vector<std::vector<float>> planes;
 };
 
-/// direct: a sum over the path's cells; runs of equal weight along a row or a column cost one step.
-/// fft: by Fourier transforms, in blocks where that is cheaper.
-/// automatic: the one that is predicted to be faster.
+/// direct: sum over the path's cells. A run of equal weights along a row or a column costs one step.
+/// fft: Fourier transforms, in blocks if that is cheaper.
+/// automatic: the method that is predicted to be faster.
 enum class ConvolutionMethod { automatic, direct, fft };
 
-/// The sum over all cells c of i2 of weight(c) times i1 shifted by c. The output's window is the sum of the
-/// two windows, or the part of it that lies in `wanted`; nothing else is computed. Values must be finite.
+/// Sum over all cells c of i2 of weight(c) times i1 shifted by c. The window of the result is the sum of both
+/// windows, or the part of it within `wanted`; only that part is computed. Values must be finite.
 ///
-/// direct and fft agree within 1e-5 of the largest |value| of a plane: direct errs by at most 34 * 2^-24 of
-/// what it adds up (float sums of 32 terms, added in double), fft by some 2^-22 of the plane's largest value,
-/// also where the result is faint. Where no cell of i1 other than 0 reaches, both give 0; planes without
-/// negative values get none. Same bits for any number of threads. `used`: the method taken.
-/// Throws Error(out_of_memory).
+/// direct and fft agree within 1e-5 of the largest |value| of a plane. The error of direct is at most 34 *
+/// 2^-24 of the sum of the terms (float sums of 32 terms, added in double). The error of fft is about 2^-22
+/// of the plane's largest value, even where the result is small. Both give 0 in cells that no nonzero cell of
+/// i1 reaches, and no negative results for planes without negative values. Same bits for any number of
+/// threads. `used` receives the method. Throws Error(out_of_memory).
 [[nodiscard]] Planes convolve(const Planes& i1, const PathRaster& i2,
                               ConvolutionMethod method = ConvolutionMethod::automatic,
                               ConvolutionMethod* used = nullptr,
                               const std::optional<CellWindow>& wanted = std::nullopt);
 
-/// From the definition, in double, cell by cell.
+/// The same from the definition, cell by cell, in double precision. For tests.
 [[nodiscard]] Planes convolve_reference(const Planes& i1, const PathRaster& i2);
 
-/// What `automatic` compares, s of one thread of the machine of docs/performance.md.
+/// Predicted times that `automatic` compares, s, on one thread of the machine of docs/performance.md.
 struct ConvolutionCosts {
     double direct_s = 0, fft_s = 0;
 };

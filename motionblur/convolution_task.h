@@ -1,4 +1,4 @@
-// What both ways of convolving work on: the parts of i1 and i2 that are not 0, and where the result goes.
+// Input of both methods of convolution: the nonzero parts of i1 and i2, and the window of the result.
 #pragma once
 
 #include <vector>
@@ -16,16 +16,16 @@ struct ColumnRange {
 struct ConvolutionTask {
     const Planes& i1;
     const PathRaster& i2;
-    CellWindow source;              ///< where a plane of i1 is not 0
-    CellWindow path;                ///< where i2 is not 0
-    CellWindow out;                 ///< cells of the result that are wanted and that something may reach
-    std::vector<ColumnRange> rows;  ///< by row of `source`: where a plane is not 0
+    CellWindow source;              ///< bounding box of the nonzero cells of i1, over all planes
+    CellWindow path;                ///< bounding box of the nonzero cells of i2
+    CellWindow out;                 ///< wanted cells of the result that nonzero cells may reach
+    std::vector<ColumnRange> rows;  ///< per row of `source`, the range of its nonzero columns
 
-    /// For i1 = a and i2 = b; `out` is empty where there is nothing to do.
+    /// Task for i1 = a and i2 = b. `out` is empty if the result is 0 everywhere in `wanted`.
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
-    /// Row y of a plane of i1, such that [x] is the cell in column x.
+    /// Row y of a plane of i1 as a pointer p such that p[x] is the cell in column x.
     [[nodiscard]] const float* row(std::size_t plane, int y) const {
         return i1.planes[plane].data() +
                static_cast<std::ptrdiff_t>(y - i1.y_begin) * static_cast<std::ptrdiff_t>(i1.width) -
@@ -36,10 +36,10 @@ struct ConvolutionTask {
     }
 };
 
-/// Planes of 0 over the window, first touched by all threads. Throws Error(out_of_memory).
+/// Planes of zeros over the window, written by all threads in parallel. Throws Error(out_of_memory).
 [[nodiscard]] Planes zero_planes(const CellWindow& window, std::size_t count);
 
-/// The windows' sum: where a full convolution lands.
+/// Window of the full convolution of rasters with windows a and b.
 [[nodiscard]] CellWindow full_window(const CellWindow& a, const CellWindow& b);
 [[nodiscard]] CellWindow window_of(const Planes& planes);
 [[nodiscard]] CellWindow window_of(const PathRaster& raster);

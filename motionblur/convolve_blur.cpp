@@ -12,10 +12,13 @@
 namespace postlens {
 namespace {
 
-/// Sums over the point samples of one pixel, by how many groups are nearer than what stands still.
+/// Sums over the point samples of one pixel, for the static surfaces between two groups neighbouring in
+/// depth.
 struct Between {
     std::array<double, 3> colour{};
-    double covered = 0, known = 0;  ///< weight of samples that show something there, and of those that could
+    /// Weight of the samples that show a surface in this interval of depth, and of those whose records reach
+    /// the interval.
+    double covered = 0, known = 0;
 };
 
 class Composite {
@@ -60,7 +63,7 @@ class Composite {
                static_cast<std::size_t>(x);
     }
 
-    // Light of which no surface behind is known gets the colours of the farthest that is known around.
+    // Light from an unrecorded background gets the colours of the farthest static surfaces around the pixel.
     void fill() {
         Image farthest = still_;
         std::vector<float> known(out_.touched.size(), 1);
@@ -79,7 +82,7 @@ class Composite {
         }
     }
 
-    // The columns of a row that some group's window has.
+    // Range of columns that the groups' windows cover in row y.
     [[nodiscard]] std::pair<int, int> columns(int y) const {
         int begin = out_.image.width, end = 0;
         for (const auto* pictures : {&blurred_, &recorded_}) {
@@ -104,7 +107,7 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        std::size_t filled = between.size();  // none
+        std::size_t filled = between.size();  // interval of the last surface; between.size() for none
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
             const LayerSurface& s = band.surfaces.surfaces[i];
@@ -114,13 +117,13 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // Groups that are nearer; depths_ falls.
+            // Number of groups nearer than the surface; depths_ is in descending order.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -
                 depths_.begin());
             known = std::max(known, rank);
-            if (rank == filled) continue;  // behind a nearer one
+            if (rank == filled) continue;  // a nearer static surface of this interval hides it
             filled = rank;
             Between& to = between[rank];
             to.colour[0] += weight * static_cast<double>(s.r);
@@ -144,7 +147,7 @@ class Composite {
         add_up(band, x, y, between);
         const std::size_t p = index(x, y);
         std::array<double, 3> sum{};
-        double light = 1;  // what still comes through
+        double light = 1;  // transmittance of the surfaces in front
         for (std::size_t j = 0; j < between.size(); ++j) {
             const Between& at = between[j];
             const bool last = j + 1 == between.size();
@@ -159,7 +162,7 @@ class Composite {
                 light *= std::max(0.0, 1 - static_cast<double>((*group)[3]));
             }
         }
-        constexpr double least_light = 1e-4;  // what rounding leaves of coverage 1
+        constexpr double least_light = 1e-4;  // rounding error of full coverage
         for (std::size_t c = 0; c < 3; ++c) out_.image.rgb[3 * p + c] = static_cast<float>(sum[c]);
         out_.touched[p] = 1;
         if (between.back().covered <= 0 && light > least_light) out_.unknown[p] = static_cast<float>(light);
@@ -170,7 +173,7 @@ class Composite {
     const std::vector<GroupPicture>&blurred_, &recorded_;
     const Image& still_;
     ConvolveBlur& out_;
-    std::vector<double> depths_;  ///< of the groups, 1/m, falling
+    std::vector<double> depths_;  ///< inverse depths of the groups, 1/m, in descending order
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Motion blur as in 1983: every moving group's raster convolved with the raster of its path, composited in
-// the order of depth over what stands still [potmesil1983].
+// Motion blur by convolution [potmesil1983]: the raster of every moving group is convolved with the raster of
+// its path. The results and the static surfaces are composited in the order of depth.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,17 @@
 namespace postlens {
 
 struct ConvolveBlur {
-    Image image;                        ///< the still picture where nothing moved
-    std::vector<std::uint8_t> touched;  ///< 1: something moves over the pixel, or was recorded there
-    std::vector<float> unknown;         ///< share of the light of which no surface behind is known
+    Image image;                        ///< equal to `still` in untouched pixels
+    std::vector<std::uint8_t> touched;  ///< 1: a group moves over the pixel, or was recorded there
+    std::vector<float> unknown;         ///< share of a pixel's light whose background is not recorded
     int direct_groups = 0, fft_groups = 0;
 };
 
-/// `still`: the pinhole picture of the records. `groups`: the nearest first.
-/// i1 has cells of 1/2 px or smaller and takes the leaves of the quadtree as they are; i2 the same cells.
-/// A pixel is then, front to back: what stands still before the nearest group, that group, what stands still
-/// behind it, and so on, each by the coverage of what is known there.
+/// `still`: pinhole image of the records. `groups`: nearest first. `across_per_px`: size of a pixel on the
+/// film (sample_surfaces.h). i1 and i2 of a group have the same cells (cells_for); the quadtree's leaves are
+/// drawn into i1 without resampling. A pixel is composited front to back: the static surfaces in front of the
+/// nearest group, that group, the static surfaces behind it, and so on, each by its coverage among the
+/// samples that are known there.
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
                                          const ShutterCurve& curve, double across_per_px);

@@ -1,4 +1,5 @@
-// A moving group with parallax, cut by depth: i1 of each slice, which goes a path of its own.
+// Cuts a moving group with parallax into slices by depth. Each slice has its own i1 and moves on its own
+// path.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,74 +10,76 @@
 
 namespace postlens {
 
-/// More slices are not made; the steps between them grow then.
+/// Largest number of slices. With more parallax the slices lie farther apart.
 inline constexpr int most_slices = 64;
-/// How many slices a group with parallax gets, 2..most_slices.
+/// Number of slices of a group with parallax, 2..most_slices.
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
-/// Parts of one group that lie behind one another: the area, px^2, that the motion uncovers between them or
-/// lays over each other at most, as a share of the group's recorded area. Steps in depth that come apart by
-/// less than half a pixel do not count. DepthSlices takes such parts for one opaque surface.
+/// Largest area that the motion uncovers between parts of a group at different depths, or over which they
+/// come to overlap, as a share of the group's recorded area. Depth steps whose sides separate by less than
+/// 0.5 px do not count. DepthSlices cannot show this: it treats all parts as one opaque surface.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
-/// A direction in which the group's path goes, and how far: of path . direction, px.
+/// A direction of the group's path, with the range of (path . direction), px.
 struct PathAxis {
     glm::dvec2 direction{1, 0};
     double low_px = 0, high_px = 0;
 };
 
-/// The directions in which the path strays by more than 1 px: of its farthest point, and across.
+/// The direction of the path's farthest point and, if the path leaves that line by more than 1 px, the
+/// direction perpendicular to it. Empty if the path does not move.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
-/// How a surface's area changes on its way. What lies at 1/z' goes by path(t) * (1/z') / path_inverse_z, so a
-/// piece of a surface on which 1/z' has the gradient G per px has, at t, 1 + sum of rate * (path(t) . axis)
-/// times its recorded area, with the rates G . axis / path_inverse_z, 1/px: exact for a translation parallel
-/// to the film. A piece that turns over on the way has it for the part of the way on which it has not:
-/// `area` and the rates are then those of a line that falls to 0 at the way's end and holds as much light.
+/// Change of a surface's projected area along its path. A point at 1/z' moves by path(t) * (1/z') /
+/// path_inverse_z. At time t, a piece of surface on which 1/z' has the gradient G per px therefore has
+/// 1 + sum over the axes of rate * (path(t) . axis) times its recorded area, with rate = G . axis /
+/// path_inverse_z, 1/px. This is exact for a translation parallel to the film. A piece that turns over along
+/// the path counts only while its area is positive: `area` and the rates then describe a linear function that
+/// falls to 0 at the end of the path and has the same integral.
 struct Stretch {
     double area = 1;
     glm::dvec2 rate_per_px{0};
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// r, g, b and coverage of a slice. At t it is the sum of `flat` and of `stretched[a]` times (path(t) . axis
-/// a
-/// - low_px of a).
+/// r, g, b and coverage of a slice. At time t the slice is `flat` plus the sum over the axes of stretched[a]
+/// * (path(t) . direction of axis a - low_px of axis a).
 struct SliceRaster {
     Planes flat;
-    std::vector<Planes> stretched;  ///< by axis; empty where nothing is stretched
+    std::vector<Planes> stretched;  ///< one per axis
 };
 
-/// Slices at evenly spaced inverse depths from the farthest to the nearest; a surface between two of them is
-/// in both, by how near it is to either, so that they add up to the group everywhere.
+/// Slices at evenly spaced inverse depths, from the farthest to the nearest. A surface between two slices is
+/// drawn into both with linear weights, so that the slices add up to the group everywhere.
 class DepthSlices {
   public:
-    /// Of group g, which has parallax. `across_per_px`: of the film (sample_surfaces.h).
+    /// Slices of group g, which must have parallax. `across_per_px`: size of a pixel on the film
+    /// (sample_surfaces.h).
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// What the group's path is multiplied by for slice k.
+    /// Factor by which the group's path is multiplied for slice k.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
-    /// Where the group was recorded: the cells of every slice.
+    /// Window of every slice: the cells in which the group was recorded.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:
-    /// A corner's quarter of a leaf.
+    /// The quarter of a leaf at one of its corners.
     struct Piece {
         int x = 0, y = 0, n = 1, slice = 0;
         float share = 0, r = 0, g = 0, b = 0;
-        float nearer = 0;  ///< 0..1: from its slice to the next
-        float area = 1;    ///< Stretch::area, with the rates' part up to the axes' low ends
+        float nearer = 0;  ///< 0..1: position between its slice and the next nearer one
+        float area = 1;    ///< Stretch::area plus the rates times low_px of their axes
         std::array<float, 2> rate{};
     };
     struct BandPieces {
         std::vector<Piece> pieces;
-        std::vector<std::uint32_t> order;  ///< slice by slice: indices into pieces
-        std::vector<std::size_t> offsets;  ///< by slice: its first in `order`
+        std::vector<std::uint32_t> order;  ///< indices into pieces, sorted by slice
+        std::vector<std::size_t> offsets;  ///< per slice, its first entry in `order`
     };
 
     void collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const;

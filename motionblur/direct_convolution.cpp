@@ -10,15 +10,16 @@
 namespace postlens {
 namespace {
 
-/// Columns whose sums are in registers together: eight vectors, of the sixteen that AVX2 has.
+/// Columns whose sums are in registers at once: eight vectors, half of the sixteen that AVX2 has.
 constexpr int tile = 64;
 constexpr int lanes = 8;
 constexpr int vectors = tile / lanes;
-/// Float sums hold this many terms before they go to double: rounding stays below 34 * 2^-24 of the sum.
+/// A float sum is added to a double sum after this many terms, so that rounding stays below 34 * 2^-24 of it.
 constexpr std::size_t terms_per_flush = 32;
-/// A run of equal weights costs about as much as this many cells; shorter ones are cells.
+/// A run of equal weights costs about as much as this many cells. Shorter runs are handled cell by cell.
 constexpr int run_cost = 6;
-/// Weights are differences of light, rounded to 2^-53; those of equal ways are equal within this part.
+/// Relative difference up to which weights count as equal: they are differences of accumulated light, which
+/// is rounded to 2^-53.
 constexpr double equal_weights = 1e-9;
 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -28,13 +29,13 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double Doubles __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// Columns [begin, end) of a row of i2 that weigh the same.
+/// Columns [begin, end) of a row of i2 that have the same weight.
 struct PathRun {
     int y, begin, end;
     double weight;
 };
 
-/// i2 as runs, those of one cell too, in the order of rows; and what they cost in cells.
+/// i2 as runs in the order of rows, with runs of one cell, and their cost in units of cells.
 struct PathRuns {
     std::vector<PathRun> runs;
     double cost = 0;
@@ -45,7 +46,7 @@ bool is_long(const PathRun& run) {
     return run.end - run.begin > run_cost;
 }
 
-/// `weight(x, y)` over the window.
+/// Runs of the function weight(x, y) over the window.
 template <typename Weight>
 PathRuns runs_of(const CellWindow& window, const Weight& weight) {
     PathRuns out;
@@ -84,18 +85,18 @@ struct Orientation {
     bool is_transposed = false;
 };
 
-/// Runs go along rows; where those along columns are worth it, everything is turned over.
+/// Runs lie along rows. If runs along columns are cheaper, the whole convolution is transposed.
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Turning i1 over and the result back costs about as much as a dozen cells.
+    // Transposing i1 and the result costs about as much as 12 cells.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
 
 /// Copies the window's cell (x, y) to cell (y, x) of `to`.
 void transpose(const Planes& from, const CellWindow& window, Planes& to) {
-    constexpr int block = 32;  // of which both sides stay in the cache
+    constexpr int block = 32;  // cells along a side; source and target block stay in the cache
     const int bands = (window.height() + block - 1) / block;
     parallel_for(static_cast<std::size_t>(bands) * from.planes.size(), [&](std::size_t task) {
         const std::size_t plane = task / static_cast<std::size_t>(bands);
@@ -112,12 +113,13 @@ void transpose(const Planes& from, const CellWindow& window, Planes& to) {
     });
 }
 
-/// One cell of i2: where the values that it weighs are, relative to the tile's own place.
+/// One cell of i2, and the offset of the values that it weighs, relative to the tile's position.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run of cells likewise: the differences of the running sums at `high` and `low`.
+/// A run of cells. It weighs the differences of the running sums at the offsets `high` and `low`, which are
+/// relative to the tile's position.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -126,7 +128,7 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of i2 and its terms.
+/// A row of i2, and the ranges of its terms.
 struct PathRow {
     int y;
     ColumnRange columns;
@@ -160,7 +162,7 @@ void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, st
     }
 }
 
-/// Rows of i1 have zeros on either side, as far as any tile looks.
+/// Convolves copies of the rows of i1 that are padded with zeros as far as any tile reads.
 class DirectConvolution {
   public:
     DirectConvolution(const ConvolutionTask& task, PathRuns runs)
@@ -178,7 +180,8 @@ class DirectConvolution {
     }
 
     void run(Planes& result) const {
-        // Downwards in strips of one tile's width: the rows of i1 that a strip looks at stay in the cache.
+        // Tiles are processed downwards in strips, so that the rows of i1 that a strip reads stay in the
+        // cache.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
@@ -208,7 +211,7 @@ class DirectConvolution {
                 std::copy(task_.row(p, y) + c.begin, task_.row(p, y) + c.end,
                           values_[p].data() + r * stride_ + (c.begin - begin_));
                 if (!runs_.any_long) continue;
-                // running[x]: the sum of all before x.
+                // running[i] is the sum of the values before i.
                 const float* from = values_[p].data() + r * stride_;
                 double* running = running_[p].data() + r * stride_;
                 double sum = 0;
@@ -220,7 +223,7 @@ class DirectConvolution {
         });
     }
 
-    /// Terms relative to the tile, by row of the path.
+    /// Computes the terms, whose offsets are relative to the tile, for each row of the path.
     void lay_terms() {
         const auto stride = static_cast<std::ptrdiff_t>(stride_);
         for (const PathRun& run : runs_.runs) {
@@ -248,7 +251,7 @@ class DirectConvolution {
             if (from < source_.y_begin) break;
             if (from >= source_.y_end) continue;
             const ColumnRange c = task_.columns(from);
-            // The tile sees columns [x - end + 1, x + tile - begin) of i1.
+            // The tile reads columns [x - end + 1, x + tile - begin) of i1.
             if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
             const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
             terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
@@ -279,7 +282,7 @@ class DirectConvolution {
     const ConvolutionTask& task_;
     PathRuns runs_;
     CellWindow source_, path_, out_;
-    int begin_ = 0;  ///< column of a row's first value
+    int begin_ = 0;  ///< column of the first value of a padded row
     std::size_t stride_ = 0;
     Terms all_;
     std::vector<PathRow> path_rows_;
@@ -311,16 +314,16 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // A term touches the columns of i1 that are not 0, in whole tiles.
+    // Each term reads the nonzero columns of i1 in whole tiles.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());
-    // Where less than everything is wanted, as much less is added up.
+    // The number of additions is proportional to the wanted share of the full result.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // By the runs of `one_object/direct` in convolution_bench: those of 8 px for the copy of i1, the step to
-    // 60 and 240 px at 45 degrees for a cell, those along a row for running sums. Large arrays are memory
-    // that the system has to hand out first.
+    // Measured with `one_object/direct` in convolution_bench: paths of 8 px give the cost of copying i1, the
+    // increase to 60 and 240 px at 45 degrees that of a cell, and paths along a row that of running sums. A
+    // value of a large array costs more, since the system first has to provide the memory.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

@@ -16,18 +16,19 @@
 namespace postlens {
 namespace {
 
-/// One axis of the result cut into `count` blocks of at most `length` cells, each by transforms of `size`.
+/// One axis of the result, cut into `count` blocks of at most `length` cells; each takes transforms of
+/// `size`.
 struct AxisBlocks {
     int count = 1, length = 0, size = 0;
 };
 
-/// Along one axis: source [s0, s1), path [p0, p1), result [o0, o1).
+/// Ranges of cells along one axis: source [s0, s1), path [p0, p1), result [o0, o1).
 struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };
 
-/// How long a transform must be for the result [x0, x1): what wraps around must not come down on it. The part
-/// of the source that counts is [a, b), and together with the path it lands on [a + p0, b + p1 - 1).
+/// Smallest transform for the result [x0, x1), into which no value may wrap around. The part of the source
+/// that contributes is [a, b); convolved with the path, it covers [a + p0, b + p1 - 1).
 int needed_size(const Axis& axis, int x0, int x1) {
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
@@ -43,7 +44,7 @@ AxisBlocks blocks(const Axis& axis, int count) {
         const int x0 = axis.o0 + i * out.length;
         size = std::max(size, needed_size(axis, x0, std::min(x0 + out.length, axis.o1)));
     }
-    // Real transforms of odd sizes take twice the time; rows of whole vectors are the fastest.
+    // Real transforms of odd sizes take twice the time. Rows of whole vectors are the fastest.
     constexpr int vector = 8;
     out.size = vector * fast_fft_size((size + vector - 1) / vector);
     return out;
@@ -55,7 +56,7 @@ struct Tiling {
 };
 
 double transform_cost_s(double cells) {
-    // One transform, by the runs of `one_object/fft` in convolution_bench of 300 cells and more.
+    // Time of one transform, measured with `one_object/fft` in convolution_bench for 300 cells and more.
     constexpr double s_per_step = 3.3e-10;
     return s_per_step * cells * std::max(1.0, std::log2(cells));
 }
@@ -85,7 +86,7 @@ struct Free {
     void operator()(void* p) const { fftwf_free(p); }
 };
 
-/// Memory as FFTW's plans expect it: every array is aligned as the one that a plan was made for.
+/// Allocates an array with the alignment that FFTW's plans require: that of the array they were made for.
 template <typename T>
 std::unique_ptr<T[], Free> allocate(std::size_t count) {
     auto* p = static_cast<T*>(fftwf_malloc(count * sizeof(T)));
@@ -93,7 +94,7 @@ std::unique_ptr<T[], Free> allocate(std::size_t count) {
     return std::unique_ptr<T[], Free>(p);
 }
 
-/// What one thread transforms in.
+/// Arrays in which one thread computes transforms.
 struct Buffers {
     std::unique_ptr<float[], Free> cells;
     std::unique_ptr<std::complex<float>[], Free> spectrum;
@@ -103,8 +104,9 @@ fftwf_complex* raw(std::complex<float>* p) {
     return reinterpret_cast<fftwf_complex*>(p);
 }
 
-/// a *= b, pairs of real and imaginary parts. One part after the other: GCC 12 makes a fused multiply-add of
-/// both in one loop, whatever -ffp-contract says, and the result would depend on the processor.
+/// a *= b for complex numbers, stored as pairs of real and imaginary parts. The parts have a loop each: in
+/// one loop, GCC 12 would use fused multiply-adds despite -ffp-contract=off, with results that depend on the
+/// processor.
 POSTLENS_MULTIVERSION
 void multiply(float* __restrict a, const float* __restrict b, std::size_t count) {
     constexpr std::size_t block = 64;
@@ -122,7 +124,7 @@ void multiply(float* __restrict a, const float* __restrict b, std::size_t count)
     }
 }
 
-/// The least of 0 and the values.
+/// Minimum of 0 and the values.
 POSTLENS_MULTIVERSION
 float least_of(const float* values, std::size_t count) {
     float least = 0;
@@ -145,7 +147,7 @@ class FftConvolution {
         Buffers first = make_buffers();
         {
             const std::lock_guard lock(planner());
-            // Estimated plans are the same every time; measured ones would give other bits on another day.
+            // Estimated plans are the same in every run. Measured ones could differ and give other bits.
             forward_ = fftwf_plan_dft_r2c_2d(y_.size, x_.size, first.cells.get(), raw(first.spectrum.get()),
                                              FFTW_ESTIMATE);
             backward_ = fftwf_plan_dft_c2r_2d(y_.size, x_.size, raw(first.spectrum.get()), first.cells.get(),
@@ -176,7 +178,7 @@ class FftConvolution {
     }
 
   private:
-    /// FFTW makes and destroys one plan at a time.
+    /// Locked while FFTW makes or destroys a plan, which only one thread may do at a time.
     static std::mutex& planner() {
         static std::mutex mutex;
         return mutex;
@@ -205,7 +207,8 @@ class FftConvolution {
         return static_cast<std::size_t>(((i % size) + size) % size);
     }
 
-    /// The path's cell (i, j) stands at (i, j) modulo the size; its weight holds the transforms' scale.
+    /// Transforms the path. Its cell (i, j) is stored at (i, j) modulo the size; the weights include the
+    /// normalisation of the transforms.
     void transform_path(Buffers& buffers) {
         float* cells = buffers.cells.get();
         std::fill_n(cells, width_ * height_, 0.0F);
@@ -218,7 +221,7 @@ class FftConvolution {
         path_ = std::move(buffers.spectrum);
     }
 
-    /// By row of the result: columns that something of i1 reaches.
+    /// Computes, per row of the result, the range of columns that nonzero cells of i1 reach.
     void lay_reach() {
         std::vector<ColumnRange> path_rows;
         for (int y = task_.path.y_begin; y < task_.path.y_end; ++y) {
@@ -261,8 +264,8 @@ class FftConvolution {
         }
     }
 
-    /// The part of i1 that lands on the block, the block's first cell at 0, modulo the size. True where none
-    /// of it is negative.
+    /// Copies the part of i1 that contributes to the block. The block's first cell is at 0, and positions are
+    /// modulo the size. Returns whether no copied value is negative.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;
@@ -275,7 +278,7 @@ class FftConvolution {
             const int begin = std::max(c.begin, block.x_begin - p.x_end + 1);
             const int end = std::min(c.end, block.x_end - p.x_begin);
             if (begin >= end) continue;
-            // At most one turn around the end.
+            // The row wraps around the end at most once.
             const std::size_t at = wrapped(begin - block.x_begin, x_.size);
             const std::size_t count = static_cast<std::size_t>(end - begin),
                               before = std::min(count, width_ - at);

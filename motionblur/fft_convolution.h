@@ -11,7 +11,7 @@ void convolve_fft(const ConvolutionTask& task, Planes& result);
 /// Predicted time of one thread, s.
 [[nodiscard]] double fft_cost_s(const ConvolutionTask& task);
 
-/// The least product of powers of 2, 3, 5 and 7 that is not less than n (1 or more).
+/// Smallest product of powers of 2, 3, 5 and 7 that is at least n (n >= 1).
 [[nodiscard]] int fast_fft_size(int n);
 
 }  // namespace postlens

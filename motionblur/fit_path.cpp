@@ -41,7 +41,7 @@ void check(Points points, double tolerance_px) {
     }
 }
 
-/// A cubic over the time of points [first, last].
+/// A cubic Bezier curve over the time of points [first, last]; u runs from 0 to 1.
 struct Cubic {
     std::array<dvec2, 4> control{};
     [[nodiscard]] dvec2 at(double u) const {
@@ -51,19 +51,20 @@ struct Cubic {
     }
 };
 
-/// The cubic of least squares that begins at `start`, where there is one; empty where it is off by more than
-/// the tolerance at any point.
+/// Least-squares cubic through points [first, last] that begins at `start`, if that is given. Empty if its
+/// error exceeds the tolerance at any point.
 std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t last,
                                const std::optional<dvec2>& start, double tolerance_px) {
-    constexpr std::size_t most_used = 512;  // many more than a cubic needs to be found; all are tested
+    constexpr std::size_t most_used = 512;  // ample for a cubic; the error is tested at all points
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
-    // Sought is the difference from the straight line: what few points leave open is 0.
+    // The unknowns are differences from the straight line, so that those that few points leave undetermined
+    // become 0.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
     const std::size_t count = std::min(last - first + 1, most_used);
-    glm::dmat4 normal(1e-9);  // next to entries of `count` / 10
+    glm::dmat4 normal(1e-9);  // regularisation, small against entries of about count / 10
     dvec4 right_x(0), right_y(0);
     for (std::size_t n = 0; n < count; ++n) {
         const std::size_t i = first + n * (last - first) / (count - 1);
@@ -78,7 +79,7 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     const glm::dmat4 inverse = glm::inverse(normal);
     const dvec4 x = inverse * right_x, y = inverse * right_y;
     for (int k = start ? 1 : 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] += dvec2(x[k], y[k]);
-    // Of one piece both ends are known.
+    // A segment between two neighbouring points ends exactly at the second one.
     if (last == first + 1) out.control[3] = points[last].at_px;
     for (std::size_t i = first; i <= last; ++i)
         if (!(glm::distance(out.at(share(i)), points[i].at_px) <= tolerance_px)) return std::nullopt;
@@ -91,7 +92,8 @@ struct Segment {
 };
 
 /// Segments from the first point on, each as long as doubling and bisection find a cubic for it. `joined`:
-/// each begins where the last one ended. Gives up, with what it has, at `most` segments.
+/// each segment begins where the previous one ends. Stops at `most` segments, even if they do not reach the
+/// last point.
 std::vector<Segment> lay_segments(Points points, double tolerance_px, bool joined, std::size_t most) {
     std::vector<Segment> out;
     for (std::size_t first = 0; first + 1 < points.size() && out.size() < most;) {
@@ -106,7 +108,7 @@ std::vector<Segment> lay_segments(Points points, double tolerance_px, bool joine
             const std::size_t last = std::min(first + length, points.size() - 1);
             const auto cubic = attempt(last);
             if (cubic) best = {first, last, *cubic};
-            if (!cubic && length >= 4) {  // fewer may fail by the start alone
+            if (!cubic && length >= 4) {  // shorter segments may fail only because of their fixed start
                 too_far = last;
                 break;
             }
@@ -140,7 +142,7 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// `count` segments that share the time as the given ones do: where those are short, these are.
+/// Knot times of `count` segments, which are as dense at each time as the given segments.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {
@@ -153,8 +155,8 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
-/// The ends of the segments, but one instant within each that is short between long ones: there the velocity
-/// jumps between two points, which no segment of its own follows.
+/// Knot times at the ends of the segments. A short segment between two long ones means that the velocity
+/// jumps between two points. It gets one knot instead of two, as it needs no segment of its own.
 std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
     constexpr std::size_t short_pieces = 3, long_pieces = 8;
     const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };
@@ -163,7 +165,7 @@ std::vector<double> times_without_kinks(Points points, const std::vector<Segment
         const Segment& s = segments[i];
         const bool is_kink = i > 0 && pieces(i) <= short_pieces && pieces(i - 1) >= long_pieces &&
                              pieces(i + 1) >= long_pieces;
-        // Its knot stands in the middle of its first piece, instead of at both ends.
+        // The knot is in the middle of the segment's first piece.
         if (is_kink) {
             times.back() = 0.5 * (points[s.first].time_s + points[s.first + 1].time_s);
         } else {
@@ -181,7 +183,7 @@ PathFit polyline_of(Points points) {
     return {ScreenPath(PathKind::polyline, std::move(knots), "--fit-paths"), 0};
 }
 
-/// One knot for what does not move.
+/// Path of one knot; empty if the points are farther from it than the tolerance.
 std::optional<PathFit> still(Points points, double tolerance_px) {
     dvec2 low = points.front().at_px, high = low;
     for (const PathPoint& p : points) {
@@ -210,9 +212,10 @@ PathFit fit_path(Points points, double tolerance_px) {
     PathFit best =
         segments.size() + 1 < points.size() ? fit_of(knots_of(points, segments)) : polyline_of(points);
     if (best.error_px > tolerance_px)
-        best = polyline_of(points);  // by rounding, below which no spline can stay
+        best = polyline_of(points);  // the rounding of a spline can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Cubics that need not meet, at twice the tolerance: no path has fewer segments, or hardly ever.
+    // Lower limit of the number of segments: that of cubics which need not join, at twice the tolerance.
+    // Hardly any path has fewer.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

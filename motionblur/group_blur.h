@@ -1,4 +1,4 @@
-// A moving group over the exposure: i1 * i2, as a whole or slice by slice.
+// Motion blur of one moving group: i1 * i2, for the whole group or for each of its depth slices.
 #pragma once
 
 #include "lens/shutter_curve.h"
@@ -7,22 +7,22 @@
 
 namespace postlens {
 
-/// Coverage below this is the rounding of a Fourier transform.
+/// Coverage below this is rounding error of a Fourier transform.
 inline constexpr float least_coverage = 2e-6F;
 
 /// Keeps references to the exposure and the curve.
 class GroupBlur {
   public:
-    /// For a frame of width x height px.
+    /// `width` and `height`: size of the frame, px.
     GroupBlur(int width, int height, int cells_per_px, const Exposure& exposure, const ShutterCurve& curve)
         : width_(width), height_(height), cells_per_px_(cells_per_px), exposure_(exposure), curve_(curve) {}
 
-    /// All of it on the group's path.
+    /// Moves the whole group on its path.
     [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group);
-    /// Each slice on its own. Slices are parts of one opaque surface: they add up.
+    /// Moves each slice on its own path and adds up the slices, which are parts of one opaque surface.
     [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group);
 
-    /// Convolutions so far.
+    /// Numbers of convolutions so far, by method.
     [[nodiscard]] int direct() const { return direct_; }
     [[nodiscard]] int fft() const { return fft_; }
 

@@ -1,4 +1,4 @@
-// i1 of a moving group, its convolution with i2, and the result in pixels.
+// i1 of a moving group, and conversion of cells to pixels.
 #pragma once
 
 #include <optional>
@@ -20,15 +20,16 @@ struct GroupPicture {
     }
 };
 
-/// Cells to a pixel for a group: a path along neither axis, or a short one, needs finer ones.
+/// Cells per px for a group. Short paths, and paths that are parallel to neither axis, need finer cells.
 [[nodiscard]] int cells_for(const MovingGroup& group);
 
-/// The cells that a group's records can lie in, within the rows and columns that `bands` have.
+/// Window of the cells in which a group's records can lie, within the rows and columns of `bands`.
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// Cells that the quarter of a leaf next to a corner covers: [x, x + n) x [y, y + n), each with this share of
-/// its area. Leaves are dyadic, so a quarter covers whole cells or lies within one.
+/// Cells [x, x + n) x [y, y + n) that the quarter of a leaf at one corner covers, each by the share `share`
+/// of its area. Sizes of leaves and cells are powers of 2, so that a quarter covers whole cells or lies
+/// within one.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;
@@ -36,16 +37,16 @@ struct QuarterCells {
 [[nodiscard]] QuarterCells quarter_cells(const PointSample& leaf_at, float leaf_size, std::size_t corner,
                                          int cells_per_px);
 
-/// The group's surface at a point sample: the nearest of them; nullptr: none.
+/// The nearest surface of the group at a point sample, or nullptr.
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
-/// i1 of group g: at every place the nearest surface of the group that is recorded there, hidden ones
-/// included; cells of 1/cells_per_px px.
+/// i1 of group g: at every position the nearest recorded surface of the group, from all layers, in cells of
+/// 1/cells_per_px px.
 [[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, int cells_per_px);
 
-/// The cells' means over whole pixels, of those that lie in the frame.
+/// Means of the cells over the pixels that lie in the frame.
 [[nodiscard]] GroupPicture in_pixels(const Planes& cells, int cells_per_px, int width, int height);
 
 }  // namespace postlens

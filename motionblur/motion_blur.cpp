@@ -42,7 +42,7 @@ class MotionBlur {
         find_motion();
         choose();
         prepare_convolution();
-        // A second recorded instant may show other colours of what stands still.
+        // Static surfaces may have other colours at a second recorded instant.
         const bool blends = file_.instants() > 1 && settings_.method != MotionMethod::convolve &&
                             settings_.exposure.close_s > settings_.exposure.open_s;
         const std::vector<std::uint32_t> convolved = ids_of(MotionMethod::convolve),
@@ -74,12 +74,12 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        // The closing row of a band is the first of the next: what is only in one of them is needed in both.
+        // Neighbouring bands share a row. An id recorded only in that row keeps both bands.
         bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_)
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // What other instants recorded of an id may move differently, and may be all there is of it.
+        // The records of an id at other instants may move differently, or may be its only ones.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             IdExtents extents;
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
@@ -118,7 +118,7 @@ class MotionBlur {
                 o.reason = "asked for";
             } else if (m.kind == MotionKind::parallax) {
                 o.method = MotionMethod::convolve;
-                o.reason = "moves parallel to the film";  // more is said of it in prepare_convolution
+                o.reason = "moves parallel to the film";  // prepare_convolution gives the details
             } else if (m.kind == MotionKind::translation) {
                 o.method = MotionMethod::convolve;
                 o.reason = fmt::format("moves as a whole, {:.1f} px, within {:.2f} px", m.largest_move_px,
@@ -135,7 +135,7 @@ class MotionBlur {
         }
     }
 
-    // Rows of the raster that some group is recorded in or passes over.
+    // Rows of the raster in which a group is recorded or over which it passes.
     [[nodiscard]] std::pair<int, int> rows_touched() const {
         double low = header_.height, high = 0;
         for (const MovingGroup& g : groups_) {
@@ -143,7 +143,8 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // Two rows more: a quarter of a leaf reaches beyond its corner, a cell beyond its middle.
+        // The margin of 2 rows contains the quarter of a leaf beyond its corner and the half cell beyond a
+        // cell's centre.
         const auto within = [&](double y) {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
@@ -151,8 +152,9 @@ class MotionBlur {
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
-    /// The groups to convolve, and the surfaces of the rows that they touch. `automatic` leaves those with
-    /// parallax to lightfield that are more than one surface, or that others lie among.
+    /// Finds the groups to convolve, and the surfaces of the rows that they touch. `automatic` leaves a group
+    /// with parallax to lightfield if it is more than one surface or if other surfaces lie in its range of
+    /// depth.
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -226,14 +228,14 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Gaps are then filled from all that the views know.
+            // Objects that move cover every pixel. Gaps are then filled from the views of the whole image.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
         result_.views = blur.views;
         if (sheets.size() > 1)
             blend_stills(file_, blur.instant_shares, ids_of(MotionMethod::convolve), touched_, result_.image);
-        Image filled;  // for what no view knows
+        Image filled;  // colours for the unknown shares of the pixels
         const PatchPicture& p = blur.picture;
         if (!covered.empty()) filled = fill_behind(p, covered);
         lay_over(result_.image, p, wanted_mark, filled);
@@ -248,8 +250,9 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Colours from around for what something that moves covers in the records. Where all moves: the pixel's
-    // own mean over the views that know something.
+    // Background colours for the pixels that moving objects cover in the records, from the pixels around
+    // them. If moving objects cover every pixel, the colours come from the views, wherever a view knows the
+    // pixel.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();
@@ -278,7 +281,8 @@ class MotionBlur {
                               result_.warnings);
     }
 
-    // What moves in the world and has no record of its own may still be seen in mirrors and through glass.
+    // Adds the ids of objects that move in the world but have no records: mirrors and glass may still show
+    // them.
     [[nodiscard]] std::vector<std::uint32_t> with_unseen(std::vector<std::uint32_t> moving) const {
         const double first_s = std::min(settings_.exposure.open_s, header_.time_s),
                      last_s = std::max(settings_.exposure.close_s, header_.time_s);
@@ -292,7 +296,8 @@ class MotionBlur {
         return moving;
     }
 
-    // What comes into the frame after its instant, where the method knows of that instant alone.
+    // Warns of moving objects that are recorded only at other instants than the frame's, which convolve
+    // ignores.
     void warn_of_left_out() {
         std::string names;
         for (const ObjectReport& o : result_.objects) {
@@ -313,9 +318,9 @@ class MotionBlur {
     FrameMotion motion_;
     RecordBands bands_;
     IdExtents extents_;
-    std::vector<MovingGroup> groups_;     ///< to convolve
-    std::vector<BandSurfaces> surfaces_;  ///< of the rows that they touch
-    std::vector<IdMotion> motions_;       ///< as result_.objects, by id
+    std::vector<MovingGroup> groups_;     ///< groups to convolve
+    std::vector<BandSurfaces> surfaces_;  ///< surfaces of the rows that the groups touch
+    std::vector<IdMotion> motions_;       ///< sorted by id, as result_.objects
     std::vector<std::uint8_t> touched_;
     std::vector<float> unknown_;
     MotionBlurResult result_;
@@ -329,7 +334,7 @@ void check_exposure(const Exposure& e) {
              "--shutter: closes before it opens (got {}:{}; expected finite seconds, OPEN not after CLOSE)",
              e.open_s, e.close_s);
     }
-    // The difference overflows where one of the two is not finite, and for doubles no clock needs.
+    // The difference is not finite if one of the times is not, or if their difference overflows.
     if (!std::isfinite(e.close_s - e.open_s)) {
         fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)", e.open_s,
              e.close_s);

@@ -1,5 +1,4 @@
-// The motion-blur processor: a sample file, the motion of what is in it and a shutter in, the picture that
-// the shutter would take out.
+// Motion blur of a sample file: the image that a shutter exposes while the recorded objects move.
 #pragma once
 
 #include <optional>
@@ -14,38 +13,38 @@
 
 namespace postlens {
 
-/// convolve: i1 * i2 for every moving group. lightfield: the surfaces at many instants. automatic: convolve
-/// for what moves parallel to the film (within 0.25 px), as a whole or, where it is one surface and nothing
-/// else lies in its depth, each part by its own depth; lightfield for the rest.
+/// convolve: i1 * i2 for every moving group. lightfield: mean of views of the surfaces at many instants.
+/// automatic: convolve for objects that move parallel to the film (within 0.25 px) as a whole, or with
+/// parallax if they are one surface and nothing else lies in their range of depth; lightfield for all others.
 enum class MotionMethod { automatic, convolve, lightfield };
 
 struct MotionBlurSettings {
     Exposure exposure;  ///< on the scene's clock, open <= close
     ShutterCurve curve = ShutterCurve::box();
     MotionMethod method = MotionMethod::automatic;
-    std::optional<int> views;       ///< of lightfield
-    std::vector<ObjectPath> paths;  ///< in place of what the file says of these ids
-    std::optional<double> fit_px;   ///< replace paths by splines within so much
-    /// What of the picture is wanted; the rest of the image may be anything. These pixels have the same bits
-    /// as without; shares are theirs. Only lightfield is the faster for it.
+    std::optional<int> views;       ///< number of views of lightfield
+    std::vector<ObjectPath> paths;  ///< replace the file's motion of their ids
+    std::optional<double> fit_px;   ///< tolerance within which splines replace paths
+    /// Wanted part of the image; the other pixels are undefined. The wanted pixels have the same bits as
+    /// without a crop, and shares refer to them. Only lightfield becomes faster.
     std::optional<Crop> crop;
 };
 
 struct MotionWarning {
     std::string code;  ///< "uncovered", "overscan", "left_out", "reflection", "shadow", "light"
-    double share = 0;  ///< of the pixels concerned
+    double share = 0;  ///< share of the pixels that are affected
     std::string text;
 };
 
-/// What was done with an id, and why.
+/// Method that was chosen for an id, with the reason.
 struct ObjectReport {
     std::uint32_t id = 0;
     std::string name;
-    MotionMethod method = MotionMethod::automatic;  ///< automatic: none
+    MotionMethod method = MotionMethod::automatic;  ///< automatic: the id needs no method or has none
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
-    int slices = 0;                                 ///< of depth, convolve
-    std::size_t path_points = 0, fitted_knots = 0;  ///< convolve; knots 0: not fitted
+    int slices = 0;                                 ///< number of depth slices of convolve
+    std::size_t path_points = 0, fitted_knots = 0;  ///< of the path of convolve; 0 knots: not fitted
     double fit_error_px = 0;
     std::string reason;
 };
@@ -53,18 +52,18 @@ struct ObjectReport {
 struct MotionBlurResult {
     Image image;
     MotionMethod method = MotionMethod::automatic;  ///< automatic: both were used, or nothing moves
-    int views = 0;                                  ///< of lightfield; 0: not used
-    double touched_share = 0;  ///< of the pixels over which something moves; the others are the still picture
+    int views = 0;                                  ///< number of views of lightfield; 0: not used
+    double touched_share = 0;                       ///< share of the pixels over which an object moves
     std::vector<ObjectReport> objects;
     std::vector<MotionWarning> warnings;
 };
 
-/// Throws Error(wrong_arguments) unless both are finite and open is not after close.
+/// Throws Error(wrong_arguments) unless both times are finite and open_s <= close_s.
 void check_exposure(const Exposure& exposure);
 
-/// Deterministic: the same bits for any number of threads. With nothing that moves between the records and
-/// the exposure it is the pinhole picture, bit for bit. Throws Error(wrong_arguments) for settings out of
-/// range, Error(invalid_input) for paths of unknown ids and for a damaged file, Error(out_of_memory).
+/// Deterministic: the same bits for any number of threads. If nothing moves between the recorded instant and
+/// the exposure, the result is the pinhole image, bit for bit. Throws Error(wrong_arguments) for settings out
+/// of range, Error(invalid_input) for paths of unknown ids and for a damaged file, Error(out_of_memory).
 [[nodiscard]] MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings);
 
 }  // namespace postlens

@@ -21,7 +21,8 @@ bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {
     return std::binary_search(moving.begin(), moving.end(), id);
 }
 
-/// Whether a shading tree has a node that moves otherwise than its primary node, which carries it along.
+/// Whether a shading tree has a node whose object moves differently from that of the primary node, with which
+/// all nodes are reprojected.
 bool shows_other_motion(const Record* r, const Record* end, const std::vector<std::uint32_t>& moving) {
     const bool carried = is_moving(moving, r->id);
     for (const Record* node = r + 1; node != end; ++node) {
@@ -30,7 +31,7 @@ bool shows_other_motion(const Record* r, const Record* end, const std::vector<st
     return false;
 }
 
-/// Calls tree(first, end) for every point sample of layer 0 of a pixel.
+/// Calls tree(first, end), with the range of its records, for every shading tree of layer 0 in a pixel.
 template <typename OnTree>
 void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree) {
     const Record* r = band.records.data() + band.offsets[pixel];
@@ -49,7 +50,7 @@ std::uint64_t count_pixels(const SampleHeader& h, const std::vector<RecordBand>&
     std::vector<std::uint64_t> counts(bands.size(), 0);
     parallel_for(bands.size(), [&](std::size_t b) {
         const RecordBand& band = bands[b];
-        // The closing row belongs to the next band.
+        // The band's last row is also the first row of the next band, where it is counted.
         for (int y = std::max(0, band.y_begin); y < std::min(h.height, band.y_end - 1); ++y) {
             if (y % step != 0) continue;
             for (int x = 0; x < h.width; x += step) {
@@ -115,7 +116,7 @@ std::vector<MovingLight> lights_of(const SceneMotion& motion, const Exposure& ex
     return out;
 }
 
-/// Whether the way from p to the light passes within the sphere.
+/// Whether the path from p to the light crosses the sphere at instant i.
 bool crosses(const dvec3& p, const MovingLight& light, const MovingSphere& sphere, std::size_t i) {
     const dvec3 way = light.directional ? light.place[i] : light.place[i] - p;
     const dvec3 to = sphere.centre[i] - p;
@@ -139,7 +140,7 @@ class ShadowTest {
         if (r.id == 0 || std::isinf(r.z)) return false;
         const dvec3 p = world(r);
         for (const MovingSphere& sphere : spheres_) {
-            if (sphere.id == r.id) continue;  // its own shadow goes along
+            if (sphere.id == r.id) continue;  // an object's shadow on itself moves with it
             for (const MovingLight& light : lights_) {
                 for (std::size_t i = 0; i < shadow_instants; ++i) {
                     if (crosses(p, light, sphere, i)) return true;
@@ -162,7 +163,8 @@ class ShadowTest {
     std::vector<MovingLight> lights_;
 };
 
-/// Whether a side on which the records cut an object off is moved into the frame.
+/// Whether the motion brings a side on which the border of the recorded area cuts an object off into the
+/// frame.
 bool border_comes_in(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                      const IdExtent& e, const Exposure& exposure) {
     const SampleHeader& h = file.header();
@@ -176,7 +178,7 @@ bool border_comes_in(const SampleFileReader& file, const FrameMotion& motion, st
             const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
                                 (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
             if (!p) return true;
-            // The records' own border may lie on the frame's.
+            // Without overscan, the border of the recorded area is that of the frame.
             constexpr double margin_px = 0.5;
             if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
                 (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))

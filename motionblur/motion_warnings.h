@@ -1,4 +1,4 @@
-// What moving the recorded surfaces cannot show: how much of the picture it concerns.
+// Warnings about effects that moving the recorded surfaces cannot show, with the affected share of the image.
 #pragma once
 
 #include <vector>
@@ -8,25 +8,25 @@
 
 namespace postlens {
 
-/// Whether there is anything to warn of: mirrors or glass, or lights that move or cast shadows.
+/// Whether such effects are possible: there are mirrors or glass, or lights that move or cast shadows.
 [[nodiscard]] bool may_have_unseen_motion(const SampleHeader& header);
 
-/// `moving`: ids that do not stand still on the raster, sorted. `bands`: the records of the frame's instant.
-/// - "reflection": pixels whose mirror or glass shows what moves otherwise than the mirror does;
-/// - "shadow": pixels from which the way to a light may be crossed by something that moves in the world: by
-/// the
-///   spheres around the objects, at nine instants, from every fourth pixel;
-/// - "light": lights move, so that the shading is that of one instant.
+/// `moving`: ids that do not stand still on the raster, sorted. `bands`: records of the frame's instant.
+/// - "reflection": pixels whose mirror or glass shows an object that moves differently from it;
+/// - "shadow": pixels whose path to a light may be crossed by an object that moves in the world. The objects'
+///   bounding spheres are tested at nine instants, in every fourth pixel along either axis;
+/// - "light": pixels that show an object while lights move; their shading is that of one instant.
 void warn_of_unseen_motion(const SampleHeader& header, const std::vector<RecordBand>& bands,
                            const std::vector<std::uint32_t>& moving, const Exposure& exposure,
                            std::vector<MotionWarning>& out);
 
-/// "uncovered": pixels of which more than a hundredth of the light is unknown (`unknown`, by pixel). One view
-/// of 128 is not worth a warning: where a leaf of a curved surface meets two of half its size, a look may
-/// fall between them. `text` has one place for the share in per cent.
+/// "uncovered": pixels of which more than 1 % of the light is unknown (`unknown`, per pixel). One view of 128
+/// does not cause a warning: its sample may fall into the gap between a leaf of a curved surface and two
+/// neighbours of half its size. `text` has one placeholder, for the share in per cent.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// "overscan": ids of `moving` that the border of the records cuts, and that come into the frame there.
+/// "overscan": ids of `moving` that the border of the recorded area cuts off and whose cut side moves into
+/// the frame.
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion, const IdExtents& extents,
                  const std::vector<std::uint32_t>& moving, const Exposure& exposure,
                  std::vector<MotionWarning>& out);

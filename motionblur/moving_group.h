@@ -1,4 +1,5 @@
-// What shares a path: ids whose middles move alike on the raster, or whose points do at equal depths.
+// Groups of objects that share a path: their centres, or their points at equal depths, move alike on the
+// raster.
 #pragma once
 
 #include <vector>
@@ -11,27 +12,28 @@ namespace postlens {
 struct MovingGroup {
     std::vector<std::uint32_t> ids;  ///< sorted
     IdExtent extent;
-    double inverse_z = 0;  ///< mean of its records, 1/m: its place in the order of depth
-    /// Its points move by `path`, whatever their depths, or (parallax) times their inverse depth over this
-    /// one, 1/m.
+    double inverse_z = 0;  ///< mean of its records, 1/m; the groups are sorted by it
+    /// Inverse depth, 1/m, to which `path` belongs. With parallax, a point's displacement is `path` times its
+    /// inverse depth divided by this one. Without, all points move by `path`.
     double path_inverse_z = 0;
     bool has_parallax = false;
-    /// Displacement from where it was recorded, px, linear in time between points; from open to close.
+    /// Displacement from the recorded position, px, from open to close; linear in time between the points.
     std::vector<PathPoint> path;
-    std::size_t points = 0;        ///< of the path before it was fitted
-    std::size_t fitted_knots = 0;  ///< 0: not fitted
+    std::size_t points = 0;        ///< number of the path's points before it was fitted
+    std::size_t fitted_knots = 0;  ///< number of knots of the fitted path; 0: not fitted
     double fit_error_px = 0;
 };
 
-/// The farthest that the path takes it from where it was recorded, px.
+/// Largest displacement from the recorded position, px.
 [[nodiscard]] double longest_way_px(const MovingGroup& group);
-/// How far the path of its nearest point and that of its farthest come apart, px; 0 without parallax.
+/// Largest difference, px, between the displacements of the group's nearest and farthest point; 0 without
+/// parallax.
 [[nodiscard]] double parallax_px(const MovingGroup& group);
 
-/// The groups of all ids that do not stand still, the nearest first. Ids whose displacements agree within
-/// 0.02 px at all times share a group; with parallax, ids that agree at equal depths and overlap in depth.
-/// `fit_px`: replaces each path by a spline of few knots within so much.
-/// Throws Error(wrong_arguments) for an id that passes the camera: it has no path.
+/// The groups of all ids that do not stand still, nearest first. Ids share a group if their displacements
+/// agree within 0.02 px at all times. Ids with parallax must agree at equal depths instead and overlap in
+/// depth. `fit_px`: tolerance within which each path is replaced by a spline of few knots (`fit_path`);
+/// absent: none. Throws Error(wrong_arguments) for an id that passes the camera, since it has no path.
 [[nodiscard]] std::vector<MovingGroup> find_groups(const FrameMotion& motion,
                                                    const std::vector<IdMotion>& ids, const IdExtents& extents,
                                                    double recorded_s, const Exposure& exposure,

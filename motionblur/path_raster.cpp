@@ -13,22 +13,23 @@ namespace {
 
 using glm::dvec2;
 
-/// Up to here a double still tells a thousandth of a cell.
+/// Largest coordinate, in cells. Up to here a double resolves a thousandth of a cell.
 constexpr double farthest_cell = 1e13;
 
-/// A piece of constant velocity. Places in cells, shifted by half a cell: cell i is [i, i + 1).
+/// A piece of a path with constant velocity. Positions are in cells, shifted by half a cell, so that cell i
+/// is [i, i + 1).
 struct Piece {
-    double begin, end;  ///< shares of the open time
+    double begin, end;  ///< times, as shares of the exposure
     dvec2 from, to;
     double value_from = 1, value_to = 1;
 
-    /// Exactly 1 where both are.
+    /// Value at a share of the piece. It is exactly 1 if both ends have the value 1.
     [[nodiscard]] double value_at(double share_of_piece) const {
         return value_from + share_of_piece * (value_to - value_from);
     }
 };
 
-/// Along one axis: the cell at the piece's begin, and where it enters the next ones.
+/// Follows a piece along one axis: the current cell, and the position at which the next one begins.
 class Crossings {
   public:
     Crossings(double from, double to)
@@ -36,8 +37,8 @@ class Crossings {
 
     [[nodiscard]] double cell() const { return cell_; }
     [[nodiscard]] double count() const { return std::abs(last_ - cell_); }
-    /// The share of the piece at which the next cell begins; infinite where there is none. Each is found from
-    /// the border itself: nothing adds up.
+    /// Share of the piece at which the next cell begins; infinite in the last cell. It is computed from the
+    /// position of the border, so that rounding errors do not accumulate.
     [[nodiscard]] double next() const {
         if (cell_ == last_) return std::numeric_limits<double>::infinity();
         return std::clamp(((way_ > 0 ? cell_ + 1 : cell_) - from_) / way_, 0.0, 1.0);
@@ -48,7 +49,7 @@ class Crossings {
     double from_, way_, cell_, last_;
 };
 
-/// The least and the greatest cell; empty at first.
+/// Range from the least to the greatest cell; empty at first.
 struct Extent {
     double least = std::numeric_limits<double>::infinity();
     double greatest = -std::numeric_limits<double>::infinity();
@@ -59,9 +60,8 @@ struct Extent {
     [[nodiscard]] double length() const { return greatest - least + 1; }
 };
 
-/// The part of the piece within the window; false where there is none. Half a cell is left at either side, so
-/// that rounding of the cut cannot lose anything of the window's own cells; what falls outside is dropped
-/// when it is drawn.
+/// Clips the piece to the window plus half a cell on every side. Returns false if nothing is left. The margin
+/// keeps rounding from losing a part within the window; parts outside are dropped when the piece is drawn.
 bool clip(Piece& piece, const CellWindow& window) {
     double enter = 0, leave = 1;
     const dvec2 way = piece.to - piece.from;
@@ -85,7 +85,7 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.to = mix(whole.from, whole.to, leave);
     piece.value_from = whole.value_at(enter);
     piece.value_to = whole.value_at(leave);
-    // Far outside, mix has rounded off by more than the half cell: back to where the window's edge is.
+    // For ends far outside, the rounding of mix can exceed half a cell: they are clamped to near the window.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
         piece.to[axis] = std::clamp(piece.to[axis], low[axis] - 1, high[axis] + 1);
@@ -109,7 +109,7 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // One instant: the first point that is not before it.
+        // The exposure is one instant and gets the first point at or after it.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));
@@ -119,7 +119,7 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const PathPoint &a = points[i], &b = points[i + 1];
         if (!(b.time_s > open_s && a.time_s < close_s && b.time_s > a.time_s)) continue;
-        // What lies outside of the exposure is cut off.
+        // The parts of the piece before and after the exposure are cut off.
         const auto along = [&](double time_s) {
             return std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
         };
@@ -148,7 +148,7 @@ void check(std::span<const PathPoint> points, dvec2 origin_px, double open_s, do
     }
     for (const PathPoint& p : points) {
         const dvec2 cells = static_cast<double>(cells_per_px) * (p.at_px - origin_px);
-        // Written so that NaN fails.
+        // These comparisons are false for NaN.
         const bool near = std::abs(cells.x) <= farthest_cell && std::abs(cells.y) <= farthest_cell;
         if (!near || !std::isfinite(p.time_s)) {
             fail(ExitCode::wrong_arguments,
@@ -158,7 +158,7 @@ void check(std::span<const PathPoint> points, dvec2 origin_px, double open_s, do
     }
 }
 
-/// Refuses what would take memory or time without end.
+/// Refuses paths that would take too much memory or time.
 void require_reasonable(const Extent& x, const Extent& y, double crossings, int cells_per_px) {
     const double longest = std::max(x.length(), y.length());
     const double farthest = std::max({-x.least, x.greatest, -y.least, y.greatest});
@@ -219,8 +219,8 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
         for (;;) {
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
-            // Rounding may put a crossing a hair before the last one. Within a cell the light falls as in the
-            // middle of its time: exact for an even shutter.
+            // Rounding may put a crossing slightly before the previous one. A cell takes the value at the
+            // middle of its time, which is exact for constant transmission.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;

@@ -1,5 +1,5 @@
-// i2 of [potmesil1983]: the raster of a path over the exposure, the light that falls while it is at each
-// cell.
+// i2 of [potmesil1983]: raster of a path over the exposure. Each cell holds the light that arrives while the
+// path is in it.
 #pragma once
 
 #include <optional>
@@ -23,34 +23,34 @@ struct PathRaster {
     int cells_per_px = 1;
     std::vector<double> weight;  ///< row by row
 
-    /// The weight of cell (x, y), which lies in the window: x_begin <= x < x_begin + width, y likewise.
+    /// Weight of cell (x, y), which must lie in the window: x_begin <= x < x_begin + width, y likewise.
     [[nodiscard]] double at(int x, int y) const {
         return weight[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +
                       static_cast<std::size_t>(x - x_begin)];
     }
 };
 
-/// The longest side of a path's raster, cells, and how many borders of cells a path may cross.
+/// Largest side of a path's raster, cells, and largest number of borders of cells that a path may cross.
 inline constexpr double most_path_cells = 1'000'000;
 inline constexpr double most_path_crossings = 200'000'000;
 
-/// Cell (i, j) holds the share of the shutter's light during which the displacement (path minus `origin_px`,
-/// times cells_per_px, 1 or more) lies in [i - 1/2, i + 1/2) x [j - 1/2, j + 1/2). Exact for pieces of
-/// constant velocity: each is cut at the cells' borders, and a part weighs the difference of the shutter's
-/// accumulated light. The weights add up to 1. With open_s == close_s it is one cell of weight 1. The path
-/// stands still before its first and after its last point.
+/// Cell (i, j) holds the share of the shutter's light that arrives while the displacement (path minus
+/// `origin_px`, times cells_per_px >= 1) lies in [i - 1/2, i + 1/2) x [j - 1/2, j + 1/2). This is exact for
+/// pieces of constant velocity: each is cut at the cells' borders, and the weight of a part is a difference
+/// of the shutter's accumulated light. The weights sum to 1. With open_s == close_s there is one cell of
+/// weight 1. The path stands still before its first and after its last point.
 ///
-/// `keep`: only these cells count, what the path does outside is dropped, and the weights add up to the share
-/// of the light within; the raster is empty where that is nothing. A path of any length then takes a time
-/// bounded by its number of points times the window's width and height.
+/// `keep`: only these cells are computed, and the weights sum to the share of the light in them. The raster
+/// is empty if that is 0. A path of any length then takes a time bounded by its number of points times the
+/// window's width and height.
 ///
-/// `values`, one for each point, linear in time between them: a cell holds the integral of the value over the
-/// light that falls there, in place of the light alone.
+/// `values`: one per point, linear in time between them. A cell then holds the integral of the value over its
+/// light instead of the light.
 ///
-/// Throws Error(wrong_arguments) for times out of order, no point, places that are not finite or more than
-/// 1e13 cells away, a raster
-/// longer than `most_path_cells` or a path with more crossings than `most_path_crossings` (both after `keep`
-/// has cut it), Error(out_of_memory) for a raster that does not fit.
+/// Throws Error(wrong_arguments) for times out of order, for no points, for positions that are not finite or
+/// more than 1e13 cells away, for a raster longer than `most_path_cells` and for a path with more crossings
+/// than `most_path_crossings` (both after `keep` has clipped it). Throws Error(out_of_memory) for a raster
+/// that does not fit.
 [[nodiscard]] PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, double open_s,
                                    double close_s, const ShutterCurve& curve, int cells_per_px,
                                    const std::optional<CellWindow>& keep = std::nullopt,

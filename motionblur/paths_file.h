@@ -1,4 +1,4 @@
-// PATHS.toml, docs/motion_paths.md: the paths of moving things, given instead of those of the sample file.
+// Reads PATHS.toml (docs/motion_paths.md): paths of moving objects that replace those of the sample file.
 #pragma once
 
 #include <cstdint>
@@ -14,32 +14,32 @@
 
 namespace postlens {
 
-/// A larger file is refused before it is read.
+/// Largest size of the file, bytes. A larger file is refused before it is read.
 inline constexpr std::uintmax_t largest_paths_bytes = 256'000'000;
 
-/// Rigid motion in the scene's metres; at least one key, times grow.
+/// Rigid motion in scene coordinates, m: at least one key, in the order of increasing times.
 using RigidKeys = std::vector<TransformKey>;
 
-/// What moves, and how. Only differences count: at a time t a thing is moved by r'(t) - r'(time of the
-/// frame).
+/// A motion and the objects that it moves. Only differences matter: at time t an object is displaced by
+/// r'(t) - r'(time of the frame).
 struct ObjectPath {
-    std::vector<std::uint32_t> ids;    ///< 1 or more each, none twice
+    std::vector<std::uint32_t> ids;    ///< each is at least 1 and occurs once
     std::vector<std::string> objects;  ///< names in the sample file
     std::string source;                ///< "FILE:LINE" of the [[path]]
     std::variant<ScreenPath, RigidKeys> motion;
 };
 
-/// Throws Error(invalid_input) "FILE:LINE:COLUMN: ...", for what is no file "FILE: ...".
+/// Throws Error(invalid_input) "FILE:LINE:COLUMN: ...", or "FILE: ..." if `path` is not a regular file.
 [[nodiscard]] std::vector<ObjectPath> read_paths(const std::filesystem::path& path);
 
-/// The ids of each path, in the order of `paths`: its own and those of all ids that have its names. Throws
-/// Error(invalid_input) "FILE:LINE: ..." for an id or a name that `names` (name by id) does not have and for
-/// an id that two paths move.
+/// The ids that each path moves, in the order of `paths`: its own ids and all ids with its names. Throws
+/// Error(invalid_input) "FILE:LINE: ..." for an id or a name that `names` (name by id) does not contain and
+/// for an id that two paths move.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> resolve_ids(
     const std::vector<ObjectPath>& paths, const std::map<std::uint32_t, std::string>& names);
 
-/// The motion of the file's objects, with these paths in place of what it says of theirs. Throws as
-/// resolve_ids.
+/// Motion of the file's objects, of which `paths` replace the motion of their ids. Throws what resolve_ids
+/// throws.
 [[nodiscard]] FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>& paths);
 
 }  // namespace postlens

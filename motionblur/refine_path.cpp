@@ -11,11 +11,11 @@ namespace {
 
 using glm::dvec2;
 
-/// Points of each segment that Ceres looks at; the worst of the others are added as they are seen.
+/// Number of points per segment in the first least-squares problem. Each round adds the worst of the others.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 
-/// How far a segment is off at a point, in tolerances.
+/// Residual: difference of a segment from a point, in units of the tolerance.
 struct Distance {
     double time_s;
     dvec2 at_px;
@@ -35,7 +35,7 @@ struct Distance {
     }
 };
 
-/// Squares up to the tolerance, fourth powers beyond.
+/// Loss function: square of a residual up to the tolerance, fourth power beyond.
 class FourthPower : public ceres::LossFunction {
   public:
     void Evaluate(double s,
@@ -75,7 +75,7 @@ void solve(std::vector<PathKnot>& knots, std::span<const PathPoint> points,
             problem.SetParameterBlockConstant(time_s);
             continue;
         }
-        // Neighbours cannot meet.
+        // The bounds keep neighbouring knots apart.
         constexpr double leeway = 0.3;
         problem.SetParameterLowerBound(time_s, 0, *time_s - leeway * (*time_s - knots[k - 1].time_s));
         problem.SetParameterUpperBound(time_s, 0, *time_s + leeway * (knots[k + 1].time_s - *time_s));
@@ -91,7 +91,7 @@ void solve(std::vector<PathKnot>& knots, std::span<const PathPoint> points,
     ceres::Solve(options, &problem, &summary);
 }
 
-/// A place by the points at an instant.
+/// Position at an instant, interpolated between the points.
 dvec2 place_at(std::span<const PathPoint> points, double time_s) {
     const auto after = std::upper_bound(points.begin() + 1, points.end() - 1, time_s,
                                         [](double t, const PathPoint& p) { return t < p.time_s; });
@@ -121,7 +121,7 @@ double greatest_error_px(const ScreenPath& path, std::span<const PathPoint> poin
 
 std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::vector<double>& times_s,
                                   double tolerance_px) {
-    // Times as shares of the whole: Ceres' steps then have one scale.
+    // Times are scaled to 0..1, so that the solver's steps have one scale.
     const double begin_s = points.front().time_s, span_s = points.back().time_s - begin_s;
     std::vector<PathPoint> scaled;
     scaled.reserve(points.size());
@@ -146,7 +146,7 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
               round > 1);
         if (!is_path(knots)) break;
         const ScreenPath path(PathKind::bezier, knots, "--fit-paths");
-        // The worst point of each segment joins those that count.
+        // The worst point of each segment is added to the least-squares problem.
         std::vector<std::size_t> worst(knots.size() - 1, 0);
         std::vector<double> worst_px(knots.size() - 1, 0.0);
         for (std::size_t i = 0; i < scaled.size(); ++i) {
@@ -163,7 +163,7 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
             best = knots;
             best_px = error_px;
         }
-        // Hopeless, or at rest.
+        // The rounds end if the tolerance is reached or out of reach, or if the error no longer falls.
         if (error_px <= tolerance_px || (round >= 2 && (error_px > 8 * tolerance_px || gain > 0.995))) break;
         if (chosen.size() < scaled.size()) {
             for (std::size_t s = 0; s < worst.size(); ++s)

@@ -1,4 +1,4 @@
-// Knots moved until a path of Bezier curves follows points as well as so many knots can.
+// Optimises the knots of a path of Bezier curves so that it follows given points closely.
 #pragma once
 
 #include <span>
@@ -8,13 +8,14 @@
 
 namespace postlens {
 
-/// The greatest distance of the path from the points, px, at equal times.
+/// Largest distance of the path from the points at their times, px.
 [[nodiscard]] double greatest_error_px(const ScreenPath& path, std::span<const PathPoint> points);
 
-/// Moves places, handles and times of knots of a Bezier path, which stands at `times_s` (2 or more, the first
-/// and last those of the points, in growing order) at first: for a small greatest distance, until it is
-/// `tolerance_px` or less or nothing is gained. Distances count by their fourth power where they are above
-/// the tolerance, so that the largest lead. Returns the best that was seen.
+/// Finds positions, handles and times of the knots of a Bezier path such that its largest distance from the
+/// points is small. `times_s`: initial times of the knots, 2 or more in increasing order; the first and last
+/// are those of the points. Stops when the distance is at most `tolerance_px` or no longer falls. Distances
+/// above the tolerance count by their fourth power, so that the largest ones dominate. Returns the best knots
+/// found.
 [[nodiscard]] std::vector<PathKnot> refine_path(std::span<const PathPoint> points,
                                                 const std::vector<double>& times_s, double tolerance_px);
 

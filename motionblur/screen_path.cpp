@@ -44,7 +44,8 @@ void check(const std::vector<PathKnot>& knots, const std::string& source) {
     }
 }
 
-// Handles that make Bezier curves of it: a third of the time to the neighbour at the knot's velocity.
+// Computes the handles of the equal Bezier curve: the knot's velocity times a third of the time to the
+// neighbour.
 void lay_catmull_rom_handles(std::vector<PathKnot>& knots) {
     const std::size_t last = knots.size() - 1;
     for (std::size_t i = 0; i <= last; ++i) {
@@ -77,10 +78,11 @@ void require_order(double open_s, double close_s, double tolerance_px) {
     }
 }
 
-// A piece's test instants: none is the mirror image of another but for the middle, so that what turns or
-// returns between two samples symmetrically is still seen.
+// Instants of a piece, as shares of its time, at which it is tested. No two are symmetric about the middle,
+// so that a function that turns or returns symmetrically within a piece is still detected.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
-// A kink between two of them is off by up to 1 / 0.79 of what they see.
+// Share of the tolerance that the tests allow: the error at a kink between two test instants is up to 1 /
+// 0.79 times the error found there.
 constexpr double tested_tolerance = 0.75;
 
 }  // namespace
@@ -112,8 +114,9 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
     require_order(open_s, close_s, tolerance_px);
     std::vector<PathPoint> out{{open_s, at(open_s)}};
     if (open_s == close_s) return out;
-    // A chord of a curve with acceleration c (per square of the parameter) is off by at most c h^2 / 8. The
-    // acceleration of a cubic is linear, so its greatest value stands at an end of the segment.
+    // The error of a chord over a step h of the parameter is at most c h^2 / 8, with the curve's largest
+    // acceleration c (per square of the parameter). The acceleration of a cubic is linear, so that it is
+    // largest at an end of the segment.
     const auto acceleration = [&](std::size_t i) {
         const PathKnot &a = knots_[i], &b = knots_[i + 1];
         const dvec2 p0 = a.at_px, p1 = a.at_px + a.out_px, p2 = b.at_px + b.in_px, p3 = b.at_px;
@@ -137,7 +140,7 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
         const auto pieces = static_cast<int>(std::max(1.0, std::floor(thinning * pieces_of(i))));
         for (int p = 1; p <= pieces; ++p) {
             const double time_s = p == pieces ? end_s : begin_s + (end_s - begin_s) * p / pieces;
-            // Instants so near each other that rounding makes them one are one.
+            // Instants that are equal after rounding give one point.
             if (time_s > out.back().time_s) out.push_back({time_s, at(time_s)});
         }
     }
@@ -179,7 +182,7 @@ std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at, std:
                    tested_tolerance * tolerance_px;
         });
     };
-    // All pieces of one generation before the next: where the number of points runs out, it does so evenly.
+    // All pieces are halved once before any is halved again, so that the limit of points affects all alike.
     for (int halving = 0; halving < most_halvings && pieces.size() < most_path_points; ++halving) {
         std::vector<Piece> next;
         next.reserve(2 * pieces.size());

@@ -1,4 +1,4 @@
-// Where a moving thing is on the raster at each instant, and such motions as pieces of constant velocity.
+// Position of a moving object on the raster over time, and its approximation by pieces of constant velocity.
 #pragma once
 
 #include <cstddef>
@@ -10,28 +10,28 @@
 
 namespace postlens {
 
-/// The most knots that one path may have.
+/// Largest number of knots of a path.
 inline constexpr std::size_t most_knots = 100'000;
-/// Coordinates of knots and handles, px, and times, s, may be this large.
+/// Largest absolute values of the coordinates of knots and handles, px, and of times, s.
 inline constexpr double largest_path_coordinate_px = 1e12;
 inline constexpr double largest_path_time_s = 1e9;
-/// `flatten` gives about as many points at most: where that does not suffice, its tolerance is not kept.
+/// Approximate limit of the number of points from `flatten`. If it is too small, the tolerance is exceeded.
 inline constexpr std::size_t most_path_points = 1'000'000;
 
-/// What a path does between two knots:
+/// Motion between two knots:
 /// - polyline: constant velocity;
-/// - catmull_rom: a cubic in time whose velocity at a knot is that of the parabola through it and its
-///   neighbours, at the first and last knot that of the straight line to the next, for knots at any times;
-/// - bezier: time is linear in the curve's parameter, and the place is the cubic Bezier curve of at, at +
-/// out,
-///   next at + in, next at. So handles of a third of the way make constant velocity, and handles that are
-///   longer make it start and arrive faster.
+/// - catmull_rom: a cubic in time. Its velocity at a knot is that of the parabola through the knot and its
+///   neighbours, at the first and last knot that of the straight line to the neighbour. Knots may have any
+///   times;
+/// - bezier: the cubic Bezier curve of the points at, at + out, next at + in and next at, whose parameter is
+///   linear in time. Handles of a third of the distance give constant velocity. Longer ones give higher
+///   velocities at the knots.
 enum class PathKind { polyline, catmull_rom, bezier };
 
 struct PathKnot {
     double time_s = 0;
     glm::dvec2 at_px{0};
-    glm::dvec2 in_px{0}, out_px{0};  ///< bezier alone: handles, relative to at_px
+    glm::dvec2 in_px{0}, out_px{0};  ///< only of bezier: handles, relative to at_px
 };
 
 struct PathPoint {
@@ -39,24 +39,25 @@ struct PathPoint {
     glm::dvec2 at_px{0};
 };
 
-/// r'(t) of [potmesil1983]: a place on the raster, px, for every instant. Held still before the first and
-/// after the last knot.
+/// r'(t) of [potmesil1983]: a position on the raster, px, for every instant. It is constant before the first
+/// and after the last knot.
 class ScreenPath {
   public:
-    /// Still at 0.
+    /// A path that stays at (0, 0).
     ScreenPath();
-    /// Throws Error(invalid_input) that begins with `source` where there is no knot or more than
-    /// `most_knots`, where times do not grow, and where a number is not finite or too large.
+    /// Throws Error(invalid_input), with a message that begins with `source`, for no knots or more than
+    /// `most_knots`, for times that do not increase, and for numbers that are not finite or too large.
     ScreenPath(PathKind kind, std::vector<PathKnot> knots, const std::string& source);
 
     [[nodiscard]] glm::dvec2 at(double time_s) const;
-    /// Points between which the place is linear in time within `tolerance_px` (more than 0): both where the
-    /// path goes and how fast. The first is at open_s, the last at close_s (one point where they are equal).
+    /// Points between which the position is linear in time within `tolerance_px` (above 0), so that both the
+    /// shape and the speed of the path are kept. The first point is at open_s, the last at close_s; there is
+    /// one point if these are equal.
     [[nodiscard]] std::vector<PathPoint> flatten(double open_s, double close_s,
                                                  double tolerance_px = 0.01) const;
     [[nodiscard]] std::size_t knots() const { return knots_.size(); }
-    /// As given, but for the handles: those of catmull_rom are what makes it a Bezier curve, those of a
-    /// polyline are 0.
+    /// The given knots. The handles of catmull_rom are those of the equal Bezier curve; those of a polyline
+    /// are 0.
     [[nodiscard]] std::span<const PathKnot> knot_list() const { return knots_; }
     [[nodiscard]] PathKind kind() const { return kind_; }
 
@@ -65,10 +66,10 @@ class ScreenPath {
     std::vector<PathKnot> knots_;
 };
 
-/// The same for any function of time, e.g. the projection of a rigid motion. `breaks_s` are instants, in
-/// growing order, where its velocity may jump. Pieces are halved until the function agrees with them at five
-/// uneven instants, at most 20 times; at least 16 pieces are tried, and two between neighbouring breaks.
-/// `at` must give finite places. Deterministic.
+/// The same for any function of time, e.g. the projection of a rigid motion. `breaks_s`: instants, in
+/// increasing order, at which its velocity may jump. The function is sampled with at least 16 pieces, and two
+/// between neighbouring breaks. Pieces are halved, at most 20 times, until they agree with the function at
+/// five unevenly spaced instants. `at` must return finite positions. Deterministic.
 [[nodiscard]] std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at,
                                              std::span<const double> breaks_s, double open_s, double close_s,
                                              double tolerance_px = 0.01);

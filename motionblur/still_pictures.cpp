@@ -8,7 +8,7 @@
 namespace postlens {
 namespace {
 
-/// Adds one band of an instant's picture, weighted, where it shows none of the ids.
+/// Adds one band of an instant's image, weighted by `share`, in the pixels that are not `hidden`.
 void add_band(const SampleHeader& header, const RecordBand& band, double share,
               const std::vector<std::uint8_t>& hidden, std::vector<double>& sum,
               std::vector<double>& weight) {
@@ -29,7 +29,8 @@ void add_band(const SampleHeader& header, const RecordBand& band, double share,
 
 }  // namespace
 
-/// 1 where one of the four corners of the pixel, or a sample in it, shows one of the ids.
+// The four corners of a pixel are among the records of the pixel and of its right, lower and lower right
+// neighbours.
 std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
                                          const std::vector<std::uint32_t>& ids) {
     const auto width = static_cast<std::size_t>(header.width);
@@ -45,7 +46,7 @@ std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::
     };
     parallel_for(bands.size(), [&](std::size_t b) {
         const RecordBand& band = bands[b];
-        if (band.offsets.size() <= 1) return;  // not read, as it has none of what moves
+        if (band.offsets.size() <= 1) return;  // the band is not in memory, as nothing moves in it
         for (int y = std::max(0, band.y_begin); y < std::min(header.height, band.y_end - 1); ++y) {
             for (int x = 0; x < header.width; ++x) {
                 out[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] =

@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// Where less than so much of the picture stands still, what is still is no model of what is behind.
+/// If a smaller share of the image than this stands still, its static pixels do not serve as the background.
 constexpr double least_still_share = 0.01;
 
 void check(const VectorBlurSettings& s) {
@@ -29,8 +29,8 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// px by which patches may miss a pixel's way, and by which they overlap: less than the places that views
-/// look at lie from the sides of a pixel.
+/// Tolerance of the patches' positions, and overlap of the patches. The overlap is smaller than the distance
+/// of the views' sample positions from the sides of a pixel.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -54,7 +54,7 @@ PatchField views_of(const VectorFrame& frame, const PatchMesh& patches, const Ve
     return field;
 }
 
-/// By pixel: 1 where the picture stands still; nothing where next to nothing does.
+/// Per pixel, 1 where the image stands still, else 0. Empty if too little of the image stands still.
 std::vector<float> what_stands_still(const VectorFrame& frame) {
     std::vector<float> weight(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height),
                               1);
@@ -73,8 +73,8 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// Colours for what nothing is known of: from what stands still, or, where next to nothing does, from what
-/// the views do know there and around.
+/// Background colours for the unknown shares of pixels, from the static pixels around (`weight` 1). If
+/// `weight` is empty, the colours come from what the views show there and around.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {
@@ -110,7 +110,7 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // Gaps are then filled from all that the views know.
+        // Without static pixels, gaps are filled from the views of the whole image.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

@@ -1,4 +1,4 @@
-// Motion blur of a picture of another program by its motion vectors.
+// Motion blur of another program's image by its motion vectors.
 #pragma once
 
 #include "motionblur/motion_blur.h"
@@ -7,16 +7,17 @@
 namespace postlens {
 
 struct VectorBlurSettings {
-    Exposure exposure;  ///< in frames: 0 is the picture's own instant, 1 the next frame's
+    Exposure exposure;  ///< in frames: 0 is the instant of the image, 1 that of the next frame
     ShutterCurve curve = ShutterCurve::box();
-    std::optional<int> views;  ///< instants, 1..most_views; absent: by the longest way
+    std::optional<int> views;  ///< number of instants, 1..most_views; absent: from the longest displacement
     std::optional<Crop> crop;  ///< as in MotionBlurSettings
 };
 
-/// The light field over time, every pixel going straight on at its own speed. What it uncovers is not in the
-/// picture: it is filled from around and warned of ("uncovered"). With nothing that moves, and for an
-/// exposure at 0 alone, it is the picture, bit for bit. The same bits for any number of threads. Throws
-/// Error(wrong_arguments) for settings out of range and Error(out_of_memory).
+/// Light field over time, in which every pixel moves on a straight line at its own constant velocity.
+/// Surfaces that this uncovers are not in the image: they are filled from the pixels around, with the warning
+/// "uncovered". If nothing moves, or if the exposure is the instant 0, the result is the image, bit for bit.
+/// Same bits for any number of threads. Throws Error(wrong_arguments) for settings out of range and
+/// Error(out_of_memory).
 [[nodiscard]] MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings& settings);
 
 }  // namespace postlens

@@ -9,9 +9,9 @@
 namespace postlens {
 namespace {
 
-/// A way in which programs write motion vectors.
+/// Names of channels and scale of the vectors that a program writes.
 struct Convention {
-    std::string_view word;  ///< among the names; empty: any, in a file of their own
+    std::string_view word;  ///< name of the pass; empty: any pass, only in a separate file
     const char *u, *v;
     glm::dvec2 scale;
 };
@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 1> forward{"forward"}, vector{"vector"}, 
 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward[0], "u", "v", {1, -1}},
-                                // This frame's place minus the next one's, upwards.
+                                // Position in this frame minus that in the next one; W points upwards.
                                 {vector[0], "Z", "W", {-1, 1}},
                                 {motion[0], "x", "y", {1, 1}},
                                 {velocity[0], "x", "y", {1, 1}}};
@@ -42,7 +42,7 @@ VectorChannels named(const ForeignFile& file, const ChannelGroup& own, const Vec
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         const ForeignPart& part = file.parts()[i];
         if (!may_hold(file, i) || !part.has(u) || !part.has(v)) continue;
-        // The part of the colours, else one of their view, else any.
+        // The part of the colours is preferred, then one of the same view, then any.
         const auto better = [&](std::size_t one, std::size_t other) {
             const auto order = [&](std::size_t k) {
                 return std::pair(k != own.part, file.parts()[k].view != file.parts()[own.part].view);
@@ -83,7 +83,7 @@ std::optional<VectorChannels> find_vector_channels(const ForeignFile& file, cons
         for (std::size_t i = 0; i < file.parts().size(); ++i) {
             if (!may_hold(file, i)) continue;
             for (const std::string& name : file.parts()[i].channels) {
-                const std::size_t dot = name.rfind('.') + 1;  // 0 without one
+                const std::size_t dot = name.rfind('.') + 1;  // 0 without a dot
                 const std::string before = name.substr(0, dot), letter = name.substr(dot);
                 for (std::size_t k = 0; k < known.size(); ++k) {
                     const Convention& c = known[k];

@@ -1,4 +1,4 @@
-// Which channels of a picture of another program hold its motion vectors.
+// Finds the channels with the motion vectors in an image from another program.
 #pragma once
 
 #include <filesystem>
@@ -12,28 +12,28 @@ namespace postlens {
 
 struct VectorChoice {
     std::optional<std::pair<std::string, std::string>> channels;  ///< absent: found by well-known names
-    std::optional<glm::dvec2> scale;  ///< px to the right and px down that 1 stands for; absent: by the names
-    std::optional<glm::dvec2> offset;  ///< of what stands still; absent: 0
-    std::filesystem::path file;        ///< where the vectors have a file of their own; else empty
+    std::optional<glm::dvec2> scale;   ///< px to the right and down per unit; absent: from the names
+    std::optional<glm::dvec2> offset;  ///< value of pixels that stand still; absent: 0
+    std::filesystem::path file;        ///< separate file with the vectors; empty: none
 };
 
-/// Names of channels, both in one part. The way from this frame to the next, px to the right and down, is
-/// (value - offset) scale.
+/// Names of the two channels, which are in one part. The displacement from this frame to the next, px to the
+/// right and down, is (value - offset) * scale.
 struct VectorChannels {
     std::size_t part = 0;
     std::string u, v;
     glm::dvec2 scale{1, 1}, offset{0, 0};
-    std::string assumed;  ///< what is surmised about whose they are; empty: nothing
+    std::string assumed;  ///< what is assumed about the layer that they belong to; empty: nothing
 };
 
-/// Those that go with colours of the group `own` (match_group), of these, in this order where the layer
-/// decides nothing (docs/motion_vectors.md says what each is taken to mean):
-///   a pass forward, with .u and .v: v upwards
-///   a pass Vector, with .Z and .W: minus the way to the next frame, W upwards
-///   a pass motion, a pass velocity, with .x and .y: as `scale` 1,1
-/// In a file of their own also any x and y, u and v, or R and G. Absent where there are none of these;
-/// `other` then says whose they are that there are. Throws Error(invalid_input) where channels that are asked
-/// for are missing.
+/// Finds the vectors that belong to colours of the group `own` (match_group). If the layer does not decide,
+/// the first of these passes is used (docs/motion_vectors.md gives their meaning):
+///   forward, with .u and .v: v points upwards
+///   Vector, with .Z and .W: minus the displacement to the next frame; W points upwards
+///   motion or velocity, with .x and .y: `scale` 1,1
+/// In a separate file, x and y, u and v, or R and G of any name are found too. If nothing matches, the result
+/// is empty and `other` is the group of the vectors that the file has. Throws Error(invalid_input) if
+/// requested channels are missing.
 [[nodiscard]] std::optional<VectorChannels> find_vector_channels(const ForeignFile& file,
                                                                  const ChannelGroup& own,
                                                                  const VectorChoice& choice,

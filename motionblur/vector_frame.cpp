@@ -17,9 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float background_z = 1e9F;    ///< renderers write 1e9, 1e10 or infinity where a ray hits nothing
-constexpr double longest_vector = 1e6;  ///< px
-constexpr std::uint64_t most_pixels = 1U
-                                      << 29U;  ///< of both windows; four vertices each are counted in 32 bits
+constexpr double longest_vector = 1e6;  ///< largest accepted length of a vector, px
+/// Limit of the pixels of both windows: each has four vertices, which are counted in 32 bits.
+constexpr std::uint64_t most_pixels = 1U << 29U;
 
 class Reader {
   public:
@@ -59,7 +59,7 @@ class Reader {
         const std::size_t id_part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
         const ForeignChannels& c = colours_;
         list_.emplace(file_, c.part);
-        // Where another part stores nothing, nothing moves and nothing is near.
+        // Pixels that another part does not store stand still and are infinitely far.
         rgb_ = {list_->add(c.part, c.r, 0), list_->add(c.part, c.g, 0), list_->add(c.part, c.b, 0)};
         u_ = list_->add(vectors_.part, vectors_.u, static_cast<float>(vectors_.offset.x));
         v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));
@@ -88,13 +88,13 @@ class Reader {
              file_.name());
     }
 
-    /// Colours that have vectors: those asked for, or the first.
+    /// Finds colours and their vectors: the requested colours, or else the first, or those that have vectors.
     void find_channels(const VectorChoice& vectors, const ForeignChoice& choice) {
         colours_ = find_foreign_channels(file_, choice);
         std::optional<ChannelGroup> other;
         auto found = find_vector_channels(file_, group_of(colours_), vectors, other);
         if (!found && other && choice.layer.empty()) {
-            // The first colours have none: others have.
+            // The first colours have no vectors; `other` is the group that has some.
             if (const auto layer = layer_of(*other)) {
                 ForeignChoice with = choice;
                 with.layer = *layer;
@@ -126,7 +126,7 @@ class Reader {
         return channel_group(file_, c.part, c.layer, colour_words);
     }
 
-    /// What --layer would call the colours of a group.
+    /// Name by which --layer selects the colours of a group.
     [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
         for (std::size_t i = 0; i < file_.parts().size(); ++i) {
             const ForeignPart& part = file_.parts()[i];
@@ -141,7 +141,7 @@ class Reader {
         return std::nullopt;
     }
 
-    /// Ways that are stored in colours have their zero in the middle of them.
+    /// Warns of vectors that may be encoded as colours, of which 0.5 means no motion.
     void warn_of_offset(VectorFrame& out) const {
         if (vectors_.offset != glm::dvec2(0, 0) || out.pixels.empty()) return;
         std::size_t in_the_middle = 0;
@@ -186,7 +186,7 @@ class Reader {
             if (!(z >= 0)) refuse(list_->name(*z_), x, y, stored, "a depth of 0 or more");
             out.inverse_z = z == 0 || z >= background_z ? 0 : 1 / z;
         } else {
-            // Parallax: any growing function of the speed will do.
+            // Without depth, faster pixels count as nearer; any increasing function of the speed serves.
             out.inverse_z = 1 + std::hypot(out.right_px, out.down_px);
         }
         if (alpha_ && finite(alpha_) == 0) out.inverse_z = 0;

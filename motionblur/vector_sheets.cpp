@@ -12,12 +12,12 @@ namespace {
 constexpr float same_depth = 0.02F, same_vector_px = 2, same_vector_share = 0.1F, nearly_equal_px = 0.25F;
 
 constexpr int edge = SheetMesh::square_px;
-constexpr std::size_t values = 5;  ///< of a cell: 1/z' and W
+constexpr std::size_t values = 5;  ///< values per cell: 1/z' and the four of W
 
-/// Of a square of the raster, numbered from 0.
+/// Sheets of one square of the raster. Their indices start at 0 in each square.
 struct SquareSheets {
     std::vector<Sheet> sheets;
-    std::vector<std::uint32_t> cells;  ///< `fine` and `coarse`
+    std::vector<std::uint32_t> cells;  ///< SheetMesh::fine, which is equal to SheetMesh::coarse
     std::vector<CellPlane> planes;
     std::vector<Texel> texels;
 };
@@ -36,7 +36,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Cells, as cells of patches too, twice while they grow; and sheets of squares that are not stored.
+        // Memory of the cells of sheets and of patches, doubled since the arrays grow, and of the sheets of
+        // squares without stored pixels.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -58,12 +59,12 @@ class SheetMaker {
     }
 
   private:
-    /// The cells of a black square, which all squares share of which nothing is stored.
+    /// Adds the cells of a black square, which all squares without stored pixels share.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
         mesh_.texels.push_back({});
-        Sheet none;  // for the texel to belong to
+        Sheet none;  // the sheet to which the black texel belongs
         none.key.id = still_id;
         none.width = none.height = 0;
         mesh_.sheets.push_back(none);
@@ -90,8 +91,8 @@ class SheetMaker {
         }
         struct Cell {
             const VectorPixel* pixel = nullptr;
-            std::array<glm::vec2, 4>
-                velocity{};  ///< of its corners: up-left, up-right, down-left, down-right
+            /// Velocities of the corners: up-left, up-right, down-left, down-right.
+            std::array<glm::vec2, 4> velocity{};
             bool still = true, taken = false;
         };
         std::array<Cell, std::size_t{edge} * edge> cells;
@@ -111,7 +112,8 @@ class SheetMaker {
                 }
             }
         }
-        // A sheet is what hangs together, moves or not, and is as near as where it begins.
+        // A sheet is a connected set of cells that all move or all stand still, with depths close to that of
+        // its first cell.
         std::vector<glm::ivec2> open, found;
         for (int i = 0; i < edge * edge; ++i) {
             const Cell& first = cells[static_cast<std::size_t>(i)];
@@ -175,8 +177,8 @@ class SheetMaker {
         }
     }
 
-    /// Velocity of a corner of a pixel: the mean over those of the four around it that are one surface with
-    /// it. `dx`, `dy`: -1 or 1, the corner's side.
+    /// Velocity of a corner of a pixel: the mean over those of the four pixels around it that are one surface
+    /// with this pixel. `dx`, `dy`: -1 or 1, the side of the corner.
     [[nodiscard]] glm::vec2 corner(int x, int y, const VectorPixel& p, int dx, int dy) const {
         const auto joined = [&](const VectorPixel* a, const VectorPixel* b) {
             return a != nullptr && b != nullptr && one_surface(*a, *b, frame_.has_z);
@@ -185,7 +187,8 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // Summed from the upper left on, so that all who share the corner have the same bits.
+        // The sum always begins with the upper left pixel, so that all pixels at the corner get the same
+        // bits.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
         parts[j][i] = &p;
@@ -209,7 +212,7 @@ class SheetMaker {
                    cells = static_cast<std::uint32_t>(mesh_.fine.size()),
                    texels = static_cast<std::uint32_t>(mesh_.texels.size());
         for (Sheet s : square.sheets) {
-            if (!square.cells.empty()) s.first_cell += cells;  // else those of nothing
+            if (!square.cells.empty()) s.first_cell += cells;  // else the shared black cells, from 0 on
             mesh_.sheets.push_back(s);
         }
         for (const std::uint32_t c : square.cells)

@@ -1,4 +1,4 @@
-// A picture with motion vectors as sheets that move by themselves.
+// Turns an image with motion vectors into sheets whose cells have velocities.
 #pragma once
 
 #include "motionblur/vector_frame.h"
@@ -6,23 +6,24 @@
 
 namespace postlens {
 
-/// Ids of what `vector_sheets` makes.
+/// Ids of the sheets that `vector_sheets` makes.
 inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 
-/// Every pixel is a cell of one colour and one depth, since a pixel is the mean over its square: seen from
-/// places spread over the pixel, what stands still keeps its bits and an edge between pixels has the coverage
-/// that it should. Where four pixels meet, those that are one surface share the mean of their vectors, so
-/// that a surface that turns or grows has no cracks; the others part. Pixels of the display window that the
-/// file does not store are black, still and infinitely far.
+/// Every pixel becomes a cell of one colour and one depth, since a pixel is the mean over its square. With
+/// samples spread over the pixel, static pixels keep their bits and moving edges between pixels get the right
+/// coverage. At a pixel corner, those of the four pixels that are one surface share the mean of their
+/// vectors, so that a surface that rotates or grows has no cracks; different surfaces separate. Pixels of the
+/// display window that the file does not store are black, static and infinitely far.
 ///
-/// A cell's W is its velocity v, px per frame to the right and down, as (-v.x 0; -v.y 0): seen through the
-/// point (t, 0) of the lens (LensShift::lens_px) it lies where it is t frames after this one. Throws
+/// A cell's W holds its velocity v, px per frame to the right and down, as (-v.x 0; -v.y 0). The view from
+/// the lens point (t, 0) (LensShift::lens_px) therefore shows the cell at its position t frames later. Throws
 /// Error(out_of_memory).
 [[nodiscard]] SheetMesh vector_sheets(const VectorFrame& frame);
 
-/// Whether two neighbours are one surface. Depths within 2 % and vectors within 2 px or 10 % of the longer;
-/// or vectors within 0.25 px, whatever the depths: a floor near the horizon has steep depths and must not
-/// tear. Where both have ids these stand in for the depths. Without either the vectors decide.
+/// Whether two neighbouring pixels are one surface. Their vectors must agree within 2 px or 10 % of the
+/// longer one, and their depths within 2 %; equal ids replace equal depths if both pixels have an id. Without
+/// depths and ids only the vectors count. Vectors within 0.25 px suffice whatever the depths, which keeps a
+/// floor near the horizon, with its steep depths, in one piece.
 [[nodiscard]] bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z);
 
 }  // namespace postlens

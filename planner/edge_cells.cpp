@@ -10,9 +10,9 @@
 namespace postlens {
 namespace {
 
-/// Mean square of a step of the channels that no shading makes within a pixel: a tenth.
+/// Squared step (sRGB values, mean over channels) that shading does not exceed within a pixel: 0.1 squared.
 constexpr double least_edge = 0.01;
-/// Less is no step at all: a 255th.
+/// Squared step below which the corners count as equal: 1/255 squared.
 constexpr double least_step = 1.5e-5;
 
 }  // namespace
@@ -46,7 +46,7 @@ CellStep cell_step(const std::array<const CellCorner*, 4>& corners) {
         const double step = *high - *low, mixed = v[0] - v[1] - v[2] + v[3];
         out.square += step * step / 3;
         out.curvature_square += mixed * mixed / 3;
-        // The channel that differs most tells the sides apart.
+        // The channel with the largest step decides on which side of the edge a corner lies.
         if (step > widest) {
             widest = step;
             const double middle = (*low + *high) / 2;
@@ -96,10 +96,10 @@ double SpreadLight::error(double variance_share) const {
         return static_cast<double>(srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, light))) -
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
-    // There is more or less of it,
+    // An error of the amount of light changes the whole circle of confusion.
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
-    // and the middle of what there is lies elsewhere, which shows at the rim of the circle, the more the
-    // brighter it is.
+    // An error of the light's position moves the circle, which changes its rim. The brighter the light, the
+    // larger this error.
     const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
     constexpr int coverages = 8;
     double rim = 0;
@@ -113,8 +113,9 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // Even, or shading: a x^2 + b y^2 is off by (a + b) / 6; a and b are taken to be half of what the corners
-    // tell of x y.
+    // The cell is uniform or has smooth shading. For shading with the terms a x^2 + b y^2, the mean of the
+    // corners has the error (a + b) / 6. a and b are assumed to be half of the coefficient of x y, which the
+    // corners give.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

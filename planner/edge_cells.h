@@ -50,9 +50,9 @@ class SpreadLight {
   private:
     double area_ = 0;      ///< px^2
     double light_ = 0;     ///< radiance times px^2, brightest channel
-    double variance_ = 0;  ///< of that
-    double ground_ = 1;    ///< radiance beside it
-    double coc_px_ = 0;    ///< of the brightest
+    double variance_ = 0;  ///< variance of light_
+    double ground_ = 1;    ///< radiance beside the cells
+    double coc_px_ = 0;    ///< diameter for the brightest corner
     double brightest_ = 1;
 };
 /// The step between the corners up-left, up-right, down-left, down-right of a cell.
@@ -68,8 +68,8 @@ class PixelEdges {
 
   private:
     double upright_ = 0, level_ = 0;  ///< sums of area times step
-    double independent_ = 0;          ///< of cells without an edge, or across one that slants
-    double sum_ = 0;                  ///< area^2 step^2 of all cells with an edge
+    double independent_ = 0;          ///< squared error of the cells without an edge
+    double sum_ = 0;                  ///< sum of area^2 step^2 over the cells with an edge
     int slanted_ = 0;
 };
 

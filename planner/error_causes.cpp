@@ -18,15 +18,16 @@ namespace postlens {
 namespace {
 
 constexpr int views = 256;
-/// An error that is at most half as large without it is there because of it.
+/// A cause explains a pixel if removing it leaves at most half of the error: a quarter of the squared error.
 constexpr double explained = 0.25;
-/// Expected errors are good to an order of magnitude; that of the records' density is what cells that see an
-/// edge tell, and those beside them may hide any number.
+/// Smallest estimated squared error that counts as the cause, as a share of the pixel's squared error.
+/// Estimates are accurate to an order of magnitude. That of the record density has a smaller limit: it comes
+/// from cells whose corners show an edge, and cells beside them may hide more edges.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
 /// Share of a pixel's light that may be unknown by chance.
 constexpr float tolerated_unknown = 0.02F;
-/// Share of the error that no cheaper way explains, from which the scene is traced again to find out.
+/// Unexplained share of the squared error above which the scene is traced again.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
@@ -48,14 +49,14 @@ bool is_wrong(const Image& a, const Image& b, std::size_t pixel, double above) {
     return false;
 }
 
-/// The share of a pixel's light that may come from beyond the recorded margin: the part of the widest circle
-/// of confusion along the nearest sides that lies outside.
+/// Share of a pixel's light that may come from beyond the overscan: the part of the pixel's circle of
+/// confusion that lies outside. Its size is that of the largest circle along each side.
 class BeyondMargin {
   public:
     BeyondMargin(const SampleHeader& header, const FocusGeometry& geometry)
         : h_(header), geometry_(geometry) {}
 
-    /// Takes in records; several times the same ones do no harm.
+    /// Adds records. Adding a record twice changes nothing.
     void add(const RecordBand& band) {
         constexpr int side = 8;
         const int margin = h_.overscan_px;
@@ -79,7 +80,7 @@ class BeyondMargin {
     }
 
   private:
-    /// Of a disc, the part beyond a straight line.
+    /// Share of a disc beyond a straight line at a distance from the disc's centre.
     static double outside(double distance_px, double radius_px) {
         if (radius_px <= distance_px) return 0;
         const double t = std::clamp(distance_px / radius_px, 0.0, 1.0);
@@ -88,10 +89,10 @@ class BeyondMargin {
 
     const SampleHeader& h_;
     FocusGeometry geometry_;
-    double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  ///< widest radius along that side, px
+    double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  ///< largest radius of a CoC along each side, px
 };
 
-/// Means over the pixels within `radius_px` to each side.
+/// Means over squares of 2 radius_px + 1 px around each pixel.
 std::vector<float> box_means(const std::vector<float>& of, int width, int height, int radius_px) {
     std::vector<float> rows(of.size()), out(of.size());
     const auto at = [](int line, int next, int i, int step) {
@@ -114,10 +115,10 @@ std::vector<float> box_means(const std::vector<float>& of, int width, int height
     return out;
 }
 
-/// What it means that the light field is right where a picture is wrong.
+/// Cause of the error of a pixel that a light field with many views shows correctly.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
-        return ErrorCause::record_density;  // its own views were too few
+        return ErrorCause::record_density;  // the image had too few views
     if (request.view.focus.depth_model != DepthModel::ray_differentials) return ErrorCause::curvature_of_w;
     return moves ? ErrorCause::path_and_depth_correlated : ErrorCause::visibility;
 }
@@ -147,7 +148,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
                                                   {h.film_distance_mm, h.pixel_pitch_mm});
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // The light field of the records knows of order and, with a shutter, of instants.
+    // The light field of the records resolves visibility and, with a shutter, the motion.
     FieldFocusSettings by_field{
         geometry, read_aperture(v.focus.impulse), {0, h.width, 0, h.height}, views, {}, {}};
     if (moves) by_field.shutter = {v.motion, v.shutter->open_s, v.shutter->close_s, v.curve};
@@ -181,7 +182,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const auto finer_explains = [&](std::size_t k, double error) {
         return finer && squared_difference(*finer, reference, k) <= explained * error;
     };
-    // Tracing again is dear; little is left to explain in most pictures.
+    // Tracing again is expensive, and in most images little of the error remains unexplained.
     std::vector<ErrorTrial> trials;
     if (v.scene != nullptr) {
         double all = 0, left = 0;
@@ -218,15 +219,17 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // Other instants show what turned into view, and other colours of what was in view.
+            // Records of other instants show surfaces that rotated into view, but also other colours of
+            // surfaces that were visible. The colours are the cause if hardly any light was unknown.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {
-            // What is not recorded may differ from what is beside it as much as anything in the picture does.
+            // An unrecorded surface is assumed to differ from its surroundings by the local contrast, or by
+            // the mean contrast of the image if that is larger.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
                                                static_cast<int>(k / static_cast<std::size_t>(h.width)));
-            // What lies beyond the margin is unknown to the views as well.
+            // Light from beyond the overscan is also unknown to the views; it is subtracted.
             const double unknown =
                 std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));

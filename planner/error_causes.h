@@ -14,17 +14,16 @@ namespace postlens {
 enum class ErrorCause : std::uint8_t {
     none,            ///< the pixel is not wrong
     hidden_surface,  ///< the lens sees a surface that is not recorded
-    visibility,  ///< the surfaces are recorded, but the method mixes surfaces of which one hides the other
+    visibility,      ///< the method mixes recorded surfaces of which one hides the other
     curvature_of_w,  ///< nonlinear W: a reflected or refracted node is reprojected to a wrong position
     view_dependent_shading,     ///< no other cause: the radiance differs over the lens
-    path_and_depth_correlated,  ///< during the shutter an object moves through the focus or before a blurred
-                                ///< one
+    path_and_depth_correlated,  ///< an object moves through the focus or in front of a blurred object
     frame_edge,                 ///< light comes from beyond the overscan
     kernel_truncation,          ///< the number of depths or the size of kernels was limited
     record_density,             ///< edges are known to a quadtree cell only, or there are too few views
 };
 inline constexpr std::size_t error_causes = 9;
-/// "hidden-surface" and so on.
+/// Name of a cause, such as "hidden-surface".
 [[nodiscard]] std::string_view cause_name(ErrorCause cause);
 
 struct CauseRequest {
@@ -43,16 +42,14 @@ struct CauseMap {
 
 /// Finds the cause of each wrong pixel's error, in three steps.
 ///
-/// 1. Some causes can be removed: the image is made again with finer kernels (kernel_truncation) and by the
-/// light
-///    field with many views. The latter removes visibility, path_and_depth_correlated with an open shutter,
-///    record_density of a light field with fewer views, and curvature_of_w if another depth model than W was
-///    used. A pixel whose error falls to half or less has that cause.
+/// 1. Some causes can be removed: the image is made again with finer kernels (kernel_truncation), and by the
+///    light field with many views. The latter removes visibility, path_and_depth_correlated with an open
+///    shutter, record_density of a light field with fewer views, and curvature_of_w if another depth model
+///    than W was used. A pixel whose error falls to half or less has that cause.
 /// 2. With `view.scene`, if a tenth of the error remains, the scene is traced again (error_trials).
-/// 3. For other pixels the error of each remaining cause is estimated: hidden surfaces and light from beyond
-/// the
-///    overscan by the local contrast, nonlinear W by the radiance it moves, and the record floor. The largest
-///    is the cause if it is at least a tenth of the error; otherwise the cause is view-dependent shading.
+/// 3. For other pixels, the error of each remaining cause is estimated: hidden surfaces and light from beyond
+///    the overscan by the local contrast, nonlinear W by the radiance it moves, and the record floor. The
+///    largest is the cause if it is at least a tenth of the error; otherwise it is view-dependent shading.
 ///
 /// Throws what hybrid_picture throws. The images' size must be the file's.
 [[nodiscard]] CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& reference,

@@ -10,10 +10,10 @@
 namespace postlens {
 
 struct ErrorTrial {
-    ErrorCause cause;      ///< that is removed
-    Image image;           ///< by light field, same window as the file's
+    ErrorCause cause;      ///< cause that the trial removes
+    Image image;           ///< light field of the new records, in the window of the file
     bool decides = false;  ///< later trials remove more; they are not used for pixels that this one corrects
-    bool other_instants = false;  ///< adds recorded instants
+    bool other_instants = false;  ///< whether the trial adds recorded instants
 };
 
 /// Traces the file's scene as the file was traced, but with enough overscan for lens and shutter

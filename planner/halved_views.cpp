@@ -13,8 +13,9 @@
 namespace postlens {
 namespace {
 
-/// How many scrambles the pieces take turns in; fewer where things move, of which every view has its own
-/// places. Primes: along a row, a column or a diagonal as many pieces follow before one repeats.
+/// Number of scrambles that the pieces use in turn, and the step from one row of pieces to the next. Moving
+/// scenes use fewer, since every view has its own positions of the objects. The numbers are prime, so that a
+/// scramble repeats along a row, a column or a diagonal only after as many pieces.
 constexpr int scrambles = 61, scrambles_moving = 17, scrambles_down = 23;
 
 /// Linear interpolation of a pixel's values from `to` towards `from`, by `share`.
@@ -60,7 +61,7 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        std::set<std::pair<int, int>> spans;  // of a half's views, the first that is lacking and the end
+        std::set<std::pair<int, int>> spans;  // ranges [first, end) of the half's missing views
         for (std::size_t t = 0; t < views.size(); ++t) {
             const std::pair span{of_half(views_[t], half), of_half(views[t], half)};
             if (span.first < span.second) spans.insert(span);

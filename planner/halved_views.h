@@ -23,21 +23,21 @@ class HalvedViews {
     /// whose numbers differ by at least 128 share no set. Throws what hybrid_picture throws.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Draws the views that a tile of `grid()` still lacks to have `views[tile]` of them. Of an odd number
-    /// the first half has one more. Same bits for any number of threads.
+    /// Draws further views until each tile of `grid()` has `views[tile]` of them. If the number is odd, half
+    /// 0 has one more than half 1. Same bits for any number of threads.
     void draw(const std::vector<int>& views);
-    /// Redraws the tiles that are not 0 with rays only, and draws all their later views so.
+    /// Redraws the tiles whose entry in `tiles` is not 0 with rays only. All their later views are rays, too.
     void leave_to_rays(const std::vector<std::uint8_t>& tiles);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
     [[nodiscard]] const FocusGeometry& geometry() const { return by_field_.geometry; }
     [[nodiscard]] bool has_rays() const { return rays_ != nullptr; }
-    [[nodiscard]] const std::vector<int>& views() const { return views_; }                 ///< by tile
-    [[nodiscard]] const std::vector<std::uint8_t>& left_to_rays() const { return left_; }  ///< by tile
+    [[nodiscard]] const std::vector<int>& views() const { return views_; }                 ///< per tile
+    [[nodiscard]] const std::vector<std::uint8_t>& left_to_rays() const { return left_; }  ///< per tile
     /// Half 0 or 1, as drawn so far.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// The mean of all drawn views; the checks of both halves added.
+    /// Mean of all drawn views, with the sum of the checks of both halves.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:
@@ -58,7 +58,7 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// The mean of all views as the image of `crop`, with its shares and counts of rays; `stated` stays empty.
+/// Mean of all views, with the shares within `crop` and the counts of rays. `stated` stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

@@ -15,8 +15,8 @@
 namespace postlens {
 namespace {
 
-/// Pixels that records do not suffice for, the worst first, ties by place: of whose light too much is
-/// unknown, or misplaced.
+/// Pixels whose records are insufficient: too much of their light is unknown or misplaced. The worst come
+/// first, ties in the order of the pixels.
 std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vector<float>& misplaced,
                                         double tolerated, const std::optional<Crop>& crop) {
     std::vector<std::uint32_t> out;
@@ -33,11 +33,11 @@ std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vect
     return out;
 }
 
-/// Scattering costs about as much as so many views of the whole picture, so that it pays for few views only
-/// where it saves most of the picture.
+/// Scattering costs about as much as this many views of the whole image. With few views it is worth while
+/// only if it replaces most of the image.
 constexpr double scatter_costs_views = 200;
 
-/// What the records alone tell.
+/// Image from the records alone, without rays.
 HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     FieldFocusSettings by_field = field_settings(frame.file().header(), settings);
     const SampleFileReader& file = frame.file();
@@ -88,7 +88,7 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     return out;
 }
 
-/// With the scene: in two halves, so that their difference tells the noise.
+/// Image from records and rays into the scene, drawn in two halves whose difference measures the noise.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

@@ -34,9 +34,10 @@ struct HybridSettings {
 
 struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
-    /// Shares of the pixels of the image or its crop, without a scene.
+    /// Without a scene, share of the pixels of the image or its crop that are scattered.
     double scattered_share = 0;
-    double wanted_share = 0;    ///< whose records are insufficient
+    /// Without a scene, share of the pixels of the image or its crop whose records are insufficient.
+    double wanted_share = 0;
     double retraced_share = 0;  ///< share of the view samples of the image or its crop that are rays
     RayCounts rays;
     std::optional<StatedError> stated;  ///< with a scene and at least two views

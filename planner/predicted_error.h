@@ -10,8 +10,8 @@ namespace postlens {
 
 /// Squared errors of a tile: sRGB values, mean over the tile's pixels and the channels.
 struct PredictedTile {
-    double method_mse =
-        0;                 ///< of the image against the light field of its records with infinitely many views
+    /// Error of the image against the light field of its records with infinitely many views.
+    double method_mse = 0;
     double bound_mse = 0;  ///< bound of the error of unsure view samples (records_bound.h)
 };
 

@@ -15,10 +15,10 @@
 namespace postlens {
 namespace {
 
-/// As many as tell a share to a few hundredths.
+/// Number of views from which a pixel's share of unsure samples is known to a few hundredths.
 constexpr int views_that_tell = 16;
 
-/// Rays that nobody follows: what is left to them is what counts.
+/// Rays that are not traced. Only the share of view samples that would be rays is needed.
 class NoRays final : public SightRays {
   public:
     void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,
@@ -28,7 +28,7 @@ class NoRays final : public SightRays {
     [[nodiscard]] bool steady(NodePath /*path*/, std::uint32_t /*id*/) const override { return true; }
 };
 
-/// The darkest and the brightest of a picture's squares, channel by channel.
+/// Smallest and largest value per channel around each square of 8 x 8 px of an image, within `radius_px`.
 class Ranges {
   public:
     Ranges(const Image& image, double radius_px)
@@ -42,11 +42,11 @@ class Ranges {
                 for (std::size_t c = 0; c < 3; ++c) to[c].add(image.pixel(x, y)[c]);
             }
         }
-        // Across, then down.
+        // The squares' ranges are widened along rows, then along columns.
         widen(columns_, rows_, 1, columns_);
         widen(rows_, columns_, columns_, 1);
     }
-    /// Of a channel, around a pixel.
+    /// Difference of the largest and the smallest value of a channel around a pixel.
     [[nodiscard]] float span(int x, int y, std::size_t channel) const {
         const Bounds& b = ranges_[at(x / square, y / square)][channel];
         return b.high - b.low;

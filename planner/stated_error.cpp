@@ -16,7 +16,7 @@ std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
     return mix64(mix64(mix64(x) ^ y) ^ purpose);
 }
 
-/// d encoded / d linear; 0 where values are clamped.
+/// Derivative of the sRGB transfer curve; 0 where it clamps values.
 double slope(double linear) {
     if (!(linear >= 0) || linear >= 1) return 0;
     return linear <= 0.0031308 ? 12.92 : 1.055 / 2.4 * std::pow(linear, 1 / 2.4 - 1);
@@ -56,7 +56,7 @@ struct Mean {
         squares += value * value;
     }
     [[nodiscard]] double mean() const { return count > 0 ? sum / count : 0; }
-    /// Of the mean.
+    /// Variance of the mean.
     [[nodiscard]] double variance() const {
         return count > 1 ? std::max(0.0, squares / count - mean() * mean()) / (count - 1) : 0;
     }

@@ -35,8 +35,8 @@ struct StatedError {
     std::uint64_t check_rays = 0;
     [[nodiscard]] double mse() const { return noise_mse + bias_mse; }
     [[nodiscard]] double db() const;
-    [[nodiscard]] double low_db() const;   ///< of high_mse
-    [[nodiscard]] double high_db() const;  ///< of low_mse
+    [[nodiscard]] double low_db() const;   ///< PSNR of high_mse
+    [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
 };
 
 /// The error of the mean of `a` and `b`: images with as many views, of independent sets, and with their

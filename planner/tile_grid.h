@@ -39,9 +39,9 @@ struct TileGrid {
     }
 };
 
-/// Edge of a piece, px: a square with its own scrambled lens points. A power of two of at most a tile. The
-/// noise of the image is a mean over pieces whose errors are independent, so there are at least 2000 of them,
-/// unless they would be smaller than 4 px.
+/// Edge of a piece, px. A piece is a square with its own scrambled lens points; its edge is a power of two,
+/// at most that of a tile. The noise of the image is estimated as a mean over pieces with independent errors.
+/// There are therefore at least 2000 of them, unless they would be smaller than 4 px.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;

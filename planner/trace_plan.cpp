@@ -26,23 +26,23 @@
 namespace postlens {
 namespace {
 
-constexpr int coarser = 4;      ///< the look's pixels, in the trace's
-constexpr int look_levels = 2;  ///< so that its finest cells are pixels of the trace
+constexpr int coarser = 4;      ///< width of a preview pixel, in pixels of the trace
+constexpr int look_levels = 2;  ///< the finest cells of the preview are then pixels of the trace
 constexpr int most_levels = 6;
-/// Of the tiles, so many are to be at the target, and the picture as a whole.
+/// Share of the tiles that must reach the target, besides the whole image.
 constexpr double tiles_met = 0.9;
-/// New samples of a cell that is split: its centre and what of the middles of its sides is not there yet.
+/// Mean number of new samples when a cell is split: its centre and the midpoints of sides that have none yet.
 constexpr double samples_per_split = 3.5;
 
 using ByLevel = std::array<double, most_levels + 1>;
 
 struct Look {
-    double edge_pixels = 0;  ///< pixels of the trace that an edge crosses, beyond the frame too
+    double edge_pixels = 0;  ///< pixels of the trace that an edge crosses, including the overscan
     /// Squared error, summed over the pixels of each tile of the trace.
     std::vector<ByLevel> tiles;
-    TileGrid grid;                                ///< of the trace
-    double samples = 0, records = 0, hidden = 0;  ///< records: those of what is visible
-    double pixels = 0;                            ///< all that was looked at, in pixels of the trace
+    TileGrid grid;                                ///< tiles of the trace's image
+    double samples = 0, records = 0, hidden = 0;  ///< numbers of samples and of visible and hidden records
+    double pixels = 0;                            ///< area with overscan, in pixels of the trace
 };
 
 std::optional<FocusGeometry> geometry_of(const TraceSettings& s, const CameraModel& camera) {
@@ -60,9 +60,9 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
     out.grid = {h.width * coarser, h.height * coarser};
     out.tiles.resize(out.grid.count(), ByLevel{});
     FocusFrame frame(file);
-    // Circles of confusion as wide as the trace will have them; a cell of a pixel there is a quarter here.
+    // Circles of confusion are in pixels of the trace, which are cells of a quarter of a pixel here.
     constexpr double px = 1.0 / coarser;
-    const int last = file.y_end() - 1;  // a row of corners has pixels below it, the last one has none
+    const int last = file.y_end() - 1;  // the last row of samples has no pixels below it
     frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
         const int begin = rows.y_begin, end = std::min(rows.y_end, last);
         if (begin >= end) return;
@@ -87,14 +87,15 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 std::array<const CellCorner*, 4> at{};
                 for (std::size_t i = 0; i < 4; ++i) at[i] = &corners[leaf.corner[i]];
                 const CellStep step = cell_step(at);
-                // Of the four quarters of a cell an edge crosses some.
+                // Only pixels of the trace that an edge crosses count.
                 if (step.split == CellStep::Split::none) continue;
                 ++out.edge_pixels;
                 squares += step.square;
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
-                // At level L an edge crosses 2^L cells of 4^-L px^2.
+                // At level L an edge crosses 2^L cells of 4^-L px^2, so that the variance of the light is
+                // proportional to 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
                 for (int level = 0; level <= most_levels; ++level)
@@ -103,8 +104,9 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
-            // An edge crosses 2^L cells of a pixel, each with an area of 4^-L whose square its error goes
-            // with: those of one that runs along the cells add up, others do so as squares.
+            // At level L an edge crosses 2^L cells of a pixel, whose squared errors are proportional to the
+            // square of their area, 4^-L px^2. If the edge is parallel to the cells, the errors are equal and
+            // add up: 2^-2L. If it is slanted they are independent, and their squares add up: 2^-3L.
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -140,7 +142,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     coarse.camera.width = std::max(1, camera.width / coarser);
     coarse.camera.height = std::max(1, camera.height / coarser);
     coarse.subdivision.levels = look_levels;
-    coarse.seek_small_things = false;  // they are reckoned for the trace's own pixels below
+    coarse.seek_small_things = false;  // narrow objects are estimated below, for the pixels of the trace
     const ScratchFile look_file("look.exr");
     const auto start = std::chrono::steady_clock::now();
     const TraceResult traced = trace_to_file(scene, coarse, look_file.path());
@@ -149,7 +151,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const FocusGeometry geometry = geometry_of(asked, camera).value_or(FocusGeometry{});
     const Look look = look_at(file, geometry);
 
-    // Half of what the target allows, so that views have the other half.
+    // The records may cause half of the squared error that the target allows, the views the other half.
     const double most_mse = std::pow(10.0, -target_db / 10) / 2;
     out.levels = -1;
     for (std::size_t level = 0; level <= most_levels; ++level) {
@@ -167,17 +169,17 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     if (!out.met) out.levels = most_levels;
     out.floor_db = out.floors_db[static_cast<std::size_t>(out.levels)];
     out.settings.subdivision.levels = out.levels;
-    // Beyond the frame the trace is as wide in its own pixels as the look found.
+    // The overscan, in pixels of the trace, is what the preview found.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
     const SmallThings things(scene, camera, asked.time_s.value_or(scene.time_s), 0, camera.width, 0,
                              camera.height);
-    // Four cells to a split.
+    // A split adds four cells.
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
-    // Hidden surfaces are recorded as far as the lens reaches and for a margin of a few pixels, which are
-    // wider here.
+    // Hidden surfaces are recorded within the lens's reach beside an edge, plus a margin of a few pixels. The
+    // margin is wider in the preview, whose pixels are larger, so that its hidden records are scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
@@ -185,7 +187,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // Whatever lies behind is infinitely far away at most.
+        // 2 reach_px is the difference between the CoCs of the nearest surface and of one at infinity: no two
+        // surfaces differ by more.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

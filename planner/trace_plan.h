@@ -10,13 +10,13 @@
 namespace postlens {
 
 struct TracePlan {
-    TraceSettings settings;  ///< those given, with subdivision, hidden layers, overscan and keys chosen
-    int levels = 0;          ///< of subdivision
+    TraceSettings settings;  ///< given settings, with subdivision, hidden layers, overscan and keys chosen
+    int levels = 0;          ///< chosen levels of subdivision
     double floor_db = 0;     ///< expected record floor with these levels, as PSNR
     bool met = true;         ///< whether the record floor leaves room for the target
-    double records = 0;      ///< expected number
+    double records = 0;      ///< expected number of records
     double bytes = 0;        ///< expected size of the file
-    double seconds = 0;      ///< expected time, on this machine at its present load
+    double seconds = 0;      ///< expected time of the trace, on this machine at its present load
     std::vector<double> floors_db;  ///< record floor per level, from 0 on
     std::string text;               ///< the plan in one sentence, for the log
 };

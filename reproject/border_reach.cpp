@@ -77,7 +77,7 @@ void BorderReach::Side::widen(const TimeSpanViews& span, const LensReach& lens) 
         const auto begin = span.first.use->motions[cell.motion_class](from),
                    end = span.last.use->motions[cell.motion_class](from);
         if (!begin && !end) continue;
-        if (!begin || !end) {  // it passes the camera: anywhere
+        if (!begin || !end) {  // the cell passes the camera's plane, so it may be anywhere
             constexpr double far = 1e9;
             deepest_px = sideways_px = far;
             continue;
@@ -121,12 +121,12 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
         const double sample_along = side.across ? at.sample.y : at.sample.x,
                      sample_across = side.across ? at.sample.x : at.sample.y;
         for (std::ptrdiff_t i = first; i <= last; ++i) {
-            // What the first and last cells show goes on around the corner.
+            // Beyond the corners of the raster, the first and the last cell are assumed to continue.
             const auto k = static_cast<std::size_t>(std::clamp(static_cast<double>(i), 0.0, cells - 1));
             const Seen s = see(side, k, view, use);
             if (!s.any) continue;
             const double along = s.along + static_cast<double>(i - static_cast<std::ptrdiff_t>(k));
-            // A pixel to either side: what is cut need not go on at a right angle.
+            // One pixel more on either side, since the surface may continue at an angle to the border.
             const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
                       a1 = std::min(static_cast<int>(end - begin) - 1,
                                     static_cast<int>(std::floor(along + 1 - begin - sample_along)));

@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// A surface that the border of the records cuts may continue beyond it. It is assumed to do so at constant
+/// A surface at the border of the records may continue beyond it. It is assumed to continue at constant
 /// depth, the nearest that is recorded at the border there.
 class BorderReach {
   public:
@@ -37,18 +37,19 @@ class BorderReach {
     };
     /// One side of the raster.
     struct Side {
-        bool across = false;  ///< left or right, not top or bottom
-        bool after = false;   ///< right or bottom
-        int first = 0;        ///< raster px of its first cell, along it
-        double at = 0;        ///< raster px of the side
+        bool across = false;  ///< true: left or right side; false: top or bottom
+        bool after = false;   ///< true: right or bottom side
+        int first = 0;        ///< raster px of the first cell, along the side
+        double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        double deepest_px = 0, sideways_px = 0;  ///< how far any view may move it into the raster, and along
-        /// For a cell that lies so far from where it was recorded, or as much around that.
+        /// Largest displacement of a cell in any view: into the raster, and along the side.
+        double deepest_px = 0, sideways_px = 0;
+        /// Includes a cell that is displaced by `moved_px`, with a tolerance of `around_px`.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// For what moves.
+        /// Includes the moving cells in the views of a time span.
         void widen(const TimeSpanViews& span, const LensReach& lens);
     };
-    /// Where a view sees the middle of the side of cell `i`: along the side, and across.
+    /// Position in a view, raster px along and across the side, of the middle of cell `i` on the side.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

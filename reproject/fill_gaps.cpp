@@ -66,8 +66,8 @@ void push(const Level& coarse, Level& fine) {
 void fill_gaps(Image& image, const std::vector<float>& weight) {
     std::vector<Level> levels(1);
     levels[0] = {image.width, image.height, image.rgb, weight};
-    // What is known stays: a weight is yes or no on the finest level. What stands in a gap counts for
-    // nothing, were it not finite.
+    // On the finest level weights are 0 or 1, so known pixels keep their colours. Colours in gaps are set to
+    // 0, as they need not be finite.
     for (std::size_t i = 0; i < weight.size(); ++i) {
         const bool known = weight[i] > 0;
         levels[0].weight[i] = known ? 1.0F : 0.0F;

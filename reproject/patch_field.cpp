@@ -16,10 +16,10 @@
 namespace postlens {
 namespace {
 
-/// Two instants show one surface where ids agree and depths do within this share.
+/// Largest relative difference of 1/z' at which two instants with equal ids show the same surface.
 constexpr float same_depth = 0.02F;
 
-using Bins = std::vector<std::vector<std::uint32_t>>;  ///< by tile: patches that some view may have there
+using Bins = std::vector<std::vector<std::uint32_t>>;  ///< per tile, patches that some view may show there
 
 /// The patches of a tile, in drawing order.
 struct TilePatches {
@@ -37,9 +37,9 @@ struct Chain {
 /// The buffers of one thread.
 struct Workplace {
     SeenTile seen[2];
-    std::vector<TilePatches> primary, deeper;  ///< by instant
-    std::vector<std::vector<Chain>> chains;    ///< by instant: of `deeper`
-    std::vector<NodePath> paths;               ///< of all chains
+    std::vector<TilePatches> primary, deeper;  ///< per instant
+    std::vector<std::vector<Chain>> chains;    ///< per instant, the chains of `deeper`
+    std::vector<NodePath> paths;               ///< paths of all chains
     WantedPixels wanted;
     LightSums sum{};
     PixelList with_children;
@@ -55,7 +55,8 @@ struct Workplace {
         std::vector<double> weight;
         std::vector<std::array<float, 3>> radiance;
         LightSums sum{};
-        std::array<std::uint8_t, SeenTile::pixels> uses{};  ///< bits of a view's uses that are left to it
+        std::array<std::uint8_t, SeenTile::pixels>
+            uses{};  ///< per pixel, bits of the view's uses that are rays
     } traced;
     /// Checked view samples: the pixels per view, with repetitions; lines and the radiance of the records;
     /// residuals.
@@ -73,7 +74,7 @@ struct Workplace {
 /// Number of lines traced together: enough for efficient batches, few enough for the caches.
 constexpr std::size_t lines_together = 4096;
 
-/// A tile of thousands of views takes long enough to be cancelled within.
+/// Number of views between tests for cancellation, as a tile with thousands of views takes long.
 constexpr std::size_t views_between_looks = 64;
 
 class Field {
@@ -306,7 +307,7 @@ class Field {
         c.recorded.clear();
     }
 
-    /// Makes a share `weight` of a view sample a ray.
+    /// Replaces the share `weight` of a view sample by a ray.
     void leave_to_rays(const PatchView& v, const TilePlace& at, int x, int y, double weight,
                        Workplace& w) const {
         const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
@@ -326,7 +327,7 @@ class Field {
                !field_.instants[v.uses[u].instant].primary->unsure(texel);
     }
 
-    /// Makes view samples rays whose primary surface is unsure.
+    /// Replaces view samples by rays if their primary surface is unsure.
     void set_aside(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (int y = 0; y < at.height; ++y) {
             for (int x = 0; x < at.width; ++x) {
@@ -343,7 +344,7 @@ class Field {
         }
     }
 
-    /// Makes samples of one use rays whose reflected or transmitted nodes are unsure.
+    /// Replaces samples of one use by rays if their reflected or transmitted nodes are unsure.
     void set_aside_trees(const PatchView& v, std::size_t u, const TilePlace& at, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[u].instant].primary;
         for (int y = 0; y < at.height; ++y) {
@@ -429,7 +430,7 @@ class Field {
         if (trees_) gather_chains(tile, w);
     }
 
-    // All paths that may occur in the tile, so that views without them count as unknown.
+    // Collects all paths that may occur in the tile, so that views without them count as unknown.
     void gather_chains(std::size_t tile, Workplace& w) const {
         for (std::size_t i = 0; i < field_.instants.size(); ++i) {
             if (field_.instants[i].deeper == nullptr) continue;
@@ -686,12 +687,12 @@ class Field {
     const PatchField& field_;
     int columns_, rows_;
     std::vector<double> total_;     ///< weight of each set's views
-    glm::dvec2 farthest_px_{0};     ///< of the lens's points, by axis
-    double farthest_shift_px_ = 0;  ///< by which a view moves everything
+    glm::dvec2 farthest_px_{0};     ///< per axis, largest lens point, as LensShift::lens_px
+    double farthest_shift_px_ = 0;  ///< largest shift of a point at infinity in a view, px
     bool trees_ = false;
-    std::vector<std::vector<std::uint8_t>> marks_;  ///< by instant and primary sheet
-    std::vector<Bins> primary_, deeper_;
-    std::vector<BorderReach> borders_;  ///< by instant, where there are rays
+    std::vector<std::vector<std::uint8_t>> marks_;  ///< per instant and primary sheet
+    std::vector<Bins> primary_, deeper_;            ///< per instant
+    std::vector<BorderReach> borders_;              ///< per instant; empty without rays
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace postlens {
 /// The patches of one recorded instant.
 struct PatchInstant {
     const PatchMesh* primary = nullptr;
-    const PatchMesh* deeper = nullptr;  ///< of reflected and transmitted nodes; null: there are none
+    const PatchMesh* deeper = nullptr;  ///< patches of reflected and transmitted nodes; null: there are none
 };
 
 /// One view: up to two recorded instants, each reprojected to the view, and blended.
@@ -31,8 +31,8 @@ struct PatchView {
     };
     std::vector<Use> uses;  ///< one or two
     LensShift lens;         ///< applied after the motion
-    /// Whether the lens transmits light to the pixel (x, y) of the image; none: to all pixels. Others are
-    /// black.
+    /// Whether the lens transmits light to the pixel (x, y) of the image; pixels without light are black.
+    /// None: it transmits to all pixels.
     std::function<bool(int x, int y)> passes;
     // Members of SightLine, for sets with rays; `number` is its `view`.
     glm::dvec2 lens_point{0};
@@ -114,7 +114,7 @@ class Lights {
 /// that are rays anyway count as residual 0.
 struct PixelCheck {
     std::uint32_t views = 0, rays = 0;
-    std::array<double, 3> sum{};  ///< of the residuals of `views` views, scene-linear
+    std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
     [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
 };
 
@@ -142,8 +142,8 @@ struct PatchPicture {
     std::vector<std::uint8_t> touched;
 };
 
-/// Draws the sets into `out`, images of the field's size; pieces that no set draws keep their values. Same
-/// bits for any number of threads and for any grouping of sets into calls.
+/// Draws the sets into `out`, images of the field's size; pieces that no set draws keep their values. The
+/// result is bit-identical for any number of threads and for any grouping of sets into calls.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

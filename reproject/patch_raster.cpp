@@ -10,42 +10,44 @@
 namespace postlens {
 namespace {
 
-/// Less is seen from the edge and has no area.
+/// Smallest determinant of a patch's map. A patch with less is seen edge-on and has no area.
 constexpr double smallest_area = 1e-6;
 
-/// Samples that are looked up together: half as many where a patch is not wider.
+/// Number of samples of a row that are processed together; few_lanes if the patch covers no more samples of a
+/// row.
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
-/// Samples (i, j) of a tile that a patch may cover, and what they read. Sample i of a row lies at
-/// `first(j) + i * by` in the patch's own coordinates: however a row is cut, it is rounded alike.
+/// Samples (i, j) of a tile that a patch may cover, and the data that they read. Sample i of a row lies at
+/// `first(j) + i * by` in the patch's own coordinates, so that rounding does not depend on how a row is
+/// divided.
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
     glm::dvec2 from{0};    ///< raster px of the patch's corner
     int i0 = 0, count = 0, j0 = 0, j1 = 0;
     float by_x = 0, by_y = 0;
-    float width = 0, height = 0;  ///< of the patch
+    float width = 0, height = 0;  ///< size of the patch
     float overlap = 0;
-    float z = 0, z_x = 0, z_y = 0;  ///< inverse depth in its coordinates
+    float z = 0, z_x = 0, z_y = 0;  ///< inverse depth at the patch's corner, and its slopes by x and y
     const std::uint32_t* roots = nullptr;
     std::int32_t stride = 0;
     const std::uint32_t* nodes = nullptr;
     int depth = 0;
-    std::uint32_t mark = 0;  ///< of every texel
+    std::uint32_t mark = 0;  ///< bits that are added to every texel number
     [[nodiscard]] glm::vec2 first(int j) const { return back * (origin + glm::dvec2(i0, j) - from); }
     [[nodiscard]] std::size_t pixel(int j) const {
         return static_cast<std::size_t>(j) * SeenTile::edge + static_cast<std::size_t>(i0);
     }
 };
 
-/// Samples of a row: the cells that they read, where in those they lie, and their depths.
+/// Samples of a row: index of the cell, position in the cell, and inverse depth of each.
 struct Lanes {
     alignas(64) std::array<std::int32_t, most_lanes> cell;
     alignas(64) std::array<float, most_lanes> x, y, z;
 };
 
-/// Where a run draws to: SeenTile's, from some pixel on.
+/// The arrays of a SeenTile, from some pixel on.
 struct Seen {
     float* z;
     std::uint32_t* texel;
@@ -56,17 +58,16 @@ Seen seen_in(SeenTile& tile) {
     return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
 }
 
-/// 1 << n: shifts of lanes by different numbers are not in every instruction set.
+/// Element n is 1 << n. Not every instruction set can shift each lane by its own number of bits.
 alignas(64) constexpr std::uint32_t bit[most_lanes] = {
     1,       1U << 1, 1U << 2,  1U << 3,  1U << 4,  1U << 5,  1U << 6,  1U << 7,
     1U << 8, 1U << 9, 1U << 10, 1U << 11, 1U << 12, 1U << 13, 1U << 14, 1U << 15};
 
-// The following are parts of functions that are compiled for several instruction sets, and have to be inlined
-// for that.
+// The following functions are inlined into functions that are compiled for several instruction sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Samples [begin, begin + lanes) of a row that begins at `first`. Bits: those that lie in the patch and are
-/// nearer than what is there.
+/// Computes the samples [begin, begin + lanes) of a row that begins at `first`. Returns the bits of those
+/// that lie in the patch and are nearer than `there`, the inverse depths drawn so far.
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -82,7 +83,7 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
         const std::int32_t i = begin + n;
         const auto k = static_cast<float>(i);
         const float x = first.x + by_x * k, y = first.y + by_y * k;
-        // Above 0 the conversion rounds down.
+        // For values of 0 or more the conversion rounds down.
         const auto ix = static_cast<std::int32_t>(std::min(std::max(x, 0.0F), x_last)),
                    iy = static_cast<std::int32_t>(std::min(std::max(y, 0.0F), y_last));
         const float mine = std::max(z + z_x * x + z_y * y, 0.0F);
@@ -97,7 +98,7 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Bits of the samples that are wanted in `id`.
+/// Bits of the samples whose wanted parent is `id` (WantedPixels::in).
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;
@@ -106,7 +107,7 @@ POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::u
     return found;
 }
 
-/// Down the quadtree that a sample lies in.
+/// Descends a quadtree from `node` to the leaf that contains the position (x, y), 0 to 1 within the cell.
 POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x, float y) {
     for (int level = 0; level < run.depth && (node & SheetNode::leaf) == 0; ++level) {
         x *= 2;
@@ -119,8 +120,8 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws those samples that are `found` and have something. One by one, since reading sixteen places at once
-/// is no faster, and half of them are not there.
+/// Draws the samples with a bit in `found` whose leaf is not empty. One by one, since a SIMD gather of
+/// sixteen is no faster, and about half of the bits are 0.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));
@@ -179,7 +180,7 @@ POSTLENS_MULTIVERSION void draw_rows_in(const Run& run, const std::uint32_t* in,
     }
 }
 
-/// The part of a tile that has some pixels, which are added row by row.
+/// Bounding box of some pixels of a tile, which are added row by row.
 class PartOfPixels {
   public:
     void add(int x, int y) {
@@ -194,7 +195,7 @@ class PartOfPixels {
     TilePart part_{SeenTile::edge, 0, 0, 0};
 };
 
-/// The samples of a tile's part that a patch may cover; nothing where there are none.
+/// The samples of a tile's part that a patch may cover; none if there are no such samples.
 std::optional<Run> run_of(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place,
                           const TilePlace& tile, const TilePart& part) {
     const RasterRect rect = covered(patch, place);
@@ -260,7 +261,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // Whole rows: patches are drawn from the left on.
+        // Clears whole rows, because draw_patch_in also tests samples to the left of the part.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -289,7 +290,7 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
-    // Not from its x_begin on: where a run begins decides how its places are rounded.
+    // Begins at the tile's left border and not at x_begin, because rounding depends on where a run begins.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

@@ -45,7 +45,7 @@ struct SeenTile {
 
 /// Position of a tile on the raster, the pixels in use, and the sample position within each pixel.
 struct TilePlace {
-    int x = 0, y = 0;                                     ///< raster px of the first
+    int x = 0, y = 0;                                     ///< raster px of the first pixel
     int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
     glm::dvec2 sample{0.5};                               ///< px
 };
@@ -93,36 +93,39 @@ class PixelBlocks {
     std::uint64_t blocks_ = 0;
 };
 
-/// Draws a patch where it has been placed. Of surfaces at one pixel the nearest stays, of equals the first
-/// drawn. A patch that is turned over is not drawn: its other side was not recorded.
+/// Draws a patch at `place`. In each pixel the nearest surface stays; of equally near ones, the first drawn.
+/// A patch that shows its back is not drawn, because its back is not recorded.
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// Where something is wanted that is seen in a mirror or glass, and in which.
+/// The pixels that need a reflected or transmitted node, and the objects that show it.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
-        in{};       ///< the id it is seen in, where it is wanted
-    TilePart part;  ///< that has all of them; empty: it is wanted nowhere
+        in{};       ///< per pixel that needs a node, id of the object that shows it
+    TilePart part;  ///< bounding box of these pixels; empty: no pixel needs a node
     PixelBlocks blocks;
-    /// Whether it is also wanted where what it would be seen in is missing; `in` there is in_gap of the id.
+    /// Whether pixels need a node whose parent is missing. There `in` is in_gap of the id of the nearest
+    /// ancestor that is seen.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
 
-/// Where `in`, of `in_mesh`, has a child of the bounces `bounce` (child_bit) that is to be drawn, within a
-/// `part` that has all that it has of children: into `wanted`. `out` is cleared there; elsewhere in the
-/// part's rows what is nearer than everything keeps all from being drawn. `around`: where `in` itself is
-/// wanted and missing, the id of what it is wanted in, and so the child may be there as well; none: it is
-/// not.
+/// Writes to `wanted` the pixels of `part` in which a node of `in`, with texels of `in_mesh`, has a child of
+/// the bounces `bounce` (child_bit) that is drawn for itself. `part` must contain all pixels with such
+/// children. Clears `out` in these pixels; the other pixels in the part's rows get an infinite inverse depth,
+/// so that nothing is drawn there. Where `in` needs a node but misses it, its child may still be seen:
+/// `around` returns the id of the missing node's nearest ancestor that is seen. Without `around`, such pixels
+/// are not wanted.
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// The part of a tile where what is seen has children that are to be drawn.
+/// Bounding box of the pixels of a tile whose surface has child nodes that are drawn for themselves.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// The same of what is seen in a mirror or glass, only where it is wanted, in the sheet's parent. Turned over
-/// or not; but not where it is torn apart, a pixel to more than `largest_torn_px`. In gaps only what is
-/// not bent. `out` as find_wanted has made it.
+/// As draw_patch, for a patch of reflected or transmitted nodes: draws it only in pixels that need a node
+/// shown by the sheet's parent object. A mirrored patch is drawn as well, but none that is stretched to more
+/// than `largest_torn_px` per raster px. Where the parent is missing (WantedPixels::any_gaps), a `bent` patch
+/// is not drawn. `out`: as find_wanted leaves it.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

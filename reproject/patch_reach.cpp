@@ -8,14 +8,14 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     const glm::dvec2 corner = mesh.corner(patch);
     const double half_x = patch.width / 2.0, half_y = patch.height / 2.0;
     const bool has_w = mesh.sheets->has_w();
-    // Rows of W, entry by entry, with its slopes.
+    // The entries of W, each with its slopes.
     const CellPlane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
                              &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
     const auto middle = [&](const CellPlane& w) {
         return static_cast<double>(w.value) + static_cast<double>(w.x) * half_x +
                static_cast<double>(w.y) * half_y;
     };
-    // |slopes by x and y| times how far they reach from the middle.
+    // Largest deviation from the value at the patch's centre: |slope| times half the extent, along each axis.
     const auto stretch = [&](const CellPlane& w) {
         return std::abs(static_cast<double>(w.x)) * half_x + std::abs(static_cast<double>(w.y)) * half_y;
     };
@@ -26,7 +26,7 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     out.xy = static_cast<float>(middle(xy));
     out.yx = static_cast<float>(middle(yx));
     out.yy = static_cast<float>(middle(yy));
-    // Beside the pixels that neighbours overlap by, what floats may be off: some of their last digits.
+    // A margin for the overlap of neighbouring patches, and for the rounding error of float.
     const auto margin = [&](double at, float by_x, float by_y) {
         return 0.25 + 1e-6 * (std::abs(at) + shift_px + std::abs(static_cast<double>(by_x)) * farthest_px.x +
                               std::abs(static_cast<double>(by_y)) * farthest_px.y);

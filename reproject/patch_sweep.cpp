@@ -72,7 +72,7 @@ void PatchSweep::add_span(const PatchMesh& mesh, const Patch& patch, std::size_t
     const RasterRect first = lies(span.first), last = single ? first : lies(span.last);
     const auto any = [](const RasterRect& r) { return r.x_min <= r.x_max; };
     if (!any(first) && !any(last)) return;
-    if (any(first) != any(last)) {  // it passes the camera: anywhere
+    if (any(first) != any(last)) {  // the patch passes the camera's plane, so it may be anywhere
         constexpr double far = 1e9;
         out.add({-far, far, -far, far});
         return;

@@ -38,7 +38,7 @@ class PatchSweep {
     static void add_span(const PatchMesh& mesh, const Patch& patch, std::size_t motion, const Box& box,
                          const TimeSpanViews& span, RasterRect& out);
     const PatchField& field_;
-    std::vector<Box> boxes_;  ///< by instant
+    std::vector<Box> boxes_;  ///< per instant
 };
 
 }  // namespace postlens

@@ -10,14 +10,16 @@
 namespace postlens {
 namespace {
 
-/// Of the blur: by which a patch's plane may miss a cell's place at the rim of the lens.
+/// Largest error of a cell's position at the lens's rim, as a share of the CoC radius.
 constexpr double exact_share = 0.02;
-/// Of its depth: what was hidden is taken to be no farther by more.
+/// Largest Patch::back_per_m of a hidden patch, as a share of its 1/z'.
 constexpr double most_back = 0.02;
-/// px, half width of the blur from which cells may be even squares: they add 1/12 px^2 to a variance of 9.
+/// Smaller semi-axis of the CoC, px, from which cells are uniform squares (SheetMesh::coarse): these add 1/12
+/// px^2 to the blur's variance of 9 px^2.
 constexpr double coarse_from_px = 6;
 
-/// Least squares over the cells of a patch, around the patch's corner: four places within each cell.
+/// Least-squares planes over the cells of a patch, with origin at the patch's corner. Each cell counts at
+/// four positions.
 template <std::size_t values>
 class Fit {
   public:
@@ -46,7 +48,7 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// The largest difference of any value from the cell's own.
+    /// The largest difference of a fitted value from the cell's own plane.
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         each(x, y, planes, [&](double px, double py, const std::array<double, values>& v) {
@@ -64,7 +66,8 @@ class Fit {
     }
 
   private:
-    static constexpr std::size_t first_moving = values == 1 ? 0 : 1;  ///< with W, z' only orders
+    static constexpr std::size_t first_moving =
+        values == 1 ? 0 : 1;  ///< with W, 1/z' has no effect on positions
     template <typename Visit>
     void each(int x, int y, const CellPlane* planes, const Visit& visit) const {
         for (const double oy : {-0.25, 0.25}) {
@@ -152,7 +155,7 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // With W a motion is that of what it is seen in: its depth puts nothing anywhere.
+        // A sheet with W moves with the object that shows it, so its own depth has no effect on its position.
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -174,7 +177,7 @@ class Cutter {
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
             if constexpr (values == 5) {
-                // Infinity is bent for any lens.
+                // An infinite error counts as nonlinear for every lens, also if bend_px_m2 is 0.
                 const auto bend = static_cast<double>(sheets_.bends[k]);
                 p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
             }
@@ -183,7 +186,7 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // No farther than a share of its depth, for lenses that tell no depths apart.
+            // Limited to a share of its depth, since `within` has no bound for a very small aperture.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -211,7 +214,7 @@ double PatchLens::least_blur_px(const Mat2& w) const {
     // The smaller singular value of I/s - W.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
-    // Not std::hypot: nothing overflows here, and every cell is asked.
+    // Not std::hypot, which is slower: nothing overflows here, and this is computed for every cell.
     const double sum = std::sqrt((a + d) * (a + d) + (b - c) * (b - c)),
                  difference = std::sqrt((a - d) * (a - d) + (b + c) * (b + c));
     return radius_px_m * std::abs(sum - difference) / 2;
@@ -266,7 +269,7 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
         out.inverse_z = {static_cast<double>(p[0].value), static_cast<double>(p[0].x),
                          static_cast<double>(p[0].y)};
     } else {
-        // First order around the middle, with the depth that the plane has there.
+        // First-order map around the patch's centre, at the depth of the plane there.
         const glm::dvec2 half(patch.width / 2.0, patch.height / 2.0), slope(p[0].x, p[0].y);
         const RasterPoint middle{corner.x + half.x, corner.y + half.y,
                                  static_cast<double>(p[0].value) + glm::dot(slope, half)};

@@ -16,7 +16,7 @@
 
 namespace postlens {
 
-/// Upper bounds over several motions.
+/// Upper bounds of the distortion of a part of a sheet over several motions.
 struct MotionStrain {
     double px_m = 0;     ///< RasterTangent::by_depth
     double bend_px = 0;  ///< RasterTangent::bend_px
@@ -32,7 +32,8 @@ struct PatchLens {
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
     double exact_px = 0.1;  ///< largest error of a cell's position in a view, px; larger where it is blurred
-    /// A patch extends by this beyond its sides, px, so that neighbours with different planes leave no crack.
+    /// Distance, px, by which a patch is drawn beyond its sides, so that neighbours with different planes
+    /// leave no crack.
     double overlap_px = 0.02;
     /// Upper bounds of the motion of a part of a sheet over all views; none: nothing moves. `middle`, `slope`
     /// and `reach` are the arguments of RasterMap::tangent.

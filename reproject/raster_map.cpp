@@ -21,7 +21,7 @@ std::vector<double> times_of(const std::vector<TransformKey>& keys) {
 
 RasterMap through_lens(const RasterMap& motion, const LensShift& lens) {
     if (lens.none()) return motion;
-    // Columns: of x, y, 1 and 1/z'.
+    // The columns multiply x, y, 1 and 1/z'.
     dmat4 shift(1);
     const glm::dvec2 still = lens.inverse_focus_per_m * lens.lens_px + lens.offset_px;
     shift[2][0] = still.x;
@@ -36,7 +36,7 @@ dmat4 camera_from_raster(const SampleHeader& h) {
     const double scale =
         perspective ? h.pixel_pitch_mm / h.film_distance_mm : h.pixel_pitch_mm * 1e-3;  // tangent or m per px
     const double x0 = -0.5 * h.width * scale, y0 = 0.5 * h.height * scale;
-    // Perspective: (x, y, 1, 1/z) to the point times 1/z; orthographic: (x, y, z, 1) to the point.
+    // Perspective: maps (x, y, 1, 1/z) to the point times 1/z. Orthographic: maps (x, y, z, 1) to the point.
     return perspective
                ? dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(x0, y0, -1, 0), dvec4(0, 0, 0, 1))
                : dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(0, 0, -1, 0),
@@ -59,8 +59,8 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
                                                 const glm::dvec2& reach) const {
     const bool perspective = projection_ == Projection::perspective;
     if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
-    // A homogeneous point and its derivatives by x and y. With z' in its third place a step of 1/z' is one of
-    // -z'^2.
+    // A homogeneous point and its derivatives by x and y. In an orthographic point, whose third coordinate is
+    // z', a change of 1/z' by d is one of z' by -z'^2 d.
     const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
     const glm::dmat4& m = m_;
     const dvec4 depth = perspective ? m[3] : m[2];

@@ -6,10 +6,11 @@
 namespace postlens {
 namespace {
 
-/// A surface that slopes more than this against the film, as tangent, is taken for two, one behind the other.
+/// Largest slope of a surface against the film, as a tangent. Samples with a larger slope between them lie on
+/// two surfaces, one behind the other.
 constexpr double steepest_slope = 40;
 
-/// The surface that the nodes of a place and layer make. False without a primary node.
+/// Combines the nodes of one sample and layer into a surface. Returns false if there is no primary node.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
@@ -30,7 +31,8 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // Slope: depth over width, both at the nearer end; dz / z = relative step of 1/z, width = z tan.
+    // The slope is depth difference over width, at the nearer end: dz / z is the relative difference of 1/z,
+    // and the width is z times the tangent.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -43,9 +45,9 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// Calls take(sample, first, last) for the runs of records that share sample and layer: of each sample that
-/// of layer 0, then those of the deeper layers, by growing layer. Layers at places without a point sample of
-/// layer 0 are left out.
+/// Calls take(visible, first, last) for each run of records that share a sample and a layer, and done() after
+/// each sample. `visible` is the sample's first record of layer 0. Layer 0 comes first, then the deeper ones
+/// in ascending order. Records at positions without a point sample of layer 0 are skipped.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -59,7 +61,8 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     const Record* records = band.records.data();
     for (std::size_t k = 0; k < pixels; ++k) {
         const std::uint32_t begin = points.offsets[k], end = points.offsets[k + 1];
-        // Behind the records of layer 0 come those of the deeper layers, each by (y, x) again.
+        // The records of layer 0 are followed by those of the deeper layers. Within a layer, they are sorted
+        // by (y, x).
         const PointSample& last = points.samples[end - 1];
         const Record* r = records + last.first_record + last.record_count;
         const Record* pixel_end = records + band.offsets[first_pixel + k + 1];
@@ -89,7 +92,7 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     }
 }
 
-/// The node of a run that has this path; null where there is none.
+/// The node of a run that has this path; null if there is none.
 const Record* node_at(const Record* first, const Record* last, NodePath path) {
     const Record* found = std::lower_bound(
         first, last, path, [](const Record& r, NodePath p) { return r.path.bits() < p.bits(); });
@@ -112,7 +115,8 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
 
 namespace {
 
-/// The nodes of a run, by path, each with the place of its parent in the run: its own place without one.
+/// Finds, for each node of a run, the index of its parent in the run; its own index if the parent is not in
+/// the run.
 void find_parents(const Record* first, const Record* last, std::vector<std::uint32_t>& parents) {
     const auto count = static_cast<std::uint32_t>(last - first);
     parents.resize(count);
@@ -123,7 +127,7 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     }
 }
 
-/// W of a node: what is seen directly has its depth's.
+/// W of a node. A primary node has W = I / z'.
 Mat2 w_of(const Record& r) {
     return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
 }
@@ -134,7 +138,7 @@ float departure(const Mat2& a, const Mat2& b) {
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Tells each node of a run what goes on from it: its parent, and that one's, and so on.
+/// Adds each node of a run to the `below` and `strays` of all its ancestors.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {
@@ -178,7 +182,7 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
         band, points, y_begin,
         [&](const Record* visible, const Record* first, const Record* last) {
             const bool own_tree = first->path.bits() == 0;
-            if (own_tree && last == first + 1) {  // by far the most
+            if (own_tree && last == first + 1) {  // by far the most frequent case
                 primary.nodes.push_back(surface(*first));
                 return;
             }
@@ -200,7 +204,7 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
                 }
                 const Record* seen_in = parents[i] != i ? first + parents[i] : nullptr;
                 if (seen_in == nullptr && !own_tree) {
-                    const Record* end = visible;  // the tree of layer 0 ends where its place or layer does
+                    const Record* end = visible;  // end of the tree of layer 0: the next position or layer
                     while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
                     seen_in = node_at(visible, end, r.path.parent());
                 }

@@ -56,8 +56,8 @@ struct SampleSurfaces {
 /// primary node.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
-/// The nodes of some point samples: sample i has [offsets[i], offsets[i + 1]), the nearest layer first, in
-/// each by path.
+/// The nodes of some point samples: sample i has [offsets[i], offsets[i + 1]), the nearest layer first, and
+/// within a layer sorted by path.
 struct SampleTrees {
     std::vector<TreeSurface> nodes;
     std::vector<std::uint32_t> offsets;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int edge = SheetMesh::square_px;
 constexpr std::uint32_t none = 0xFFFFFFFFU;
-/// Where a file has no subdivision, and names no contrast for it.
+/// Contrast threshold for files that state none, because `trace` did not divide pixels.
 constexpr float usual_contrast = 0.1F;
 
 }  // namespace
@@ -78,11 +78,11 @@ void SheetBuilder::add_leaf(const Leaf& leaf, int cell) {
         simple = simple && trees_.offsets[leaf.corner[k] + 1] == begin[k] + 1 &&
                  keys_.of_node[begin[k]] == keys_.of_node[begin[0]];
     }
-    if (simple) {  // by far the most
+    if (simple) {  // by far the most frequent case
         add_group(keys_.of_node[begin[0]], begin, x, y, leaf.size, cell, leaf);
         return;
     }
-    // The n-th of a key with the n-th.
+    // Groups the n-th node of a key at each corner with the n-th nodes of the key at the other corners.
     groups_.clear();
     for (std::size_t k = 0; k < 4; ++k) {
         for (std::uint32_t i = begin[k]; i < trees_.offsets[leaf.corner[k] + 1]; ++i) {
@@ -154,7 +154,7 @@ void SheetBuilder::add_group(std::uint32_t key, const std::array<std::uint32_t, 
 
 SheetBuilder::Beside SheetBuilder::beside(std::uint32_t corner, const TreeSurface& of, float size) const {
     Beside out;
-    // The nearest comes first.
+    // The nodes of a corner are sorted, nearest first.
     for (std::uint32_t i = trees_.offsets[corner]; i < trees_.offsets[corner + 1]; ++i) {
         const TreeSurface& s = node(i);
         if (s.path != of.path || s.parent_id != of.parent_id) continue;
@@ -191,14 +191,14 @@ bool SheetBuilder::has_contrast_below(const Piece& piece) const {
     return false;
 }
 
-// Contrast as in [mitchell1987], in which the trace divides pixels.
+// The contrast of [mitchell1987], by which `trace` divides pixels.
 bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
     const auto [low, high] = std::minmax({a, b, c, d});
     return high - low > contrast_ * (high + low + black_);
 }
 
 void SheetBuilder::add_sheets(std::span<const Piece* const> pieces) {
-    // Parts of a cell that cannot be one surface: each with its range of depths.
+    // Parts of a cell that cannot be one surface, each with its range of 1/z'.
     struct Part {
         float low = 0, high = 0;
         std::vector<const Piece*> pieces;
@@ -283,7 +283,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
         children |= s.children;
         for (std::size_t n = 0; n < 2; ++n) strays[n] = std::max(strays[n], s.strays[n]);
         if (excess == std::array<float, 3>{}) continue;
-        // The quarter of the square next to this corner.
+        // Each corner stands for the quarter of the leaf next to it.
         const float area = share * piece.size * piece.size;
         const float x = piece.x + piece.size * (whole ? ((k & 1) != 0 ? 0.75F : 0.25F) : 0.5F),
                     y = piece.y + piece.size * (whole ? ((k & 2) != 0 ? 0.75F : 0.25F) : 0.5F);
@@ -371,7 +371,7 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*
     if (begin == end) return SheetNode::none;
     const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     if (pieces[begin]->size >= size) {
-        // What is there counts before what may be.
+        // A surface that is recorded here takes precedence over one that may extend to here.
         const auto there = std::find_if(at(begin), at(end), [](const Piece* p) { return !p->maybe; });
         return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
     }
@@ -385,7 +385,7 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*
         const auto inside = [&](const Piece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // Leaves come in the order of the quadtree: only surfaces one behind the other need sorting.
+        // Leaves are in quadtree order, so only pieces of surfaces one behind the other need sorting.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());
@@ -398,7 +398,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*
 
 template <std::size_t values>
 void SheetBuilder::fit(std::span<const Piece* const> pieces, CellPlane* planes) const {
-    // Least squares around the middle of the cell; slopes that little is known of stay small.
+    // Least-squares planes around the cell's centre. The ridge term keeps slopes small that the samples
+    // barely determine.
     double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
     std::array<double, values> mean{}, vx{}, vy{};
     const auto each = [&](const auto& visit) {

@@ -23,7 +23,7 @@ struct SheetSquare {
 /// cannot be one surface become different sheets.
 class SheetBuilder {
   public:
-    /// Keeps references to all.
+    /// Keeps references to all arguments.
     SheetBuilder(const PixelLeaves& leaves, const SampleTrees& trees, const SheetKeys& keys,
                  const SampleHeader& header, const HighlightRule& rule, SheetMesh& out);
     void build(const SheetSquare& square);
@@ -50,8 +50,8 @@ class SheetBuilder {
     void add_leaf(const Leaf& leaf, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
                    float size, int cell, const Leaf& leaf);
-    /// Whether a corner of a leaf shows a nearer surface than a given one, or, without showing that one, a
-    /// farther one.
+    /// Whether a corner of a leaf shows a surface nearer than a given one (`before`), or one farther than it
+    /// without showing the given one itself (`behind`).
     struct Beside {
         bool before = false, behind = false;
     };
@@ -100,8 +100,8 @@ class SheetBuilder {
     std::vector<Piece> pieces_;
     std::vector<const Piece*> sorted_;      ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// Per key: the number of its pieces, later their end in sorted_; and its first group of a leaf. Reset to
-    /// 0 and `none` after use.
+    /// Per key: the number of its pieces, later their end in sorted_; and the first group of the current
+    /// leaf. Reset to 0 and `none` after use.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
     std::vector<Draft> drafts_;

@@ -8,7 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Of the depth in front. Farther behind, planes that miss their depths by a percent keep their order.
+/// Largest relative difference of 1/z' at which a surface counts as closely behind another. With a larger
+/// one, the planes of both keep their order, as their depths have errors of about a percent.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {
@@ -26,7 +27,7 @@ void find_sheet_keys(const SampleTrees& trees, SheetKeys& out) {
     out.keys.clear();
     out.of_node.resize(trees.nodes.size());
     std::unordered_map<SheetKey, std::uint32_t, KeyHash> numbers;
-    // What was looked up last, by hash: neighbours show the same.
+    // A cache of recent keys by hash: neighbouring samples mostly have the same keys.
     struct Recent {
         SheetKey key;
         std::uint32_t number = 0;

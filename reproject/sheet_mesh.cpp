@@ -17,17 +17,17 @@ std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint3
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// How much of a whole comes before what one task has made.
+/// Number of elements of each list that precede those of one task in the joined mesh.
 struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// So much freed in one go is given back, or what is freed and what comes in its place are held at once. The
-/// system takes as long to fetch as little back as all else that is done here.
+/// Size of a list, bytes, from which its freed memory is returned to the system, so that it is not held
+/// beside that of the joined list. Returning less memory would take as long as the rest of the join.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
-/// Appends, list by list, what tasks have made, whose numbers count from 0; frees it meanwhile. `made(t)` is
-/// the mesh of task t.
+/// Joins the meshes of all tasks, list by list. Renumbers their elements, which each task counts from 0, and
+/// frees their lists. `made(t)` is the mesh of task t.
 template <typename Made>
 void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     std::vector<Before> before(tasks + 1);
@@ -84,7 +84,7 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
 
 constexpr int edge = SheetMesh::square_px;
 
-/// What is known of rows of squares that one task has taken apart.
+/// A row of squares, with its quadtree leaves, nodes and sheet keys.
 struct Strip {
     int y = 0, y_end = 0;
     PixelLeaves leaves;
@@ -99,7 +99,7 @@ struct Strip {
     }
 };
 
-/// Forgets what is in a mesh, not its memory.
+/// Removes all elements of a mesh, but keeps the capacity of its lists.
 void clear(SheetMesh& m) {
     m.sheets.clear();
     m.fine.clear();
@@ -114,8 +114,8 @@ void clear(SheetMesh& m) {
     m.highlights.clear();
 }
 
-/// The strips, of `edge` rows each, to be read at once from row y on: enough work for several threads, little
-/// enough to stay in a cache.
+/// Number of strips, of `edge` rows each, that are read together from row y on: enough work for several
+/// threads, and few enough records to stay in a cache.
 std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y,
                            const SheetChoice& choice) {
     constexpr std::size_t least = 4, most = 64;
@@ -174,7 +174,7 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
         parts.resize(first_part + count * tasks_per_strip);
         parallel_for(count * tasks_per_strip, [&](std::size_t t) {
             const Strip& strip = strips[t / tasks_per_strip];
-            thread_local TreeSheets made;  // grown once
+            thread_local TreeSheets made;  // keeps its capacity between tasks
             clear(made.primary);
             clear(made.deeper);
             made.deeper.values = 5;
@@ -193,7 +193,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // From here on others may work in this thread, and in `made`.
+            // `choice.squares` gets a copy of `made`, because it may let this thread run other tasks, which
+            // overwrite `made`.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

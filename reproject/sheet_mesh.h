@@ -69,7 +69,7 @@ struct Sheet {
     std::uint32_t first_cell = 0;                ///< index of its first cell; cells follow row by row
     int depth = 0;                               ///< levels of its deepest quadtree
     float inverse_z_min = 0, inverse_z_max = 0;  ///< 1/m
-    std::array<float, 2> strays{};               ///< the greatest TreeSurface::strays of its texels
+    std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
 /// Radiance above a limit that is taken out of the sheets and spread by its impulse response.
@@ -80,7 +80,7 @@ struct Highlight {
     Mat2 w;                      ///< 1/m
     float inverse_z = 0;         ///< 1/m
     std::uint32_t sheet = 0;
-    /// A nearer surface cuts the leaf it was found in, and may hide more of it.
+    /// Whether a nearer surface cuts the leaf that the highlight was found in, and may hide more of it.
     bool cut_before = false;
 };
 
@@ -88,8 +88,8 @@ struct Highlight {
 struct BrightTexel {
     std::uint32_t texel = 0;
     std::uint32_t first_light = 0, lights = 0;  ///< its elements of SheetMesh::bright
-    float area = 1;                             ///< px^2 of its leaf
-    std::array<float, 3> rgb{};                 ///< its colour without them
+    float area = 1;                             ///< area of its leaf, px^2
+    std::array<float, 3> rgb{};                 ///< its colour without these elements
 };
 
 struct SheetMesh {
@@ -126,35 +126,37 @@ struct TreeSheets {
 /// Which radiance is spread as a highlight: the part above `above`, per channel, if `takes` returns true.
 struct HighlightRule {
     float above = 1;
-    /// `key`: of the highlight's sheet. `area_px2`: of all radiance above the limit in that sheet. None:
-    /// nothing is taken.
+    /// `key`: key of the highlight's sheet. `area_px2`: area of all radiance above the limit in that sheet.
+    /// None: nothing is a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, float area_px2)> takes;
 };
 /// Per sheet, the area of its radiance above the limit, px^2.
 [[nodiscard]] std::vector<float> bright_areas(const SheetMesh& mesh);
 
-/// Which of an instant's sheets are wanted. Those that are have the same bits as among all, but other
-/// numbers.
+/// Selects sheets of an instant. Selected sheets are bit-identical to those without a selection, but have
+/// other numbers.
 struct SheetChoice {
-    /// Whether the squares from row y of the raster on are to be looked at; none: all are.
+    /// Whether the row of squares that begins at raster row y is read; none: all rows are.
     std::function<bool(int y)> rows;
-    /// Takes from `squares_per_part` neighbouring squares, those from row y on and the `part`th of them from
-    /// the left, the sheets that are not wanted; highlights are not taken yet. From several threads. None:
-    /// all are wanted.
+    /// Removes the sheets that are not needed from `some`, which has those of `squares_per_part` neighbouring
+    /// squares: the `part`th group from the left in the row of squares at y. Highlights are not taken out
+    /// yet. Called from several threads. None: all sheets are needed.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
-    bool deeper = true;  ///< whether what is seen in mirrors and through glass is wanted
-    /// Of rows that are not looked at: appends what is wanted of them nevertheless, from the left.
+    bool deeper = true;  ///< whether reflected and transmitted nodes are needed
+    /// Called for rows of squares that are not read: appends their sheets that are needed nevertheless, left
+    /// to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
 
-/// Reads an instant of the file. Throws Error(out_of_memory) before it would take more than there is, and
-/// what the reader and `also` throw. `also` is told of rows that are looked at.
+/// Reads the sheets of an instant from the file. `also` is called for the rows that are read. Throws
+/// Error(out_of_memory) before it exceeds the memory, and what the reader and `also` throw.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Makes of sheets those of another rule with the same limit: bit for bit what `tree_sheets` gives for it.
+/// Applies another rule with the same limit. The result is bit-identical to that of `tree_sheets` with this
+/// rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens

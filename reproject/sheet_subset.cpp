@@ -30,7 +30,7 @@ class Subset {
                           planes + static_cast<std::ptrdiff_t>((first + cells) * from_.values));
     }
 
-    /// After all sheets; `number`: of the old ones, or SheetNode::none.
+    /// Call it after the last add. `number`: per sheet of the source, its new number, or SheetNode::none.
     SheetMesh finish(std::span<const std::uint32_t> number) {
         std::vector<std::uint32_t> light(from_.bright.size() + 1);
         for (std::size_t i = 0; i < from_.bright.size(); ++i) {
@@ -74,7 +74,7 @@ class Subset {
     const SheetMesh& from_;
     SheetMesh to_;
     std::uint32_t number_ = 0;
-    std::vector<std::uint32_t> node_, texel_;  ///< new numbers by old ones; `none`: not there
+    std::vector<std::uint32_t> node_, texel_;  ///< per old number, the new one; `none`: not copied
 };
 
 }  // namespace

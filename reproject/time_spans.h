@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// The earliest and the latest view within a 64th of the exposure; equal if there is only one. Other views of
-/// that span see a moving surface between its two positions, up to the curvature of its path, which is less
-/// than the distance between them.
+/// The earliest and the latest view within a 64th of the exposure; equal if there is only one. All other
+/// views of that span see a moving surface between its positions in these two, with a deviation by the
+/// curvature of its path, which is less than the distance between the two positions.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;

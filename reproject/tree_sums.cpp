@@ -8,7 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Of what is asked for, the share that must be known for its mean to stand for the rest alone.
+/// Share of the needed views that must have a node so that their mean replaces the missing ones. With a
+/// smaller share, the pinhole's radiance is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -25,7 +26,7 @@ void TreeSums::begin(std::vector<NodePath> paths, const TilePlace& at) {
         std::size_t parent = number;
         if (path.depth() > 1) {
             const std::uint32_t found = number_of(path.parent());
-            if (found == no_chain) continue;  // nothing to see it in
+            if (found == no_chain) continue;  // no view has its parent path
             parent = found;
         }
         Chain c;
@@ -75,7 +76,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // Sheets say in which object they are seen: where the parent would be another one, nothing is drawn.
+        // A sheet has the id of the object that shows it, so it is not drawn where the missing parent would
+        // be another object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -193,7 +195,7 @@ bool TreeSums::add_beside(std::size_t k, double weight, const Chain& chain, std:
 void TreeSums::end_views() {
     for (std::size_t i = chains_.size(); i-- > 0;) {
         Chain& c = chains_[i];
-        // Nothing is known of it: it may be as bright as anything.
+        // No view has a node of this path, so there is no bound for its radiance.
         if (c.any_wanted && !c.any_seen) c.brightest = HUGE_VALF;
         if (c.parent != i) chains_[c.parent].brightest += c.brightest;
     }
@@ -205,8 +207,8 @@ TreeSums::Unknown TreeSums::sum_up(std::size_t k, double weight, std::array<doub
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // What the parent's views did not find is shared out to what goes on from it, but for those that
-        // find that nevertheless.
+        // Views that miss the parent count as the mean of the others for this path too, except for those that
+        // have this path's node nevertheless.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

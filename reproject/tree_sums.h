@@ -48,25 +48,28 @@ class TreeSums {
 
   private:
     struct Sums {
-        std::array<double, 3> seen{};     ///< colours times weights, with what moves with it
-        std::array<double, 3> instead{};  ///< what stands in for what was not seen
-        double known = 0, wanted = 0;     ///< weights
-        double beside = 0;                ///< of views that do not find it, but what goes on from it
-        double alone = 0;                 ///< of `known`: in views that do not find its parent
-        double bent = 0;                  ///< of `known`: drawn by patches that are bent
-        double total = 0;                 ///< all that is wanted of it, once all views are in
+        std::array<double, 3> seen{};  ///< weight times radiance, with child nodes drawn as part of the node
+        std::array<double, 3>
+            instead{};                 ///< the same of the pinhole's radiance, for views that miss the node
+        double known = 0, wanted = 0;  ///< weight of the views that have the node, and of those that need it
+        double beside = 0;             ///< weight of views that miss the node, but have its descendants
+        double alone = 0;              ///< weight of views that have the node, but miss its parent
+        double bent = 0;               ///< part of `known` that is drawn by bent patches
+        double total = 0;              ///< weight that the node gets after all views, set by sum_up
     };
     static constexpr std::uint32_t no_chain = 0xFFFFFFFFU;
-    using Children = std::array<std::uint32_t, 2>;  ///< by bounce: an index into chains_, or no_chain
+    using Children = std::array<std::uint32_t, 2>;  ///< per bounce, an index into chains_, or no_chain
+    /// The nodes of one path in the tile.
     struct Chain {
         NodePath path;
-        std::size_t parent = 0;  ///< index into chains_; its own: the primary surface
+        std::size_t parent = 0;  ///< index into chains_; its own index if the parent is the primary surface
         std::uint8_t bounce = 0;
-        TilePart part;  ///< of `seen` where something may be drawn; empty: `seen` is out of date
+        TilePart part;  ///< part of `seen` in which nodes may be drawn; empty: `seen` is not valid
         Children children{no_chain, no_chain};
         std::unique_ptr<SeenTile> seen;
         std::vector<Sums> sums;
-        /// Greatest radiance of it that was seen in the tile; then with all that goes on from it.
+        /// Largest radiance of a node of this path in the tile; after end_views, with that of its
+        /// descendants.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -76,19 +79,20 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// What goes on from a chain that is not seen in pixel k. Whether anything does.
+    /// Adds the descendants of a node that is missing in pixel k. Returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// The id of what a chain is wanted in.
+    /// Id of the object that should show a path's node in pixel k: of its nearest ancestor that is seen.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce
-    std::vector<Chain> chains_;           ///< by path, parents first
+    std::vector<Chain> chains_;           ///< sorted by path, parents first
     std::vector<Chain> spare_;            ///< memory of earlier tiles
     const PatchMesh *primary_mesh_ = nullptr, *deeper_mesh_ = nullptr;
     const SeenTile* primary_ = nullptr;
     TilePlace at_;
-    TilePart primary_part_;  ///< where something is seen in what it shows
+    TilePart
+        primary_part_;  ///< bounding box of the pixels whose primary surface has nodes drawn for themselves
 };
 
 }  // namespace postlens

@@ -37,7 +37,7 @@ dvec2 centroid(const ResponseGrid& grid) {
     return sum / sum_of(grid);
 }
 
-/// A letter F: the same neither mirrored nor turned.
+/// A letter F, which changes when it is mirrored or rotated.
 AperturePicture letter() {
     const char* rows[] = {"#####", "#....", "####.", "#....", "#....", "#....", "#...."};
     AperturePicture out{5, 7, {}};
@@ -47,7 +47,7 @@ AperturePicture letter() {
     return out;
 }
 
-/// Largest difference, in units of the mean share of a pixel that is lit.
+/// Largest difference of two responses in a pixel, relative to the mean value of the lit pixels.
 double difference(const ResponseGrid& a, const ResponseGrid& b, const PixelWindow& window) {
     double most = 0;
     std::size_t lit = 0;
@@ -92,7 +92,7 @@ TEST(Impulse, ModifiersAreChecked) {
     check_impulse({.kind = ImpulseKind::polygon, .squeeze = 2, .cats_eye = 1, .spherical = -0.1});
 }
 
-// Even samples of the aperture: their share left of a line is the area left of it.
+// Samples of the aperture are uniform: the fraction of them left of a line equals the area left of it.
 TEST(Aperture, SamplesAreEven) {
     constexpr int n = 400;
     for (const Impulse& i :
@@ -107,7 +107,7 @@ TEST(Aperture, SamplesAreEven) {
             const dvec2 q = aperture.sample((k % n + 0.5) / n, (k / n + 0.5) / n);
             if (q.x < -0.2 + 0.3 * (q.y + 5) / 10) ++count;
         }
-        // n x n cells; a line crosses at most about 4 n of them.
+        // There are n x n cells, of which a line crosses at most about 4 n.
         EXPECT_NEAR(static_cast<double>(count) / n / n, expected, 4.0 / n) << impulse_text(i);
     }
 }
@@ -127,7 +127,7 @@ TEST(Aperture, PictureSamplesFollowItsLight) {
     EXPECT_EQ(dark, 0);
 }
 
-// Two equal discs, d apart: (2 acos(d/2) - d/2 sqrt(4 - d^2)) / pi of one of them is common.
+// Two unit discs at distance d overlap in the fraction (2 acos(d/2) - d/2 sqrt(4 - d^2)) / pi of one disc.
 TEST(Aperture, CatsEyeLosesWhatTheSecondRimCutsOff) {
     const Aperture aperture({.cats_eye = 0.8});
     EXPECT_EQ(aperture.transmission(dvec2(0)), 1);
@@ -142,12 +142,13 @@ TEST(Aperture, CatsEyeLosesWhatTheSecondRimCutsOff) {
     EXPECT_EQ(Aperture({}).transmission({0.7, 0.7}), 1);
 }
 
-// Behind the focus the response stands as the aperture does in the picture, before it upside down.
+// Behind the focus the response has the orientation of the aperture in the image; before the focus it is
+// upside down.
 TEST(ApertureResponse, OrientationFollowsTheSideOfTheFocus) {
     const Aperture aperture({.kind = ImpulseKind::picture, .file = "F"}, letter());
     const ResponseGrid behind = dense_response(aperture, {.map_px = dmat2(7)}, everywhere),
                        before = dense_response(aperture, {.map_px = dmat2(-7)}, everywhere);
-    // Two px a cell: the top row of the letter is rows -7 and -6, its stem columns -5 and -4.
+    // A cell of the letter is 2 px wide: its top row covers rows -7 and -6, its stem columns -5 and -4.
     for (int x = -5; x < 5; ++x) {
         EXPECT_NEAR(value(behind, x, -7), 1.0 / 56, 1e-12);
         EXPECT_NEAR(value(before, x, 6), 1.0 / 56, 1e-12);
@@ -179,7 +180,7 @@ TEST(ApertureResponse, RingsAndTheOutlineAgree) {
             for (int x = span.x_begin; x < span.x_end; ++x) {
                 const bool inner = x >= span.inner_begin && x < span.inner_end;
                 const double expected = inner ? rows.inner_share() : span.edge_share[edge++];
-                // The rings' chords are within 0.02 px of the rim, which is at most 2 px long in a pixel.
+                // The chords of the rings are within 0.02 px of the rim, of which a pixel holds at most 2 px.
                 EXPECT_NEAR(value(dense, x, y), expected, 0.04 * rows.inner_share())
                     << impulse_text(i) << ": " << x << ", " << y;
             }
@@ -187,7 +188,8 @@ TEST(ApertureResponse, RingsAndTheOutlineAgree) {
     }
 }
 
-// Corners on and next to the borders of pixels, sides that are level but for the last bit.
+// Polygons with corners on and next to the borders of pixels, and with sides that are horizontal except for
+// the last bit.
 TEST(ApertureResponse, KeepsAllLightWhereCornersMeetPixels) {
     for (int blades = 3; blades < 13; ++blades) {
         const Aperture aperture({.kind = ImpulseKind::polygon, .blades = blades});
@@ -210,7 +212,7 @@ TEST(ApertureResponse, KeepsAllLightWhereCornersMeetPixels) {
     }
 }
 
-// Energy within a radius: the share of the zones that land there, 2 rho d rho.
+// Energy within a radius: the fraction of the aperture's zones, of area 2 rho d rho, that map into it.
 double encircled(double c, double s, double radius) {
     constexpr int n = 20000;
     double sum = 0;
@@ -235,7 +237,8 @@ TEST(ApertureResponse, SphericalAberrationPutsEveryZoneWhereItBelongs) {
                     if (distance <= radius) inside += grid.at(i, j);
                 }
             }
-            // Pixels along the circle are in or out as a whole: half a pixel of its radius either way.
+            // Pixels along the circle count as wholly inside or outside, an error of about half a pixel in
+            // the radius.
             EXPECT_GE(inside, encircled(c, s, radius - 0.8) - 1e-3) << c << ", " << s << ": " << radius;
             EXPECT_LE(inside, encircled(c, s, radius + 0.8) + 1e-3) << c << ", " << s << ": " << radius;
         }
@@ -270,8 +273,8 @@ TEST(ApertureResponse, AgreesWithRays) {
         const ResponseGrid got = dense_response(aperture, image, everywhere),
                            rays = ray_response(aperture, image, everywhere, 800);
         EXPECT_NEAR(sum_of(got), 1, 1e-9) << k;
-        // A pixel holds about 800^2 / 300 rays on a grid, of which its border of 4 px may miscount as many as
-        // lie along it: 4 / sqrt(2100) = 9 %.
+        // A pixel holds about 800^2 / 300 = 2100 rays on a grid. Rays along its border of 4 px may be
+        // miscounted: 4 / sqrt(2100) = 9 %.
         EXPECT_LT(difference(got, rays, everywhere), 0.12) << k;
         const dvec2 off = centroid(got) - centroid(rays);
         EXPECT_LT(glm::length(off), 0.01) << k;
@@ -305,7 +308,7 @@ TEST(ApertureResponse, NextToNothingIsOnePixel) {
             EXPECT_EQ(rows.y_end(), 1);
         }
     }
-    // A map without width is a line.
+    // A singular map turns the aperture into a line.
     const dmat2 flat(5, 0, 0, 0);
     EXPECT_GT(std::abs(glm::determinant(with_area(flat))), 0);
     EXPECT_NEAR(sum_of(dense_response(Aperture({.squeeze = 2}), {.map_px = flat}, everywhere)), 1, 1e-9);

@@ -1,4 +1,4 @@
-// `chart` as people type it: the folder it fills, going on after an interruption, what it refuses.
+// The command `chart`: the files it writes, resuming after an interruption, and arguments it rejects.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -57,7 +57,7 @@ TEST_F(ChartCommand, FillsAFolder) {
     for (const char* name : {"index.html", "chart.csv", "chart.json", "chart.md", "speed_accuracy.svg",
                              "speed_accuracy.png", "speed_accuracy_affected.svg", "cost.svg", "cost.png"})
         EXPECT_GT(fs::file_size(in("chart/") + name), 200) << name;
-    // gnuplot's script can be run again where it lies.
+    // The gnuplot script can be run again in its folder.
     EXPECT_EQ(
         std::system(
             ("cd " + quoted(in("chart")) + " && rm cost.svg && gnuplot cost.gp && test -s cost.svg").c_str()),
@@ -102,7 +102,7 @@ TEST_F(ChartCommand, GoesOnAfterAnInterruption) {
         }
         return count;
     };
-    // All but the last, which would take minutes.
+    // Waits for all points but the last, which would take minutes.
     std::size_t all = 0;
     for (int i = 0; i < 1200; ++i) {
         const json j = json::parse(text_of(in("chart/chart.json")), nullptr, false);
@@ -149,7 +149,7 @@ TEST_F(ChartCommand, RefusesInOneLine) {
     EXPECT_EQ(r.exit_code, 4) << r.err;
     std::vector<std::string> bad = words("1,x");
     EXPECT_EQ(run(bad).exit_code, 2);
-    // A damaged chart is said to be one.
+    // A damaged chart is reported as damaged.
     fs::create_directory(in("chart"));
     std::ofstream(in("chart/chart.json")) << "{\"key\": ";
     refused({}, 3, "chart.json");
@@ -182,7 +182,7 @@ TEST_F(AtlasCommand, MakesItsDocumentsAndKeepsWhatIsFinished) {
     EXPECT_NE(text_of(in("atlas/index.html")).find("data:image/png;base64,"), std::string::npos);
     EXPECT_GT(fs::file_size(in("atlas/images/failures/bar.png")), 200);
     EXPECT_FALSE(fs::exists(in("atlas/cases/bar.exr")));
-    // Other words and other bounds are no other picture; where a bound is not met the exit code says so.
+    // Changed texts and bounds do not require a new image. The exit code reports a bound that is not met.
     std::string text = case_text;
     text.replace(text.find("at_least_db = 10"), 16, "at_least_db = 80");
     write(text);
@@ -191,7 +191,7 @@ TEST_F(AtlasCommand, MakesItsDocumentsAndKeepsWhatIsFinished) {
     EXPECT_EQ(json::parse(r.out)["kept"], 1);
     EXPECT_NE(json::parse(r.out)["broken"][0].get<std::string>().find("bar: lightfield: PSNR"),
               std::string::npos);
-    // Another lens is another picture.
+    // A changed lens requires a new image.
     text.replace(text.find("f_number = 1"), 12, "f_number = 2");
     write(text);
     EXPECT_EQ(json::parse(atlas().out)["kept"], 0);

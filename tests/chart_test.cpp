@@ -1,4 +1,4 @@
-// Speed-accuracy charts: frontiers, plans, what is kept between runs, the page in a browser.
+// Speed-accuracy charts: Pareto frontiers, plans, results kept between runs, and the page in a browser.
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -32,7 +32,7 @@ TEST(Pareto, KeepsWhatNothingBeats) {
 }
 
 TEST(Pareto, SecondsForAnErrorLieOnTheLineBetweenLogarithms) {
-    // error = 1 / seconds^2, so error 0.04 takes 5 s; the beaten point must not matter.
+    // error = 1 / seconds^2, so error 0.04 takes 5 s. The dominated point must have no effect.
     const std::vector<CostError> curve{{1, 1}, {10, 0.01}, {100, 0.0001}, {50, 0.9}};
     EXPECT_NEAR(*seconds_for_error(curve, 0.04), 5, 1e-9);
     EXPECT_NEAR(*seconds_for_error(curve, 0.01), 10, 1e-12);
@@ -58,7 +58,7 @@ TEST(ChartData, PicturesOfASweepShareWhatNoLensChanges) {
     const ChartTrace trace{.name = "records", .seconds = {20}};
     const ChartPoint point{
         .name = "a", .trace = "records", .seconds = {2}, .first_of_many_s = {3}, .further_s = {0.5}};
-    EXPECT_EQ(point.seconds_each(&trace, 1), 22);  // alone
+    EXPECT_EQ(point.seconds_each(&trace, 1), 22);  // one image of the trace
     EXPECT_EQ(point.seconds_each(&trace, 10), 2.75);
     EXPECT_EQ(point.seconds_each(&trace, std::numeric_limits<double>::infinity()), 0.5);
 }
@@ -96,7 +96,7 @@ TEST(ChartPlan, AsksForWhatBlurs) {
 
 TEST(ChartPlan, TracesKnowTheLensByItsDiameter) {
     ChartRequest r;
-    r.focal_length_mm = 100;  // twice as wide as the camera's 50 mm at the same f-number
+    r.focal_length_mm = 100;  // an aperture twice as wide as that of the camera's 50 mm at the same f-number
     const Scene scene = still(2);
     const ChartPlan plan = chart_plan(r, chart_view(r, scene));
     EXPECT_NEAR(*plan.traces[0].settings.for_f_number, 1, 1e-12);
@@ -151,12 +151,12 @@ TEST_F(ChartRunTest, MeasuresEverythingOnceAndKeepsIt) {
         ADD_FAILURE() << name;
         return 0.0;
     };
-    // Every way is better than none, and sixteen rays are better than one.
+    // Every method is more accurate than the pinhole image, and 16 rays are more accurate than one.
     EXPECT_GT(psnr("layers"), psnr("pinhole") + 3);
     EXPECT_GT(psnr("lightfield M=8"), psnr("pinhole") + 3);
     EXPECT_GT(psnr("rays spp=16"), psnr("rays spp=1") + 6);
 
-    // Asked again, nothing is measured again; a further setting is.
+    // A second run measures only the additional setting.
     request_.spp = {1, 16, 4};
     const ChartRun second = run_chart(request_, out(), false);
     EXPECT_EQ(second.kept, 2 * first.data.points.size());
@@ -166,7 +166,7 @@ TEST_F(ChartRunTest, MeasuresEverythingOnceAndKeepsIt) {
     EXPECT_EQ(second.data.points.back().seconds.size(), 2);
     EXPECT_FALSE(fs::exists(out() / "frames"));
 
-    // Another lens is another chart.
+    // Without --restart, a chart of another lens is rejected.
     request_.f_number = 2;
     try {
         (void)run_chart(request_, out(), false);
@@ -190,7 +190,7 @@ TEST_F(ChartRunTest, ReadsBackWhatItWrote) {
     EXPECT_THAT(chart_markdown(run.data), HasSubstr("| rays spp=16 |"));
 }
 
-// The page's own code runs in a browser: the slider is moved, and what is shown must follow.
+// Runs the page's code in a browser: moving the slider must change the visible parts of the images.
 TEST_F(ChartRunTest, SliderOfThePageMoves) {
     if (std::system("chromium --version >/dev/null 2>&1") != 0)
         GTEST_SKIP() << "no chromium to look at the page with";
@@ -229,7 +229,7 @@ TEST_F(ChartRunTest, SliderOfThePageMoves) {
     const std::string dom = read_text_file(folder_ / "dom", 1 << 28);
     EXPECT_THAT(dom, HasSubstr("<title>RESULT|inset(0px 50% 0px 0px)|inset(0px 75% 0px 0px)|true|true|" +
                                std::to_string(run.data.points.size()) + "</title>"));
-    // Nothing is fetched from anywhere.
+    // The page loads nothing from the network.
     EXPECT_EQ(page.find("http://"), std::string::npos);
     EXPECT_EQ(page.find("https://"), std::string::npos);
 }

@@ -1,5 +1,4 @@
-// The command as people type it: what it prints, its exit codes, and what is left on disk when something goes
-// wrong.
+// The command line: output, exit codes, and the files that remain after an error.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -27,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// Sanitizers slow everything down several times.
+// Sanitizers make the program several times slower.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr double seconds_to_stop = 10;
 #else
@@ -75,7 +74,7 @@ TEST_F(Cli, TraceThenFocusThreeTimes) {
                                "--focus", s, "--json"});
         ASSERT_EQ(f.exit_code, 0) << f.err;
         const json j = json::parse(f.out);
-        EXPECT_EQ(j.at("method"), "layers");  // as the balls are mirrors
+        EXPECT_EQ(j.at("method"), "layers");  // chosen because the balls are mirrors
         EXPECT_EQ(j.at("f_number"), 2.0);
         EXPECT_EQ(j.at("focal_length_mm"), 50.0);
         EXPECT_EQ(j.at("focus_m").is_null(), std::string(s) == "inf");
@@ -120,7 +119,7 @@ TEST_F(Cli, LensNumbers) {
     const json coc = json::parse(run({"lens", "coc", "--focal-length", "50", "--f-number", "2", "--focus",
                                       "2", "--depth", "4", "--json"})
                                      .out);
-    // F^2 (z - s) / (n z (s - F)) = 2500 * 2 / (2 * 4 * 1950) mm.
+    // CoC: F^2 (z - s) / (n z (s - F)) = 2500 * 2000 / (2 * 4000 * 1950) mm.
     EXPECT_NEAR(coc.at("coc_mm"), 2500.0 * 2000 / (2 * 4000 * 1950.0), 1e-12);
     EXPECT_NEAR(coc.at("coc_px"), coc.at("coc_mm").get<double>() * 1000 / 18.75, 1e-9);
     const json dof = json::parse(run({"lens", "dof", "--focal-length", "28", "--f-number", "8", "--focus",
@@ -167,7 +166,7 @@ TEST_F(Cli, WrongArgumentsAreTwo) {
             two, "--focus");
 }
 
-// Whether or not the option has an effect on what is asked for.
+// Bounds of an option are checked even if the option has no effect on the command.
 TEST_F(Cli, BoundsHoldForEveryValueThatIsGiven) {
     struct Case {
         std::vector<std::string> command, out_of_range;
@@ -276,7 +275,7 @@ TEST_F(Cli, UnwritableOutputIsFour) {
     refused({"image", frame, "-o", in("no/such/x.png")}, four, "x.png");
     fs::create_directory(folder_.path() / "folder.png");
     refused({"image", frame, "-o", in("folder.png")}, four, "folder.png");
-    // As on a full disk: no file may grow beyond 20 kB. An older file stays as it was.
+    // Simulates a full disk: no file may exceed 20 kB. An existing file must stay unchanged.
     std::ofstream(in("old.exr")) << "old";
     const Outcome r = run({"trace", scene(), "-o", in("old.exr")}, "ulimit -f 20; ");
     EXPECT_EQ(r.exit_code, 4) << r.err;
@@ -292,7 +291,7 @@ TEST_F(Cli, OpenImageIOIsLoadedByWhatNeedsItAlone) {
         EXPECT_EQ(run({"image", frame, "-o", in(name)}).exit_code, 0) << name;
     const std::string module = "/postlens_pictures.so: cannot be loaded (";
     refused({"image", frame, "-o", in("x.jpg")}, ExitCode::invalid_input, module);
-    // Before any work is done: this picture would take hours.
+    // The error must come before any work: this render would take hours.
     refused({"render", scene(), "-o", in("x.tif"), "--size", "4096x4096", "--spp", "10000"},
             ExitCode::invalid_input, module);
     EXPECT_EQ(run({"compare", in("x.exr"), in("x.png"), "--json"}).exit_code, 0);

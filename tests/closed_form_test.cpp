@@ -1,4 +1,4 @@
-// Pictures whose every pixel is known by formula: edges and lights out of focus, bars in motion.
+// Images whose pixels have closed forms: defocused edges and lights, moving bars.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,11 +16,11 @@ namespace {
 using glm::dvec3;
 
 constexpr int width = 64, height = 4;
-// 18 mm of film before 50 mm of distance: one pixel at depth z is z / gain wide.
+// 36 mm of film at a distance of 50 mm from the lens. A pixel is z / gain_px m wide at depth z.
 constexpr double film_width_mm = 36, film_distance_mm = 50,
                  gain_px = film_distance_mm / (film_width_mm / width);
 
-// Pictures are floats, and so are a ray's numbers: 2^-24 of the raster's half width is 2e-6 px.
+// Images and rays are stored as floats: 2^-24 of the raster's half width is 2e-6 px.
 constexpr double rounding = 4e-6;
 
 SceneBuilder strip() {
@@ -33,12 +33,12 @@ SceneBuilder strip() {
     return b;
 }
 
-// World x of the raster's x at a depth.
+// World x, m, of a raster position x at a depth.
 double world_x(double x_px, double depth_m) {
     return (x_px - 0.5 * width) / gain_px * depth_m;
 }
 
-// A rectangle across the whole height, from x0 to x1 px, at a depth.
+// A rectangle at a depth that spans the whole height of the image and columns x0 to x1, px.
 Rectangle upright(double x0_px, double x1_px, double depth_m) {
     const double x0 = world_x(x0_px, depth_m), half = 50 * depth_m;
     return {{x0, -half, -depth_m}, {world_x(x1_px, depth_m) - x0, 0, 0}, {0, 2 * half, 0}};
@@ -46,7 +46,7 @@ Rectangle upright(double x0_px, double x1_px, double depth_m) {
 
 constexpr double far_px = 1e5;
 
-// A disc of radius r over an edge at 0: the share of it at x > 0 when its centre is at x.
+// The fraction of a disc of radius r that lies right of an edge at 0, if the disc's centre is at x.
 double disc_edge(double x, double r) {
     const double t = std::clamp(x / r, -1.0, 1.0);
     return 0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / std::numbers::pi;
@@ -64,7 +64,7 @@ std::vector<double> edge_columns(double edge_px, double coc_diameter_px, double 
 
 struct Lens {
     double f_number, focus_m;
-    static constexpr double focal_length_mm = 200;  // a wide lens, while the view stays that of 50 mm
+    static constexpr double focal_length_mm = 200;  // gives a wide lens; the field of view is that of 50 mm
     [[nodiscard]] double coc_px(double depth_m) const {
         return gain_px * focal_length_mm * 1e-3 / f_number * std::abs(1 / focus_m - 1 / depth_m);
     }
@@ -80,7 +80,7 @@ RenderSettings through(const Lens& lens, int spp, SamplerKind sampler = SamplerK
     return s;
 }
 
-// A glowing half-plane from edge_px rightwards, nothing behind it.
+// An emitting half-plane right of edge_px, with nothing behind it.
 SceneBuilder half_plane(double edge_px, double depth_m) {
     SceneBuilder b = strip();
     b.add(upright(edge_px, far_px, depth_m), glowing(dvec3(1)));
@@ -92,7 +92,7 @@ TEST(OutOfFocus, AStepEdgeIsTheIntegralOfADisc) {
         double edge_px, depth_m;
         Lens lens;
     };
-    // Before and behind the focus, focused at infinity, and a circle of confusion below a pixel.
+    // Half-planes behind and before the focus, a focus at infinity, and a CoC smaller than a pixel.
     const std::array<Case, 4> cases{
         {{30.3, 4, {1, 1}}, {33.8, 0.7, {1, 1}}, {25.5, 3, {0.5, 1e308}}, {31.1, 2, {8, 3}}}};
     for (const Case& c : cases) {
@@ -105,7 +105,7 @@ TEST(OutOfFocus, AStepEdgeIsTheIntegralOfADisc) {
     EXPECT_LT(cases[3].lens.coc_px(cases[3].depth_m), 1);
 }
 
-// What lies behind is even: however far out of focus it is, it does not show.
+// The background is uniform, so its own defocus has no effect on the image.
 TEST(OutOfFocus, AnEvenBackgroundLeavesTheEdgeAsItIs) {
     const Lens lens{1, 1};
     constexpr double edge_px = 29.4, depth_m = 1.6;
@@ -116,7 +116,8 @@ TEST(OutOfFocus, AnEvenBackgroundLeavesTheEdgeAsItIs) {
         expect_figures(repeated(b.scene, through(lens, 64), column_means), expected, rounding,
                        "before a wall");
     }
-    // The same with the focus on the background, and with no object there but the background colour.
+    // The same image must result with the focus on the wall behind, and with the background colour instead of
+    // a wall.
     SceneBuilder b = half_plane(edge_px, depth_m);
     b.scene.background = dvec3(0.25);
     expect_figures(repeated(b.scene, through(lens, 64), column_means), expected, rounding, "before nothing");
@@ -126,7 +127,7 @@ TEST(OutOfFocus, AnEvenBackgroundLeavesTheEdgeAsItIs) {
                    edge_columns(edge_px, on_wall.coc_px(depth_m), 0.25, 1), rounding, "focus on the wall");
 }
 
-// `grid` has no chance in it but how its sets are paired, so its mean may be off: see below.
+// `grid` is left out: only the pairing of its sets is random, so its mean may be biased (see the next test).
 TEST(OutOfFocus, EverySamplerAgreesInTheMean) {
     const Lens lens{1, 1};
     constexpr double edge_px = 30.3, depth_m = 2.5;
@@ -134,7 +135,7 @@ TEST(OutOfFocus, EverySamplerAgreesInTheMean) {
     const Scene scene = half_plane(edge_px, depth_m).scene;
     for (const SamplerKind kind :
          {SamplerKind::random, SamplerKind::jittered, SamplerKind::poisson, SamplerKind::sobol}) {
-        // 12 and 25: neither a square number nor a power of two is needed.
+        // spp need not be a square number or a power of two.
         for (const int spp : {12, 25}) {
             expect_figures(repeated(scene, through(lens, spp, kind), column_means), expected, rounding,
                            "a sampler");
@@ -142,9 +143,9 @@ TEST(OutOfFocus, EverySamplerAgreesInTheMean) {
     }
 }
 
-// A pinhole and an upright edge: of an n x n grid whole columns lie on either side, so a pixel is wrong by at
-// most half a column. Out of focus, the disc's own grid of spp cells adds the cells that the edge passes: a
-// line meets at most 2 n of n x n.
+// With a pinhole and a vertical edge, whole columns of an n x n grid lie on one side of the edge, so the
+// error of a pixel is at most half a column. With a lens, the grid of spp cells on the lens adds the cells
+// that the edge crosses: at most 2 n of n x n.
 TEST(OutOfFocus, AGridErrsByNoMoreThanItsCells) {
     constexpr int n = 8;
     for (const double edge_px : {30.0, 30.3, 30.71}) {
@@ -162,27 +163,30 @@ TEST(OutOfFocus, AGridErrsByNoMoreThanItsCells) {
         repeated(half_plane(30.3, 2.5).scene, through(lens, n * n, SamplerKind::grid), column_means);
     for (std::size_t x = 0; x < expected.size(); ++x) {
         EXPECT_NEAR(got[x].mean, expected[x], 2.0 / n * 0.5 + 0.5 / n) << x;
-        // On average it does far better, as errors of cells cancel: within a quarter of a cell's width.
+        // The mean is much more accurate, because errors of cells cancel: within a quarter of a cell's width.
         EXPECT_NEAR(got[x].mean, expected[x], 4 * got[x].standard_error + 0.25 / n) << x;
     }
 }
 
-// The share of its time for which a bar of width w, its left side going from a to a + d, covers x.
+// The fraction of the exposure during which a bar of width w covers x, while its left side moves from a to
+// a + d.
 double trapezoid(double x, double a, double w, double d) {
-    // Height min(1, w / d), a plateau |d - w| wide, over a base d + w.
+    // The profile is a trapezoid of height min(1, w / d), with a plateau of width |d - w| and a base of width
+    // d + w.
     const double from_middle = std::abs(x - (a + 0.5 * (w + d)));
     const double foot = 0.5 * (d + w), plateau = 0.5 * std::abs(d - w), top = std::min(1.0, w / d);
     if (from_middle >= foot) return 0;
     return from_middle <= plateau ? top : top * (foot - from_middle) / (foot - plateau);
 }
 
-// The same by a shutter that opens and closes evenly: the light 2 t^2, then 1 - 2 (1 - t)^2, has come by t.
+// Fraction of the light that a shutter with a triangular curve has transmitted by time t: 2 t^2 for t < 1/2,
+// then 1 - 2 (1 - t)^2.
 double triangle_light(double t) {
     const double u = std::clamp(t, 0.0, 1.0);
     return u < 0.5 ? 2 * u * u : 1 - 2 * (1 - u) * (1 - u);
 }
 double under_triangle(double x, double a, double w, double d) {
-    // Covered while a + d t <= x <= a + d t + w.
+    // The bar covers x while a + d t <= x <= a + d t + w.
     return triangle_light((x - a) / d) - triangle_light((x - w - a) / d);
 }
 
@@ -209,7 +213,8 @@ SceneBuilder bar(double a_px, double w_px, double d_px, Moves what) {
         shape = std::shared_ptr<const Mesh>(mesh);
     }
     Object& o = b.add(shape, glowing(dvec3(1)));
-    // Keys before the opening and after the closing: the shutter cuts its own part out of the motion.
+    // The keys lie before the opening and after the closing, so the shutter exposes only a part of the
+    // motion.
     std::vector<TransformKey> keys(2);
     keys[0].time_s = opens_s - (closes_s - opens_s);
     keys[1].time_s = closes_s + (closes_s - opens_s);
@@ -231,13 +236,13 @@ RenderSettings open_shutter(const ShutterCurve& curve) {
 struct Sweep {
     double a_px, w_px, d_px;
 };
-// Slower than its own width, just that, faster; and far less than a pixel. The ends are where no pixel is
-// reached by so little light that none of its samples may show it.
+// Bars that move by less than their width, by their width, by more, and by far less than a pixel. The ends of
+// the paths are chosen so that no pixel gets so little light that all of its samples may miss it.
 constexpr std::array<Sweep, 4> sweeps{
     {{20.2, 9.3, 5.1}, {15.6, 8.25, 8.25}, {12.2, 3.3, 30.4}, {31.3, 4.2, 0.2}}};
 
-// A mesh's vertices are floats, 2^-24 of 150 m (half its height) wrong: nothing that a bar's sides would
-// show. Rays' times are multiples of 2^-24 of the way.
+// Vertices of a mesh are floats with an error of 2^-24 of 150 m (half its height), which has no effect on the
+// vertical sides of a bar. Times of rays are multiples of 2^-24 of the motion.
 constexpr double motion_rounding = 2e-5;
 
 TEST(InMotion, ABarUnderABoxShutterIsATrapezoid) {
@@ -278,7 +283,7 @@ TEST(InMotion, EverySamplerAgreesInTheMean) {
     }
 }
 
-// Sum over the picture and centroid.
+// The sum over the image and the centroid.
 std::vector<double> sum_and_centroid(const Image& image) {
     double sum = 0, sx = 0, sy = 0;
     for (int y = 0; y < image.height; ++y) {
@@ -290,9 +295,9 @@ std::vector<double> sum_and_centroid(const Image& image) {
     return {sum, sx / sum, sy / sum};
 }
 
-// Pixels hold the light that falls on them, as if at their middles: where the centroid of a disc of radius r,
-// blurred by another of radius coc / 2, is then seen. Across the raster a disc is as dense as sqrt(r^2 -
-// x^2), and its part beyond a pixel's border is the disc's edge profile.
+// Centroid, by pixel centres, of a disc of radius r that is blurred by a disc of radius coc_radius. The
+// density of a disc across the raster is sqrt(r^2 - x^2); the fraction of its light beyond a pixel's border
+// is the disc's edge profile.
 double seen_centroid(double centre, double radius, double coc_radius, int pixels_across) {
     constexpr int n = 2000;
     double sum = 0, weights = 0;
@@ -306,7 +311,7 @@ double seen_centroid(double centre, double radius, double coc_radius, int pixels
     return sum / weights;
 }
 
-// A small disc that faces the camera: seen from any point of the lens it is as large, so that its light is
+// A small disc that faces the camera has the same size in the view of every lens point, so its light is
 // conserved exactly. Its area is pi r^2 px^2.
 TEST(OutOfFocus, APointLightKeepsItsLightAndItsPlace) {
     SceneBuilder b;

@@ -1,4 +1,4 @@
-// `postlens compare` as people type it: what it prints, its exit codes, the pictures it writes.
+// The command `postlens compare`: its output, its exit codes and the images it writes.
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <cmath>
@@ -39,7 +39,7 @@ class CompareCommand : public testing::Test {
         write_image(in(name), image);
         return in(name);
     }
-    // No word holds a quote.
+    // The words must not contain quotes.
     Outcome run(const std::vector<std::string>& words, const std::string& before = "") {
         std::string command = before + "'" POSTLENS_BINARY "' compare";
         for (const std::string& w : words) command.append(" '").append(w).append("'");
@@ -165,10 +165,10 @@ TEST_F(CompareCommand, UnwritableMapsAreFour) {
     EXPECT_EQ(run({a, a, "--map", in("no/such/map.png")}).exit_code, 4);
 }
 
-// Sanitizers reserve more address space than any limit that would show something.
+// Sanitizers reserve more address space than any limit that would be meaningful here.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST_F(CompareCommand, TooLittleMemoryIsFiveAndSaysHowMuchIsNeeded) {
-    // The libraries take some 500 MB of address space, the comparison 1000.
+    // The libraries take about 500 MB of address space, the comparison about 1000 MB.
     const std::string a = file("a.exr", Image(4000, 3000));
     const Outcome r = run({a, a, "--threads", "1"}, "ulimit -v 1000000; ");
     EXPECT_EQ(r.exit_code, 5) << r.err;
@@ -186,7 +186,7 @@ TEST_F(CompareCommand, NonfinitePixelsAreSaidAndFailLimits) {
     EXPECT_EQ(codes(j), std::vector<std::string>{"nonfinite"});
     EXPECT_NEAR(j.at("warnings")[0].at("share"), 1.0 / 1200, 1e-12);
     EXPECT_EQ(run({a, b, "--fail-psnr", "10"}).exit_code, 1);
-    EXPECT_EQ(run({b, a, "--fail-psnr", "10"}).exit_code, 0);  // the reference's fault
+    EXPECT_EQ(run({b, a, "--fail-psnr", "10"}).exit_code, 0);  // NaN in the reference is no failure
 }
 
 TEST_F(CompareCommand, PinholeAndNoise) {
@@ -202,7 +202,7 @@ TEST_F(CompareCommand, PinholeAndNoise) {
         EXPECT_TRUE(j.at(key).is_number()) << key;
     EXPECT_EQ(j.at("psnr_above_noise_is_bound"), false);
     EXPECT_GT(j.at("psnr_above_noise_db"), j.at("psnr_db"));
-    // Four standard errors of a root mean square of 0.02 over 57600 values, noise included.
+    // The tolerance is four standard errors of an RMS of 0.02 over 57600 values, including the noise.
     EXPECT_NEAR(j.at("rmse_above_noise"), 0.02, 4 * 0.02 / std::sqrt(2 * 57600.0) * 1.5);
     EXPECT_TRUE(codes(j).empty());
     EXPECT_NE(run({a, r1, "--noise", r2}).out.find("the reference itself is good to"), std::string::npos);
@@ -219,17 +219,17 @@ TEST_F(CompareCommand, MapAndSideBySideArePictures) {
     const auto map = OIIO::ImageInput::open(in("map.png"));
     ASSERT_TRUE(map);
     EXPECT_EQ(map->spec().width, 500);
-    EXPECT_EQ(map->spec().height, 100 + 60);  // the legend
+    EXPECT_EQ(map->spec().height, 100 + 60);  // the legend is 60 px high
     const auto both = OIIO::ImageInput::open(in("both.png"));
     ASSERT_TRUE(both);
     EXPECT_EQ(both->spec().width, 3 * 500 + 4 * 8);
-    // Name, gap, map, gap, two rows of figures and a note, gap.
+    // From top to bottom: name, gap, map, gap, two rows of figures and a note, gap; px.
     EXPECT_EQ(both->spec().height, 18 + 8 + 160 + 8 + 3 * 18 + 8);
     EXPECT_EQ(folder_.file_count(), 4U);
 }
 
 TEST_F(CompareCommand, TheDisplayWindowIsWhatIsCompared) {
-    // The picture's middle alone, stored in a window of its own.
+    // The file holds only the middle of the image, in a data window smaller than the display window.
     const Image whole = waves(40, 30);
     const std::string a = file("a.exr", whole), part = in("part.exr");
     OIIO::ImageSpec spec(20, 10, 3, OIIO::TypeDesc::FLOAT);

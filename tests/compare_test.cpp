@@ -1,4 +1,4 @@
-// Figures that are sums over pixels, SSIM, which pixels count, and limits.
+// Error measures that are sums over pixels, SSIM, the selection of pixels, and limits.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
@@ -31,13 +31,14 @@ PixelErrors errors_of(const Image& image, const Image& reference) {
 }
 
 TEST(PixelErrors, AConstantOffsetHasClosedForms) {
-    // Binary fractions: every difference is exact, and so are their sums.
+    // The values are binary fractions, so all differences and sums are exact.
     const PixelErrors e = errors_of(constant_picture(30, 20, 0.75F), constant_picture(30, 20, 0.5F));
     EXPECT_EQ(e.rmse, 0.25);
     EXPECT_EQ(e.pixels, 600U);
-    EXPECT_NEAR(e.relmse, 0.0625 / (0.25 + 0.01), 1e-15);  // a few roundings of a double
+    EXPECT_NEAR(e.relmse, 0.0625 / (0.25 + 0.01), 1e-15);  // tolerance: a few roundings in double
     EXPECT_NEAR(e.relmse_trimmed, e.relmse, 1e-15);
-    // The curve by its formula in double; it is computed in float, 6e-8 each, so 20/ln 10 * 1.2e-7 / 0.14 dB.
+    // The sRGB curve in double. The program computes it in float, with an error of 6e-8 per value, which
+    // makes 20/ln 10 * 1.2e-7 / 0.14 dB.
     const auto curve = [](double v) { return 1.055 * std::pow(v, 1 / 2.4) - 0.055; };
     EXPECT_NEAR(e.psnr_db, -20 * std::log10(curve(0.75) - curve(0.5)), 1e-5);
 }
@@ -55,13 +56,13 @@ TEST(PixelErrors, AgreesWithOpenCvsPsnr) {
     const auto mat = [](const Image& i) {
         return cv::Mat(i.height, i.width, CV_32FC3, const_cast<float*>(i.rgb.data()));
     };
-    // The same sum of squares in another order: a few roundings of a double.
+    // OpenCV sums the same squares in another order, which changes a few roundings in double.
     EXPECT_NEAR(errors_of(image, reference).psnr_db, cv::PSNR(mat(a), mat(b), 1.0), 1e-9);
 }
 
 TEST(PixelErrors, RelmseByHand) {
     const Image image = constant_picture(1, 1, 0.5F, 0, 2), reference = constant_picture(1, 1, 0.25F, 1, 0);
-    // (1/16) / (1/16 + 0.01), 1 / 1.01, 4 / 0.01
+    // The three channels: (1/16) / (1/16 + 0.01), 1 / 1.01, 4 / 0.01.
     EXPECT_NEAR(errors_of(image, reference).relmse, (0.0625 / 0.0725 + 1 / 1.01 + 400) / 3, 1e-12);
 }
 
@@ -73,7 +74,7 @@ TEST(PixelErrors, TrimmingDropsTheWorstThousandth) {
     const PixelErrors e = errors_of(image, reference);
     EXPECT_NEAR(e.relmse, (pixel(0.25) + pixel(0.5) + pixel(0.75)) / 2000, 1e-15);
     EXPECT_NEAR(e.relmse_trimmed, pixel(0.25) / 1998, 1e-15);  // two of 2000 pixels are dropped
-    // Of fewer than a thousand none is.
+    // Of fewer than a thousand pixels, none is dropped.
     const PixelErrors few = errors_of(constant_picture(9, 9, 0), constant_picture(9, 9, 1));
     EXPECT_DOUBLE_EQ(few.relmse, few.relmse_trimmed);
 }
@@ -93,7 +94,7 @@ TEST(Ssim, EqualPicturesGiveExactlyOne) {
 TEST(Ssim, OfTwoConstantsIsTheLuminanceTerm) {
     const Image a = constant_picture(40, 30, 0.25F), b = constant_picture(40, 30, 0.5F);
     const double mean = mean_over(ssim_map(a, b, every_pixel(a)), 40, every_pixel(a));
-    // (2 a b + C1) / (a^2 + b^2 + C1); the window's float weights sum to 1 within 1e-6.
+    // SSIM is (2 a b + C1) / (a^2 + b^2 + C1) here. The float weights of the window sum to 1 within 1e-6.
     EXPECT_NEAR(mean, (2 * 0.25 * 0.5 + 1e-4) / (0.0625 + 0.25 + 1e-4), 1e-5);
 }
 
@@ -111,12 +112,13 @@ TEST(Ssim, AgreesWithOpenCvInsideThePicture) {
         return out;
     };
     cv::Mat theirs;
-    cv::quality::QualitySSIM::compute(luma(a), luma(b), theirs);  // for values up to 255
+    cv::quality::QualitySSIM::compute(luma(a), luma(b), theirs);  // its constants assume values up to 255
     theirs.convertTo(theirs, CV_32F);
     const auto ours = ssim_map(a, b, every_pixel(a));
     for (int y = 5; y < a.height - 5; ++y) {
         for (int x = 5; x < a.width - 5; ++x) {
-            // They subtract squares of up to 1 in float, 2e-7, and divide by a variance of 0.001 at least.
+            // OpenCV subtracts squares of up to 1 in float (error 2e-7) and divides by variances of at least
+            // 0.001.
             EXPECT_NEAR(ours[static_cast<std::size_t>(y * a.width + x)], theirs.at<float>(y, x), 1e-3);
         }
     }
@@ -129,7 +131,7 @@ TEST(Ssim, PicturesSmallerThanTheWindowHaveNone) {
 }
 
 TEST(Comparison, AffectedPixelsAreThoseWherePinholeAndReferenceDiffer) {
-    // A quarter of the reference was changed by the lens, by more than 1/255; a row by less.
+    // A quarter of the reference differs from the pinhole by more than 1/255, and one row by less.
     const Image pinhole = constant_picture(40, 40, 0.5F);
     Image reference = pinhole, image = pinhole;
     const float step = srgb_from_linear(0.5F) + 0.9F / 255;
@@ -239,7 +241,7 @@ TEST(Comparison, SameBitsForAnyNumberOfThreads) {
 TEST(ErrorMap, ColoursFollowTheDifference) {
     const Image reference = constant_picture(500, 40, 0.5F);
     Image image = reference;
-    // From left to right: none, small, large, NaN.
+    // The errors from left to right: none, small, large, NaN.
     const float encoded = srgb_from_linear(0.5F);
     for (int y = 0; y < 40; ++y) {
         for (int x = 100; x < 500; ++x)
@@ -249,7 +251,7 @@ TEST(ErrorMap, ColoursFollowTheDifference) {
     const ImageSize size = error_map_size({500, 40});
     EXPECT_EQ(map.width, size.width);
     EXPECT_EQ(map.height, size.height);
-    // Viridis: dark violet, then green, then yellow; its luminance grows all the way.
+    // The colour map Viridis runs from dark violet through green to yellow, with increasing luminance.
     const auto luminance = [&](int x) {
         const float* p = map.pixel(x, 20);
         return 0.2126F * p[0] + 0.7152F * p[1] + 0.0722F * p[2];

@@ -1,4 +1,4 @@
-// How fast `render` converges with the samples: what its samplers are for.
+// Rates at which `render` converges with the number of samples, for each sampler.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-// A wall of smooth waves, out of focus and passing by: no edge anywhere, so that what a sampler can do shows.
+// A moving, defocused wall with smooth waves. The integrand has no edges, so a sampler reaches its best rate.
 Scene smooth_scene() {
     ImageTexture waves;
     waves.width = waves.height = 128;
@@ -32,7 +32,7 @@ Scene smooth_scene() {
     return b.scene;
 }
 
-// Root mean square over seeds and pixels of what one picture differs from the mean of its like: the noise.
+// The noise: RMS difference, over seeds and pixels, of images from the mean over all seeds.
 double noise(const Scene& scene, SamplerKind sampler, int spp, int seeds) {
     RenderSettings s;
     s.f_number = 0.5;
@@ -59,7 +59,7 @@ double noise(const Scene& scene, SamplerKind sampler, int spp, int seeds) {
     return std::sqrt(sum / static_cast<double>(values));
 }
 
-// The exponent of n by least squares over the logarithms.
+// The exponent of n in the noise, by a least-squares fit of logarithms.
 double slope(const Scene& scene, SamplerKind sampler) {
     constexpr int seeds = 16;
     double sx = 0, sy = 0, sxx = 0, sxy = 0;
@@ -72,9 +72,9 @@ double slope(const Scene& scene, SamplerKind sampler) {
     return (count * sxy - sx * sy) / (count * sxx - sx * sx);
 }
 
-// A noise is measured from 15 degrees of freedom at each of 96 pixels (its three channels hardly differ): it
-// errs by 1 / sqrt(2 * 15 * 96) = 1.9 %, one standard error. Over four decades of log 4 = 1.386 apart the
-// slope then errs by 0.019 / (1.386 * sqrt(5)) = 0.006. Bands are four of these, 0.025.
+// The noise is measured with 15 degrees of freedom at each of 96 pixels (the channels are nearly equal). Its
+// standard error is 1 / sqrt(2 * 15 * 96) = 1.9 %. For values of n that are log 4 = 1.386 apart, the standard
+// error of the slope is 0.019 / (1.386 * sqrt(5)) = 0.006. The band is four of these, 0.025.
 constexpr double band = 0.025;
 
 TEST(Convergence, RandomFallsAsTheRoot) {
@@ -85,8 +85,8 @@ TEST(Convergence, SobolFallsFasterOnSmoothScenes) {
     EXPECT_LT(slope(smooth_scene(), SamplerKind::sobol), -0.7 - band);
 }
 
-// Pixel, lens and time are stratified each, but paired at random: what couples them still falls as the root,
-// what does not falls faster.
+// Pixel, lens and time are stratified separately and paired at random. The noise of terms that couple them
+// falls as n^-1/2; that of the other terms falls faster.
 TEST(Convergence, StrataAreBetweenTheTwo) {
     const Scene scene = smooth_scene();
     for (const SamplerKind kind : {SamplerKind::jittered, SamplerKind::poisson}) {

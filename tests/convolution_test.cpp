@@ -1,4 +1,4 @@
-// i1 * i2: the moving bar, both ways of convolving against the definition, and what must be conserved.
+// The convolution i1 * i2: a moving bar, both methods against the definition, and conservation of light.
 #include "motionblur/convolution.h"
 
 #include <algorithm>
@@ -61,8 +61,8 @@ void expect_equal(const Planes& a, const Planes& b, double part, const std::stri
     }
 }
 
-// A disc of noise with some lights of radiance 50, some rows and columns empty; the last plane has both
-// signs.
+// A disc of noise with some pixels of radiance 50 and some empty rows and columns. The last plane also has
+// negative values.
 Planes random_planes(std::mt19937& random, int width, int height, std::size_t planes) {
     std::uniform_real_distribution<float> uniform(0, 1);
     std::uniform_int_distribution<int> place(-30, 30);
@@ -83,7 +83,8 @@ Planes random_planes(std::mt19937& random, int width, int height, std::size_t pl
 }
 
 TEST(Convolution, AMovingBarIsATrapezoid) {
-    // A bar of w px on [0, w) moving by d px: at x the light of the instants at which x - w < r <= x.
+    // A bar of w px on [0, w) moves by d px. Position x gets light while the displacement r satisfies
+    // x - w < r <= x.
     for (const int cells : {1, 2, 4}) {
         for (const int w : {3, 8, 12}) {
             for (const int d : {-12, 5, 8, 20}) {
@@ -97,12 +98,13 @@ TEST(Convolution, AMovingBarIsATrapezoid) {
                     };
                     double highest = 0;
                     for (int x = -15 * cells; x < 35 * cells; ++x) {
-                        // Exact at the cells' centres: the cell's weight is a half where the path ends.
+                        // The result is exact at the centres of cells; a cell at the end of the path has
+                        // weight 1/2.
                         const double expected = covered((x + 0.5) / cells);
                         EXPECT_NEAR(value(blurred, 0, x, 0), expected, 2e-6) << cells << " " << w << " " << d;
                         highest = std::max(highest, static_cast<double>(value(blurred, 0, x, 0)));
                     }
-                    // Without a plateau the top lies half a cell from the nearest centre.
+                    // Without a plateau, the peak lies half a cell from the nearest centre.
                     const double top = std::min(1.0, 1.0 * w / std::abs(d));
                     EXPECT_NEAR(highest, top, w == std::abs(d) ? 0.5 / (cells * w) + 2e-6 : 2e-6);
                 }
@@ -132,14 +134,14 @@ TEST(Convolution, BothWaysAreTheDefinition) {
         std::vector<PathPoint> points;
         const int count = 2 + run % 4;
         for (int i = 0; i < count; ++i) points.push_back({1.0 * i, {place(random), place(random)}});
-        if (run % 6 == 1) points[1].at_px.y = points[0].at_px.y;  // along a row: runs
-        if (run % 6 == 2) points[1].at_px.x = points[0].at_px.x;  // along a column: runs after turning
+        if (run % 6 == 1) points[1].at_px.y = points[0].at_px.y;  // along a row, which gives runs of cells
+        if (run % 6 == 2) points[1].at_px.x = points[0].at_px.x;  // along a column: runs after transposition
         if (run % 6 == 3) points.assign(2, {0, {3, 4}}), points[1].time_s = 1;
         const PathRaster i2 =
             draw(points, 1 + run % 2, run % 3 == 0 ? ShutterCurve::triangle() : ShutterCurve::box());
         const Planes reference = convolve_reference(i1, i2);
         ConvolutionMethod used = ConvolutionMethod::automatic;
-        // Float sums of 32 terms, and the float of the result.
+        // Tolerance: float sums of 32 terms, and the rounding of the result.
         expect_equal(convolve(i1, i2, ConvolutionMethod::direct, &used), reference, 35 * 0x1p-24,
                      fmt::format("direct {}", run));
         EXPECT_EQ(used, ConvolutionMethod::direct);
@@ -151,7 +153,7 @@ TEST(Convolution, BothWaysAreTheDefinition) {
 }
 
 TEST(Convolution, LightsOfRadiance50KeepBothWaysTogether) {
-    // Large enough for blocks of transforms, and a path that ends where it began.
+    // The image is large enough for block-wise transforms, and the path is closed.
     std::mt19937 random(8);
     const Planes i1 = random_planes(random, 600, 400, 2);
     const PathRaster i2 = draw({{0, {0, 0}}, {1, {60, 25}}, {2, {31, -40}}, {3, {0, 0}}}, 2);
@@ -159,14 +161,14 @@ TEST(Convolution, LightsOfRadiance50KeepBothWaysTogether) {
     const Planes fft = convolve(i1, i2, ConvolutionMethod::fft);
     expect_equal(fft, direct, 1e-5, "fft against direct");
     for (std::size_t p = 0; p < 2; ++p) {
-        // Each value rounded by 2^-24 of itself and its sums by 34 times that at most.
+        // Each value has a relative rounding error of 2^-24, and sums at most 34 times that.
         EXPECT_NEAR(sum(direct.planes[p]) / sum(i1.planes[p]), 1, 35 * 0x1p-24);
         EXPECT_GE(*std::min_element(fft.planes[p].begin(), fft.planes[p].end()), 0);
     }
 }
 
 TEST(Convolution, LongPathsGoInBlocksAndStayExact) {
-    // A small thing on a long way, a large one on a short way: where blocks of transforms pay.
+    // Block-wise transforms pay for a small image on a long path and for a large image on a short path.
     std::mt19937 random(9);
     for (const auto& [size, way] : {std::pair(20, dvec2(900, 130)), std::pair(900, dvec2(9, 7))}) {
         const Planes i1 = random_planes(random, size, size / 2, 1);
@@ -210,7 +212,7 @@ TEST(Convolution, NothingConvolvedIsNothing) {
         for (const auto& plane : black.planes) EXPECT_EQ(largest(plane), 0);
         EXPECT_TRUE(convolve(Planes{}, path, method).planes.empty());
         EXPECT_EQ(convolve(zeros(0, 0, 4, 4, 2), PathRaster{}, method).width, 0);
-        // A still thing stays what it is, one cell on.
+        // A constant displacement only shifts the image.
         Planes point = zeros(3, 4, 5, 5, 1);
         point.planes[0][12] = 50;
         const Planes moved = convolve(point, draw({{0, {2, -1}}}), method);
@@ -241,7 +243,7 @@ TEST(Convolution, TheCheaperWayIsTaken) {
     std::mt19937 random(12);
     const Planes i1 = random_planes(random, 300, 300, 1);
     ConvolutionMethod used{};
-    // Few cells, or runs of them: added up. Thousands of cells all over: transformed.
+    // Few cells, or runs of cells, are summed directly. Thousands of scattered cells are convolved by FFT.
     for (const auto& way : {dvec2(4, 3), dvec2(200, 0), dvec2(0, 200)}) {
         (void)convolve(i1, draw(straight(way)), ConvolutionMethod::automatic, &used);
         EXPECT_EQ(used, ConvolutionMethod::direct);

@@ -1,4 +1,4 @@
-// Output that is whole or absent, signals, progress, and parallel loops.
+// Output files that are complete or absent, signals, progress, and parallel loops.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -59,7 +59,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
     return names;
 }
 
-/// The text of the Error(code) that `action` must throw.
+/// The message of the Error with exit code `code` that `action` must throw.
 template <typename Action>
 std::string error_text(ExitCode code, const Action& action) {
     try {
@@ -72,7 +72,8 @@ std::string error_text(ExitCode code, const Action& action) {
     return {};
 }
 
-/// Runs `action` in a child process and returns waitpid's status; an exception there ends it with 99.
+/// Runs `action` in a child process and returns the status of waitpid. The child exits with 99 on an
+/// exception.
 template <typename Action>
 int status_of_child(const Action& action) {
     const pid_t child = ::fork();
@@ -140,7 +141,7 @@ TEST_F(OutputFileTest, CommitReplacesTheTarget) {
 }
 
 TEST_F(OutputFileTest, TwoFilesOfOneNameDoNotShareATemporary) {
-    // picture.exr twice, as two runs whose process ids are equal in their containers.
+    // Two runs in different containers may have the same process id and write the same picture.exr.
     OutputFile first(folder_ / "picture.exr");
     OutputFile second(folder_ / "picture.exr");
     EXPECT_NE(first.temporary_path(), second.temporary_path());
@@ -216,7 +217,7 @@ TEST_F(OutputFileTest, RefusesADeviceInsteadOfReplacingIt) {
     EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
-/// Permissions do not bind root: the child that looks at them becomes another user first.
+/// Root ignores file permissions, so a child process that tests them changes to another user first.
 void give_up_root() {
     constexpr uid_t nobody = 65534;
     if (::geteuid() != 0) return;
@@ -330,7 +331,7 @@ TEST_F(InterruptTest, ASecondSignalEndsTheProcessAndLeavesNoTemporary) {
 }
 
 TEST_F(InterruptTest, ASignalIgnoredFromTheStartStaysIgnored) {
-    // What nohup does for SIGHUP.
+    // nohup ignores SIGHUP in this way.
     const int status = status_of_child([&] {
         ::signal(SIGHUP, SIG_IGN);
         cancel_on_signals(job_);
@@ -346,14 +347,15 @@ TEST_F(InterruptTest, LoopsStopSoonAndSayWhy) {
         Job job({.threads = threads});
         const JobScope scope(job);
         std::atomic<std::size_t> calls{0};
-        // With TBB's ranges alone, one thread would be given thousands of indices without a check.
+        // With plain TBB ranges, a thread would process thousands of indices without checking for
+        // cancellation.
         const std::string text = error_text(ExitCode::interrupted, [&] {
             parallel_for(100000, [&](std::size_t) {
                 if (calls.fetch_add(1) == 10) job.cancel();
             });
         });
         EXPECT_EQ(text, "interrupted; unfinished output was removed");
-        // Only the calls that other threads had begun already.
+        // Other threads only finish calls that they had already begun.
         if (threads == 1) {
             EXPECT_EQ(calls, 11U);
         }
@@ -433,8 +435,8 @@ TEST(ParallelFor, MayStandInsideAnother) {
     for (const auto& count : calls) EXPECT_EQ(count, 1);
 }
 
-/// The threads that work at the same time in a loop: each index waits, with a limit, until `expected` are
-/// there.
+/// Number of threads that work in a loop at the same time. Each index waits, up to a time limit, until
+/// `expected` threads have arrived.
 std::size_t threads_seen(std::size_t expected) {
     std::mutex mutex;
     std::set<std::thread::id> seen;
@@ -485,7 +487,7 @@ TEST(ThreadLimit, TheInnerOneHoldsWhileItLives) {
     EXPECT_EQ(threads_seen(2), 2U);
 }
 
-/// Waits, with a limit, until `condition` holds.
+/// Waits until `condition` holds, up to a time limit.
 template <typename Condition>
 bool soon(const Condition& condition) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
@@ -500,7 +502,7 @@ TEST(Jobs, TwoInOneProcessAreCancelledEachByItself) {
     Job first({.threads = 2}), second({.threads = 2});
     std::atomic<int> first_calls{0}, second_calls{0};
     std::atomic<bool> first_stopped{false};
-    // Loops within loops: a thread that waits in the inner one takes up other work, which must be its job's.
+    // Nested loops: a thread that waits in the inner loop may take other work, which must belong to its job.
     std::thread a([&] {
         const JobScope scope(first);
         EXPECT_EQ(error_text(ExitCode::interrupted,
@@ -547,7 +549,7 @@ TEST(Jobs, WithinAnotherAreCancelledWithItAndReportToItsWatcher) {
         Progress step("views", 4);
         step.advance();
         std::this_thread::sleep_for(std::chrono::milliseconds(120));
-        Progress part("rows", 100);  // of the step: not reported
+        Progress part("rows", 100);  // a part of the step, which is not reported
         part.advance(50);
         step.advance();
         outer.cancel();
@@ -574,7 +576,7 @@ TEST(Duration, IsWrittenInTheUnitThatFits) {
     EXPECT_EQ(duration_text(std::numeric_limits<double>::infinity()), "24000 h 00 min");
 }
 
-/// A step of a fifth at once and another after the second that the bar waits.
+/// Advances by one fifth at once, and by another fifth after the second that the bar waits before it appears.
 void advance_over_a_second(bool quiet) {
     Job job({.watch = quiet ? nullptr : terminal_bar()});
     const JobScope scope(job);
@@ -590,7 +592,7 @@ TEST(ProgressTest, PrintsNothingWhenStderrIsNoTerminal) {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-/// What a child with a terminal of the kind `term` writes to its stderr.
+/// The stderr output of a child process on a terminal of type `term`.
 std::string on_terminal(const char* term, bool quiet) {
     int terminal = -1;
     const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);
@@ -602,7 +604,7 @@ std::string on_terminal(const char* term, bool quiet) {
     EXPECT_GT(child, 0);
     std::string text;
     std::array<char, 512> block{};
-    // The read fails with EIO once the child has gone.
+    // The read fails with EIO after the child has exited.
     for (ssize_t n = 0; (n = ::read(terminal, block.data(), block.size())) > 0;) {
         text.append(block.data(), static_cast<std::size_t>(n));
     }
@@ -614,7 +616,7 @@ std::string on_terminal(const char* term, bool quiet) {
 }
 
 TEST(ProgressTest, DrawsABarOnATerminalAndWipesIt) {
-    // Two fifths of 30 columns are 12; the three fifths left take half as long again as the 1.1 s gone.
+    // Two fifths of 30 columns are 12. The remaining three fifths take 1.5 times the elapsed 1.1 s.
     const std::string bar = "[" + std::string(12, '=') + std::string(18, ' ') + "]";
     const std::string wipe = "\r\033[K";
     const std::string text = on_terminal("xterm", false);
@@ -636,11 +638,11 @@ TEST(Multiversion, RoundsAsTheBaseInstructionSetDoes) {
         a[i] = 1.0F + static_cast<float>(i) * 1.1e-3F;
         b[i] = 1.0F / a[i];
         sum[i] = -1.0F;
-        // The store in between rounds the product, whatever the compiler would like to fuse.
+        // The volatile variable forces the product to be rounded, so that the compiler cannot fuse it.
         const volatile float product = a[i] * b[i];
         expected[i] = sum[i] + product;
     }
-    // At least one product must round, or a fused sum would give the same.
+    // At least one product must be inexact: otherwise a fused operation would give the same results.
     std::size_t fused_differs = 0;
     for (std::size_t i = 0; i < a.size(); ++i) fused_differs += std::fma(a[i], b[i], sum[i]) != expected[i];
     EXPECT_GT(fused_differs, 0U);
@@ -660,7 +662,7 @@ TEST(MakeInOrder, EndsInOrderAndHasNoMoreThanItMayAtOnce) {
                     int now = ++begun - ended;
                     for (int known = most; known < now && !most.compare_exchange_weak(known, now);) {
                     }
-                    // Loops within, whose waits are where another one is taken up.
+                    // Nested loops: a thread that waits for one may take work of another.
                     std::atomic<std::size_t> sum{0};
                     parallel_for(50, [&](std::size_t k) { sum += k * i; });
                     return std::make_unique<std::size_t>(sum.load());

@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-/// Sum of all shares, and their centroid, without laying out the inside.
+/// The sum of all coverages and their centroid, without listing the inner pixels.
 struct Moments {
     double sum = 0, x = 0, y = 0, least = 1;
 };
@@ -36,11 +36,11 @@ Moments moments_of(const Ellipse& e, double cx, double cy) {
     return m;
 }
 
-/// Compares every pixel, and a frame of one around them, with subsampling.
+/// Compares the coverage of every pixel, and of a border of one pixel around them, with subsampling.
 void expect_equals_subsampling(const Ellipse& e, double cx, double cy) {
     constexpr int n = 200;
-    // A row of samples is off by less than one sample where an edge crosses it: 2 edges * 1/n of a pixel at
-    // most, and a quarter of that over a pixel's rows is what is seen; the bound holds for any ellipse.
+    // A row of samples has an error below one sample at each edge that crosses it: at most 2/n of a pixel for
+    // two edges. The bound holds for any ellipse; the errors seen are about a quarter of it.
     const double tolerance = 2.0 / n / e.area_px2();
     const auto rows = ellipse_coverage(e, cx, cy);
     ASSERT_FALSE(rows.empty());
@@ -98,7 +98,7 @@ TEST(EllipseCoverage, SharesAddUpToOneAndKeepTheCentroid) {
             const Moments m = moments_of(Ellipse::disc(radius), phase, 0.25);
             EXPECT_NEAR(m.sum, 1, 1e-12) << radius;
             EXPECT_GE(m.least, 0) << radius;
-            // A pixel's share lies anywhere in it: only a disc that spans some pixels shows its centre.
+            // The centroid within a pixel is unknown, so only a disc of several pixels is tested.
             if (radius < 3) continue;
             EXPECT_NEAR(m.x, phase, 0.01) << radius;
             EXPECT_NEAR(m.y, 0.25, 0.01) << radius;
@@ -151,7 +151,7 @@ TEST(EllipseCoverage, TinyDiscLiesInItsPixel) {
     ASSERT_EQ(rows[0].share.size(), 1U);
     EXPECT_EQ(rows[0].x_begin, 3);
     EXPECT_NEAR(rows[0].share[0], 1, 1e-12);
-    // On a corner: a quarter in each of four.
+    // A disc centred on a pixel corner covers four pixels equally.
     double corners = 0;
     for (const CoverageRow& row : ellipse_coverage(Ellipse::disc(1e-4), 2, 2)) {
         ASSERT_EQ(row.share.size(), 2U);
@@ -180,7 +180,7 @@ TEST(EllipseRows, InnerRunIsInsideAndAsLongAsCanBe) {
         ASSERT_LE(span.inner_end, span.x_end);
         ASSERT_EQ(span.edge_share.size(),
                   static_cast<std::size_t>(span.x_end - span.x_begin - (span.inner_end - span.inner_begin)));
-        // A convex shape holds a pixel exactly where it holds its corners.
+        // A convex shape contains a pixel if and only if it contains the pixel's corners.
         for (int x = span.x_begin; x < span.x_end; ++x) {
             const bool whole = inside(x, y) && inside(x + 1, y) && inside(x, y + 1) && inside(x + 1, y + 1);
             EXPECT_EQ(x >= span.inner_begin && x < span.inner_end, whole) << x << " " << y;
@@ -188,7 +188,7 @@ TEST(EllipseRows, InnerRunIsInsideAndAsLongAsCanBe) {
     }
 }
 
-/// M applied to the unit circle touches the outline.
+/// Checks that M maps the unit circle to the outline of the ellipse.
 void expect_outline(const glm::dmat2& m) {
     const Ellipse e = Ellipse::from_map(m, 1e-6);
     for (int i = 0; i < 64; ++i) {

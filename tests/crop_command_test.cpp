@@ -1,4 +1,4 @@
-// --crop: what is written has the bits of the whole picture there, by every method.
+// --crop: for every method, the pixels of a crop have the same bits as in the whole image.
 #include <OpenImageIO/imageio.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -39,7 +39,7 @@ class CropCommand : public CommandTest {
              more);
         return in("frame.exr");
     }
-    /// Writes the whole picture and the crops.
+    /// Writes the whole image and the crops, and compares their bits.
     void expect_bits_of_the_whole(const Words& words, const std::vector<Crop>& parts = crops) {
         std::string all;
         for (const std::string& w : words) all.append(w).append(" ");
@@ -84,7 +84,7 @@ TEST_F(CropCommand, PicturesOfOtherProgramsAreCutAsWell) {
 }
 
 TEST_F(CropCommand, VectorsOfOtherProgramsLikewise) {
-    // Two halves that move apart, so that what lies between is known to nobody.
+    // Two halves that move apart and leave a hole between them.
     OIIO::ImageSpec spec(90, 80, 6, OIIO::TypeDesc::FLOAT);
     spec.channelnames = {"R", "G", "B", "Z", "forward.u", "forward.v"};
     std::vector<float> values;
@@ -110,7 +110,7 @@ TEST_F(CropCommand, AnOpenExrFileSaysWhereTheCropLies) {
     EXPECT_EQ((std::vector{s.x, s.y, s.width, s.height}), (std::vector{20, 30, 40, 50}));
     EXPECT_EQ((std::vector{s.full_x, s.full_y, s.full_width, s.full_height}),
               (std::vector{0, 0, width, height}));
-    // Read back it is a picture of its own, and so are those that cannot say where they lie.
+    // A crop that is read is an image of the crop's size, also for formats that cannot store its position.
     for (const char* name : {"part.exr", "part.png", "part.tif", "part.jpg"}) {
         done({"image", frame, "-o", in(name), "--crop", "20,30,40,50"});
         EXPECT_EQ(read_image_size(in(name)), (ImageSize{40, 50})) << name;

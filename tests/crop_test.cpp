@@ -1,4 +1,4 @@
-// A crop has the bits of the whole picture, whatever the method leaves out for it.
+// A crop has the same bits as the whole image, although methods skip work outside of the crop.
 #include "records/crop.h"
 
 #include <algorithm>
@@ -25,9 +25,9 @@ namespace {
 
 const std::string samples = POSTLENS_SAMPLES;
 
-/// Larger than a block of any method (256 px), and none of its multiples.
+/// Size of the images: larger than a block of any method (256 px), and not a multiple of it.
 constexpr int width = 300, height = 270;
-/// Within a block; over several, up to the far corner; a single pixel.
+/// Crops within a block, over several blocks up to the lower right corner, and of a single pixel.
 constexpr Crop inside{70, 90, 41, 23}, far_corner{250, 180, 50, 90}, one_pixel{13, 269, 1, 1};
 
 class CropTest : public testing::Test {
@@ -85,7 +85,7 @@ TEST_F(CropTest, PinholeAndScatter) {
     expect_bits_of_the_whole(s, {inside, far_corner, one_pixel});
     s.depths = 9;
     expect_bits_of_the_whole(s, {far_corner});
-    // Film distances of other framings magnify the picture.
+    // The film distance of this framing changes the magnification.
     s.framing = Framing::breathing;
     expect_bits_of_the_whole(s, {inside});
 }
@@ -109,7 +109,7 @@ TEST_P(InStrips, HasTheBitsOfTheWhole) {
         s.lens.f_number = 8;
         s.impulse = impulse;
         const FocusResult whole = focus_picture(*file_, s);
-        s.splat_bytes = 3 << 20;  // several strips, some of them of several parts
+        s.splat_bytes = 3 << 20;  // makes several strips, some of them in several parts
         const FocusResult strips = focus_picture(*file_, s);
         EXPECT_TRUE(strips.image.rgb == whole.image.rgb);
         EXPECT_EQ(strips.depths, whole.depths);
@@ -132,7 +132,8 @@ TEST_F(CropTest, Layers) {
 }
 
 TEST_F(CropTest, LightFieldInStripsHasTheBitsOfTheWhole) {
-    // Mirrors, glass and lights; and so much in focus that what shows one surface is left out.
+    // One scene has mirrors, glass and lights. In the other, so much is in focus that views of single
+    // surfaces are left out.
     for (const bool leave_out : {false, true}) {
         if (leave_out) {
             traced("motion.toml");
@@ -158,7 +159,7 @@ TEST_F(CropTest, LightFieldInStripsHasTheBitsOfTheWhole) {
         FocusFrame frame(*file_);
         const FieldFocus whole = field_focus(frame, s);
         EXPECT_EQ(told, file_->record_count());
-        s.surface_bytes = 1;  // a strip for every row of tiles
+        s.surface_bytes = 1;  // makes one strip per row of tiles
         told = 0;
         const FieldFocus strips = field_focus(frame, s);
         EXPECT_EQ(told, file_->record_count());
@@ -197,7 +198,7 @@ TEST_F(CropTest, AFewRowsOfSquaresTellWhatAllSurfacesTake) {
 }
 
 TEST_F(CropTest, LightFieldOverLensAndShutterInStripsHasTheBitsOfTheWhole) {
-    // Of two instants, and of one with lamps whose ways lead from strip to strip.
+    // A file of two instants, and a file of one instant with lights that move from strip to strip.
     for (const int keys : {2, 1}) {
         const char* scene = keys == 1 ? "motion/streaking_lights.toml" : "motion.toml";
         traced(scene, {.overscan_px = 8, .for_shutter = TimeSpan{0, 1}, .keys = keys});
@@ -232,7 +233,7 @@ TEST_F(CropTest, LightFieldAndHybrid) {
 }
 
 TEST_F(CropTest, HybridThatScatters) {
-    // So many views that scattering pays where one surface is seen.
+    // With this number of views, scattering is faster where a single surface is seen.
     traced("motion.toml");
     HybridSettings s{.focus = wide};
     s.focus.lens.f_number = 16;
@@ -268,7 +269,7 @@ TEST_F(CropTest, MotionByEveryMethod) {
 }
 
 TEST_F(CropTest, LensAndShutterWithGapsFilledFromAfar) {
-    // Nothing is recorded of what lies behind: what has moved away leaves pixels that no view knows.
+    // No hidden surfaces are recorded, so moving objects leave holes in all views.
     traced("motion.toml");
     const FrameMotion motion = motion_of(file_->header(), {});
     FocusSettings s = wide;
@@ -277,7 +278,7 @@ TEST_F(CropTest, LensAndShutterWithGapsFilledFromAfar) {
     s.views = 8;
     const HybridSettings both{.focus = s, .motion = &motion, .shutter = TimeSpan{0.9, 1}};
     const Image whole = hybrid_picture(*file_, both).focus.image;
-    // Crops of the size of a tile all over the picture: some have such gaps, some have none.
+    // Crops of the size of a tile, spread over the image: some contain holes, some do not.
     for (int y = 10; y + 30 <= height; y += 60) {
         for (int x = 10; x + 50 <= width; x += 80) {
             HybridSettings part = both;

@@ -1,4 +1,4 @@
-// Focus by waves: one point of light through the scatter method against the response that it should be.
+// Focus with diffraction: the image of a point light by the scatter method, compared with its response.
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -11,12 +11,12 @@
 namespace postlens::test {
 namespace {
 
-// 50 mm on a film of 4 um pixels, f/8 and f/22: Airy discs of 2.7 and 7.4 px at 550 nm.
+// 50 mm on a film of 4 um pixels. At f/8 and f/22 the Airy discs are 2.7 and 7.4 px wide at 550 nm.
 FocusGeometry geometry(double f_number) {
     return focus_geometry({50, f_number}, 4, Framing::keep, {50, 0.004});
 }
 
-/// A white point at (20, 20) over black, all at one depth.
+/// A white point at (20, 20) on black, all at one depth.
 RecordBand point(double z_m) {
     return corner_band(40, 40, 0, [z_m](int x, int y) {
         const float light = x == 20 && y == 20 ? 100.0F : 0.0F;
@@ -34,8 +34,8 @@ std::unique_ptr<SplatTables> tables(const RecordBand& band, const FocusGeometry&
     return out;
 }
 
-// The picture of the point is its response, each colour its own: red is wider than blue. What the borders of
-// the picture cut off the weights shows within the kernel's reach of them, not in the middle.
+// The image of the point is its response, which is wider for red than for blue. The borders of the image
+// truncate the weights only within the kernel's radius, not in the middle.
 TEST(DiffractionFocus, APointBecomesItsResponse) {
     for (const double f_number : {8.0, 22.0}) {
         const FocusGeometry g = geometry(f_number);
@@ -44,7 +44,7 @@ TEST(DiffractionFocus, APointBecomesItsResponse) {
             Image image;
             scatter(*tables(band, g), image);
             const double coc_px = g.coc_diameter_px(1 / z);
-            // The level that stands for this CoC lies within half a step of 0.99 px.
+            // The depth level of this CoC has a CoC within 0.5 px of it, half a step of 0.99 px.
             const DepthLevels levels(g, {4, 4}, DepthSpacing::inverse, std::nullopt);
             const double used_px = 2 * levels.radius_px()[*levels.level_of(1 / z)];
             EXPECT_NEAR(used_px, std::abs(coc_px), 0.5);
@@ -55,8 +55,8 @@ TEST(DiffractionFocus, APointBecomesItsResponse) {
                 for (int y = 14; y < 26; ++y) {
                     for (int x = 14; x < 26; ++x) {
                         const double share = grid.at(x - 20 - grid.x_begin, y - 20 - grid.y_begin);
-                        // Normalised by what arrives of the weights: 1, less the 5 % that come from beyond
-                        // 14 px.
+                        // Pixels are divided by the sum of the weights that arrive: 1, less up to 5 % from
+                        // beyond 14 px.
                         const auto got = static_cast<double>(image.pixel(x, y)[c]) / 100;
                         EXPECT_GE(got, share * 0.999)
                             << f_number << ", " << z << ", " << c << ": " << x << ", " << y;
@@ -83,7 +83,7 @@ TEST(DiffractionFocus, FastAndSlowFormsAgree) {
         EXPECT_NEAR(fast.rgb[i], slow.rgb[i], 2e-6F * std::max(1.0F, slow.rgb[i]));
 }
 
-// Far out of focus and wide open, waves show the disc of rays but for its edge.
+// Far out of focus and wide open, the response by waves is the disc of geometric optics except at its edge.
 TEST(DiffractionFocus, IsTheDiscWhereTheApertureIsWide) {
     const FocusGeometry g = focus_geometry({50, 1.4}, 4, Framing::keep, {50, 0.01875});
     const double z = 10;
@@ -103,8 +103,8 @@ TEST(DiffractionFocus, IsTheDiscWhereTheApertureIsWide) {
         for (int x = 10; x < 30; ++x) {
             const double distance = std::hypot(x - 19.5, y - 19.5);
             if (std::abs(distance - radius_px) < 1.6) continue;
-            // Fringes of u = 150 or so: 20 % in the disc's middle, a few per cent elsewhere, averaged over a
-            // pixel and three lines.
+            // Fringes for u = 150: 20 % in the middle of the disc, a few per cent elsewhere, averaged over a
+            // pixel and three wavelengths.
             const double inside = distance < radius_px ? 1 : 0,
                          even = 100 / (3.14159 * radius_px * radius_px);
             EXPECT_NEAR(static_cast<double>(waves.pixel(x, y)[1]), inside * even, 0.25 * even)

@@ -1,4 +1,4 @@
-// Responses on the pixel grid: energy in pixels, many depths, what is refused.
+// Diffraction responses on the pixel grid: energy per pixel, many depths, rejected settings.
 #include "lens/wave/diffraction_response.h"
 
 #include <algorithm>
@@ -53,7 +53,7 @@ double worst_difference(const ResponseGrid& a, const ResponseGrid& b) {
 TEST(RadialProfile, ARowOfSmoothedEnergiesIsEachByItself) {
     const RadialEnergy fine(300, 700), coarse(3, 200);
     const RadialProfile profile(
-        {{&fine, 5.0, 0.7}, {&coarse, 0.4, 0.3}});  // the second is too coarse to smooth
+        {{&fine, 5.0, 0.7}, {&coarse, 0.4, 0.3}});  // the second is too coarse to be smoothed
     const double begin_px = 3.1, width_px = 0.7 / 3;
     const std::vector<double> row = profile.smoothed_row(begin_px, width_px, 500);
     for (std::size_t i = 0; i < row.size(); ++i) {
@@ -76,8 +76,9 @@ TEST(PixelEnergy, IsTheIntegralOfTheIntensityOverThePixel) {
                            lommel_intensity(c.radius_px * c.v_per_px, std::hypot(x, y) * c.v_per_px);
                 }
             }
-            // dE = I v dv / 2 over 2 pi r dr: I v_per_px^2 / (4 pi) to a square pixel. Gauss' rule is exact
-            // for fringes this wide, so the difference is that of the default sampling.
+            // The energy per square pixel is dE = I v dv / 2 over 2 pi r dr, that is I v_per_px^2 / (4 pi).
+            // Gauss' rule is exact for fringes this wide, so the difference is the error of the default
+            // sampling.
             const double exact = sum * c.v_per_px * c.v_per_px / (4 * pi);
             EXPECT_NEAR(grid.at(i, j), exact, 5e-5 * peak_of(grid)) << c.radius_px << " " << i << " " << j;
         }
@@ -85,9 +86,9 @@ TEST(PixelEnergy, IsTheIntegralOfTheIntensityOverThePixel) {
 }
 
 TEST(PixelEnergy, DefaultSamplingHasConverged) {
-    // Fringes from far wider than a pixel to far finer: the brightest pixel is known to 5e-4
-    // (measured: 4.5e-4 at worst, where the edge is a tenth of a pixel wide; 1e-5 and less where it is wider
-    // than one).
+    // Fringes from much wider to much finer than a pixel. The error is below 5e-4 of the brightest pixel
+    // (measured: at most 4.5e-4, for an edge a tenth of a pixel wide; 1e-5 or less for edges wider than a
+    // pixel).
     for (const Case& c :
          {Case{0, 0.5, 0.3, 0.21}, Case{0, 60, 0.001, 0}, Case{2, 60, 0.3, 0.21}, Case{6, 400, 0.3, 0.21},
           Case{20, 5, 0.3, 0.21}, Case{20, 60, 0.3, 0.21}, Case{20, 60, 0, 0}}) {
@@ -98,8 +99,9 @@ TEST(PixelEnergy, DefaultSamplingHasConverged) {
 }
 
 TEST(PixelEnergy, SymmetricCentresTakeAShortcutToTheSamePixels) {
-    // A centre off by 1e-9 px goes the long way; what it moves is 1e-9 of the steepest gradient, at most the
-    // peak to a fringe, 60 to the pixel. No border touches the circle where the sampling changes.
+    // A centre displaced by 1e-9 px does not take the shortcut. The displacement changes pixels by 1e-9 of
+    // the steepest gradient, which is at most the peak per fringe, with 60 fringes per pixel. No border of a
+    // pixel touches the circle at which the sampling changes.
     const PixelEnergySettings settings{.near_px = 4.3};
     for (const double middle : {0.0, 0.5, 3.0, -2.5}) {
         for (const Case& c : {Case{0, 60, middle, middle}, Case{7, 20, middle, middle}}) {
@@ -112,7 +114,7 @@ TEST(PixelEnergy, SymmetricCentresTakeAShortcutToTheSamePixels) {
 }
 
 TEST(PixelEnergy, SumsToWhatTheFrameEncloses) {
-    // The largest circle in the frame and the smallest around it bound the sum.
+    // The sum lies between the energies within the frame's inscribed and circumscribed circles.
     for (const Case& c : {Case{0, 60, 0.5, 0}, Case{3, 60, 0.5, 0}, Case{9, 1, 0.5, 0}}) {
         const ResponseGrid grid = pixels(c, 12);
         const RadialEnergy energy(c.radius_px * c.v_per_px, 18 * c.v_per_px);
@@ -133,13 +135,13 @@ TEST(WaveScale, IsThatOfTheClosedForms) {
     const WaveScale scale = wave_scale(lens, 0.85, 3, 0.005, 550);
     EXPECT_NEAR(scale.u, 2 * pi / lambda_m * D_m * D_m / 4 * (1 / 0.85 - 1 / 3.0), 1e-8);
     EXPECT_NEAR(scale.v_per_px, pi * 0.005e-3 * D_m / (lambda_m * V_mm * 1e-3), 1e-12);
-    // The same from the film that `breathing` has; v = u at the geometric edge.
+    // The film of `breathing` gives the same scale. v = u at the geometric edge.
     const FocusGeometry g = focus_geometry(lens, 0.85, Framing::breathing, {85, 0.005});
     const WaveScale of_film = wave_scale(g, 1 / 3.0, 550);
     EXPECT_NEAR(of_film.u, scale.u, 1e-8);
     EXPECT_NEAR(of_film.v_per_px, scale.v_per_px, 1e-12);
     EXPECT_NEAR(of_film.v_per_px * g.coc_diameter_px(1 / 3.0) / 2, scale.u, 1e-8);
-    // `keep` has the traced film's d instead of V.
+    // `keep` has the film distance d of the trace instead of V.
     const WaveScale kept = wave_scale(focus_geometry(lens, 0.85, Framing::keep, {85, 0.005}), 1 / 3.0, 550);
     EXPECT_NEAR(kept.v_per_px / scale.v_per_px, V_mm / 85, 1e-12);
     EXPECT_NEAR(kept.u, scale.u, 1e-8);
@@ -155,7 +157,7 @@ TEST(Spectrum, EveryChannelsWeightsAreOneInSum) {
             mean_nm += line.weight[c] * line.wavelength_nm;
         }
         EXPECT_NEAR(sum, 1, 1e-15);
-        // Lines half a band apart keep a band's mean to a few nm, cut off below 440 nm.
+        // The mean wavelength of a band is kept to a few nm; the blue band is cut off below 440 nm.
         EXPECT_NEAR(mean_nm, (std::array{611.0, 549.0, 464.0}[c]), 8);
     }
 }
@@ -167,7 +169,7 @@ TEST(DiffractionResponses, HoldTheStatedShareOfTheEnergy) {
         const auto folded = diffraction_responses(geometry(), cocs, {.tail = tail});
         for (std::size_t d = 0; d < cocs.size(); ++d) {
             for (std::size_t c = 0; c < 3; ++c) {
-                // Whole pixels hold more than the circle that they cover.
+                // The pixels hold more energy than the circle that they cover.
                 EXPECT_GT(lost[d].loss[c], 0);
                 EXPECT_LT(lost[d].loss[c], tail);
                 EXPECT_NEAR(sum_of(lost[d].channel[c]), 1 - lost[d].loss[c], 1e-12);
@@ -178,7 +180,7 @@ TEST(DiffractionResponses, HoldTheStatedShareOfTheEnergy) {
 }
 
 TEST(DiffractionResponses, RedSpreadsFurtherThanBlue) {
-    // f/16: Airy discs wider than a pixel.
+    // At f/16 Airy discs are wider than a pixel.
     const FocusGeometry g = focus_geometry({.focal_length_mm = 50, .f_number = 16}, 2, Framing::keep,
                                            {.distance_mm = 50, .pixel_pitch_mm = 0.004});
     const std::vector<double> cocs = {0};
@@ -225,7 +227,7 @@ TEST(DiffractionResponses, RefuseWhatTheyCannotMake) {
     refused(geometry(), 1, {.max_radius_px = 1e6}, ExitCode::wrong_arguments, "radius");
     refused(geometry(), 1, {.spectrum = {{.wavelength_nm = 1}}}, ExitCode::wrong_arguments, "wavelength");
     refused(geometry(), 1e6, {}, ExitCode::wrong_arguments, "too far out of focus");
-    // 16384 px of a lens of 200 m: 1e10 of v.
+    // 16384 px with a lens of 200 m diameter: v reaches 1e10.
     FocusGeometry vast = geometry();
     vast.aperture_radius_m = 100;
     refused(vast, 0, {.tail = 1e-9, .max_radius_px = 16384}, ExitCode::out_of_memory, "needs");

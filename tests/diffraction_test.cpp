@@ -1,4 +1,4 @@
-// Lommel's functions and the tables made of them: closed forms, quadrature, energy.
+// Lommel's functions and the tables made from them: closed forms, quadrature, energy.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ constexpr double pi = std::numbers::pi;
 TEST(Bessel, OrdersAgreeWithTheLibrary) {
     for (const double v : {0.0, 1e-5, 1e-3, 0.3, 1.0, 7.5, 40.0, 399.0, 4211.0}) {
         const std::vector<double> j = bessel_orders(v);
-        // Rounding of the recurrence and of the argument's phase: a few times v 2^-53.
+        // Rounding of the recurrence and of the argument's phase is a few times v 2^-53.
         const double tolerance = 1e-15 * (4 + v);
         EXPECT_NEAR(j[0], ::j0(v), tolerance) << v;
         EXPECT_NEAR(j[1], ::j1(v), tolerance) << v;
@@ -34,7 +34,7 @@ TEST(Diffraction, InFocusIsAiry) {
         const double airy = 2 * ::j1(v) / v;
         EXPECT_NEAR(lommel_intensity(0, v), airy * airy, 1e-14) << v;
     }
-    // First zero: 3.8317059702 = 1.2196699 pi.
+    // The first zero is 3.8317059702 = 1.2196699 pi.
     EXPECT_LT(lommel_intensity(0, 3.8317059702), 1e-20);
     EXPECT_GT(lommel_intensity(0, 3.83), 1e-7);
 }
@@ -42,10 +42,11 @@ TEST(Diffraction, InFocusIsAiry) {
 TEST(Diffraction, OnAxisIsTheSquaredSincOfAQuarterOfU) {
     for (double u = 0.01; u < 6000; u *= 1.173) {
         const double sinc = std::sin(u / 4) / (u / 4);
-        // The quadrature below 8 and the closed form above both keep 1e-15 of the peak in focus.
+        // Both the quadrature (u < 8) and the closed form (u >= 8) are accurate to about 1e-15 of the peak in
+        // focus.
         EXPECT_NEAR(lommel_intensity(u, 0), sinc * sinc, 4e-15) << u;
     }
-    // The first dark point on the axis.
+    // The first dark point on the axis is at u = 4 pi.
     EXPECT_LT(lommel_intensity(4 * pi, 0), 1e-30);
 }
 
@@ -58,8 +59,8 @@ TEST(Diffraction, IsTheSameOnBothSidesOfTheFocus) {
     }
 }
 
-// The largest difference from direct quadrature over a dense row of v, both sides of the edge and at it, as a
-// share of the response's own peak (at most 1, that in focus, and 3e-7 of it at u = 4211).
+// The largest difference from direct quadrature over a dense row of v, on both sides of the edge and at it,
+// relative to the response's own peak (the peak is at most 1, in focus, and 3e-7 at u = 4211).
 double worst_of_row(double u, int points) {
     double worst = 0, peak = 0;
     const auto take = [&](double v) {
@@ -74,8 +75,8 @@ double worst_of_row(double u, int points) {
 }
 
 TEST(Diffraction, AgreesWithQuadratureUpToU400) {
-    // Both sum about u + v terms of size 1 whose phases are known to (u + v) 2^-53: 1e-13; the requirement,
-    // 1e-6 of the peak in focus, is far off.
+    // Both methods sum about u + v terms of size 1 with phase errors of (u + v) 2^-53, which makes 1e-13. The
+    // required accuracy is only 1e-6 of the peak in focus.
     for (const double u : {0.0, 1e-12, 1e-6, 0.01, 0.7, 3.0, 7.99, 8.0, 8.01, 12.0, 4 * pi, 25.0, 63.0, 100.0,
                            170.0, 251.3, 333.0, 399.0, 400.0}) {
         EXPECT_LT(worst_of_row(u, 300), 1e-12) << u;
@@ -83,7 +84,8 @@ TEST(Diffraction, AgreesWithQuadratureUpToU400) {
 }
 
 TEST(Diffraction, AgreesWithQuadratureUpToU5000) {
-    // An 85 mm f/1.4 at its nearest reaches 4211. The phase's rounding, relative to a mean of 4 / u^2.
+    // An 85 mm f/1.4 lens at its nearest distance reaches u = 4211. The error is the rounding of the phase,
+    // relative to a mean intensity of 4 / u^2.
     for (const double u : {1000.0, 2345.6, 4211.0, 5000.0}) EXPECT_LT(worst_of_row(u, 24), 1e-11) << u;
 }
 
@@ -94,7 +96,7 @@ TEST(Diffraction, RowsAgreeWithPoints) {
         const BesselGrid grid(step, static_cast<std::size_t>((1.3 * u + 100) / step));
         std::vector<double> row(grid.j0.size());
         lommel_row(-u, grid, row);
-        // Points far from the edge every few, near it all.
+        // Tests all points near the edge, and every `stride`-th point elsewhere.
         const std::size_t stride = 1 + row.size() / 700;
         double worst = 0, peak = 0;
         for (std::size_t i = 0; i < row.size(); ++i) {
@@ -104,7 +106,7 @@ TEST(Diffraction, RowsAgreeWithPoints) {
             peak = std::max(peak, exact);
             worst = std::max(worst, std::abs(row[i] - exact));
         }
-        // Series are cut where terms are below 1e-11 of the mean, a quarter of the peak or less.
+        // Series end when terms are below 1e-11 of the mean, which is at most a quarter of the peak.
         EXPECT_LT(worst / peak, 1e-11) << u;
     }
 }
@@ -117,8 +119,8 @@ TEST(EncircledEnergy, InFocusIsRayleighs) {
 }
 
 TEST(EncircledEnergy, ClosedFormIsTheIntegralOfTheIntensity) {
-    // Central differences of the closed form against I v / 2; the second-order error is h^2/6 of a third
-    // derivative of at most 4 times the slope, rounding 1e-13 / h.
+    // Compares central differences of the closed form with I v / 2. Their error is h^2/6 times a third
+    // derivative of at most 4 times the slope, plus rounding of 1e-13 / h.
     constexpr double h = 1e-3;
     for (const double u : {0.0, 1.0, 7.9, 8.1, 30.0, 200.0}) {
         for (const double v : {0.5, 3.0, 8.0, 29.0, 30.5, 50.0, 190.0, 210.0}) {
@@ -134,8 +136,8 @@ TEST(EncircledEnergy, TableIsTheClosedForm) {
         const RadialEnergy table(-u, 1.2 * u + 60);
         for (int i = 0; i <= 60; ++i) {
             const double v = table.v_end() * i / 60;
-            // Cubic interpolation of fringes of frequency 2 at most: (2 h)^4 / 384 of their amplitude. At
-            // h = 1/8 that is 1e-5 of an amplitude of less than 0.04, at h = 1/2 2.6e-3 of 1/u.
+            // Cubic interpolation of fringes with a frequency of at most 2 has an error of (2 h)^4 / 384 of
+            // their amplitude: 1e-5 of less than 0.04 at h = 1/8, 2.6e-3 of 1/u at h = 1/2.
             EXPECT_NEAR(table.within(v), lommel_encircled_energy(u, v), u < 256 ? 4e-7 : 1e-5)
                 << u << " " << v;
         }
@@ -144,7 +146,7 @@ TEST(EncircledEnergy, TableIsTheClosedForm) {
 
 TEST(EncircledEnergy, WithTheAnalyticTailIsOne) {
     for (double u = 0; u <= 5000; u = u * 1.31 + 0.7) {
-        // What the tail's mean leaves out is a fringe of 1 / (pi v^2) outside of the edge: 5e-5 at 80.
+        // The mean energy of the tail omits fringes of 1 / (pi v^2), 5e-5 at a distance of 80 from the edge.
         const double v_end = u + std::max(80.0, 8 * std::sqrt(u));
         const RadialEnergy table(u, v_end);
         EXPECT_NEAR(table.within(table.v_end()) + energy_beyond(u, table.v_end()), 1, 1e-4) << u;
@@ -152,8 +154,8 @@ TEST(EncircledEnergy, WithTheAnalyticTailIsOne) {
 }
 
 TEST(EncircledEnergy, TendsToTheGeometricDisc) {
-    // (v/u)^2 within a disc; fringes of the edge carry 1/sqrt(u) of the energy. Halving the wavelength
-    // doubles u and v, and the difference falls.
+    // The energy within a disc is (v/u)^2, and fringes of the edge hold 1/sqrt(u) of the energy. Halving the
+    // wavelength doubles u and v, so the difference from the disc decreases.
     const auto from_disc = [](double u) {
         const RadialEnergy table(u, 1.5 * u);
         double worst = 0;
@@ -175,7 +177,7 @@ TEST(EncircledEnergy, IntegralGivesMeans) {
             double sum = 0;
             constexpr int steps = 4000;
             for (int i = 0; i < steps; ++i) sum += table.within(v0 + (i + 0.5) * width / steps);
-            // The midpoint rule: (width/steps)^2/24 times a second derivative of at most 1.
+            // Error of the midpoint rule: (width/steps)^2/24 times a second derivative of at most 1.
             EXPECT_NEAR((table.within_integral(v0 + width) - table.within_integral(v0)) / width, sum / steps,
                         2e-6)
                 << u << " " << v0;

@@ -1,5 +1,5 @@
-// What distributed rays add to Whitted's shading trees: penumbrae, gloss, translucency, lights and shadows in
-// motion.
+// Effects that distributed rays add to Whitted's shading trees: penumbrae, gloss, translucency, moving lights
+// and shadows.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,7 +25,7 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// A white floor y = 0 seen from the side; the camera's rows run along z.
+// A white floor y = 0. The raster's x runs along the floor's x.
 SceneBuilder floor_scene(int width = 24, int height = 2) {
     SceneBuilder b;
     Camera& c = b.scene.cameras[0];
@@ -33,21 +33,20 @@ SceneBuilder floor_scene(int width = 24, int height = 2) {
     c.height = height;
     c.position = {-3, 2, 0};
     c.look_at = {0, 0, 0};
-    c.up = {0, 0, -1};  // the raster's x along the floor's x
+    c.up = {0, 0, -1};  // aligns the raster's x with the floor's x
     c.focal_length_mm = 100;
     b.add(Plane{{0, 0, 0}, {0, 1, 0}}, matte(dvec3(1)));
     return b;
 }
 
-// The middle of cell i of n x n in the unit square.
+// The centre of cell i of n x n cells in the unit square.
 dvec2 cell_middle(int i, int n) {
     const int row = i / n, column = i % n;
     return (dvec2(column, row) + 0.5) / static_cast<double>(n);
 }
 
-// The mean over each pixel of what floor points show. Six by six points are exact for what is smooth over a
-// pixel; at kinks of a penumbra they err by less than 1e-3 (below: `pixel_m` / width of the penumbra
-// squared).
+// The mean of `shown` over the floor points of each pixel. Six by six points per pixel are exact for smooth
+// functions. Their error at kinks of a penumbra is below 1e-3: the square of pixel size over penumbra width.
 std::vector<double> floor_pixels(const Scene& scene, const std::function<double(const dvec3&)>& shown) {
     const CameraModel camera(scene.cameras[0], 0);
     std::vector<double> out;
@@ -66,12 +65,12 @@ std::vector<double> floor_pixels(const Scene& scene, const std::function<double(
     return out;
 }
 
-// Above the floor's right half, half-way to the light: opaque and black.
+// An opaque black half-plane above the right half of the floor, halfway to the light.
 constexpr double occluder_height = 1, light_height = 2;
 void add_half_plane(SceneBuilder& b) {
     b.add(Rectangle{{0, occluder_height, -50}, {0, 0, 100}, {50, 0, 0}}, matte(dvec3(0)));
 }
-// Whether the segment from the floor to the light passes the half-plane's edge on the open side.
+// Whether the segment from the floor to the light misses the half-plane.
 bool open(const dvec3& floor, const dvec3& light) {
     const double share = occluder_height / light.y;
     return floor.x + share * (light.x - floor.x) < 0;
@@ -101,8 +100,8 @@ TEST(Penumbra, OfARectangleIsTheShareOfItsArea) {
         }
         return sum / (n * n);
     });
-    // The quadrature's own error: a border through 100 rows of the light and 36 points of the pixel, each
-    // wrong by half a cell at most and with errors of both signs: 2 / 100 / sqrt(36) / 2.
+    // Error of the quadrature: the shadow's border crosses 100 rows of the light for each of 36 points. Each
+    // has an error of at most half a cell, of either sign: 2 / 100 / sqrt(36) / 2.
     expect_figures(repeated(b.scene, pinhole(64), pixels), expected, 2e-3, "rectangle");
     EXPECT_LT(*std::min_element(expected.begin(), expected.end()), 0.1);
     EXPECT_GT(*std::max_element(expected.begin(), expected.end()), 1.5);
@@ -116,7 +115,7 @@ TEST(Penumbra, OfASphereIsTheShareOfItsSolidAngle) {
     l.radius = 0.5;
     const Light light = l;
     const auto expected = floor_pixels(b.scene, [&](const dvec3& p) {
-        // Even directions in the cone: rings of equal heights, sectors of equal angles.
+        // Directions that are uniform in the cone: rings of equal solid angle, sectors of equal angle.
         const dvec3 axis = glm::normalize(light.position - p);
         const dvec3 x = glm::normalize(glm::cross(axis, dvec3(0, 0, 1))), y = glm::cross(axis, x);
         const double sine = light.radius / glm::length(light.position - p);
@@ -128,7 +127,7 @@ TEST(Penumbra, OfASphereIsTheShareOfItsSolidAngle) {
             const double c = 1 - (1 - lowest) * cell.x, s = std::sqrt(1 - c * c);
             const double turn = 2 * std::numbers::pi * cell.y;
             const dvec3 d = c * axis + s * std::cos(turn) * x + s * std::sin(turn) * y;
-            // A direction upwards meets the half-plane's level before the light.
+            // The direction crosses the half-plane's height before it reaches the light.
             if (p.x + d.x / d.y * occluder_height < 0) sum += 2 * d.y;
         }
         return sum / (n * n);
@@ -156,7 +155,7 @@ TEST(Penumbra, VanishesWithTheLight) {
         }
         pictures[i] = render_picture(b.scene, pinhole(16)).image;
     }
-    // Shadow rays are floats: with an edge at a pixel's very sample one could differ, so none is wished for.
+    // Shadow rays are floats, so images could differ at a sample exactly on a shadow edge; none is there.
     for (std::size_t k = 0; k < pictures[0].rgb.size(); ++k) {
         EXPECT_NEAR(pictures[1].rgb[k], pictures[0].rgb[k], 1e-6F);
         EXPECT_NEAR(pictures[2].rgb[k], pictures[0].rgb[k], 1e-6F);
@@ -179,7 +178,7 @@ TEST(LightPoints, OfASphereAreEvenOverTheSolidAngleAndOnItsNearSide) {
         std::vector<int> count(rings * sectors, 0);
         for (int i = 0; i < n; ++i) {
             const dvec3 p = light_point(placed, from, {random.in(0, 1), random.in(0, 1)});
-            // A root near the outline: 2^-26 of the distance.
+            // The square root near the outline has an error of 2^-26 of the distance.
             EXPECT_NEAR(glm::length(p - l.position), l.radius, 2e-8 * distance);
             EXPECT_LE(glm::dot(p - l.position, p - from), 1e-7 * distance * distance);  // faces `from`
             const dvec3 d = p - from;
@@ -198,7 +197,7 @@ TEST(LightPoints, OfASphereAreEvenOverTheSolidAngleAndOnItsNearSide) {
         EXPECT_LE(statistic, freedom + 4 * std::sqrt(2 * freedom)) << "at " << distance;
         EXPECT_GE(statistic, freedom - 4 * std::sqrt(2 * freedom)) << "at " << distance;
     }
-    // From within there is no outline: the middle stands for it.
+    // From inside of the sphere there is no outline, so its centre is returned.
     EXPECT_EQ(light_point(placed, l.position + dvec3(0.1, 0, 0), {0.3, 0.4}), l.position);
     EXPECT_EQ(light_point(placed, l.position, {0.3, 0.4}), l.position);
 }
@@ -215,8 +214,8 @@ TEST(LightPoints, OfARectangleAreOnIt) {
     EXPECT_EQ(light_point(placed, dvec3(9), {1, 0.25}), dvec3(2, 2, 2));
 }
 
-// A camera so narrow that all its rays run along the axis: over its film, 18 mm to a side at 50 m, directions
-// turn by less than 4e-4, and places on what lies 1 m away by 4e-4 m.
+// A camera with a very narrow field of view, whose rays are almost parallel to the axis: directions differ by
+// less than 4e-4, and positions at a distance of 1 m by less than 4e-4 m.
 SceneBuilder narrow_view() {
     SceneBuilder b;
     Camera& c = b.scene.cameras[0];
@@ -233,9 +232,9 @@ std::vector<double> whole_mean(const Image& image) {
     return {sum / static_cast<double>(count)};
 }
 
-// Of a lobe (n + 1) / (2 pi) cos^n about the axis, the share 1 - cos^(n + 1) lies within the angle alpha. The
-// turn of the view shifts the axis by less than 4e-4: the share changes by less than its slope, (n + 1)
-// sin(alpha) cos^n(alpha) <= sqrt(n + 1), times that, to both sides alike.
+// Of a lobe (n + 1) / (2 pi) cos^n about the axis, the fraction 1 - cos^(n + 1)(alpha) lies within the angle
+// alpha. The axis varies by less than 4e-4 over the film, which changes the fraction by less than 4e-4 times
+// its slope, (n + 1) sin(alpha) cos^n(alpha) <= sqrt(n + 1), with either sign.
 void expect_lobe(const Scene& scene, double exponent, double alpha) {
     const double share = 1 - std::pow(std::cos(alpha), exponent + 1);
     expect_figures(repeated(scene, pinhole(256), whole_mean), {share}, 1e-4 * std::sqrt(exponent + 1),
@@ -268,12 +267,12 @@ TEST(Translucency, OfASheetIsTheCosineLobe) {
     }
 }
 
-// The lobe about a slanting axis is turned with it.
+// The lobe is centred on the mirrored direction of a tilted mirror.
 TEST(Gloss, FollowsTheMirrorsDirection) {
     SceneBuilder b = narrow_view();
     Material m = mirror();
     m.reflection_exponent = 500;
-    b.add(square({0, 0, -1}, {1, 0, 1}, 2), m);  // sends the axis to +x
+    b.add(square({0, 0, -1}, {1, 0, 1}, 2), m);  // reflects the optical axis to +x
     b.add(Disc{{2, 0, -1}, {1, 0, 0}, 2 * std::tan(0.06), 0}, glowing(dvec3(1)));
     expect_lobe(b.scene, 500, 0.06);
     EXPECT_EQ(spread_direction({0, 0.6, 0.8}, infinity, {0.3, 0.3}), dvec3(0, 0.6, 0.8));
@@ -302,8 +301,8 @@ TEST(Gloss, NoSpreadIsTheExactMirror) {
         return b;
     };
     const Image exact = render_picture(scene(infinity).scene, pinhole(16)).image;
-    // An exponent of 1e12, the most a scene may ask for, spreads by some 1e-6 and moves the checker's borders
-    // by a hundred-thousandth of their distance.
+    // An exponent of 1e12, the largest that a scene may have, spreads directions by about 1e-6. This moves
+    // the borders of the checker by 1e-5 of their distance.
     const Image nearly = render_picture(scene(1e12).scene, pinhole(16)).image;
     double difference = 0;
     for (std::size_t i = 0; i < exact.rgb.size(); ++i)
@@ -312,8 +311,7 @@ TEST(Gloss, NoSpreadIsTheExactMirror) {
     EXPECT_NE(exact.rgb, render_picture(scene(50).scene, pinhole(16)).image.rgb);
 }
 
-// Everything around shines alike: a mirror that loses nothing cannot be told from it, however it spreads and
-// however flatly it is looked at.
+// In uniform radiance, a lossless mirror has the radiance of its surroundings, for any lobe and at any angle.
 TEST(Gloss, LosesNoLight) {
     for (const double exponent : {0.0, 1.0, 20.0, 1e4, infinity}) {
         SceneBuilder b;
@@ -322,11 +320,11 @@ TEST(Gloss, LosesNoLight) {
         b.scene.cameras[0].height = 16;
         Material m = mirror();
         m.reflection_exponent = exponent;
-        b.add(Plane{{0, -1e-3, 0}, {0, 1, 0}}, m);  // all angles down to grazing
+        b.add(Plane{{0, -1e-3, 0}, {0, 1, 0}}, m);  // seen at all angles down to grazing
         b.add(Sphere{{0, 0.4, -4}, 0.3}, m);
         RenderSettings s = pinhole(16);
-        // A path may go to and fro between the ball and the floor: whatever it has not left after 16 bounces
-        // is lost, and that is hardly any.
+        // A path may be reflected between ball and floor many times. Light beyond 16 bounces is lost, but it
+        // is negligible.
         s.tracing.max_depth = 17;
         s.tracing.min_contribution = 0;
         const Image image = render_picture(b.scene, s).image;
@@ -358,7 +356,7 @@ TEST(LightsInMotion, GiveTheMeanOverTime) {
     l.keys[1].time_s = 3;
     l.keys[1].translation = {2, 1.5, 1};
     const std::vector<TransformKey> keys = l.keys;
-    // Nothing moves but the light; the shutter is open for a part of its way.
+    // Only the light moves, and the shutter exposes a part of its motion.
     RenderSettings s = pinhole(64);
     s.shutter = TimeSpan{1.2, 2.7};
     for (const bool triangle : {false, true}) {
@@ -373,20 +371,21 @@ TEST(LightsInMotion, GiveTheMeanOverTime) {
                 },
                 200);
         });
-        // Smooth: the quadratures err by the squares of their steps, 1 / 200 and 1 / 6 px of 5 cm.
+        // The integrand is smooth, so errors of the quadratures are the squares of their steps: 1/200 of the
+        // time and 1/6 of a pixel of 5 cm.
         expect_figures(repeated(b.scene, s, pixels), expected, 2e-4, "light in motion");
     }
     s.shutter.reset();
-    s.time_s = 2;  // an instant: no mean
+    s.time_s = 2;  // an instant, without averaging over time
     const Image still = render_picture(b.scene, s).image;
     const auto expected = floor_pixels(
         b.scene, [&](const dvec3& p) { return glm::normalize(dvec3(transform_at(keys, 2)[3]) - p).y; });
     for (std::size_t i = 0; i < expected.size(); ++i)
         EXPECT_NEAR(static_cast<double>(still.rgb[3 * i]), expected[i],
-                    3e-3);  // 64 samples of a smooth pixel
+                    3e-3);  // noise of 64 samples in a smooth pixel
 }
 
-// Straight down: the shadow of a bar that moves over the floor is the bar's own trapezoid.
+// With light from straight above, the shadow of a moving bar is the trapezoid of the bar.
 TEST(ShadowsInMotion, FallAtTheRightInstant) {
     constexpr double width_m = 0.15, way_m = 0.5, start_m = -0.3;
     for (const bool mesh : {false, true}) {
@@ -394,7 +393,7 @@ TEST(ShadowsInMotion, FallAtTheRightInstant) {
         Light& sun = b.point_light(dvec3(0));
         sun.kind = Light::Kind::directional;
         sun.direction = {0, -1, 0};
-        // High above, out of the camera's sight.
+        // The bar is high above, outside of the camera's view.
         Shape shape = Box{{0, 8, -20}, {width_m, 8.01, 20}};
         if (mesh) {
             auto m = std::make_shared<Mesh>();
@@ -403,7 +402,7 @@ TEST(ShadowsInMotion, FallAtTheRightInstant) {
             shape = std::shared_ptr<const Mesh>(m);
         }
         Object& o = b.add(shape, matte(dvec3(0)));
-        o.keys.resize(3);  // half the way in a quarter of the time
+        o.keys.resize(3);  // half of the path in a quarter of the time
         o.keys[0].translation.x = start_m;
         o.keys[1].time_s = 0.25;
         o.keys[1].translation.x = start_m + way_m / 2;
@@ -421,13 +420,13 @@ TEST(ShadowsInMotion, FallAtTheRightInstant) {
                 },
                 2000);
         });
-        // The quadrature over time errs by a step, 1 / 2000, per border at most.
+        // The quadrature over time has an error of at most one step, 1 / 2000, per border.
         expect_figures(repeated(b.scene, s, pixels), expected, 1e-3, mesh ? "mesh" : "box");
         EXPECT_LT(*std::min_element(expected.begin(), expected.end()), 0.8);
     }
 }
 
-// Two mirrors face each other, each glowing: every further node adds as much as the first.
+// Two emitting mirrors face each other, so that each further node contributes half of the one before.
 TEST(Trees, EndAtTheDepthAskedFor) {
     SceneBuilder b;
     b.scene.cameras[0].width = b.scene.cameras[0].height = 4;
@@ -459,14 +458,14 @@ TEST(Trees, EndWhereTooLittleWouldCome) {
     s.tracing.max_depth = 17;
     s.tracing.min_contribution = 0;
     const RenderResult all = render_picture(b.scene, s);
-    // 1 + 1/2 + ... + 1/2^16, exact in a float.
+    // The sum 1 + 1/2 + ... + 1/2^16 is exact in float.
     EXPECT_EQ(all.image.rgb[0], 2 - 0x1p-16F);
     s.tracing.min_contribution = 0.01;
     const RenderResult cut = render_picture(b.scene, s);
     EXPECT_LT(cut.image.rgb[0], all.image.rgb[0]);
     EXPECT_GE(cut.image.rgb[0], all.image.rgb[0] - 0.01F);
     EXPECT_LT(cut.rays.reflect, all.rays.reflect);
-    // A subtree of throughput 2^-k can bring less than 2^(1 - k): the first below 0.01 is k = 8.
+    // A subtree of throughput 2^-k contributes less than 2^(1 - k), which is below 0.01 from k = 8 on.
     EXPECT_EQ(cut.rays.reflect, 64U * 7U);
 }
 

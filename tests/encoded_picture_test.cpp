@@ -27,7 +27,7 @@ TEST(EncodedPicture, BytesAreThoseOfTheCurve) {
          {0.0F, -0.0F, -1.0F, 1.0F, 2.0F, 1e30F, 1e-30F, std::numeric_limits<float>::infinity(),
           -std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()})
         EXPECT_EQ(srgb_byte(v), by_power(v)) << v;
-    // Every 97th float from 2^-14 to 1, and the two on either side of where each byte begins.
+    // Tests every 97th float from 2^-14 to 1, and the two floats on either side of each byte's lower limit.
     const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
     for (std::uint32_t b = bits(0x1p-14F); b < bits(1.0F); b += 97) {
         const auto v = std::bit_cast<float>(b);
@@ -53,7 +53,7 @@ TEST(EncodedPicture, IsWrittenAsThePictureItWasMadeOf) {
     const TemporaryFolder folder;
     std::mt19937 random(3);
     std::uniform_real_distribution<float> value(-0.1F, 1.2F);
-    // Noise, which deflate makes larger, in sizes that fill no block.
+    // Noise, which deflate cannot compress, in sizes that are not multiples of a block.
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 513}, {513, 1}, {301, 203}}) {
         Image image(width, height);
         for (float& v : image.rgb) v = value(random);
@@ -96,7 +96,7 @@ TEST(WriteFlatExr, KnowsItsChecksumWhereItIsWrittenInOrder) {
     exr.channels = {{"Y", ExrChannel::Type::float32, values.data()}};
     exr.pixel_bytes = sizeof(float);
     exr.row_bytes = 40 * sizeof(float);
-    // More than is written at once, before the first row.
+    // A header that is larger than the amount written at once.
     exr.texts = {{"long", std::string(400'000, 'x')}};
     exr.compression = ChunkCompression::none;
     const std::optional<std::uint64_t> checksum = write_flat_exr(path, "a.exr", exr);

@@ -1,4 +1,4 @@
-// Why a picture is wrong: pictures spoiled in one known way each, and the cause that is named for them.
+// Causes of errors: images with one known fault each, and the cause that is reported for them.
 #include "planner/error_causes.h"
 
 #include <cmath>
@@ -84,7 +84,7 @@ TEST(ErrorCauses, SurfacesInTheWrongOrder) {
 }
 
 TEST(ErrorCauses, TooFewCirclesOfConfusion) {
-    // A single board that leans from 1 m to 4 m, through two responses only.
+    // A tilted board from 1 m to 4 m, blurred with only two responses.
     SceneBuilder b;
     for (int i = -30; i < 30; ++i) {
         b.add(Rectangle{dvec3(0.15 * i, -0.8, -1), dvec3(0.15, 0, 0), dvec3(0, 2.2, -3)},
@@ -99,7 +99,7 @@ TEST(ErrorCauses, TooFewCirclesOfConfusion) {
 }
 
 TEST(ErrorCauses, LightFromBeyondTheMargin) {
-    // A wall out of focus, brighter towards the border, and no margin.
+    // A defocused wall that is brighter towards the border, without overscan.
     SceneBuilder b;
     b.add(board(-9, 9, -9, 9, 10), glowing({0.1, 0.1, 0.1}));
     b.add(board(3.3, 9, -9, 9, 9.99), glowing({0.9, 0.9, 0.9}));

@@ -1,4 +1,4 @@
-// How large a sample file will be, said before it is written, and what becomes of one that does not fit.
+// The predicted size of a sample file, and files that do not fit on the disk.
 #include "tracer/expected_size.h"
 
 #include <cstdlib>
@@ -43,15 +43,15 @@ TEST(Disk, FreeBytesAreThoseOfTheTargetsFileSystem) {
     const std::uint64_t here = free_disk_bytes(folder.path());
     EXPECT_GT(here, 0U);
     EXPECT_LT(here, std::numeric_limits<std::uint64_t>::max());
-    // A file that is not there yet, in a folder; a link is followed.
+    // The path may be a file that does not exist yet. Links are followed.
     const auto near = [&](std::uint64_t other) {
         const double ratio = static_cast<double>(other) / static_cast<double>(here);
-        return ratio > 0.5 && ratio < 2;  // others write there as well
+        return ratio > 0.5 && ratio < 2;  // other processes also write to this disk
     };
     EXPECT_TRUE(near(free_disk_bytes(folder.path() / "new.exr")));
     fs::create_symlink(folder.path() / "new.exr", folder.path() / "link.exr");
     EXPECT_TRUE(near(free_disk_bytes(folder.path() / "link.exr")));
-    // Where the system does not say, nothing is refused.
+    // If the system does not report the free space, every size is accepted.
     EXPECT_EQ(free_disk_bytes("/no/such/folder/a.exr"), std::numeric_limits<std::uint64_t>::max());
 }
 
@@ -92,13 +92,13 @@ TEST(ExpectedSize, TheFileIsAsLargeAsWasSaid) {
         std::printf("%s %dx%d: %.3f of %.3f MB\n", c.scene, c.width, c.height, ratio,
                     static_cast<double>(r.bytes) / 1e6);
         if (c.height < 10) {
-            // All rows are looked at; a header of some kilobytes is no part of what is said.
+            // The preview pass covers all rows. The header of some kilobytes is not part of the prediction.
             EXPECT_LT(expected, r.bytes);
             EXPECT_GT(expected + 16384, r.bytes);
         } else {
             EXPECT_NEAR(ratio, 1, 0.25) << c.scene;
         }
-        // Being asked changes nothing.
+        // Predicting the size does not change the trace.
         settings.on_expected_bytes = nullptr;
         const TraceResult unasked = trace_to_file(scene, settings, folder.path() / "b.exr");
         EXPECT_EQ(unasked.bytes, r.bytes);

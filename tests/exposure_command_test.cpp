@@ -1,4 +1,4 @@
-// `--exposure` and `--lumens-per-watt` as people type them.
+// The options `--exposure` and `--lumens-per-watt`.
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -14,7 +14,7 @@ using nlohmann::json;
 
 class ExposureCommand : public CommandTest {
   protected:
-    // A floor under a point light, and a sky; all light times `brighter`.
+    // A floor under a point light and a sky, with all light multiplied by `brighter`.
     std::string scene(double brighter) {
         const std::string path = in(fmt::format("scene_{}.toml", brighter));
         std::ofstream(path) << fmt::format(R"(
@@ -70,7 +70,7 @@ TEST_F(ExposureCommand, StopsAreTheSameAsBrighterLight) {
         ok({command, in("b.exr"), "-o", in("b.png")});
         EXPECT_EQ(read_image(in("a.png")).rgb, read_image(in("b.png")).rgb) << command;
         EXPECT_EQ(read_image(in("a.png")).exposure_stops, 3);
-        // OpenEXR stays as it is.
+        // OpenEXR files hold radiance, so the exposure does not change them.
         ok({command, in("a.exr"), "-o", in("c.exr"), "--exposure", "3"});
         ok({command, in("a.exr"), "-o", in("d.exr")});
         EXPECT_EQ(read_image(in("c.exr"), PictureValues::stored).rgb, read_image(in("d.exr")).rgb) << command;
@@ -121,7 +121,7 @@ TEST_F(ExposureCommand, WarningsNameStopsThatHelp) {
     EXPECT_TRUE(exposure_warnings(ok({"image", in("a.exr"), "-o", in("a2.exr")})).empty());
     EXPECT_EQ(exposure_warnings(ok({"image", in("a.exr"), "-o", in("c.jpg"), "--exposure", "-30"})).size(),
               1U);
-    // It says nothing of what the file suffices for.
+    // An exposure warning is not a warning that the file is insufficient, so --strict passes.
     EXPECT_EQ(run({"focus", in("a.exr"), "-o", in("d.png"), "--strict"}).exit_code, 0);
     const json swept =
         ok({"sweep", in("a.exr"), "-o", in("s"), "--f-number", "2,4", "--format", "png", "--strict"});
@@ -144,7 +144,7 @@ TEST_F(ExposureCommand, CompareTakesTheReferencesExposure) {
     const json other = ok({"compare", in("image.exr"), in("reference.exr"), "--exposure", "0"});
     EXPECT_EQ(other.at("exposure_stops"), 0);
     EXPECT_NE(other.at("psnr_db"), c.at("psnr_db"));
-    // At the same white a scene and one that is brighter are wrong by as much.
+    // With automatic exposure, a brighter scene has the same error.
     ok({"trace", scene(1), "-o", in("b.exr"), "--exposure", "auto"});
     ok({"image", in("b.exr"), "-o", in("r.exr")});
     ok({"focus", in("b.exr"), "-o", in("i.exr"), "--f-number", "0.1"});

@@ -1,4 +1,4 @@
-// Exposure: in memory 1 is white, files hold radiance.
+// Exposure: in memory a value of 1 is white; files hold radiance.
 #include "records/exposure.h"
 
 #include <cmath>
@@ -18,7 +18,7 @@
 namespace postlens::test {
 namespace {
 
-/// A floor, a mirror ball and a glass ball under a point light, all light times `brighter`.
+/// A floor, a mirror ball and a glass ball under a point light, with all light multiplied by `brighter`.
 Scene lit_scene(double brighter) {
     SceneBuilder b;
     b.add(square({0, -1, -6}, {0, 1, 0}, 20), matte({0.7, 0.5, 0.3}));
@@ -59,7 +59,7 @@ TEST(Exposure, AutoIsTheNearestRankOfWhatIsLit) {
     std::vector<double> far{1e-40};
     EXPECT_EQ(auto_exposure_of(far), most_exposure_stops);
     Image image = image_of({0, 8, 0, 0, 0, 0});
-    image.exposure_stops = 5;  // 8 is 1/4 of radiance
+    image.exposure_stops = 5;  // a value of 8 is a radiance of 1/4
     EXPECT_EQ(auto_exposure_of(image), 2);
 }
 
@@ -90,7 +90,7 @@ TEST(Exposure, ABrighterSceneAtItsOwnExposureTracesTheSameTree) {
     for (std::size_t i = 0; i < 2; ++i) {
         Scene scene = lit_scene(brighter[i]);
         TraceSettings settings;
-        // So high that it cuts paths of this scene at 0 stops and would cut none of the brighter one.
+        // This limit ends paths of this scene at 0 stops, but would end none of the brighter scene.
         settings.whitted.min_contribution = 0.05;
         settings.auto_exposure_stops = auto_exposure_stops(scene, "", {});
         expose(scene, *settings.auto_exposure_stops);
@@ -109,12 +109,12 @@ TEST(Exposure, ABrighterSceneAtItsOwnExposureTracesTheSameTree) {
     for (std::size_t i = 0; i < of_a.records.size(); ++i) {
         const Record &p = of_a.records[i], &q = of_b.records[i];
         EXPECT_EQ(p.path, q.path);
-        // A few roundings of floats, 6e-8 each.
+        // Tolerance: a few roundings of floats, 6e-8 each.
         EXPECT_NEAR(static_cast<double>(q.g), 1000 * static_cast<double>(p.g),
                     1e-6 * 1000 * static_cast<double>(p.g));
         EXPECT_EQ(exposed.records[i].g, static_cast<float>(static_cast<double>(q.g) * gain));
     }
-    // And without its own exposure it does not.
+    // Without its exposure, the brighter scene has more records.
     Scene scene = lit_scene(1000);
     TraceSettings settings;
     settings.whitted.min_contribution = 0.05;
@@ -129,7 +129,7 @@ TEST(Exposure, SampleFilesKeepItAndImagesOfThemKnowIt) {
     (void)trace_to_file(scene, settings, folder.path() / "zero.exr");
     scene.lumens_per_watt = 683;
     expose(scene, 3);
-    settings.whitted.min_contribution = 8e-3;  // the same radiance
+    settings.whitted.min_contribution = 8e-3;  // at 3 stops, the same radiance as 1e-3
     (void)trace_to_file(scene, settings, folder.path() / "three.exr");
     const SampleFileReader zero(folder.path() / "zero.exr"), three(folder.path() / "three.exr"),
         two(folder.path() / "three.exr", Damage::refuse, 2.0);
@@ -214,7 +214,7 @@ TEST(Exposure, WarnsOfWhatIsBeyondWhiteAndOfWhatIsTooDark) {
     const auto bright = exposure_warning(image, std::nullopt);
     ASSERT_TRUE(bright);
     EXPECT_EQ(bright->share, 0.21);
-    // 4 at 5 stops is white at 3.
+    // A value of 4 at 5 stops is white at 3 stops.
     EXPECT_EQ(bright->text,
               "21 % of the pixels are brighter than white (expected --exposure 3.0, or --exposure auto)");
     EXPECT_FALSE(exposure_warning(image, Crop{30, 0, 50, 1}));

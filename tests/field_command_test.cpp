@@ -1,4 +1,4 @@
-// `focus --method lightfield|hybrid` and `shoot` as people type them: what they print, write and refuse.
+// The commands `focus --method lightfield|hybrid` and `shoot`: output, files and rejected arguments.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -46,8 +46,8 @@ class FieldCommand : public CommandTest {
     }
 };
 
-// A cap lies closely behind the end of the cylinder that it closes, dark and hidden: planes that stand for
-// curved surfaces must not let it through. `layers` has 56.7 dB; the light field had 43.5, at f/8 41.3.
+// A dark cap lies hidden just behind the end of the cylinder that it closes. The planes that approximate
+// curved surfaces must not reveal it. `layers` reaches 56.7 dB.
 TEST_F(FieldCommand, CapsInsideCylindersStayHidden) {
     const std::string scene = std::string(POSTLENS_TEST_DATA) + "/nff/joints.nff";
     const Words size{"--size", "320x240", "--metres-per-unit", "0.5"};
@@ -141,7 +141,7 @@ TEST_F(FieldCommand, EveryMethodSaysWhatItExpectsToBeOffBy) {
     EXPECT_GT(json::parse(blurred.out)["predicted_db"], 15);
     const Outcome text = run({"focus", in("frame.exr"), "-o", in("out.exr"), "--predict"});
     EXPECT_NE(text.out.find(" dB beside what the records are not sure of"), std::string::npos) << text.out;
-    // Before anything is made.
+    // Rejected before any output is written.
     std::filesystem::remove(in("out.exr"));
     for (const Words& options : {Words{"--impulse", "diffraction"}, Words{"--framing", "lens"}}) {
         Words words{"focus", in("frame.exr"), "-o", in("out.exr"), "--predict"};
@@ -159,7 +159,7 @@ TEST_F(FieldCommand, ShootTakesTheFilesExposureUnlessToldOtherwise) {
     EXPECT_EQ(j["shutter_close_s"], 1);
     EXPECT_EQ(j["f_number"], 0.7);
     const Image moving = read_image(in("out.exr"));
-    // Closed at the frame's own instant: the light field.
+    // A shutter that only covers the frame's instant gives the light field.
     ASSERT_EQ(shoot({"--views", "32", "--shutter", "0:0"}).exit_code, 0);
     const Image still = read_image(in("out.exr"));
     ASSERT_EQ(focus({"--method", "lightfield", "--views", "32"}).exit_code, 0);

@@ -1,4 +1,4 @@
-// The light field over the lens: closed forms, and rays through the same lens where surfaces hide each other.
+// The light field over the lens, compared with closed forms, and with rays where surfaces occlude each other.
 #include "focus/field_focus.h"
 
 #include <cmath>
@@ -17,12 +17,12 @@ namespace {
 
 using glm::dvec3;
 
-/// px by which the rim of the lens moves what is 1/m out of focus.
+/// Displacement of an image point by the rim of the lens, px per 1/m of defocus.
 double rim_px(const ThinLens& lens) {
     return px_per_m * lens.focal_length_mm * 1e-3 / (2 * lens.f_number);
 }
 
-// Levels that leave a border 1/64 px wide: 64 px have many borders, and records cap what can be right.
+// Five levels locate borders to 1/64 px. Images of 64 px have many borders, whose records limit the accuracy.
 TraceSettings for_lens(double f_number, int levels = 5) {
     TraceSettings s;
     s.subdivision.levels = levels;
@@ -59,7 +59,7 @@ Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
     return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
 }
 
-/// A near bar, a sphere in between, a leaning bright board and a far wall.
+/// A near bar, a sphere, a tilted bright board and a far wall.
 SceneBuilder layered() {
     SceneBuilder b;
     b.add(board(-0.10, 0.02, -2, 2, 0.9), glowing({0.9, 0.2, 0.1}));
@@ -77,8 +77,8 @@ FocusSettings by_field(double focus_m, int views = 512) {
     return {.lens = wide, .focus_distance_m = focus_m, .method = FocusMethod::lightfield, .views = views};
 }
 
-// The share of a pixel, `at` its middle, that a disc of radius r around the edge at 0 covers of what is left
-// of it: the integral of the closed form.
+// The blurred edge at 0, averaged over a pixel with its centre at `at`: the integral of the edge profile of a
+// disc of radius r.
 double edge(double at, double r) {
     const auto integral = [r](double x) {  // of 1/2 + (t sqrt(1 - t^2) + asin t)/pi, t = x / r
         if (x <= -r) return 0.0;
@@ -89,9 +89,9 @@ double edge(double at, double r) {
     return integral(at + 0.5) - integral(at - 0.5);
 }
 
-// Whatever the background's own blur is. The border lies where a corner sees it, to half of the finest leaf's
-// half: 1/128 px, which moves the light by at most 2/(pi r) of the step per px; views err by less than one of
-// 1024 in 32 along the edge's chord.
+// The blur of the uniform background has no effect. Corners locate the border to 1/128 px, half of the finest
+// leaf's half, which changes the light by at most 2/(pi r) of the step per px. The error of the views is
+// below one of 32 that lie along the edge's chord, of 1024.
 TEST(FieldFocus, AHalfPlaneBeforeAnEvenBackgroundIsTheEdgeOfADisc) {
     for (const double focus_m : {10.0, 3.0}) {
         SceneBuilder b;
@@ -111,8 +111,8 @@ TEST(FieldFocus, AHalfPlaneBeforeAnEvenBackgroundIsTheEdgeOfADisc) {
     }
 }
 
-// 1024 samples a pixel err by 0.5/sqrt(1024)/3 at an edge of this contrast, 46 dB where there are edges; 512
-// views by the same, on a third of the picture.
+// 1024 samples per pixel have an error of 0.5/sqrt(1024)/3 at an edge of this contrast, which is 46 dB near
+// edges. 512 views have the same error in a third of the image.
 TEST(FieldFocus, ShowsWhatIsHiddenAsRaysDo) {
     const SceneBuilder b = layered();
     const TracedFrame frame(b.scene, for_lens(wide.f_number));
@@ -144,11 +144,11 @@ TEST(FieldFocus, SaysWhatWasNotRecorded) {
     EXPECT_LT(got.warnings[0].share, 0.3);
 }
 
-// A plane through the focus: nothing is hidden, and scattering is right.
+// For a single plane through the focus nothing is hidden, so the scatter method is exact.
 TEST(FieldFocus, ASlantedPlaneIsWhatScatteringMakesOfIt) {
     SceneBuilder b;
     for (int i = 0; i < 40; ++i) {
-        // 45 degrees: from 1 m below the axis at 1 m to above it.
+        // The plane is tilted by 45 degrees, from 1 m below the axis at a distance of 1 m to above the axis.
         const double z = 1 + 0.1 * i;
         b.add(Rectangle{dvec3(-9, z - 2, -z), dvec3(18, 0, 0), dvec3(0, 0.1, -0.1)},
               glowing(i % 2 == 0 ? dvec3(0.8, 0.4, 0.2) : dvec3(0.2, 0.3, 0.5)));
@@ -172,7 +172,7 @@ TEST(FieldFocus, TakesAnyApertureThatRaysHavePointsOf) {
         const Image got = focus_picture(frame.file(), f).image;
         EXPECT_GT(psnr(got, rays(b.scene, f)), 40) << impulse_text(impulse);
         f.impulse = {};
-        EXPECT_LT(psnr(got, rays(b.scene, f)), 37) << impulse_text(impulse);  // so that it can fail
+        EXPECT_LT(psnr(got, rays(b.scene, f)), 37) << impulse_text(impulse);  // a wrong aperture is detected
     }
 }
 
@@ -189,7 +189,7 @@ TEST(FieldFocus, RefusesWhatHasNoPointsOfALens) {
     EXPECT_THROW((void)focus_picture(frame.file(), f), Error);
 }
 
-/// A lamp in the middle of the picture, 4 m away, before an even wall.
+/// A light source in the middle of the image at 4 m, in front of a uniform wall.
 SceneBuilder lamp_before(double wall) {
     SceneBuilder b;
     b.add(board(-0.02, 0.02, -0.02, 0.02, 4), glowing({60, 40, 20}));
@@ -197,8 +197,8 @@ SceneBuilder lamp_before(double wall) {
     return b;
 }
 
-// What a light loses to the sheets it gets back as its response: in sum, in its middle, and evenly, with as
-// few views as 16.
+// The radiance above 1 of a light is removed from the sheets and added as its response. Sum and centre must
+// be right, and the disc uniform, with as few as 16 views.
 TEST(FieldFocus, AHighlightIsOneDiscForAnyNumberOfViews) {
     const SceneBuilder b = lamp_before(0.2);
     const TracedFrame frame(b.scene, for_lens(wide.f_number));
@@ -209,10 +209,10 @@ TEST(FieldFocus, AHighlightIsOneDiscForAnyNumberOfViews) {
     const Image few = focus_picture(frame.file(), f).image;
     EXPECT_NEAR(sum(few) / sum(pinhole), 1, 1e-3);
     EXPECT_NEAR(sum(many) / sum(pinhole), 1, 1e-3);
-    // What is left of the light in the sheets, 1, is seen or not by each of 16 views.
+    // Each of 16 views sees the light's remaining radiance of 1 in the sheets, or does not.
     EXPECT_LT(largest_difference(few, many), (1 - 0.2) * 2 / 16);
     const double r = rim_px(wide) * (1 / 0.9 - 1 / 4.0);
-    // Of the brightest colour above the background: the light's area over the disc's.
+    // Expected value of the brightest channel above the background: the light's area over that of the disc.
     const double side_px = 0.04 / 4 * px_per_m,
                  expected = 60 * side_px * side_px / (std::numbers::pi * r * r);
     EXPECT_NEAR(static_cast<double>(few.pixel(32, 24)[0]), expected + 0.2,
@@ -228,11 +228,11 @@ TEST(FieldFocus, AHighlightIsOneDiscForAnyNumberOfViews) {
     EXPECT_NEAR(x_mean / weight, 32, 0.05);
 }
 
-// A disc that is a tenth too wide is a fifth too dark: a light shows it as nothing else does.
+// A disc that is 10 % too wide is 20 % too dark, which only a light source shows.
 TEST(FieldFocus, SmallDiscsAreAsBrightAsTheyAreNarrow) {
     const SceneBuilder b = lamp_before(0);
     const TracedFrame frame(b.scene, for_lens(wide.f_number));
-    // Of its colours, 60, 40 and 20, the first.
+    // The first channel is half of the sum of 60, 40 and 20.
     const double light = sum(pinhole_picture(frame.file())) / 2;
     for (const double r : {2.13, 2.38, 2.63, 2.88, 3.4, 4.6, 5.9, 7.7, 11.3}) {
         for (const FocusMethod method :
@@ -240,8 +240,8 @@ TEST(FieldFocus, SmallDiscsAreAsBrightAsTheyAreNarrow) {
             FocusSettings f = by_field(1 / (r / rim_px(wide) + 1 / 4.0), 1024);
             f.method = method;
             const Image picture = focus_picture(frame.file(), f).image;
-            // Discs are right to a hundredth, or to a 32nd of a pixel of their radius, as is what they
-            // show twice over; views see the sixtieth of the light that is not above 1.
+            // The radius of a disc is accurate to 1 % or 1/32 px, and its brightness to twice that. Views see
+            // the 60th part of the light that is not above 1.
             const double expected = light / (std::numbers::pi * r * r);
             EXPECT_NEAR(static_cast<double>(picture.pixel(32, 24)[0]) / expected, 1,
                         2 * std::max(0.0101, 1.0 / 32 / r) + 0.005)
@@ -262,8 +262,8 @@ TEST(FieldFocus, AHighlightIsCutByWhatStandsBeforeIt) {
     EXPECT_GT(psnr(got, truth), 36);
 }
 
-// A lamp some pixels wide is many lights, each of which throws a shadow elsewhere: those of bars behind the
-// focus move twice as far as the lights do, and have soft edges, not steps of a group of lights.
+// A light source several pixels wide consists of many lights whose shadows have different positions. Shadows
+// of bars behind the focus move twice as far as the lights; their edges must be soft, without steps.
 TEST(FieldFocus, AWideLampsShadowsAreSoft) {
     SceneBuilder b;
     b.add(board(-0.4, 0.4, -0.4, 0.4, 12), glowing({15, 15, 15}));
@@ -272,12 +272,13 @@ TEST(FieldFocus, AWideLampsShadowsAreSoft) {
     const TracedFrame frame(b.scene, for_lens(wide.f_number));
     const FocusSettings f = by_field(0.6, 256);
     const Image truth = rays(b.scene, f, 16384), got = focus_picture(frame.file(), f).image;
-    // Measured 36.7; 27.3 where all of a group throw the shadow of its middle.
+    // Measured: 36.7 dB. If all lights of a group cast the shadow of its centre: 27.3 dB.
     EXPECT_GT(psnr(got, truth), 35);
 }
 
-// The lamp's light comes to each pixel through a point of the lens of its own: what stands before it must not
-// be looked up at eight others. A post cuts a third out of the disc, with edges a pixel wide.
+// The light reaches each pixel of the disc through a different lens point, so occluders must be found for
+// this point and not for the eight nearest views. A post cuts a third out of the disc, with edges a pixel
+// wide.
 TEST(FieldFocus, FewViewsCutAHighlightAsSharplyAsRays) {
     SceneBuilder b;
     b.add(board(-0.02, 0.02, -0.02, 0.02, 4), glowing({60, 40, 20}));
@@ -287,7 +288,7 @@ TEST(FieldFocus, FewViewsCutAHighlightAsSharplyAsRays) {
     const FocusSettings f = by_field(1, 8);
     const Image truth = rays(b.scene, f, 4096), got = focus_picture(frame.file(), f).image;
     EXPECT_NEAR(sum(got) / sum(truth), 1, 0.02);
-    // By the views nearest to each point, 35.4.
+    // With occlusion from the views nearest to each point it would be 35.4 dB.
     EXPECT_GT(psnr(got, truth), 37.5);
 }
 
@@ -301,13 +302,14 @@ TEST(FieldFocus, SameBitsOnAnyThreads) {
     EXPECT_EQ(with(1), with(3));
 }
 
-// From f/0.5 to f/64, 0.1 m to infinity: finite, not negative, and nothing brighter than the brightest.
+// From f/0.5 to f/64 and from 0.1 m to infinity, all values are finite, not negative and at most the
+// brightest colour.
 TEST(FieldFocus, StaysWithinItsColoursForAnyLens) {
     const SceneBuilder b = layered();
     const TracedFrame frame(b.scene, for_lens(0.5, 1));
     for (const double n : {0.5, 2.8, 64.0}) {
         for (const double focus_m : {0.1, 1.0, std::numeric_limits<double>::infinity()}) {
-            for (const double focal_length_mm : {50.0, 400.0}) {  // CoC up to four frames
+            for (const double focal_length_mm : {50.0, 400.0}) {  // CoC of up to four image widths
                 FocusSettings f = by_field(focus_m, 16);
                 f.lens = {.focal_length_mm = focal_length_mm, .f_number = n};
                 for (const float v : focus_picture(frame.file(), f).image.rgb) {
@@ -320,26 +322,27 @@ TEST(FieldFocus, StaysWithinItsColoursForAnyLens) {
     }
 }
 
-// A vanishing aperture is the pinhole: of a pixel that is not subdivided exactly, of one that is by as many
-// places as there are views.
+// A vanishing aperture gives the pinhole image: exactly in pixels that are not subdivided, and sampled at one
+// position per view in the others.
 TEST(FieldFocus, AVanishingLensIsThePinhole) {
     const SceneBuilder b = layered();
     const TracedFrame frame(b.scene, for_lens(wide.f_number, 0));
     FocusSettings f = by_field(2, 16);
     f.lens.f_number = 1e7;
     const Image pinhole = pinhole_picture(frame.file()), got = focus_picture(frame.file(), f).image;
-    // Corners of several objects: a quarter of the pixel each, of 16 places.
+    // In a pixel whose corners see several objects, each corner counts for a quarter, sampled at 16
+    // positions.
     EXPECT_LT(largest_difference(got, pinhole), 0.9 * 2 / 16 + 1e-6);
     EXPECT_GT(psnr(got, pinhole), 38);
 }
 
 // Mirrors and glass ------------------------------------------------------------------------------------
 
-/// Boards at several depths behind the camera, seen in `shape`, with walls around.
+/// Boards at several depths behind the camera that are seen in `shape`, with walls around.
 SceneBuilder seen_in(const Shape& shape, const Material& material) {
     SceneBuilder b;
     b.add(shape, material);
-    // Wide enough for corners of pixels to see them, in a ball as well.
+    // The boards are wide enough to be hit by corners of pixels, in a ball as well.
     for (int i = -3; i < 3; ++i) {
         b.add(Rectangle{dvec3(i * 2.0 + 0.3, -4, 3), dvec3(1, 0, 0), dvec3(0, 8, 0)},
               glowing({0.8, 0.6, 0.3}));
@@ -350,7 +353,7 @@ SceneBuilder seen_in(const Shape& shape, const Material& material) {
     return b;
 }
 
-/// Middle of the picture, that is of the mirror.
+/// PSNR over the middle of the image, which shows the mirror.
 double psnr_inside(const Image& a, const Image& b, int half_px) {
     double total = 0;
     int n = 0;
@@ -391,7 +394,7 @@ TEST(FieldFocus, WhatASphereShowsHasItsOwnDepth) {
     }
 }
 
-// Towards its rim the ball's far side is seen through a caustic; the boards behind it are not.
+// Towards the rim of the ball its far side is seen through a caustic, but the boards behind are not.
 TEST(FieldFocus, ABallsFarSideIsNotNeededToSeeThroughIt) {
     SceneBuilder b;
     b.add(Sphere{{0, 0, -1.5}, 0.5}, glass(1.5, 0.9));

@@ -1,5 +1,4 @@
-// Splines through tracks: how few knots they need where that is known, and that they stay within the
-// tolerance.
+// Splines fitted to tracks: the number of knots where a minimum is known, and the tolerance.
 #include "motionblur/fit_path.h"
 
 #include <chrono>
@@ -27,7 +26,7 @@ std::vector<PathPoint> sampled(const At& at, int count, double begin_s = 0, doub
     return out;
 }
 
-// Fits and checks what every fit keeps.
+// Fits a path and checks the properties that hold for every fit.
 PathFit fitted(const std::vector<PathPoint>& points, double tolerance_px) {
     PathFit fit = fit_path(points, tolerance_px);
     double worst = 0;
@@ -75,9 +74,9 @@ TEST(FitPath, ANoisyCircleComesNearTheFewestPossible) {
             const dvec2 noise(normal(random), normal(random));
             p.at_px += 0.1 * tolerance_px * noise / std::max(1.0, glm::length(noise));
         }
-        // The best cubic of exp(i w) over an angle a is off by (a/2)^4 / (2^3 4!) of the radius in each of
-        // the two directions; noise takes a tenth of the tolerance, the joints and the search one segment or
-        // two.
+        // The best cubic approximation of exp(i w) over an angle a has an error of (a/2)^4 / (2^3 4!) of the
+        // radius in each of the two coordinates. Noise takes a tenth of the tolerance; joints and the search
+        // cost one or two segments.
         const double angle = 2 * std::pow(0.9 * tolerance_px / 100 * 192, 0.25);
         const double fewest = std::ceil(2 * std::numbers::pi / angle);
         const auto segments = static_cast<double>(fitted(points, tolerance_px).path.knots() - 1);
@@ -87,13 +86,13 @@ TEST(FitPath, ANoisyCircleComesNearTheFewestPossible) {
 }
 
 TEST(FitPath, ABounceCostsAKnot) {
-    // Between two samples, so that no knot at a sample will do.
+    // The bounce is between two samples, so that no knot at a sample fits it.
     const auto bounce = [](double t) {
         const double s = t < 0.41234 ? t - 0.41234 : 1.3 * (0.41234 - t);
         return dvec2(100 * t, 300 * s * (1 + 0.7 * s));
     };
     EXPECT_LE(fitted(sampled(bounce, 500), 0.05).path.knots(), 4U);
-    // To and fro ten times: a knot for each end of the way, and one for each turn.
+    // A path that reverses ten times needs a knot at each end and at each reversal.
     const auto saw = [](double t) {
         const double phase = 5 * t - std::floor(5 * t);
         return dvec2(40 * std::abs(2 * phase - 1), 0);
@@ -109,7 +108,7 @@ TEST(FitPath, NoiseAboveTheToleranceIsThePolyline) {
     EXPECT_LE(fit.path.knots(), 60U);
     const auto points = sampled(noise, 3);
     EXPECT_LE(fitted(points, 1e-12).path.knots(), 3U);
-    // Below what doubles can tell, too.
+    // A tolerance below the precision of double also works.
     EXPECT_EQ(fitted(sampled(noise, 40), 1e-300).error_px, 0);
 }
 
@@ -118,7 +117,8 @@ TEST(FitPath, ManyPointsTakeABoundedTime) {
     std::uniform_real_distribution<double> uniform(-1, 1);
     const auto clock = [] { return std::chrono::steady_clock::now(); };
     const auto begin = clock();
-    // A hand-held camera: waves of many periods and some noise; then the noise alone decides.
+    // A hand-held camera: waves of many periods plus noise. With the second tolerance, the noise determines
+    // the knots.
     const auto shake = [&](double t) {
         return dvec2(50 * std::sin(40 * t) + 5 * std::sin(311 * t), 30 * std::cos(57 * t)) +
                0.02 * dvec2(uniform(random), uniform(random));
@@ -128,7 +128,7 @@ TEST(FitPath, ManyPointsTakeABoundedTime) {
     EXPECT_LE(knots, 400U);
     EXPECT_GE(knots, 20U);
     (void)fitted(points, 1e-3);
-    // Two seconds on a quiet machine; sanitizers and neighbours take their share.
+    // It takes two seconds on an idle machine; sanitizers and other processes slow it down.
     EXPECT_LE(std::chrono::duration<double>(clock() - begin).count(), 60);
 }
 

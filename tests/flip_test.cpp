@@ -1,4 +1,4 @@
-// FLIP against the values of an implementation that is not ours, and at its limits.
+// FLIP against the values of an independent implementation, and at its limits.
 #include "compare/flip.h"
 
 #include <algorithm>
@@ -36,8 +36,8 @@ Extremes extremes(const std::vector<float>& map, int width) {
     return {sum / static_cast<double>(map.size()), map[static_cast<std::size_t>(at)], at % width, at / width};
 }
 
-// The expected maps are half floats, 2^-11 of their value; the rest of 1e-3 is for sums of floats in another
-// order.
+// The expected maps are half floats with a relative error of 2^-11. The rest of the tolerance of 1e-3 is for
+// float sums in another order.
 void expect_map(const std::vector<float>& map, const char* name) {
     const Image expected = data(name);
     ASSERT_EQ(map.size(), expected.rgb.size() / 3);
@@ -86,7 +86,7 @@ TEST(Flip, HdrWithAWhiteLevelIsAsExpected) {
 }
 
 TEST(Flip, OfTwoConstantsIsAsExpected) {
-    // Half floats nearest to 0.1 and 0.9.
+    // The half floats nearest to 0.1 and 0.9.
     const Image dark = constant_picture(64, 64, 0.099975586F), light = constant_picture(64, 64, 0.89990234F);
     const PixelMask all = every_pixel(dark);
     const FlipExposures exposures = flip_exposures(dark, all);
@@ -114,7 +114,7 @@ TEST(Flip, BlackPicturesComeToAnEnd) {
     for (const float v : hdr_flip_map(black, black, all, dark)) EXPECT_EQ(v, 0);
     for (const float v : hdr_flip_map(black, light, all, dark)) EXPECT_GT(v, 0.5F);
     for (const float v : flip_map(black, light, all)) EXPECT_GT(v, 0.5F);
-    // Median 0: that of what is not black counts.
+    // If the median is 0, the median of the pixels that are not black is used.
     Image spot = black;
     for (int c = 0; c < 3; ++c) spot.pixel(7, 9)[c] = 2;
     const FlipExposures of_spot = flip_exposures(spot, all);
@@ -161,7 +161,7 @@ TEST(Flip, FiltersAreNormalised) {
         for (const float t : taps) total += (t > 0) == positive ? static_cast<double>(t) : 0;
         return total;
     };
-    // 21 floats, each rounded by up to 6e-8 of at most 0.3.
+    // A filter has 21 floats of at most 0.3, each with a relative rounding error of up to 6e-8.
     EXPECT_NEAR(sum(f.achromatic, true), 1, 1e-6);
     EXPECT_NEAR(sum(f.red_green, true), 1, 1e-6);
     EXPECT_NEAR(sum(f.blue_yellow_1_column, true) + sum(f.blue_yellow_2_column, true), 1, 1e-6);

@@ -1,4 +1,4 @@
-// `focus` from sample file to picture: limits, framing, warnings, refusals.
+// `focus` from a sample file to an image: limiting cases, framing, warnings, errors.
 #include "focus/focus.h"
 
 #include <cmath>
@@ -38,7 +38,7 @@ SampleHeader header_of(const RecordBand& band, int overscan_px) {
     return h;
 }
 
-/// Writes the file in bands that do not match those it is read in.
+/// Writes the file in bands of rows that differ from those in which it is read.
 SampleFileReader written(const TemporaryFolder& folder, const RecordBand& band, const SampleHeader& header) {
     const auto path = folder.path() / "frame.exr";
     SampleFileWriter writer(path, header, RecordCompression::none);
@@ -49,7 +49,7 @@ SampleFileReader written(const TemporaryFolder& folder, const RecordBand& band, 
     return SampleFileReader(path);
 }
 
-/// 50 mm at f/2 on a film at 50 mm with 0.05 mm a pixel: a CoC of 25 px m |1/s - 1/z'|.
+/// A 50 mm lens at f/2, with pixels of 0.05 mm at a film distance of 50 mm. The CoC is 25 px m |1/s - 1/z'|.
 constexpr ThinLens fast_lens{.focal_length_mm = 50, .f_number = 2};
 
 // --- limits
@@ -121,7 +121,7 @@ TEST(FocusPicture, WhatIsInFocusStaysSharp) {
 }
 
 TEST(FocusPicture, EqualsTheScatterOfTheWholeBand) {
-    // Streaming by bands of rows must not show.
+    // Reading the file in bands of rows must not change the image.
     const TemporaryFolder folder;
     std::mt19937 random(4);
     const RandomOptions options{.levels = 2, .probability = 0.3, .has_w = true};
@@ -183,7 +183,7 @@ TEST(FocusPicture, IsTheSameForAnyNumberOfThreads) {
 
 TEST(FocusPicture, WarnsOfMissingOverscan) {
     const TemporaryFolder folder;
-    // The left third lies at a CoC of 25 |1/2 - 1| = 12.5 px; the rest is in focus.
+    // The left third has a CoC of 25 |1/2 - 1| = 12.5 px; the rest is in focus.
     const auto nodes = [](int x, int) { return std::vector{corner(x < 30 ? 1 : 2, 0.5F, 0.5F, 0.5F)}; };
     const FocusSettings settings{.lens = fast_lens, .focus_distance_m = 2};
     const RecordBand bare = corner_band(90, 60, 0, nodes);
@@ -191,8 +191,8 @@ TEST(FocusPicture, WarnsOfMissingOverscan) {
     EXPECT_NEAR(result.largest_coc_px, 12.5, 1e-5);
     ASSERT_EQ(result.warnings.size(), 1U);
     EXPECT_EQ(result.warnings[0].code, "overscan");
-    // A radius of 6.25 px: 7 rows above and below the blurred third (and the pixel it ends in), 7 columns at
-    // the left.
+    // The radius of 6.25 px affects 7 rows at the top and bottom of the blurred third (and the pixel in which
+    // it ends), and 7 columns at the left.
     const double expected = (7 * 60 + (30 - 7) * 14) / (90.0 * 60);
     EXPECT_NEAR(result.warnings[0].share, expected, 14 / (90.0 * 60));
     EXPECT_NE(result.warnings[0].text.find("got 0 px of overscan; expected 7 px"), std::string::npos)
@@ -209,7 +209,8 @@ TEST(FocusPicture, WarnsOfMissingOverscan) {
 
 TEST(FocusPicture, TheWidestCircleIsOfWhatWasHitByEveryMethod) {
     const TemporaryFolder folder;
-    // At 2.5 m, before nothing at all, whose own circle would be 12.5 px wide: 25 |1/2 - 1/2.5| = 2.5 px.
+    // A surface at 2.5 m has a CoC of 25 |1/2 - 1/2.5| = 2.5 px. The background at infinity, without records,
+    // would have one of 12.5 px.
     const RecordBand band = corner_band(60, 40, 0, [](int x, int) {
         return std::vector{x < 30 ? corner(2.5, 0.5F, 0.5F, 0.5F) : corner(infinity, 0, 0, 0)};
     });
@@ -257,9 +258,9 @@ TEST(Reframe, KeepsEvenAreasEdgesAndEnergy) {
             for (int x = 0; x < traced.width; ++x) {
                 float* p = traced.pixel(x, y);
                 p[0] = 0.3F;
-                // An edge 5 traced pixels right of the centre.
+                // The green channel has an edge 5 traced pixels right of the centre.
                 p[1] = x + window.x_begin >= 35 ? 1.0F : 0.0F;
-                // A light well inside the frame.
+                // The blue channel has a light inside the frame.
                 p[2] = x + window.x_begin == 31 && y + window.y_begin == 18 ? 7.0F : 0.0F;
             }
         }
@@ -268,7 +269,7 @@ TEST(Reframe, KeepsEvenAreasEdgesAndEnergy) {
         ASSERT_EQ(out.height, 40);
         for (int x = 0; x < 60; ++x) {
             EXPECT_NEAR(value(out, x, 20, 0), 0.3F, 1e-7);
-            // Box filter of a step at 30 + 5 zoom.
+            // The expected value is a box filter of a step at 30 + 5 zoom.
             EXPECT_NEAR(value(out, x, 20, 1), std::clamp(x + 1 - (30 + 5 * zoom), 0.0, 1.0), 1e-6)
                 << zoom << " " << x;
         }
@@ -289,7 +290,7 @@ TEST(FocusPicture, FramingZoomsAboutTheCentreAndKeepsTheCocOnTheFilm) {
         const ThinLens lens{.focal_length_mm = 50 * zoom, .f_number = 2};
         const FocusResult result = focus_picture(
             file, {.lens = lens, .focus_distance_m = s_m, .framing = Framing::lens, .depths = 2});
-        // The film at F: radius (F / pitch) (F / 2n) |1/s - 1/z|.
+        // With the film at F, the radius of the CoC is (F / pitch) (F / 2n) |1/s - 1/z|.
         const double radius = 50 * zoom / 0.05 * (0.05 * zoom / 4) * std::abs(1 / s_m - 1 / z_m);
         EXPECT_NEAR(result.largest_coc_px, 2 * radius, 1e-6);
         const double edge = 60 + zoom * (63.5 - 60);
@@ -300,8 +301,8 @@ TEST(FocusPicture, FramingZoomsAboutTheCentreAndKeepsTheCocOnTheFilm) {
                                   : t >= 1
                                       ? 1
                                       : 0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / std::numbers::pi;
-            // The edge of a pixel's box, its own or a traced one's, and half a traced pixel between corner
-            // and square: a share of a radius each.
+            // Tolerance, relative to the radius: the box of a pixel, traced or in the image, and half a
+            // traced pixel between the corners and their squares.
             EXPECT_NEAR(value(result.image, x, 15, 0), wanted, 1.2 * std::max(1.0, zoom) / radius / 2)
                 << zoom << " " << x;
         }
@@ -315,7 +316,7 @@ TEST(FocusPicture, BreathingZoomsByTheImageDistance) {
     const SampleFileReader file = written(folder, band, header_of(band, 0));
     const FocusResult result =
         focus_picture(file, {.lens = fast_lens, .focus_distance_m = 0.25, .framing = Framing::breathing});
-    // V / F = s / (s - F) = 1.25; the edge lies between corners 69 and 70.
+    // The magnification is V / F = s / (s - F) = 1.25. The edge lies between corners 69 and 70.
     const double edge = 50 + 1.25 * (69.5 - 50);
     double bright = 0;
     for (int x = 0; x < 100; ++x) bright += value(result.image, x, 10, 0);

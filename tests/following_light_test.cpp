@@ -1,4 +1,5 @@
-// What is seen in mirrors and glass and hardly parts from them: taken for their own light.
+// Reflected and transmitted images that move almost like the surface itself are treated as the surface's own
+// radiance.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
@@ -16,10 +17,10 @@ constexpr int width = 70, height = 40, overscan = 4;
 constexpr NodePath seen_directly, mirrored(1), twice_mirrored(5), through(2);
 constexpr float z = 2, far_off_per_m = 0.3F;
 
-/// A pane that shows, at every place, something in its mirror, something in that, and something behind it.
+/// A pane that shows everywhere a mirror, a second surface in that mirror, and a surface behind the glass.
 struct Pane {
-    /// `parts_per_m`: by which W of what each mirror shows departs from the mirror's own. `mirrored_red`: of
-    /// what is seen in the second mirror.
+    /// `parts_per_m`: difference between W of each mirror's image and W of the mirror itself. `mirrored_red`:
+    /// radiance of the surface in the second mirror.
     explicit Pane(float parts_per_m, float mirrored_red = 0.2F) {
         const RandomOptions options{.levels = 0, .has_w = true};
         SampleHeader h = full_header(width, height, overscan, options);
@@ -93,20 +94,20 @@ TEST(FollowingLight, SheetsSayHowFarWhatTheyShowPartsFromThem) {
     }
 }
 
-// A lens of 10 px m: the second mirror's picture parts by 0.2 px. With W of the pane itself, drawn for
-// themselves, both mirrors show the same; what is behind the pane lies where it did.
+// With a lens of 10 px m, the image in the second mirror is displaced by 0.2 px. The result must equal that
+// of mirrors that are reprojected separately and have the W of the pane; the surface behind the pane stays.
 TEST(FollowingLight, IsWhereItsMirrorIs) {
     PatchLens lens{10, 0.4};
     const PatchPicture follows = Pane(0.01F).seen(lens);
     lens.follow_px = -1;
     const PatchPicture drawn = Pane(0).seen(lens);
-    // Places are rounded: next to the border between two squares one may be seen or the other, in few.
+    // Positions are rounded, so a few pixels next to the border of two squares show the other square.
     std::size_t others = 0;
     for (std::size_t i = 0; i < follows.image.rgb.size(); ++i) {
         if (std::abs(follows.image.rgb[i] - drawn.image.rgb[i]) > 1e-5F) ++others;
     }
     EXPECT_LT(others, follows.image.rgb.size() / 1000);
-    // Inside, where every view finds everything.
+    // In the interior, every view finds a surface.
     for (int y = 10; y < height - 10; ++y) {
         for (int x = 10; x < width - 10; ++x)
             EXPECT_EQ(
@@ -114,7 +115,7 @@ TEST(FollowingLight, IsWhereItsMirrorIs) {
     }
 }
 
-// Colours are even squares of a pixel: within 0.25 px a view may see the next one.
+// Colours are constant in squares of one pixel, so a view may see the next square within 0.25 px of a border.
 TEST(FollowingLight, IsHardlyElsewhereThanDrawnForItself) {
     PatchLens lens{10, 0.4};
     const Pane pane(0.01F);
@@ -152,7 +153,7 @@ TEST(FollowingLight, EndsWhereTheLensTellsThemApart) {
     EXPECT_EQ(follows(pane.sheets.deeper, twice_mirrored), 0);
 }
 
-// It may be a highlight, which has a response of its own.
+// A bright reflected image may be a highlight, which has its own response, so it is reprojected separately.
 TEST(FollowingLight, IsNotBright) {
     const Pane pane(0, 1.5F);
     for (const SheetMesh* mesh : {&pane.sheets.primary, &pane.sheets.deeper}) {

@@ -1,4 +1,4 @@
-// Pictures of other programs on the command line: focus, image, info, and whatever is damaged.
+// Images of other programs on the command line: focus, image, info, and damaged files.
 #include <OpenImageIO/imageio.h>
 #include <cmath>
 #include <fstream>
@@ -18,7 +18,7 @@ using test::Outcome;
 
 const std::string data_folder = std::string(POSTLENS_TEST_DATA) + "/exr/";
 
-/// A picture with a depth: a half-plane at 1 m before a wall at 4 m.
+/// Writes an image with depth: a half-plane at 1 m in front of a wall at 4 m.
 void write_half_plane(const std::string& path, bool with_depth = true) {
     OIIO::ImageSpec spec(48, 24, with_depth ? 4 : 3, OIIO::TypeDesc::FLOAT);
     spec.channelnames = {"R", "G", "B"};
@@ -60,7 +60,7 @@ TEST_F(ForeignCommand, DeepPicturesAreFlattenedAsAnotherProgramDoes) {
         for (const char* made : {"image.exr", "focus.exr"}) {
             const Image mine = read_foreign_picture(in(made), {}, {}).flattened();
             ASSERT_EQ(mine.alpha.size(), wanted.alpha.size()) << name << " " << made;
-            // What is written is float; the samples are half.
+            // The written values are floats; the stored samples are halves.
             for (std::size_t i = 0; i < mine.alpha.size(); ++i) {
                 ASSERT_NEAR(mine.alpha[i], wanted.alpha[i], 1e-3);
                 for (std::size_t c = 0; c < 3; ++c)
@@ -75,7 +75,7 @@ TEST_F(ForeignCommand, EveryDefaultIsSaidAloud) {
     const std::vector<std::string> bare{"focus",      in("a.exr"), "-o",      in("o.exr"),
                                         "--f-number", "2",         "--focus", "4"};
     const json said = done(bare);
-    EXPECT_EQ(warnings(said, "assumed"), 4);  // film's width and distance, unit of depth, what it is along
+    EXPECT_EQ(warnings(said, "assumed"), 4);  // film width and distance, unit and direction of depth
     EXPECT_EQ(said.at("film_distance_mm"), 50);
     std::vector<std::string> full = bare;
     for (const char* word :
@@ -85,20 +85,20 @@ TEST_F(ForeignCommand, EveryDefaultIsSaidAloud) {
     EXPECT_EQ(warnings(told, "assumed"), 0);
     EXPECT_EQ(told.at("film_distance_mm"), 35);
     EXPECT_EQ(told.at("focal_length_mm"), 35);
-    // 2 r = (d / pitch) (F / n) |1/s - 1/z'|, at half a metre.
+    // The CoC is (d / pitch) (F / n) |1/s - 1/z'| for the half-plane at 0.5 m.
     EXPECT_NEAR(told.at("largest_coc_px").get<double>(), 35 / (24.0 / 48) * (0.035 / 2) * (1 / 0.5 - 1 / 4.0),
                 1e-5);
     full.emplace_back("--strict");
-    // What lies behind the half-plane, and beyond the frame, may still be missing.
+    // Warnings about surfaces behind the half-plane and beyond the frame may remain.
     EXPECT_EQ(run(full).exit_code, told.at("warnings").empty() ? 0 : 6);
     std::vector<std::string> strict = bare;
     strict.emplace_back("--strict");
     EXPECT_EQ(run(strict).exit_code, 6);
-    // Where one looks.
+    // --focus-at focuses on the depth at a pixel.
     EXPECT_EQ(done({"focus", in("a.exr"), "-o", in("o.exr"), "--f-number", "2", "--focus-at", "40,10"})
                   .at("focus_m"),
               1);
-    // Without a depth all is infinitely far, and said to be.
+    // Without depths everything is taken as infinitely far, with a warning.
     write_half_plane(in("flat.exr"), false);
     EXPECT_EQ(warnings(done({"focus", in("flat.exr"), "-o", in("o.exr"), "--f-number", "2", "--focus", "4"}),
                        "assumed"),
@@ -114,7 +114,7 @@ TEST_F(ForeignCommand, ScatterAndLayersBlurWithAnyAperture) {
             EXPECT_EQ(said.at("method"), method);
             const Image image = read_image(in("o.exr"));
             EXPECT_NEAR(image.pixel(2, 12)[0], 0.1F, 2e-3) << impulse;   // far from the edge
-            EXPECT_NEAR(image.pixel(24, 12)[1], 0.5F, 2e-3) << impulse;  // even, so it stays even
+            EXPECT_NEAR(image.pixel(24, 12)[1], 0.5F, 2e-3) << impulse;  // a uniform channel stays uniform
             EXPECT_GT(image.pixel(23, 12)[0], 0.12F) << impulse;         // the edge is soft: 2.5 px wide
         }
     }

@@ -1,4 +1,5 @@
-// Pictures of other programs through a lens: closed forms, conservation, what the flat picture hides.
+// Images of other programs through a lens: closed forms, conservation of light, surfaces that a flat image
+// hides.
 #include "focus/foreign_focus.h"
 
 #include <cmath>
@@ -25,8 +26,8 @@ using Bench = test::StackBench;
 constexpr FocusMethod both[] = {FocusMethod::scatter, FocusMethod::layers};
 
 TEST(ForeignFocus, HalfPlaneBeforeADeepBackgroundIsItsOwnEdge) {
-    // The background goes on behind the half-plane, as a deep picture says. Samples stand in the middles of
-    // pixels, so the edge of a sum of pixels is the disc's own at the middle of a pixel.
+    // The deep image also holds the background behind the half-plane. Samples are at the centres of pixels,
+    // so the blurred edge has the values of a disc's edge at the centres.
     const Bench bench{.width = 80, .height = 4, .margin_px = 40};
     constexpr int x0 = 40;
     for (const double near_px : {-0.5, -3.3, -12.0}) {
@@ -40,7 +41,7 @@ TEST(ForeignFocus, HalfPlaneBeforeADeepBackgroundIsItsOwnEdge) {
             EXPECT_TRUE(r.image.alpha.empty());
             for (int x = 0; x < 80; ++x) {
                 const double front = edge_response((x + 0.5 - x0) / test::level_radius(near_px));
-                // Circles that differ by a share of the larger one and a pixel move along by the rest.
+                // The edge has the near surface's CoC, for any CoC of the background.
                 ASSERT_NEAR(value(r.image, x, 1, 0), front, 2e-6) << near_px << " " << far_px << " " << x;
                 ASSERT_NEAR(value(r.image, x, 1, 2), 1 - front, 2e-6) << near_px << " " << far_px << " " << x;
             }
@@ -49,7 +50,7 @@ TEST(ForeignFocus, HalfPlaneBeforeADeepBackgroundIsItsOwnEdge) {
 }
 
 TEST(ForeignFocus, HalfPlaneBeforeAnEvenBackgroundIsTheSameFromAFlatPicture) {
-    // What the flat picture does not have is filled in from around.
+    // The background that the flat image hides is filled in from its surroundings.
     const Bench bench{.width = 80, .height = 24, .margin_px = 40};
     constexpr int x0 = 40;
     for (const double near_px : {-3.3, -12.0}) {
@@ -83,7 +84,7 @@ TEST(ForeignFocus, AlphaOfAHalfPlaneBeforeNothingIsItsEdge) {
             ASSERT_FALSE(r.image.alpha.empty());
             for (int x = 0; x < 80; ++x) {
                 const double front = edge_response((x + 0.5 - x0) / test::level_radius(near_px));
-                // Premultiplied. Both: layers lay nothing behind it, scatter spreads nothing by its circle.
+                // Colours are premultiplied. Both methods leave the background empty.
                 ASSERT_NEAR(alpha(r.image, x, 12), front, 3e-6) << near_px << " " << x;
                 ASSERT_NEAR(value(r.image, x, 12, 0), 0.8 * front, 3e-6) << near_px << " " << x;
             }
@@ -92,8 +93,8 @@ TEST(ForeignFocus, AlphaOfAHalfPlaneBeforeNothingIsItsEdge) {
 }
 
 TEST(ForeignFocus, WhatIsAlmostInfinitelyFarDoesNotMoveAlongWithNothing) {
-    // Circles of 12.1 px of radius before nothing, whose own would have 12.5: it has none, and none is
-    // missing behind what is before it.
+    // The square has a CoC radius of 12.1 px. The empty background at infinity would have 12.5 px, but it has
+    // no light, so none is missing behind the square.
     Bench bench{.width = 80, .height = 64, .margin_px = 40};
     bench.inverse_focus_per_m = 0.0125;
     const float z = bench.inverse_z(12.1);
@@ -112,7 +113,7 @@ TEST(ForeignFocus, WhatIsAlmostInfinitelyFarDoesNotMoveAlongWithNothing) {
             ASSERT_NEAR(alpha(edge, x, 32), front, 3e-6) << x;
             ASSERT_NEAR(value(edge, x, 32, 0), 0.8 * front, 3e-6) << x;
         }
-        // Less than half a circle away from its middle all of a small square arrives.
+        // Well within the CoC, the light of the whole small square arrives.
         const auto in_square = [](int x, int y) { return x >= 37 && x < 43 && y >= 29 && y < 35; };
         const Image square = spread(in_square, method);
         const double radius = test::level_radius(12.1), share = 36 / (std::numbers::pi * radius * radius);
@@ -124,8 +125,8 @@ TEST(ForeignFocus, WhatIsAlmostInfinitelyFarDoesNotMoveAlongWithNothing) {
 }
 
 TEST(ForeignFocus, WhatIsSharpNearbyLeavesNoOutlineInWhatIsBlurred) {
-    // A small square with circles of 11.9 px, beside a sharp one: what is nothing in between is next to
-    // either.
+    // A small square with a CoC radius of 11.9 px beside a sharp square. Empty pixels between them are close
+    // to both.
     const Bench bench{.width = 80, .height = 64, .margin_px = 40};
     const auto in_square = [](int x, int y, int x0) { return x >= x0 && x < x0 + 6 && y >= 29 && y < 35; };
     const ForeignPicture p = bench.picture([&](int x, int y) {
@@ -142,7 +143,7 @@ TEST(ForeignFocus, WhatIsSharpNearbyLeavesNoOutlineInWhatIsBlurred) {
 }
 
 TEST(ForeignFocus, EvenPicturesOfAnyDepthsStayEven) {
-    // The same colour and alpha everywhere, at depths of every kind.
+    // Colour and alpha are uniform; depths are random.
     std::mt19937 random(7);
     std::uniform_real_distribution<double> radius_px(-20, 20);
     for (const float a : {1.0F, 0.5F}) {
@@ -155,8 +156,8 @@ TEST(ForeignFocus, EvenPicturesOfAnyDepthsStayEven) {
             EXPECT_EQ(r.image.alpha.empty(), a == 1) << static_cast<double>(a);
             for (int y = 0; y < 40; ++y) {
                 for (int x = 0; x < 60; ++x) {
-                    // Of equal colours the mean is the colour, whatever the weights; alphas of one half are
-                    // a mean of what is and nothing.
+                    // The mean of equal colours is that colour for any weights. With alphas of 1/2, it is
+                    // multiplied by the resulting alpha.
                     const double here = a == 1 ? 1 : static_cast<double>(alpha(r.image, x, y));
                     ASSERT_NEAR(value(r.image, x, y, 0), 0.25 * here, 2e-6);
                     ASSERT_NEAR(value(r.image, x, y, 2), here, 2e-6);
@@ -167,8 +168,8 @@ TEST(ForeignFocus, EvenPicturesOfAnyDepthsStayEven) {
 }
 
 TEST(ForeignFocus, AnEvenTransparencyOfOneDepthStaysEven) {
-    // A half-transparent sheet before nothing, before a wall, and behind another sheet.
-    // Beyond the border more is missing of the wider circles; stored pixels reach farther than those.
+    // A half-transparent sheet in front of nothing, in front of a wall, and behind another sheet. The stored
+    // margin is wider than all CoCs, so that nothing is missing at the border.
     const Bench bench{.width = 40, .height = 20, .margin_px = 20};
     for (const double near_px : {-9.0, 0.0, 4.0}) {
         const float near_z = bench.inverse_z(near_px), far_z = bench.inverse_z(15);
@@ -226,7 +227,7 @@ TEST(ForeignFocus, VanishingCirclesGiveTheFlattenedPicture) {
 }
 
 TEST(ForeignFocus, APointKeepsItsLight) {
-    // A bright opaque pixel in a dark wall of its own depth: the sum over the picture stays.
+    // A bright opaque pixel in a dark wall of the same depth: the sum over the image is conserved.
     const Bench bench{.width = 61, .height = 61, .margin_px = 0};
     for (const double px : {-14.0, -5.0, 8.0}) {
         const ForeignPicture p = bench.picture([&](int x, int y) {
@@ -267,8 +268,8 @@ TEST(ForeignFocus, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST(ForeignFocus, AHalfPlaneThatEndsInsideAPixelIsItsOwnEdge) {
-    // The pixel at the edge has the depth of what is behind, or a mean that nothing has. Taken apart it
-    // is a pixel of the half-plane to one share and of the background to the rest.
+    // The pixel at the edge has the depth of the background, or a mean depth of no surface. Unmixed, it
+    // consists of the half-plane with one share and of the background with the rest.
     const Bench bench{.width = 80, .height = 24, .margin_px = 40};
     constexpr int x0 = 40;
     constexpr float share = 0.7F;
@@ -311,7 +312,7 @@ TEST(ForeignFocus, AHalfPlaneThatEndsInsideAPixelIsItsOwnEdge) {
 }
 
 TEST(ForeignFocus, ALampBesideAnEdgeIsNotAllThatIsBehindIt) {
-    // A bar before a wall, a lamp of the same depth as the wall beside it.
+    // A bar in front of a wall, and beside it a light source at the depth of the wall.
     const Bench bench{.width = 40, .height = 9};
     for (const bool with_ids : {true, false}) {
         const ForeignPicture p = bench.picture([&](int x, int y) {
@@ -348,7 +349,7 @@ TEST(ForeignFocus, OtherMethodsAreRefused) {
 }
 
 TEST(ForeignFocus, AZoomedFrameKeepsColourAndAlpha) {
-    // A film at F = 2 d shows the middle twice as large.
+    // A film at F = 2 d magnifies the middle of the image by 2.
     Bench bench{.width = 40, .height = 40, .margin_px = 0};
     const ForeignPicture p = bench.picture([](int x, int) {
         return x < 20 ? Stack{{0, 0.5F, 0.5F, 0.5F, 0.5F}} : Stack{{0, 1, 1, 1, 1}};

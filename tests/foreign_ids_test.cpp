@@ -1,4 +1,4 @@
-// Ids of other programs' pictures: which channels, what a Cryptomatte says, edges taken apart by it.
+// Ids in images of other programs: channels, Cryptomattes, and edges that are unmixed by their coverage.
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -29,7 +29,7 @@ constexpr int width = 5, height = 3;
 
 using Plane = std::vector<float>;
 struct Channel {
-    Plane values;  ///< of whole numbers, their bits
+    Plane values;  ///< integers are stored as their bits
     Imf::PixelType type = Imf::FLOAT;
 };
 struct Part {
@@ -81,7 +81,7 @@ void write_parts(const std::string& path, std::vector<Part> parts) {
     }
 }
 
-/// With a Cryptomatte of one layer of channels, two ranks, all of it one surface.
+/// A part with a Cryptomatte of two ranks in one layer of channels. All pixels show one surface.
 Part with_matte(const std::string& name = "CryptoObject") {
     Part p = colours();
     p.channels[name + "00.R"] = {bits(cryptomatte_id("bunny"))};
@@ -110,14 +110,14 @@ class ForeignIds : public testing::Test {
 };
 
 TEST(CryptomatteId, IsThatOfTheSpecificationsOwnPictures) {
-    // From manifests that other programs wrote.
+    // The values are from manifests that other programs wrote.
     EXPECT_EQ(cryptomatte_id("bunny"), 0x13851a76U);
     EXPECT_EQ(cryptomatte_id("default"), 0x42c9679fU);
     EXPECT_EQ(cryptomatte_id("bush"), 0xf763d090U);
     EXPECT_EQ(cryptomatte_id("flowerA.flowerA_petal1.:1015"), 0x914754e4U);
     EXPECT_EQ(cryptomatte_id("flowerA.flowerA_petal10.:3594"), 0x0086fc22U);
     EXPECT_EQ(cryptomatte_id("flowerA.flowerA_petal1.:84"), 0x49050927U);
-    // The hash of nothing is 0, which is no float that survives.
+    // The hash of the empty name is 0, which Cryptomatte replaces by a normal float.
     EXPECT_EQ(cryptomatte_id(""), 0x00800000U);
 }
 
@@ -140,7 +140,7 @@ TEST_F(ForeignIds, OfChannelsByTheirNames) {
         EXPECT_EQ(p.channels.id, name);
         EXPECT_EQ(p.stack(1, 1)[0].id, std::bit_cast<std::uint32_t>(7.0F));
     }
-    // Whole numbers are kept to their last bit; none is none.
+    // Integers are kept exactly. 0 and NaN stand for no id.
     Part part = colours();
     part.channels["id"] = {bits(0xFFFFFFFEU), Imf::UINT};
     EXPECT_EQ(read({part}).stack(1, 1)[0].id, 0xFFFFFFFEU);
@@ -148,7 +148,7 @@ TEST_F(ForeignIds, OfChannelsByTheirNames) {
         part.channels["id"] = {even(none)};
         EXPECT_EQ(read({part}).stack(1, 1)[0].id, 0U);
     }
-    // Of another part, of a name that is asked for, and not at all.
+    // Ids in another part, in a channel given by name, and no ids.
     Part other{{{"IndexOB.X", {even(3)}}}, "index", {}};
     part = colours();
     part.name = "rgb";
@@ -177,10 +177,10 @@ TEST_F(ForeignIds, OfACryptomatteByItsShares) {
     };
     const float nan = std::numeric_limits<float>::quiet_NaN();
     set(0, 0.25F, bush, 0.75F);  // ranks out of order
-    set(1, 0.5F, bush, 0.25F);   // a quarter is of nothing
-    set(2, 0.5F, bunny, 0.5F);   // one surface twice
-    set(3, nan, bush, -1);       // no number
-    set(4, 1.5F, bush, 0.5F);    // more than there is
+    set(1, 0.5F, bush, 0.25F);   // a quarter is empty
+    set(2, 0.5F, bunny, 0.5F);   // the same surface twice
+    set(3, nan, bush, -1);       // invalid coverages
+    set(4, 1.5F, bush, 0.5F);    // coverages above 1
     const ForeignPicture p = read({part});
     EXPECT_EQ(p.channels.matte->name, "CryptoObject");
     ASSERT_EQ(p.mixed.size(), 3U);
@@ -198,14 +198,14 @@ TEST_F(ForeignIds, OfACryptomatteByItsShares) {
     EXPECT_EQ(p.mixed[2].pixel, 4U);
     EXPECT_NEAR(share(2, 0).share, 2.0 / 3, 1e-6);
     EXPECT_EQ(p.stack(3, 2)[0].id, bunny);
-    // A channel of it alone says which surface has the first rank.
+    // A single channel of a Cryptomatte gives the surface of its rank.
     const ForeignPicture alone = read({part}, {.ids = "CryptoObject00.R"});
     EXPECT_TRUE(alone.mixed.empty());
     EXPECT_EQ(alone.stack(0, 0)[0].id, bunny);
 }
 
 TEST_F(ForeignIds, OfCryptomattesOfSeveralPartsAndLayers) {
-    // Small letters and a part for each of the passes, as Blender writes them.
+    // Lower-case channel names and one part per pass, as Blender writes them.
     Part part = colours();
     part.name = "ViewLayer.Combined";
     Part matte{{{"ViewLayer.CryptoObject00.r", {bits(cryptomatte_id("bush"))}},
@@ -259,7 +259,7 @@ TEST_F(ForeignIds, BrokenCryptomattesAreWarnedOfAndLeftAside) {
     part = with_matte();
     part.compression = Imf::DWAA_COMPRESSION;
     expect_unused(part, "compression");
-    // What only half of the ranks have is still good for these; names do not matter.
+    // If a channel of the second rank is missing, the first rank is used. Damaged manifests are ignored.
     part = with_matte();
     part.channels.erase("CryptoObject00.A");
     part.texts["cryptomatte/1234567/manifest"] = "{\"";
@@ -300,7 +300,7 @@ TEST_F(ForeignIds, ThoseOfMotionVectorsMayLieInAnotherPart) {
     EXPECT_TRUE(frame.problems.empty());
     EXPECT_EQ(read_vector_frame(in("a.exr"), {}, {.ids = "none"}).id_name, "");
     EXPECT_EQ(read_vector_frame(in("a.exr"), {}, {.ids = "id"}).at(1, 1).id, frame.at(1, 1).id);
-    // A channel may be asked for twice, as depth and as ids.
+    // One channel may be used as depth and as ids.
     const VectorFrame by_depth = read_vector_frame(in("a.exr"), {}, {.ids = "Z"});
     EXPECT_EQ(by_depth.id_name, "Z");
     EXPECT_EQ(by_depth.at(1, 1).inverse_z, 0.25F);
@@ -310,7 +310,7 @@ TEST_F(ForeignIds, ThoseOfMotionVectorsMayLieInAnotherPart) {
 // --- edges taken apart
 // ---------------------------------------------------------------------------------------------
 
-/// A row of pixels, each of one sample, shares of which are known.
+/// A row of pixels, each with one sample, whose coverages by surfaces are known.
 struct Row {
     ForeignPicture p;
     explicit Row(int count) {
@@ -330,7 +330,7 @@ TEST(UnmixEdges, APixelOfTwoSurfacesIsAStackOfBoth) {
     Row row(5);
     row.add(near);
     row.add(near);
-    // 30 % of what is near; its depth is a mean that nothing has.
+    // 30 % of the pixel shows the near surface. Its depth is a mean of both surfaces.
     row.add({0.475F, 0.24F, 0.26F, 0.63F, 1, 2}, {{2, 0.7F}, {1, 0.3F}});
     row.add(far);
     row.add(far);
@@ -358,7 +358,7 @@ TEST(UnmixEdges, AWireThatFillsNoPixelGetsWhatIsLeft) {
     Row row(5);
     row.add(wall);
     row.add(wall);
-    // 20 % of a bright wire, whose depth this pixel has.
+    // 20 % of the pixel shows a bright wire, and the pixel has the depth of the wire.
     row.add({1, 1.08F, 0.28F, 0.08F, 1, 1}, {{2, 0.8F}, {1, 0.2F}});
     row.add(wall);
     row.add(wall);
@@ -383,7 +383,7 @@ TEST(UnmixEdges, TheBrightestColoursStayFinite) {
 }
 
 TEST(UnmixEdges, WhatNoPixelIsLikeStaysMixed) {
-    // Nobody says where the second surface is.
+    // No pixel shows the second surface alone, so its depth is unknown.
     Row row(2);
     row.add({1, 0.5F, 0.5F, 0.5F, 1, 1}, {{1, 0.6F}, {2, 0.4F}});
     row.add({1, 0.5F, 0.5F, 0.5F, 1, 1});
@@ -392,7 +392,8 @@ TEST(UnmixEdges, WhatNoPixelIsLikeStaysMixed) {
 }
 
 TEST(UnmixEdges, AnythingFlattensToItself) {
-    // Random colours, alphas, depths and shares: what is taken apart is another picture only for a lens.
+    // Random colours, alphas, depths and coverages: the unmixed image flattens to the original one, and only
+    // differs when it is refocused.
     std::mt19937 random(5);
     std::uniform_real_distribution<float> unit(0, 1);
     constexpr int edge = 24;

@@ -1,5 +1,5 @@
-// Kinds of files that other programs' users reported as read wrongly, on the command line, each with what is
-// right as numbers (tests/data/exr/README.md).
+// Kinds of files of other programs that users reported as misread, on the command line, with their correct
+// values (tests/data/exr/README.md).
 #include <OpenImageIO/imageio.h>
 #include <array>
 #include <cmath>
@@ -19,7 +19,7 @@ using test::CommandTest;
 using test::Outcome;
 using Words = std::vector<std::string>;
 
-constexpr float to = 1e-3F;  ///< what the reports ask for
+constexpr float to = 1e-3F;  ///< tolerance that the reports require
 
 std::string data(const std::string& name) {
     return std::string(POSTLENS_TEST_DATA) + "/exr/" + name + ".exr";
@@ -27,7 +27,7 @@ std::string data(const std::string& name) {
 
 struct Plane {
     int width = 0, height = 0;
-    /// Of the channels, by pixel.
+    /// Values of the channels at a pixel.
     std::function<std::vector<float>(int x, int y)> values;
     std::vector<std::string> channels;
 
@@ -56,7 +56,7 @@ class ForeignKinds : public CommandTest {
         EXPECT_EQ(r.exit_code, 0) << r.err;
         return r.exit_code == 0 ? json::parse(r.out) : json();
     }
-    /// The picture that focus makes; what it says goes to `said_`.
+    /// Runs `focus` and returns its image; the command's JSON output is stored in `said_`.
     Image focus(const std::string& file, const Words& more) {
         Words words{"focus", file,           "-o", in("o.exr"),         "--focal-length",
                     "50",    "--film-width", "36", "--metres-per-unit", "1",
@@ -82,7 +82,7 @@ class ForeignKinds : public CommandTest {
     static float alpha_at(const Image& image, std::size_t pixel) {
         return image.alpha.empty() ? 1 : image.alpha[pixel];
     }
-    /// The greatest difference of colours and alpha.
+    /// The greatest difference of two images, in colours and alpha.
     static float difference(const Image& a, const Image& b) {
         EXPECT_EQ(a.rgb.size(), b.rgb.size());
         float most = 0;
@@ -141,7 +141,7 @@ TEST_F(ForeignKinds, DepthsMayBeInverse) {
     }
 }
 
-// z = NEAR + v (FAR - NEAR), and the other way round for files in which near is white.
+// Normalised depths v: z = NEAR + v (FAR - NEAR), or with 1 - v in files in which near is white.
 TEST_F(ForeignKinds, DepthsMayBeNormalized) {
     const auto picture = [](const std::function<float(float)>& encoded) {
         return Plane{64,
@@ -182,7 +182,7 @@ TEST_F(ForeignKinds, DepthsTimesCoverageAreDivided) {
     }
 }
 
-/// Of a disc around the middle, by 8 x 8 places in the pixel.
+/// Coverage of a pixel by a disc about `middle`, from 8 x 8 positions in the pixel.
 double coverage(int x, int y, double middle, double radius) {
     int inside = 0;
     for (int v = 0; v < 8; ++v) {
@@ -192,8 +192,8 @@ double coverage(int x, int y, double middle, double radius) {
     return inside / 64.0;
 }
 
-// At its rim each pixel's depth and colour are means of both by the same shares, so that the disc at the
-// focus stays as it is and the even wall behind it stays even.
+// Pixels at the rim of a disc have means of depths and colours of disc and wall, with equal coverages. After
+// unmixing, the disc in focus stays unchanged, and the uniform wall behind it stays uniform.
 TEST_F(ForeignKinds, DepthsThatAreMeansGoToBothSides) {
     const auto picture = [](bool mean) {
         return Plane{64,
@@ -210,7 +210,7 @@ TEST_F(ForeignKinds, DepthsThatAreMeansGoToBothSides) {
     };
     picture(true).write(in("mean.exr"));
     picture(false).write(in("most.exr"));
-    // Taken apart they are the disc and the wall again.
+    // Unmixing these pixels gives the disc and the wall again.
     ForeignPicture apart = read_foreign_picture(in("mean.exr"), {}, {});
     std::size_t mixed = 0;
     for (int y = 0; y < 64; ++y) {
@@ -223,8 +223,8 @@ TEST_F(ForeignKinds, DepthsThatAreMeansGoToBothSides) {
         EXPECT_NEAR(s.r / s.alpha, disc ? 0.9 : 0.1, 1e-5);
         EXPECT_NEAR(s.b / s.alpha, disc ? 0.1 : 0.8, 1e-5);
     }
-    // With the disc at the focus all stays as it is, but for what `layers` is wrong by where an edge that
-    // both fill runs aslant: up to 0.4 %, of a Cryptomatte's edges as well.
+    // With the disc in focus the image stays unchanged, except for the error of `layers` at slanted edges: up
+    // to 0.4 %, as at edges from a Cryptomatte.
     const Words lens{"--f-number", "0.5", "--focus", "3", "--method", "layers"};
     const Image image = focus(in("mean.exr"), lens), pinhole = flattened(in("mean.exr"));
     EXPECT_TRUE(warned("means of near and far"));
@@ -239,7 +239,8 @@ TEST_F(ForeignKinds, DepthsThatAreMeansGoToBothSides) {
     EXPECT_FALSE(warned("means of near and far"));
 }
 
-// Before nothing, whatever its depth is called, a mean says nothing of the rim's depth.
+// In front of an empty background, for any depth that stands for it, a mean depth does not determine the
+// depth of the rim.
 TEST_F(ForeignKinds, DepthsThatAreMeansWithNothingGetTheirNeighbours) {
     for (const float nothing : {1e10F, 1000.0F, std::numeric_limits<float>::infinity()}) {
         const Plane picture{64,
@@ -380,7 +381,7 @@ TEST_F(ForeignKinds, PassesMayHaveFilesOfTheirOwn) {
     done(blur);
     EXPECT_EQ(difference(read_image(in("n.exr")), read_image(in("m.exr"))), 0);
 
-    // A file of another size is another picture's; one without depths has none.
+    // Depth files of another size, and files without depths, are rejected.
     Plane{32, 40, [](int, int) { return std::vector<float>{1}; }, {"Z"}}.write(in("narrow.exr"));
     for (const auto& [file, words] : {std::pair("narrow.exr", "displayWindow differs"),
                                       {"vectors.exr", "no depth (got channels forward.u"},
@@ -390,7 +391,7 @@ TEST_F(ForeignKinds, PassesMayHaveFilesOfTheirOwn) {
         EXPECT_NE(r.exit_code, 0) << file;
         EXPECT_NE(r.err.find(words), std::string::npos) << r.err;
     }
-    // Of a sequence each frame has its own.
+    // In a sequence, each frame has its own depth file.
     std::filesystem::copy(in("colours.exr"), in("c.0007.exr"));
     std::filesystem::copy(in("depth.exr"), in("d.0007.exr"));
     done({"focus", in("c.####.exr"), "-o", in("f.####.exr"), "--frames", "7", "--f-number", "0.5", "--focus",
@@ -402,7 +403,7 @@ TEST_F(ForeignKinds, PassesMayHaveFilesOfTheirOwn) {
               2);
 }
 
-// The way is (value - offset) scale.
+// The displacement is (value - offset) scale.
 TEST_F(ForeignKinds, VectorsMayHaveAnOffsetAndAScale) {
     const auto picture = [](float offset, float scale) {
         return Plane{64,

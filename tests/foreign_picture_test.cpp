@@ -1,4 +1,4 @@
-// Reading other programs' OpenEXR files: which channels, which camera, what is repaired, what is refused.
+// Reading OpenEXR files of other programs: channels, cameras, repairs and errors.
 #include "records/foreign_picture.h"
 
 #include <OpenEXR/ImfChannelList.h>
@@ -30,7 +30,7 @@ constexpr int width = 6, height = 4;
 const std::string data_folder = std::string(POSTLENS_TEST_DATA) + "/exr/";
 
 using Plane = std::vector<float>;
-/// A part: its channels, each of one value or of a value for each pixel.
+/// A part and its channels. A channel has a single value, or one value per pixel.
 struct Part {
     std::map<std::string, Plane> channels;
     std::string name, view;
@@ -68,7 +68,7 @@ void write_parts(const std::string& path, const std::vector<Part>& parts) {
 
 using DeepNames = std::array<const char*, 6>;
 
-/// One deep pixel.
+/// Writes a deep image of one pixel.
 void write_deep_pixel(const std::string& path, const std::vector<std::array<float, 6>>& samples,
                       const DeepNames& names = {"R", "G", "B", "A", "Z", "ZBack"}) {
     Imf::Header h(1, 1);
@@ -154,9 +154,9 @@ TEST_F(ForeignPictureTest, BlendersLayersBelongTogether) {
         channels[l + ".Depth.Z"] = even(z);
     }
     const ForeignPicture first = read({{channels}});
-    EXPECT_EQ(first.channels.r, "Ball.Combined.R");  // the first of the file, whose channels are sorted
+    EXPECT_EQ(first.channels.r, "Ball.Combined.R");  // the first layer; the channels of a file are sorted
     EXPECT_EQ(first.channels.z, "Ball.Depth.Z");
-    // What the compositor made has no depth, and comes first in the file's order all the same.
+    // The compositor's layer comes first in the file, but is not chosen, because it has no depth.
     Part composed{channels};
     for (const char* c : {"R", "G", "B"})
         composed.channels[std::string("A composite.Combined.") + c] = even(1);
@@ -169,7 +169,7 @@ TEST_F(ForeignPictureTest, BlendersLayersBelongTogether) {
 }
 
 TEST_F(ForeignPictureTest, ViewsAndPartsAreChosenByName) {
-    // A stereo file of several parts, the depth of each view in a part of its own.
+    // A stereo file of several parts, with the depth of each view in a separate part.
     const std::vector<Part> parts{
         {{{"R", even(1)}, {"G", even(1)}, {"B", even(1)}}, "rgba.right", "right"},
         {{{"R", even(2)}, {"G", even(2)}, {"B", even(2)}}, "rgba.left", "left"},
@@ -182,7 +182,7 @@ TEST_F(ForeignPictureTest, ViewsAndPartsAreChosenByName) {
         EXPECT_EQ(read(parts, {.layer = name}).stack(0, 0)[0].r, 2) << name;
         EXPECT_EQ(read(parts, {.layer = name}).stack(0, 0)[0].inverse_z, 1.0F / 16) << name;
     }
-    // The single part of the same: the hero's names have no view.
+    // The same in a single part: channel names of the first view do not contain its name.
     Part single{rgbz(3, 2), "", "", [](Imf::Header& h) { Imf::addMultiView(h, {"right", "left"}); }};
     single.channels.merge(rgbz(4, 5, "left."));
     EXPECT_EQ(read({single}).stack(0, 0)[0].r, 3);
@@ -197,7 +197,7 @@ std::map<std::string, Plane> colours_of(float r, const std::string& layer) {
     return {{layer + "R", even(r)}, {layer + "G", even(0.5F)}, {layer + "B", even(0.25F)}};
 }
 
-/// The words of a warning of this code; empty: there is none.
+/// The text of the warning with this code; empty if there is none.
 std::string warning(const ForeignPicture& p, const std::string& code) {
     for (const ForeignRepair& r : p.repairs) {
         if (r.code == code && r.text.find("not in the file") == std::string::npos) return r.text;
@@ -205,7 +205,7 @@ std::string warning(const ForeignPicture& p, const std::string& code) {
     return "";
 }
 
-// However programs order the words, each view and each layer has the depth that is called like it.
+// Each view and each layer gets the depth of its own name, in any order of the words in channel names.
 TEST_F(ForeignPictureTest, DepthsOfViewsAndLayersAreToldApart) {
     struct Case {
         const char *left, *right, *left_z, *right_z;
@@ -232,7 +232,7 @@ TEST_F(ForeignPictureTest, DepthsOfViewsAndLayersAreToldApart) {
             EXPECT_EQ(p.channels.z, left ? c.left_z : c.right_z);
             EXPECT_EQ(warning(p, "assumed"), "") << c.left_z;
         }
-        // What is another one's is not taken, and said to be there.
+        // The depth of another view or layer is not used, but mentioned in a warning.
         part.channels.erase(c.right_z);
         const ForeignPicture p = read({part}, {.layer = views ? "right" : "other"});
         EXPECT_EQ(p.channels.z, "");
@@ -247,7 +247,8 @@ TEST_F(ForeignPictureTest, PartsMayHoldBareNames) {
     const auto part = [](const std::string& name, std::map<std::string, Plane> channels) {
         return Part{std::move(channels), name, ""};
     };
-    // Colour, alpha, depth and ids in parts of two layers, each channel by its letter alone.
+    // Colour, alpha, depth and ids of two layers in separate parts, whose channels are named by single
+    // letters.
     const std::vector<Part> parts{part("near.depth", {{"V", even(2)}}),   part("far_rgb", colours_of(1, "")),
                                   part("near_rgb", colours_of(2, "")),    part("far_depth", {{"Z", even(8)}}),
                                   part("far_alpha", {{"A", even(0.5F)}}), part("near_id", {{"id", even(3)}})};
@@ -265,22 +266,22 @@ TEST_F(ForeignPictureTest, PartsMayHoldBareNames) {
 }
 
 TEST_F(ForeignPictureTest, WhatIsSurmisedIsSaid) {
-    // The picture's own depth for one of its passes: likely, and said.
+    // A pass without depth gets the depth of the whole image, with a warning.
     Part passes{rgbz(1, 4)};
     passes.channels.merge(colours_of(2, "diffuse."));
     const ForeignPicture pass = read({passes}, {.layer = "diffuse"});
     EXPECT_EQ(pass.channels.z, "Z");
     EXPECT_NE(warning(pass, "assumed").find("diffuse has none of its own"), std::string::npos);
     EXPECT_EQ(warning(read({passes}), "assumed"), "");
-    // The only depth there is, of a part whose name says nothing.
+    // The only depth in the file is used, although its part has an unrelated name.
     const ForeignPicture only = read({{colours_of(1, ""), "render", ""}, {{{"Z", even(4)}}, "extra", ""}});
     EXPECT_EQ(only.channels.z, "Z");
     EXPECT_NE(warning(only, "assumed").find("Z of extra is taken"), std::string::npos);
-    // Places and directions have a Z that is no depth.
+    // The Z of positions and directions is no depth.
     Part place{colours_of(1, "")};
     for (const char* name : {"P.X", "P.Y", "P.Z", "normal.Z"}) place.channels[name] = even(4);
     EXPECT_EQ(read({place}).channels.z, "");
-    // The mattes of another layer are not those of this one.
+    // The Cryptomatte of another layer is not used.
     Part mattes{rgbz(1, 4, "a.")};
     mattes.channels.merge(rgbz(2, 4, "b."));
     for (const char* letter : {"R", "G", "B", "A"})
@@ -313,8 +314,8 @@ TEST_F(ForeignPictureTest, VolumesEndWhereTheirOwnLayerSays) {
     }
 }
 
-// Two volumes that fill the same place hold back, and shine, as much as both alone: A = 1 - (1 - A1)(1 - A2),
-// C = A (u1 C1 / A1 + u2 C2 / A2) / (u1 + u2), u = -log(1 - A).
+// Two volumes in the same depth range combine as A = 1 - (1 - A1)(1 - A2) and
+// C = A (u1 C1 / A1 + u2 C2 / A2) / (u1 + u2) with u = -log(1 - A).
 TEST_F(ForeignPictureTest, VolumesInOnePlaceAreMixedInAnyOrder) {
     const std::array<float, 6> red{0.3F, 0, 0, 0.5F, 2, 4}, blue{0, 0, 0.6F, 0.75F, 2, 4};
     const double u1 = std::log(2), u2 = std::log(4), alpha = 0.875;
@@ -327,7 +328,7 @@ TEST_F(ForeignPictureTest, VolumesInOnePlaceAreMixedInAnyOrder) {
     EXPECT_NEAR(one[0], alpha * (u1 * 0.6) / (u1 + u2), 1e-6);
     EXPECT_NEAR(one[1], alpha * (u2 * 0.8) / (u1 + u2), 1e-6);
     EXPECT_NEAR(one[2], alpha, 1e-6);
-    // Where one begins inside the other, and where they only touch.
+    // One volume begins inside the other, or the volumes only touch.
     std::array<float, 6> later = blue;
     later[4] = 3;
     later[5] = 6;
@@ -337,7 +338,7 @@ TEST_F(ForeignPictureTest, VolumesInOnePlaceAreMixedInAnyOrder) {
     const auto apart = flat({later, red});
     EXPECT_NEAR(apart[0], 0.3, 1e-6);
     EXPECT_NEAR(apart[1], 0.5 * 0.6, 1e-6);
-    // A surface inside a volume stays what it is.
+    // A surface inside a volume stays opaque.
     const std::array<float, 6> wall{0, 1, 0, 1, 3, 3};
     EXPECT_NEAR(read_deep({red, wall}).flattened().alpha.empty() ? 1 : 0, 1, 0);
 }
@@ -379,8 +380,8 @@ TEST_F(ForeignPictureTest, DepthsAlongTheRayBecomeDepthsAlongTheAxis) {
         .film_width_mm = 36, .film_distance_mm = 36, .metres_per_unit = 0.01, .depth_along = DepthAlong::ray};
     const ForeignPicture p = read({{rgbz(1, 300)}}, {}, camera);
     EXPECT_TRUE(p.camera.assumed.empty());
-    // The pixel's middle is 2.5 px of 6 mm to the left of the axis and 1.5 px above it, 36 mm before the
-    // pinhole.
+    // On a film at 36 mm from the pinhole, the pixel's centre is 2.5 px of 6 mm left of the axis and 1.5 px
+    // above it.
     const double u = -15.0 / 36, v = -9.0 / 36;
     EXPECT_NEAR(p.depth_at(0.5, 0.5), 3 / std::sqrt(1 + u * u + v * v), 1e-6);
 }
@@ -399,7 +400,7 @@ TEST_F(ForeignPictureTest, StandardAttributesNameTheCamera) {
     EXPECT_EQ(p.camera.f_number, 2.5);
     EXPECT_EQ(p.camera.focus_m, 3);
     EXPECT_EQ(p.camera.assumed.size(), 2U);  // unit and direction of depth
-    // What the user says goes before; what makes no sense is left aside.
+    // Settings of the user take precedence. Invalid attributes are ignored.
     const ForeignPicture asked = read({{rgbz(1, 2), "", "",
                                         [](Imf::Header& h) {
                                             h.insert("pinholeFocalLength", Imf::FloatAttribute(-1));
@@ -413,7 +414,8 @@ TEST_F(ForeignPictureTest, StandardAttributesNameTheCamera) {
 }
 
 TEST_F(ForeignPictureTest, MatricesNameTheView) {
-    // Row vectors, the camera looking along -z of its own space, 4 units up the axis and turned by an angle.
+    // Matrices for row vectors. The camera looks along -z of its own space, is 4 units up the axis and is
+    // rotated.
     const double c = std::cos(0.4), s = std::sin(0.4);
     const Matrix44 camera{c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0, 1.5, -2, 4, 1};
     const auto product = [](const Matrix44& a, const Matrix44& b) {
@@ -426,7 +428,7 @@ TEST_F(ForeignPictureTest, MatricesNameTheView) {
         return out;
     };
     const double tangent = 0.3;
-    // From -1 to 1, and from 0 to 1 with y downwards; w is the distance -z.
+    // Projections to [-1, 1], and to [0, 1] with y downwards; w is the distance -z.
     const Matrix44 centred{1 / tangent, 0, 0, 0, 0, 1 / tangent, 0, 0, 0, 0, 1, -1, 0, 0, 0, 0};
     const Matrix44 from_zero{0.5 / tangent, 0, 0, 0, 0, -0.5 / tangent, 0, 0, -0.5, -0.5, 1, -1, 0, 0, 0, 0};
     for (const Matrix44& projection : {centred, from_zero}) {
@@ -437,10 +439,10 @@ TEST_F(ForeignPictureTest, MatricesNameTheView) {
     const Matrix44 orthographic{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     EXPECT_FALSE(half_width_tangent(camera, product(camera, orthographic)).has_value());
     EXPECT_FALSE(half_width_tangent(Matrix44{}, centred).has_value());
-    // A real one: 45 degrees wide, by its renderer's own matrices.
+    // A file of a renderer whose matrices describe a field of view of 45 degrees.
     const ForeignPicture p = read_foreign_picture(data_folder + "deep_alpha.exr", {}, {});
     EXPECT_NEAR(p.camera.film_distance_mm, 18 / std::tan(std::acos(-1.0) / 8), 1e-3);
-    EXPECT_EQ(p.camera.assumed.size(), 3U);  // the film's width, unit and direction of depth
+    EXPECT_EQ(p.camera.assumed.size(), 3U);  // film width, and unit and direction of depth
 }
 
 // --- deep pictures
@@ -459,11 +461,12 @@ void expect_equal(const std::string& deep, const std::string& flat, double toler
         ASSERT_NEAR(mine.alpha[i], theirs.alpha[i], tolerance) << i;
         brightest = std::max(brightest, static_cast<double>(mine.alpha[i]));
     }
-    EXPECT_GT(brightest, 0.4);  // not all nothing
+    EXPECT_GT(brightest, 0.4);  // the images are not empty
 }
 
 TEST_F(ForeignPictureTest, FlattensAsAnotherProgramDoes) {
-    // Stored as half: 2^-11 of the value at most; ours and theirs multiply in another order.
+    // The images are stored as halves. The two programs multiply in different orders, which changes
+    // roundings.
     expect_equal(data_folder + "deep_object_ids.exr", data_folder + "deep_object_ids.flattened.exr", 1e-6);
     expect_equal(data_folder + "deep_alpha.exr", data_folder + "deep_alpha.flattened.exr", 1e-6);
 }
@@ -473,7 +476,7 @@ TEST_F(ForeignPictureTest, SamplesAreSortedAndVolumesSliced) {
                      {{0.2F, 0, 0, 1, 9, 9}, {0, 0.75F, 0, 0.75F, 2, 4}, {0.5F, 0, 0, 0.5F, 1, 1}});
     const ForeignPicture p = read_foreign_picture(in("deep.exr"), {}, {.metres_per_unit = 2});
     const auto stack = p.stack(0, 0);
-    // log 2 / log 1.02 = 35.003: more than the most slices there are.
+    // log 2 / log 1.02 = 35.003 slices would be needed, which exceeds the limit.
     ASSERT_EQ(stack.size(), 34U);
     EXPECT_EQ(stack[0].inverse_z, 0.5F);
     double left = 1, light = 0;
@@ -497,7 +500,7 @@ TEST_F(ForeignPictureTest, WindowsAreKept) {
     EXPECT_EQ(p.x_end - p.x_begin, 38);
     const Image image = p.flattened();
     EXPECT_EQ(image.width, 40);
-    EXPECT_EQ(image.alpha[39], 0);  // nothing is stored there
+    EXPECT_EQ(image.alpha[39], 0);  // outside of the data window
 }
 
 // --- repairs and refusals
@@ -537,7 +540,7 @@ TEST_F(ForeignPictureTest, RefusesWhatIsNoWholeFile) {
     }
     (void)refusal([&] { (void)read_foreign_picture(in("none.exr"), {}, {}); });
     (void)refusal([&] { (void)read_foreign_picture(folder_.path(), {}, {}); });
-    // Windows of 65536 x 65536 px, or far from each other, in a file of a few hundred bytes.
+    // A file of a few hundred bytes that states windows of 65536 x 65536 px, or windows far from each other.
     for (const char* window : {"dataWindow", "displayWindow"}) {
         std::string absurd = bytes;
         const std::size_t at = absurd.find(window) + std::string(window).size() + 1 + sizeof("box2i") + 4;
@@ -549,8 +552,8 @@ TEST_F(ForeignPictureTest, RefusesWhatIsNoWholeFile) {
     }
 }
 
-// The OpenEXR library reads four bytes of an int whatever its size is, goes on in the middle of the next
-// attribute and asks for 2 GB. Found by fuzzing.
+// The OpenEXR library always reads four bytes of an int, regardless of the stated size. It then continues in
+// the middle of the next attribute and allocates 2 GB. Found by fuzzing.
 TEST_F(ForeignPictureTest, RefusesAnAttributeOfAnotherSizeThanItsType) {
     const std::string shorter_int = data_folder + "damaged_int_size.exr";
     const auto damaged = [](const std::string& what) { return what.find("damaged (") != std::string::npos; };
@@ -558,7 +561,7 @@ TEST_F(ForeignPictureTest, RefusesAnAttributeOfAnotherSizeThanItsType) {
     EXPECT_PRED1(damaged, refusal([&] { (void)read_image(shorter_int); }));
     const std::string huge_size = data_folder + "damaged_attribute_size.exr";
     EXPECT_PRED1(damaged, refusal([&] { (void)read_image(huge_size); }));
-    // The list of channels with a byte less than it has.
+    // The list of channels, with a stated size one byte too small.
     write_parts(in("whole.exr"), {{rgbz(1, 2)}});
     std::ifstream file(in("whole.exr"), std::ios::binary);
     std::string bytes{std::istreambuf_iterator<char>(file), {}};
@@ -568,15 +571,15 @@ TEST_F(ForeignPictureTest, RefusesAnAttributeOfAnotherSizeThanItsType) {
     EXPECT_PRED1(damaged, refusal([&] { (void)read_foreign_picture(in("channels.exr"), {}, {}); }));
 }
 
-// The library makes room for some rows of a part when it opens it, however wide the header says they are.
-// Found by fuzzing.
+// The library allocates some rows when it opens a part, for any width that the header states. Found by
+// fuzzing.
 TEST_F(ForeignPictureTest, RefusesRowsWiderThanThereIsReasonFor) {
     const auto too_wide = [](const std::string& what) { return what.find("too wide") != std::string::npos; };
     EXPECT_PRED1(too_wide, refusal([] { (void)read_image(data_folder + "damaged_window.exr"); }));
 
-    // 3 channels of 15.7 million pixels, uncompressed: a row is 189 MB, and is let through. A part that names
-    // no compression is one of ZIP, which packs 16 rows at a time. Sizes of tiles in a part of rows say
-    // nothing.
+    // A row of 15.7 million pixels with 3 channels takes 189 MB uncompressed, which is accepted. A part that
+    // states no compression has ZIP, which packs 16 rows at a time. Tile sizes in a scanline part are
+    // ignored.
     std::ifstream file(data_folder + "nan_inf.exr", std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(file), {}};
     const auto wide = [&](auto&& change) {
@@ -596,13 +599,13 @@ TEST_F(ForeignPictureTest, RefusesRowsWiderThanThereIsReasonFor) {
                  }));
 }
 
-// The library makes room for as many bytes as a chunk of a deep part claims before it looks for them. Found
-// by fuzzing.
+// The library allocates the stated size of a deep chunk before it checks that the bytes exist. Found by
+// fuzzing.
 TEST_F(ForeignPictureTest, RefusesChunksOfMoreBytesThanTheFile) {
     struct Case {
         const char* file;
-        std::size_t chunk;   ///< where the first one begins: behind header and offsets
-        std::size_t packed;  ///< from there, behind its place and the size of its counts
+        std::size_t chunk;   ///< offset of the first chunk, after header and offset table
+        std::size_t packed;  ///< offset of the packed size in the chunk, after position and size of counts
     };
     for (const auto& [name, chunk, packed] :
          {Case{"deep_object_ids.exr", 2816, 4 + 8}, Case{"deep_alpha.exr", 944, 4 * 4 + 8}}) {
@@ -615,7 +618,7 @@ TEST_F(ForeignPictureTest, RefusesChunksOfMoreBytesThanTheFile) {
     }
 }
 
-// The OpenEXR library reads four bytes past a manifest's end.
+// The OpenEXR library reads four bytes beyond the end of a manifest.
 TEST(ExrAttribute, NothingShortFollowsAManifest) {
     const test::TemporaryFolder folder;
     const auto path = folder.path() / "manifest.exr";
@@ -637,8 +640,7 @@ TEST(ExrAttribute, NothingShortFollowsAManifest) {
     EXPECT_THROW(with(""), Error);
 }
 
-// Without a data window the OpenEXR library takes a small one, but makes room for tiles of the size that is
-// said.
+// Without a data window, the OpenEXR library assumes a small one, but allocates tiles of the stated size.
 TEST(ExrAttribute, TilesAreBoundedWithoutAWindow) {
     const test::TemporaryFolder folder;
     const auto path = folder.path() / "tiles.exr";

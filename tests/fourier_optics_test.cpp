@@ -1,4 +1,4 @@
-// Fourier optics against closed forms: the disc, a square, aberrations.
+// Fourier optics against closed forms: a disc, a square, aberrations.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -32,10 +32,10 @@ double intensity_on_axis(const FourierResponse& r) {
     return fourier_field(r, fourier_sampling(r, window(8))).intensity[0];
 }
 
-// How far a field may be from the closed form, as an amplitude. The outline passes about 8 a cells of area
-// 1/a^2, of pi; 16 rows of 16 points tell a cell's share to 1/16 / sqrt(12) / 4 = 0.0045 rms, and the sum is
-// random: four sigma. Beyond that the amplitude at 2 pi a - v, an edge wave, comes back in, by the ratio v /
-// (2 pi a) that division by the cell's transform leaves of it, on two axes.
+// Tolerance of a field's amplitude against the closed form, for `cells` = a. First term, four sigma: the
+// outline crosses about 8 a cells of area 1/a^2 (of pi in all), and 16 x 16 points give the coverage of a
+// cell with an RMS error of 1/16 / sqrt(12) / 4 = 0.0045. Second term, aliasing: the edge wave at 2 pi a - v
+// is added with the factor v / (2 pi a), which division by the cell's transform leaves, on two axes.
 double field_tolerance(double u, double v, double cells) {
     const double outline = 4 * 0.0045 * std::sqrt(8 * cells) / (pi * cells * cells);
     const double far = 2 * pi * cells - v, edge = std::min(u / far, 0.9);
@@ -74,8 +74,8 @@ TEST(FourierOptics, PixelsOfTheDiscAreThoseOfTheEncircledEnergy) {
         ResponseGrid exact = grid;
         const RadialEnergy energy(u, reach_px(grid, 0.3, 0.7, {}) * v_per_px);
         fill_pixel_energy(RadialProfile({{&energy, v_per_px, 1.0}}), 0.3, 0.7, {}, exact);
-        // In the worst case every sample of the pixel errs alike: 2 dA sqrt(I), of the pixel's I; and 5e-4 is
-        // what the pixels of the encircled energy are known to.
+        // In the worst case all samples of a pixel have the same error, which makes 2 dA sqrt(I). The pixels
+        // from the encircled energy have an error of 5e-4.
         const double cells = fourier_sampling(r, grid).cells;
         const double mean_intensity = peak_of(exact) * 4 * pi / (v_per_px * v_per_px);
         const double tolerance = 2 * field_tolerance(u, u, cells) / std::sqrt(mean_intensity) + 5e-4;
@@ -98,8 +98,8 @@ TEST(FourierOptics, SquareIsTheProductOfTwoSincs) {
         for (std::size_t i = 0; i < 20; ++i) {
             const double x = h * s.v_step * static_cast<double>(i), y = h * s.v_step * static_cast<double>(j);
             const double amplitude = 4 * h * h / pi * sinc(x) * sinc(y);
-            // Sides along the cells: all cells of a side err alike, by up to half a row of points of 1/16 of
-            // a cell.
+            // The sides are parallel to the cells, so all cells of a side have the same error: up to half a
+            // row of points, which is 1/16 of a cell.
             const double side = 4 * 2 * h / (32 * s.cells) / pi;
             EXPECT_NEAR(field.intensity[j * static_cast<std::size_t>(s.size) + i], amplitude * amplitude,
                         2 * std::abs(amplitude) * side + side * side);
@@ -120,14 +120,16 @@ TEST(FourierOptics, PictureOfADiscIsNearlyADisc) {
     fill_fourier_energy(r, grid);
     r.transmission = circular_aperture();
     fill_fourier_energy(r, exact);
-    // The outline is off by a fraction of one of 128 pixels to the radius, on average by far less.
+    // The error of the outline is a fraction of a pixel, with 128 pixels per radius, and much less on
+    // average.
     for (std::size_t i = 0; i < grid.share.size(); ++i) {
         EXPECT_NEAR(grid.share[i], exact.share[i], 2.0 / 128 * peak_of(exact));
     }
 }
 
 TEST(FourierOptics, BehindTheFocusTheApertureStandsUpright) {
-    // Half a disc, x > 0. A lens point q moves what lies behind the focus by +q on the raster.
+    // The aperture is half a disc, x > 0. A lens point q displaces points behind the focus by +q on the
+    // raster.
     const auto right = [](double x, double y) { return x > 0 && x * x + y * y < 1 ? 1.0 : 0.0; };
     for (const double u : {60.0, -60.0}) {
         ResponseGrid grid(-20, -20, 40, 40);
@@ -139,7 +141,7 @@ TEST(FourierOptics, BehindTheFocusTheApertureStandsUpright) {
                 if (i >= 20) on_right += grid.at(i, j);
             }
         }
-        // The straight edge's light bleeds by 1 / sqrt(u) across it.
+        // Diffraction spreads light across the straight edge, about 1 / sqrt(u) of it.
         EXPECT_NEAR(on_right / all, u > 0 ? 1 : 0, 1 / std::sqrt(60.0));
     }
 }
@@ -152,21 +154,22 @@ TEST(Wavefront, ZernikePolynomialsAreOrthonormal) {
             double sum = 0;
             constexpr int radii = 200, angles = 32;
             for (int i = 0; i < radii; ++i) {
-                const double p = std::sqrt((i + 0.5) / radii);  // rings of the same area
+                const double p = std::sqrt((i + 0.5) / radii);  // rings of equal area
                 for (int a = 0; a < angles; ++a) {
                     const double t = 2 * pi * a / angles;
                     sum += zernike_polynomial(n, m, p * std::cos(t), p * std::sin(t)) *
                            zernike_polynomial(k, l, p * std::cos(t), p * std::sin(t));
                 }
             }
-            // The midpoint rule over p^2: second derivatives of up to 1e3 of products of degree 6 in p^2.
+            // Error of the midpoint rule over p^2: products of degree 6 in p^2 have second derivatives of up
+            // to 1e3.
             EXPECT_NEAR(sum / (radii * angles), n == k && m == l ? 1 : 0, 3e-3) << n << m << k << l;
         }
     }
 }
 
 TEST(Wavefront, DefocusByAnyNameIsU) {
-    // On the axis (sin(u/4) / (u/4))^2; W = u p^2 / (4 pi); Z_2^0 = sqrt(3) (2 p^2 - 1).
+    // The intensity on the axis is (sin(u/4) / (u/4))^2. W = u p^2 / (4 pi), and Z_2^0 = sqrt(3) (2 p^2 - 1).
     for (const double u : {2.0, 9.0, 30.0}) {
         const double exact = lommel_intensity(u, 0);
         const double tolerance = 2 * std::sqrt(exact) * field_tolerance(u, 0, 96);
@@ -174,14 +177,14 @@ TEST(Wavefront, DefocusByAnyNameIsU) {
         EXPECT_NEAR(intensity_on_axis({.wavefront = {.field_curvature = u / (4 * pi)}}), exact, tolerance);
         const double rms = u / (8 * pi * std::sqrt(3));
         EXPECT_NEAR(intensity_on_axis({.wavefront = {.zernike = {{2, 0, rms}}}}), exact, tolerance);
-        // One undoes the other.
+        // Field curvature and defocus of opposite sign cancel.
         EXPECT_NEAR(intensity_on_axis({.wavefront = {.field_curvature = u / (4 * pi)}, .u = -u}), 1, 1e-4);
     }
 }
 
 TEST(Wavefront, StrehlIsMarechals) {
-    // exp(-(2 pi W)^2) for an error of W waves rms, to the third order: the phase's third moment is at
-    // most 3.
+    // The Strehl ratio is exp(-(2 pi W)^2) for an error of W waves RMS, up to third order; the third moment
+    // of the phase is at most 3.
     for (const ZernikeTerm term :
          {ZernikeTerm{4, 0, 0.04}, {3, 1, 0.04}, {3, -1, 0.04}, {2, 2, 0.04}, {2, -2, 0.04}, {6, 0, 0.04}}) {
         const double sigma = 2 * pi * term.waves_rms;
@@ -192,7 +195,7 @@ TEST(Wavefront, StrehlIsMarechals) {
 }
 
 TEST(Wavefront, DistortionMovesThePicture) {
-    // W = w x moves the image to v = 2 pi w.
+    // A wavefront W = w x displaces the image to v = 2 pi w.
     ResponseGrid still = window(10), moved = window(10);
     const double v_per_px = 2 * pi;
     fill_fourier_energy({.v_per_px = v_per_px, .centre_x = 0.5, .centre_y = 0.5}, still);
@@ -225,7 +228,7 @@ TEST(FourierOptics, RefusesWhatItCannotMake) {
     };
     ResponseGrid grid = window(4);
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    // A phase too steep for any grid that fits: refused rather than aliased.
+    // A phase that is too steep for any grid in memory is rejected instead of aliased.
     refused([&] { fill_fourier_energy({.u = 9e5, .v_per_px = 1}, grid); }, ExitCode::out_of_memory, "needs");
     refused([&] { fill_fourier_energy({.wavefront = {.spherical = 9999}}, grid); }, ExitCode::out_of_memory,
             "needs");

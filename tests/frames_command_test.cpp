@@ -1,4 +1,4 @@
-// --frames: one command for every frame of a range.
+// --frames: one command processes all frames of a range.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -70,7 +70,7 @@ TEST_F(Frames, TraceTakesEachFrameAtItsTime) {
         EXPECT_EQ(frame.at("output"), in(fmt::format("f.000{}.exr", n)));
         EXPECT_EQ(frame.at("time_s"), n / 2.0);
         EXPECT_GT(frame.at("records"), 0);
-        // The shutter that the file is to suffice for opens when the frame is.
+        // The shutter of --for-shutter opens at the frame's instant.
         const std::string t = fmt::format("{}", n / 2.0), close = fmt::format("{}", n / 2.0 + 0.25);
         done({"trace", scene(), "-o", in("one.exr"), "--time", t, "--for-shutter", t + ":" + close});
         expect_same_file("one.exr", fmt::format("f.000{}.exr", n));
@@ -112,7 +112,7 @@ TEST_F(Frames, AnInterruptedRangeGoesOn) {
     trace_three();
     const Words again{"trace", scene(), "-o", in("f.%04d.exr"), "--frames", "0-3", "--fps", "2"};
     const std::string whole = test::text_of(in("f.0001.exr"));
-    // One that was cut short while it was copied, and one of which only the very end is missing.
+    // One file was truncated while it was copied; another lacks only its last byte.
     std::ofstream(in("f.0001.exr"), std::ios::binary) << whole.substr(0, whole.size() / 2);
     fs::resize_file(in("f.0002.exr"), fs::file_size(in("f.0002.exr")) - 1);
     const json said = done(again + Words{"--keep"});
@@ -165,7 +165,7 @@ TEST_F(Frames, WhatMeansNothingIsRefused) {
     refused(trace + Words{"--frames", "1-3", "--fps", "0"}, ExitCode::wrong_arguments, "--fps");
     refused({"trace", s, "-o", in("f.exr"), "--frames", "1-3"}, ExitCode::wrong_arguments,
             "the output holds no");
-    // Other marks of printf are text.
+    // Other printf conversions are plain text.
     refused({"trace", s, "-o", in("%s%n%4d%*d%ld.exr"), "--frames", "1-3"}, ExitCode::wrong_arguments,
             "the output holds no");
     refused({"image", in("f.exr"), "-o", in("p.%d.png"), "--frames", "1-3"}, ExitCode::wrong_arguments,

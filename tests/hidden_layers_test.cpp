@@ -1,5 +1,5 @@
-// Hidden layers: which surfaces an eye ray enters one after the other, how they are shaded, and which of them
-// a shutter may bring to light.
+// Hidden layers: the surfaces that an eye ray enters in sequence, their shading, and those that motion during
+// a shutter may reveal.
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
@@ -50,7 +50,7 @@ std::vector<Met> surfaces(const std::vector<Record>& records) {
     return out;
 }
 
-// z' of shapes whose coordinates are short binary fractions, found in double: right to float's last digit.
+// Compares surfaces exactly: z' is computed in double from coordinates that are short binary fractions.
 void expect_surfaces(const std::vector<Record>& records, const std::vector<Met>& expected) {
     const std::vector<Met> got = surfaces(records);
     ASSERT_EQ(got.size(), expected.size());
@@ -61,7 +61,7 @@ void expect_surfaces(const std::vector<Record>& records, const std::vector<Met>&
     }
 }
 
-// Three walls, the last two facing away, and a ball between the first two.
+// Three walls, of which the last two face away, and a ball between the first two.
 SceneBuilder walls_and_ball() {
     SceneBuilder b;
     b.add(square({0, 0, -2}, {0, 0, 1}, 1), glowing({1, 0, 0}));
@@ -79,7 +79,7 @@ TEST(HiddenLayers, AreTheSurfacesThatARayEnters) {
         expect_surfaces(trace_at(b.scene, centre, {n}),
                         {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count)});
     }
-    // Beside the ball, and beside the first wall; z' is along the axis.
+    // One ray passes beside the ball, the other beside the first wall; z' is measured along the axis.
     expect_surfaces(trace_at(b.scene, {48, 24}, {16}), {{0, 1, 2}, {1, 2, 6}, {2, 3, 8}, {3, 0, nothing}});
     expect_surfaces(trace_at(b.scene, {63, 5}, {16}), {{0, 2, 6}, {1, 3, 8}, {2, 0, nothing}});
 }
@@ -106,9 +106,9 @@ TEST(HiddenLayers, TheWayOutOfASolidIsNoSurface) {
     expect_surfaces(through(Box{{-1, -1, -5}, {1, 1, -3}}), expected);
     expect_surfaces(through(Sphere{{0, 0, -4}, 1}), expected);
     expect_surfaces(through(Cone{{0, 0, -5}, {0, 0, -3}, 1, 1, true}), expected);
-    // Flat things have no inside: a disc met from behind is a surface.
+    // Flat objects have no inside, so a disc hit from behind counts as a surface.
     expect_surfaces(through(Disc{{0, 0, -3}, {0, 0, -1}, 1}), expected);
-    // A mesh of a ball, met a little off its vertices.
+    // A mesh of a ball, shifted so that the ray does not hit a vertex.
     SceneBuilder b;
     b.add(sphere_mesh(9, 14, false), glowing({1, 0, 0}),
           glm::translate(glm::dmat4(1), dvec3(0.013, 0.02, -4)));
@@ -120,7 +120,7 @@ TEST(HiddenLayers, TheWayOutOfASolidIsNoSurface) {
 }
 
 TEST(HiddenLayers, WhatCoincidesWithAWayOutIsFound) {
-    // A box on a floor: the ray leaves the box just where it enters the floor.
+    // For a box on a floor, the ray leaves the box at the point where it enters the floor.
     SceneBuilder b;
     b.scene.cameras[0].look_at = {0, -1, -1};
     b.add(Box{{-3, -2, -3}, {3, -1, -1.25}}, glowing({1, 0, 0}));
@@ -132,7 +132,7 @@ TEST(HiddenLayers, WhatCoincidesWithAWayOutIsFound) {
         EXPECT_EQ(got[1].id, 2U);
         EXPECT_EQ(got[2].id, 0U);
     }
-    // Two sheets at one place are two surfaces.
+    // Two coincident sheets are two surfaces.
     SceneBuilder c;
     c.add(square({0, 0, -2}, {0, 0, 1}, 1), glowing({1, 0, 0}));
     c.add(square({0, 0, -2}, {0, 0, 1}, 1.5), glowing({0, 1, 0}));
@@ -155,7 +155,7 @@ TEST(HiddenLayers, ObjectsInsideOthersAreEntered) {
     SceneBuilder b;
     b.add(Sphere{{0, 0, -5}, 2}, glass(1.5));
     b.add(Box{{-1, -1, -5.5}, {1, 1, -4.5}}, glowing({1, 0, 0}));
-    b.add(Sphere{{0, 0, -7}, 1}, glowing({0, 1, 0}));  // begins inside the first and ends outside
+    b.add(Sphere{{0, 0, -7}, 1}, glowing({0, 1, 0}));  // partly inside the glass ball
     expect_surfaces(trace_at(b.scene, centre, {16}), {{0, 1, 3}, {1, 2, 4.5F}, {2, 3, 6}, {3, 0, nothing}});
 }
 
@@ -177,7 +177,7 @@ TEST(HiddenLayers, BehindAMirrorIsTheWallBehindIt) {
 }
 
 TEST(HiddenLayers, AreShadedAsIfNothingStoodBefore) {
-    // What a ray meets behind a curtain equals what it meets without the curtain: reflections, W and all.
+    // Records behind a curtain equal those without the curtain, including reflections and W.
     const auto scene = [](bool curtain) {
         SceneBuilder b;
         Material shiny = mirror(0.6);
@@ -186,7 +186,7 @@ TEST(HiddenLayers, AreShadedAsIfNothingStoodBefore) {
         b.add(square({0, -2, 0}, {0, 1, 0}, 100), matte({0.5, 0.5, 0.2}));
         b.point_light({2, 3, 1});
         b.scene.ambient_light = dvec3(0.1);
-        // Lets shadow rays through, so that it changes nothing but what is seen first.
+        // The curtain casts no shadows, so it only changes the first surface.
         if (curtain) b.add(square({0, 0, -1}, {0, 0, 1}, 10), glowing({1, 0, 0})).casts_shadows = false;
         return b.scene;
     };
@@ -197,7 +197,7 @@ TEST(HiddenLayers, AreShadedAsIfNothingStoodBefore) {
         behind.erase(behind.begin(), std::find_if(behind.begin(), behind.end(),
                                                   [](const Record& r) { return r.layer == 1; }));
         for (Record& r : behind) r.layer = 0;
-        // Mirrored rays that meet the curtain's back end there in one scene and not in the other.
+        // Reflected rays that hit the curtain's back end there only in the scene with the curtain.
         if (std::any_of(behind.begin(), behind.end(), [](const Record& r) { return r.id == 3; })) continue;
         EXPECT_EQ(behind, bare);
         deeper += bare.size() > 1 ? 1 : 0;
@@ -211,12 +211,12 @@ TEST(HiddenLayers, TheirRaysAreCountedApart) {
     (void)trace_at(b.scene, centre, {2}, &counts);
     EXPECT_EQ(counts.eye, 1U);
     EXPECT_EQ(counts.eye_hits, 1U);
-    EXPECT_EQ(counts.hidden, 3U);  // to the ball, out of it, to the wall
+    EXPECT_EQ(counts.hidden, 3U);  // into the ball, out of it, to the wall
     (void)trace_at(b.scene, centre, {0}, &counts);
     EXPECT_EQ(counts.hidden, 0U);
 }
 
-// A picture's records, and those of them that a test asks for.
+// All records of a traced image.
 std::vector<Record> sampled(const Scene& scene, const HiddenLayers& hidden, double time_s = 0) {
     const RayScene rays(scene, time_s);
     const CameraModel camera(scene.cameras.at(0), time_s);
@@ -257,7 +257,7 @@ TEST(HiddenLayers, TheVisibleLayerHasTheSameBits) {
     for (const int n : {1, 3, 16}) {
         const std::vector<Record> with = sampled(b.scene, {n});
         EXPECT_GT(with.size(), bare.size());
-        // Edges of hidden surfaces add samples; those that are there without them are as they were.
+        // Edges of hidden surfaces add samples. Samples that also exist without hidden layers are unchanged.
         const std::vector<Record> seen = visible(with);
         auto at = seen.begin();
         for (const Record& r : bare) {
@@ -290,7 +290,7 @@ Uncovered uncovered(const Scene& scene, double open_s = 0, double close_s = 1) {
     return {sampled(scene, {HiddenLayers::most}), sampled(scene, {HiddenLayers::most, &film})};
 }
 
-// By place, which ids there are in each layer.
+// Per raster position, the id of each layer.
 using Chains = std::map<std::pair<float, float>, std::map<std::uint32_t, std::uint32_t>>;
 Chains chains(const std::vector<Record>& records) {
     Chains out;
@@ -341,14 +341,14 @@ TEST(ComesToLight, AMovingBallBehindAPost) {
         if (layers.at(0) == 1) {
             EXPECT_EQ(layers.contains(1), hides_ball) << at.second << ' ' << at.first;
         }
-        // The wall behind the ball, but not where the post stays before it.
+        // The wall behind the ball is recorded, except where the still post stays in front of it.
         EXPECT_EQ(layers.contains(2), false);
     }
     EXPECT_GT(behind_post, 10);
 }
 
 TEST(ComesToLight, NothingBehindWhatTurnsWithIt) {
-    // Two balls in one rigid motion hide each other for ever; what lies behind both does come to light.
+    // Two balls in one rigid motion always hide each other, but the wall behind both is revealed.
     SceneBuilder b;
     const std::uint32_t front = moving_ball(b, -3, 1).id;
     Object back = b.scene.objects.back();
@@ -377,10 +377,10 @@ TEST(ComesToLight, ATurnOfTheCameraUncoversNothingAStepDoes) {
     camera.keys[1].rotation = {1, 0, 0, 0};
     camera.keys[1].translation = {0.2, 0, 0};
     u = uncovered(b.scene);
-    // At the film's scale, 64 px * 50 / 36 = 88.9 px per tangent, all these surfaces part by more than 0.25
-    // px: the least is 88.9 * 0.2 * (1/6 - 1/8) = 0.74 px.
+    // The scale is 64 px * 50 / 36 = 88.9 px per unit of tangent. All these surfaces move apart by more than
+    // 0.25 px: by at least 88.9 * 0.2 * (1/6 - 1/8) = 0.74 px.
     EXPECT_EQ(u.chosen, u.all);
-    // And so slow a step that none does: at most 88.9 * 0.001 * 1/2 px.
+    // With a slow motion no surfaces move apart that far: at most 88.9 * 0.001 * 1/2 px.
     camera.keys[1].translation = {0.001, 0, 0};
     u = uncovered(b.scene);
     EXPECT_EQ(u.chosen, visible(u.chosen));

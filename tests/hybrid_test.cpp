@@ -1,4 +1,4 @@
-// Hybrid and shoot: which pixels are scattered, seen by views or traced again; lens and shutter at once.
+// Hybrid and shoot: pixels that are scattered, seen by views or traced again; lens and shutter together.
 #include "planner/hybrid.h"
 
 #include <cmath>
@@ -26,7 +26,7 @@ Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
     return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
 }
 
-/// A striped wall that is one object, and a near bar at the left.
+/// A striped wall (one object) and a near bar on the left.
 SceneBuilder bar_and_wall() {
     SceneBuilder b;
     b.add(board(-0.34, -0.27, -2, 2, 1), glowing({0.9, 0.2, 0.1}));
@@ -39,7 +39,7 @@ SceneBuilder bar_and_wall() {
     return b;
 }
 
-/// With what the lens sees past edges, or without.
+/// Settings of a trace with or without the hidden surfaces that the lens sees past edges.
 TraceSettings traced(bool hidden) {
     TraceSettings s;
     s.subdivision.levels = 4;
@@ -78,7 +78,7 @@ TEST(Hybrid, ScattersWhereOneSurfaceIsSeenAndLooksElsewhere) {
         of_one += got.what[k] == 1 ? 1 : 0;
         for (std::size_t c = 0; c < 3; ++c) {
             const float is = got.focus.image.rgb[3 * k + c], view = seen.rgb[3 * k + c];
-            // Where one surface is seen both methods are right.
+            // In pixels that show one surface, scattering and views agree.
             ASSERT_NEAR(is, view, got.what[k] == 1 ? 0.03F : 0.0F) << k;
         }
     }
@@ -92,7 +92,7 @@ TEST(Hybrid, ScattersWhereOneSurfaceIsSeenAndLooksElsewhere) {
     const Image truth = rays(b.scene, s);
     EXPECT_GT(psnr(got.focus.image, truth), 42);
     EXPECT_EQ(got.retraced_share, 0);
-    // With few views there is nothing to save.
+    // With few views, scattering saves no time.
     EXPECT_EQ(hybrid_picture(frame.file(), settings(3, 16)).scattered_share, 0);
 }
 
@@ -102,7 +102,7 @@ TEST(Hybrid, TracesAgainWhatWasNotRecorded) {
     HybridSettings s = settings(10);
     const HybridResult before = hybrid_picture(frame.file(), s);
     EXPECT_GT(before.wanted_share, 0.01);
-    // The bar, 0.9/m out of focus.
+    // The largest CoC is that of the bar, which is 0.9/m out of focus.
     EXPECT_NEAR(before.focus.largest_coc_px, 2 * 0.9 * px_per_m * 0.05 / (2 * wide.f_number), 0.01);
     ASSERT_EQ(before.focus.warnings.size(), 1);
     EXPECT_EQ(before.focus.warnings[0].code, "uncovered");
@@ -114,7 +114,7 @@ TEST(Hybrid, TracesAgainWhatWasNotRecorded) {
     EXPECT_GT(after.rays.eye, 0);
     const Image truth = rays(b.scene, s, 4096);
     EXPECT_GT(psnr(after.focus.image, truth), psnr(before.focus.image, truth) + 3);
-    // As right as rays of the same number, in two halves as well.
+    // The image is as accurate as a render with the same number of rays, which also has two halves.
     EXPECT_GT(psnr(after.focus.image, truth), std::min(50.0, psnr(rays(b.scene, s, 256, true), truth)) - 0.5);
 }
 
@@ -185,8 +185,8 @@ TEST(Shoot, WithNothingThatMovesItIsTheLightField) {
               focus_picture(shot.frame.file(), f).image.rgb);
 }
 
-// A bar that crosses the defocused wall, and one that comes through the focus: blurring twice, in either
-// order, is wrong by far more.
+// One bar crosses the defocused wall, another moves through the focus. Blurring first by the lens and then by
+// motion, or in the other order, has a much larger error.
 TEST(Shoot, LensAndShutterAtOnceAreWhatRaysSee) {
     SceneBuilder b = bar_and_wall();
     b.scene.objects[0].keys = from_to({0.35, 0, 0});
@@ -205,7 +205,8 @@ TEST(Shoot, LensAndShutterAtOnceAreWhatRaysSee) {
     EXPECT_LT(psnr(hybrid_picture(shot.frame.file(), still).focus.image, truth), 30);
 }
 
-// What a bar hides of the disc of a lamp is not recorded, and rays that look for it mostly miss the lamp.
+// The part of a light's disc that a bar hides is not recorded, and rays through the hole mostly miss the
+// light.
 TEST(Hybrid, RaysLookPastWhatHidesALampAndLeaveItsLightToTheLens) {
     SceneBuilder b;
     b.add(board(-0.02, 0.02, -0.02, 0.02, 4), glowing({60, 40, 20}));
@@ -218,13 +219,13 @@ TEST(Hybrid, RaysLookPastWhatHidesALampAndLeaveItsLightToTheLens) {
     s.scene = &b.scene;
     const HybridResult again = hybrid_picture(frame.file(), s);
     const Image truth = rays(b.scene, s, 16384);
-    // Rays draw two halves, whose mean has up to 1.5 dB more noise than as many views at once; the lamp's
-    // light has none.
+    // With rays there are two halves, whose mean has up to 1.5 dB more noise than one set of as many views.
+    // The light's own disc has no noise.
     EXPECT_GT(psnr(again.focus.image, truth), psnr(views, truth) - 0.5);
     EXPECT_GT(psnr(again.focus.image, truth), psnr(rays(b.scene, s, 64, true), truth) + 10);
 }
 
-// What stands before a lamp is drawn where it was recorded; where it moves the views say where it is.
+// An occluder of a light is used at its recorded position, but for a moving one the views give its position.
 TEST(Shoot, AStillLampShinesPastAMovingBar) {
     SceneBuilder b = bar_and_wall();
     b.scene.objects[0].keys = from_to({0.35, 0, 0});
@@ -234,7 +235,7 @@ TEST(Shoot, AStillLampShinesPastAMovingBar) {
     const Shot shot(b, trace);
     const HybridSettings s = shot.settings(0.7, 512);
     const Image truth = rays(b.scene, s), got = hybrid_picture(shot.frame.file(), s).focus.image;
-    // 29.0 with the bar's shadow where it was recorded.
+    // With the bar's shadow at its recorded position it would be 29.0 dB.
     EXPECT_GT(psnr(got, truth), 33.5);
 }
 
@@ -244,7 +245,8 @@ double sum(const Image& image) {
     return out;
 }
 
-/// A lamp that comes up from below the middle on a slant, 14 px and half as near again, before an even wall.
+/// A light that moves diagonally by 14 px, up from below the middle and towards the camera, in front of a
+/// uniform wall.
 SceneBuilder moving_lamp() {
     SceneBuilder b;
     b.add(board(-90, 90, -90, 90, 10), glowing({0.2, 0.2, 0.2}));
@@ -254,8 +256,8 @@ SceneBuilder moving_lamp() {
     return b;
 }
 
-// A lamp is a dot in every view; its streak has to be even however few there are, through the lens and
-// without.
+// A light is a dot in every view. Its streak must be uniform for any number of views, with and without
+// defocus.
 TEST(Shoot, AMovingLampIsAStreakForAnyNumberOfViews) {
     const SceneBuilder b = moving_lamp();
     TraceSettings trace = traced(true);
@@ -267,13 +269,13 @@ TEST(Shoot, AMovingLampIsAStreakForAnyNumberOfViews) {
                     many = hybrid_picture(shot.frame.file(), shot.settings(focus_m, 512)).focus.image;
         EXPECT_NEAR(sum(few) / sum(truth), 1, 0.01) << focus_m;
         EXPECT_NEAR(sum(many) / sum(truth), 1, 0.01) << focus_m;
-        // 43.9 and 45.4 dB measured; 46.5 and 50.5 dB.
+        // Measured: 43.9 and 45.4 dB for one focus, 46.5 and 50.5 dB for the other.
         EXPECT_GT(psnr(few, truth), 43.3) << focus_m;
         EXPECT_GT(psnr(many, truth), 44.8) << focus_m;
     }
 }
 
-// What stands before its way hides it while it passes, through each point of the lens at another time.
+// A bar in front of the light's path hides the light for a while, at a different time for each lens point.
 TEST(Shoot, AMovingLampPassesBehindABar) {
     SceneBuilder b = moving_lamp();
     b.add(board(-0.09, -0.04, -3, 3, 1.2), glowing({0.1, 0.1, 0.1})).id = 3;
@@ -286,7 +288,8 @@ TEST(Shoot, AMovingLampPassesBehindABar) {
     EXPECT_GT(psnr(got, truth), 42);  // 42.9 measured
 }
 
-// Through the lens's own place, and out of the picture on the way: finite, and no more light than rays see.
+// The light moves through the position of the lens, and leaves the image before. The result must be finite,
+// with no more light than rays see.
 TEST(Shoot, AMovingLampMayPassTheCamera) {
     SceneBuilder b = moving_lamp();
     b.scene.objects[1].keys = from_to({0.41, 0.2, 5});
@@ -303,7 +306,7 @@ TEST(HighlightMotion, MomentsShareTheLightAlongTheWay) {
     const PatchLens lens{.radius_px_m = 20, .inverse_focus_per_m = 0.5};
     const auto along = [](std::uint32_t /*id*/, double u) {
         glm::dmat4 m(1);
-        m[2][0] = 12 * u;  // px to the right
+        m[2][0] = 12 * u;  // moves by 12 px to the right
         return RasterMap(m, Projection::perspective);
     };
     const HighlightMotion motion([](std::uint32_t id) { return id == 7; }, along, lens);
@@ -315,7 +318,7 @@ TEST(HighlightMotion, MomentsShareTheLightAlongTheWay) {
     light.inverse_z = 0.5F;  // in focus
     light.w = Mat2::isotropic(0.5F);
     const SheetKey mine{NodePath(), 0, 7};
-    EXPECT_EQ(motion.moments_wanted(light, mine), 32);  // half a pixel each would be 24
+    EXPECT_EQ(motion.moments_wanted(light, mine), 32);  // steps of half a pixel would be 24
     const std::vector<HighlightMotion::Moment> got = motion.moments(light, mine, 32);
     ASSERT_EQ(got.size(), 32);
     double share = 0, x = 0;
@@ -329,7 +332,7 @@ TEST(HighlightMotion, MomentsShareTheLightAlongTheWay) {
     }
     EXPECT_NEAR(share, 1, 1e-12);
     EXPECT_NEAR(x, 26, 1e-5);
-    // Fewer than wanted: neighbours fill each other's gaps.
+    // With fewer moments than wanted, neighbouring lights use different moments.
     std::set<double> places;
     for (int i = 0; i < 16; ++i) {
         light.y = 10 + 0.25F * static_cast<float>(i);
@@ -340,7 +343,7 @@ TEST(HighlightMotion, MomentsShareTheLightAlongTheWay) {
     }
     EXPECT_GT(places.size(), 4U * 8);
     light.y = 10;
-    // Others, and what mirrors show, stay where they are.
+    // Other objects, and mirror images of this one, do not move.
     for (const SheetKey& key :
          {SheetKey{NodePath(), 0, 8}, SheetKey{NodePath().child(NodePath::Bounce::reflected), 7, 7}}) {
         EXPECT_EQ(motion.moments_wanted(light, key), 1);
@@ -355,7 +358,7 @@ TEST(HighlightMotion, MomentsShareTheLightAlongTheWay) {
     EXPECT_FALSE(HighlightMotion::takes(light, 2));
 }
 
-// Twice as near is twice as large, four times the light, and another blur.
+// At half the distance a light is twice as large, has four times the area, and another CoC.
 TEST(HighlightMotion, WhatComesNearerGrowsAndWhatPassesTheCameraIsGone) {
     const PatchLens lens{.radius_px_m = 20, .inverse_focus_per_m = 0.5};
     const auto nearer = [](std::uint32_t /*id*/, double u) {
@@ -384,8 +387,7 @@ TEST(HighlightMotion, WhatComesNearerGrowsAndWhatPassesTheCameraIsGone) {
     }
 }
 
-/// The frame's corners as they lie, with the colours of a picture: what blurring a blurred picture starts
-/// from.
+/// The frame's records with the colours of an image, as a start for blurring a blurred image again.
 class Recoloured {
   public:
     Recoloured(const SampleFileReader& file, const Image& image) {
@@ -417,7 +419,7 @@ class Recoloured {
     [[nodiscard]] const SampleFileReader& file() const { return *file_; }
 
   private:
-    /// Of the pixels around a corner.
+    /// Mean of the four pixels around a corner.
     static float mean(const Image& image, int x, int y, std::size_t channel) {
         float sum = 0;
         for (int k = 0; k < 4; ++k) {
@@ -430,8 +432,8 @@ class Recoloured {
     std::unique_ptr<SampleFileReader> file_;
 };
 
-// A post passes before a far, defocused wall: each instant uncovers another part of it to other points of the
-// lens. A picture that is blurred already has lost that.
+// A post passes in front of a far, defocused wall. At each instant, different lens points see different parts
+// of the wall; an image that is already blurred has lost this information.
 TEST(Shoot, BlurringTwiceIsWrongInEitherOrder) {
     SceneBuilder b = bar_and_wall();
     b.scene.objects[0].keys = from_to({0.5, 0, 0});

@@ -40,7 +40,7 @@ Image ramp(int width, int height) {
     return image;
 }
 
-/// The exit code and text of what `body` throws.
+/// The exit code and the message of the Error that `body` throws.
 template <typename Body>
 std::pair<ExitCode, std::string> error_of(const Body& body) {
     try {
@@ -81,7 +81,7 @@ double encode_srgb(double v) {
     return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
 }
 
-/// Largest difference after the transfer curve, which is where an integer format rounds.
+/// Largest difference of encoded values, after the transfer curve; integer formats round these.
 double encoded_error(const Image& a, const Image& b) {
     double worst = 0;
     for (std::size_t i = 0; i < a.rgb.size(); ++i) {
@@ -173,7 +173,7 @@ TEST(Image, AFullDiskIsAnErrorAndLeavesNothing) {
     EXPECT_EQ(folder.file_count(), 0U);
 }
 
-// Times of writing would make equal pictures unequal files; they have whole seconds.
+// Equal images must give equal files, so files must not contain the time of writing (whole seconds).
 TEST(Image, EqualPicturesAreEqualFiles) {
     const TemporaryFolder folder;
     const auto bytes = [&](const std::string& name) {
@@ -200,7 +200,7 @@ TEST(Image, UnreadableFilesAreInvalidInput) {
     }
 }
 
-/// A file of OpenImageIO's writing.
+/// Writes a file with OpenImageIO.
 void write_by_oiio(const fs::path& path, const OIIO::ImageSpec& spec, const void* values) {
     const auto out = OIIO::ImageOutput::create(path.string());
     ASSERT_TRUE(out);
@@ -208,7 +208,7 @@ void write_by_oiio(const fs::path& path, const OIIO::ImageSpec& spec, const void
     ASSERT_TRUE(out->write_image(spec.format, values) && out->close());
 }
 
-/// What is read without OpenImageIO is what OpenImageIO reads: the header and every bit of the pixels.
+/// Checks that the reader without OpenImageIO gives the same header and bits of pixels as OpenImageIO.
 void expect_equal_readers(const fs::path& path) {
     SCOPED_TRACE(path.filename().string());
     const auto plain = open_plain_picture(path);
@@ -321,7 +321,7 @@ TEST(PlainPicture, ADamagedFileIsAnErrorOrAPictureButNothingElse) {
         for (std::size_t size = 0; size < whole.size(); size += 1 + whole.size() / 97) {
             std::ofstream(broken, std::ios::binary) << whole.substr(0, size);
             const auto [code, text] = error_of([&] { (void)read_image(broken); });
-            // The last chunk of a PNG file says that it ends, and nothing else.
+            // A PNG file without its last 12 bytes is complete: they only mark the end.
             if (size + 12 < whole.size()) {
                 EXPECT_EQ(code, ExitCode::invalid_input) << name << " cut at " << size;
             }

@@ -1,5 +1,5 @@
-// Apertures of every kind: the focused picture against rays through the same aperture, on one plane, where
-// nothing is hidden and blurring is all there is.
+// All kinds of apertures: the focused image against rays through the same aperture. The scene is one plane,
+// so nothing is hidden and only the blur is tested.
 #include <cmath>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -19,20 +19,20 @@ namespace {
 
 constexpr double depth_m = 4;
 constexpr double gain_px = 50.0 / 36 * 64;
-/// Radii of 6.7 px behind the focus at 1.6 m, of -6.7 px before the focus at infinity (-4.4) and 16 m.
+/// The radius of the CoC is 6.7 px with the focus at 1.6 m, -3.3 px at 16 m and -4.4 px at infinity.
 constexpr ThinLens lens{.focal_length_mm = 200, .f_number = 0.5};
 
 class ImpulseFocus : public testing::Test {
   protected:
-    // Once, by the first test: a temporary folder has a test's name.
+    // Traces the scene once, in the first test, because a temporary folder needs the name of a test.
     void SetUp() override {
         if (scene_ != nullptr) return;
         scene_ = new Scene(mosaic(depth_m, 0.33));
         folder_ = new TemporaryFolder();
         TraceSettings settings;
         settings.overscan_px = 24;
-        // Tiles that meet on corners of pixels: the corners show the first, which shifts the border by half a
-        // cell.
+        // Tiles of the mosaic meet at pixel corners. A corner sees the first tile, which displaces the border
+        // by half a cell.
         settings.subdivision.levels = 5;
         trace_to_file(*scene_, settings, folder_->path() / "frame.exr");
         file_ = new SampleFileReader(folder_->path() / "frame.exr");
@@ -64,8 +64,8 @@ class ImpulseFocus : public testing::Test {
     static inline SampleFileReader* file_ = nullptr;
 };
 
-// 1024 samples a pixel leave a noise of about 12 / sqrt(1024) / 3 = 0.1 where a light's edge crosses the
-// aperture, of 12: 40 dB, and less elsewhere; Sobol's samples do better.
+// 1024 samples per pixel have a noise of about 12 / sqrt(1024) / 3 = 0.1 of 12 (40 dB) where the edge of a
+// light crosses the aperture, and less elsewhere. Sobol samples have less noise.
 TEST_F(ImpulseFocus, AgreesWithRaysThroughTheSameAperture) {
     const std::vector<Impulse> impulses{
         {},
@@ -84,13 +84,14 @@ TEST_F(ImpulseFocus, AgreesWithRaysThroughTheSameAperture) {
                 fmt::format("{}, squeeze {}, cat's eye {}, spherical {}, focus {} m", impulse_text(impulse),
                             impulse.squeeze, impulse.cats_eye, impulse.spherical, focus_m);
             EXPECT_GT(psnr(got, truth, 12), 46) << what;
-            // What is lost is lost in both.
+            // Both images lose the same amount of light.
             EXPECT_NEAR(mean(got) / mean(truth), 1, 2e-3) << what;
         }
     }
 }
 
-// So that the test above can fail: an aperture upside down, or in another place of the field, is worse.
+// Shows that the test above can fail: an aperture upside down, or at another field position, has a larger
+// error.
 TEST_F(ImpulseFocus, TellsApertureFromAperture) {
     const Image triangle = rays({.kind = ImpulseKind::polygon, .blades = 3, .rotation_deg = 20}, 1.6);
     EXPECT_LT(
@@ -103,7 +104,7 @@ TEST_F(ImpulseFocus, TellsApertureFromAperture) {
 
 TEST_F(ImpulseFocus, InFocusAllAreThePinholeButForLostLight) {
     const Image pinhole = pinhole_picture(*file_);
-    // The response of 1e-4 px of a sample on a border is shared out to a few roundings of its place.
+    // A sample on a border with a response of 1e-4 px is divided among pixels by its rounded position.
     constexpr float tolerance = 1e-4F;
     for (const Impulse& impulse :
          {Impulse{.kind = ImpulseKind::polygon, .blades = 5}, letter(), Impulse{.squeeze = 3}}) {
@@ -117,7 +118,7 @@ TEST_F(ImpulseFocus, InFocusAllAreThePinholeButForLostLight) {
     const Aperture aperture = read_aperture(cats_eye);
     for (int y = 0; y < got.height; ++y) {
         for (int x = 0; x < got.width; ++x) {
-            // Over a pixel the loss changes by 0.8 / 40 * 2 / pi at most.
+            // Within a pixel the loss changes by at most 0.8 / 40 * 2 / pi.
             const glm::dvec2 field((x + 0.5 - got.width / 2.0) / 40, (y + 0.5 - got.height / 2.0) / 40);
             const auto expected = static_cast<double>(pinhole.pixel(x, y)[1]) *
                                   aperture.transmission(field, 1 - 0.8 * 0.2 * gain_px / 40 / depth_m);

@@ -1,5 +1,5 @@
-// The same bits from every clone of every kernel, and whatever variants the C library and Embree take.
-// scripts/check_instruction_sets.sh shows the same for whole processors, libraries included.
+// All clones of all kernels give the same bits, for any variants that the C library and Embree select.
+// scripts/check_instruction_sets.sh tests this for emulated processors, including libraries.
 #include <cstdlib>
 #include <filesystem>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 class InstructionSets : public testing::Test {
   protected:
-    // Name and bytes of every file that tests/instruction_sets/results.sh leaves.
+    // Names and bytes of all files that tests/instruction_sets/results.sh writes.
     std::map<std::string, std::string> results(const std::string& program, const std::string& settings = "") {
         const fs::path out = folder_.path() / "results", err = folder_.path() / "errors";
         fs::remove_all(out);
@@ -28,7 +28,7 @@ class InstructionSets : public testing::Test {
             files.emplace(entry.path().filename().string(), text_of(entry.path()));
         return files;
     }
-    // What the program says that its resolvers choose.
+    // The level of instruction sets that the program's resolvers select.
     std::string level(const std::string& program) {
         const fs::path said = folder_.path() / "said";
         const std::string command =
@@ -54,9 +54,10 @@ void expect_same(const std::map<std::string, std::string>& files,
 TEST_F(InstructionSets, OlderProcessorsGiveTheSameBits) {
     const auto expected = results(POSTLENS_BINARY);
     ASSERT_EQ(level(POSTLENS_ANY_X86_64), "1\n");
-    // As on such a processor, libm takes its variants without fused multiply-add, and Embree those for SSE2.
+    // As on a plain x86-64 processor, libm uses variants without fused multiply-add, and Embree those for
+    // SSE2.
     expect_same(results(POSTLENS_ANY_X86_64, "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4 "), expected);
-    // Where x86-64-v3 is all there is, the program itself takes it.
+    // On a processor without x86-64-v4, the program itself selects x86-64-v3.
     if (__builtin_cpu_supports("x86-64-v4") == 0) {
         std::cout << "This processor has no x86-64-v4: only two levels were compared.\n";
         return;

@@ -1,5 +1,5 @@
-// Which instants of a shutter are recorded, and that what is recorded at each is what a trace at that instant
-// alone records.
+// The instants of a shutter that are recorded. The records of each instant must equal those of a trace at
+// that instant alone.
 #include "tracer/key_instants.h"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ TransformKey turned(double time_s, double degrees, const dvec3& axis, const dvec
             .rotation = glm::angleAxis(degrees * std::numbers::pi / 180, glm::normalize(axis))};
 }
 
-// A box 4 m before the camera that turns about its middle.
+// A box 4 m in front of the camera that rotates about its centre.
 SceneBuilder turning_box(double degrees, const dvec3& axis) {
     SceneBuilder b;
     Object& box = b.add(Box{}, glowing({1, 0, 0}));
@@ -47,7 +47,7 @@ double sweep(const SceneBuilder& b, const TimeSpan& span = shutter) {
     return view_sweep_degrees(b.scene, b.scene.cameras[0], span);
 }
 
-// 512 steps of rounding in double.
+// Tolerance: rounding of 512 steps in double.
 constexpr double rounding_degrees = 1e-9;
 
 TEST(ViewSweep, IsTheTurnTowardsTheCamera) {
@@ -55,8 +55,8 @@ TEST(ViewSweep, IsTheTurnTowardsTheCamera) {
     EXPECT_NEAR(sweep(turning_box(60, {1, 0, 0})), 60, rounding_degrees);
     EXPECT_NEAR(sweep(turning_box(60, {0, 1, 0}), {0.25, 0.75}), 30, rounding_degrees);
     EXPECT_NEAR(sweep(turning_box(80, {0, 0, 1})), 0, rounding_degrees);
-    // About an axis at 45 degrees the direction goes round a cone: angle times sin 45. The steps are arcs of
-    // great circles, which cut its corners by (80 / 512 degrees)^2 / 24, relative: 3e-7.
+    // About an axis at 45 degrees the direction moves on a cone, by the angle times sin 45. The steps are
+    // great circle arcs, which are shorter by a relative (80 / 512 degrees)^2 / 24 = 3e-7.
     EXPECT_NEAR(sweep(turning_box(80, {0, 1, 1})), 80 * std::sqrt(0.5), 80 * 3e-7);
     EXPECT_EQ(sweep(turning_box(60, {0, 1, 0}), {0.5, 0.5}), 0);
 }
@@ -78,22 +78,22 @@ TEST(ViewSweep, PassingByShowsAnotherSide) {
 TEST(ViewSweep, TheCameraGoesRoundWhatStands) {
     SceneBuilder b;
     b.add(Sphere{{0, 0, -4}, 0.5}, glowing({1, 0, 0}));
-    b.add(Plane{{0, -1, 0}, {0, 1, 0}}, glowing({0, 1, 0}));  // infinite: does not count
+    b.add(Plane{{0, -1, 0}, {0, 1, 0}}, glowing({0, 1, 0}));  // infinite, so it does not count
     Camera& camera = b.scene.cameras[0];
-    // Round the ball by 45 degrees: a turn about the ball's place.
+    // The camera moves around the ball by 45 degrees: a rotation about the ball's position.
     camera.position = {0, 0, 4};
     camera.look_at = {0, 0, 0};
     b.scene.objects[0].shape = Sphere{{0, 0, 0}, 0.5};
     camera.keys = {turned(0, 0, {0, 1, 0}), turned(1, 45, {0, 1, 0})};
     EXPECT_NEAR(sweep(b), 45, rounding_degrees);
-    // A turn about the pinhole and one about the axis of view change nothing.
+    // Rotations about the pinhole and about the optical axis have no sweep.
     camera.position = dvec3(0);
     camera.look_at = {0, 0, -1};
     b.scene.objects[0].shape = Sphere{{0, 0, -4}, 0.5};
     EXPECT_NEAR(sweep(b), 0, rounding_degrees);
     camera.keys = {turned(0, 0, {0, 0, 1}), turned(1, 90, {0, 0, 1})};
     EXPECT_NEAR(sweep(b), 0, rounding_degrees);
-    // What moves along with the camera is always seen from the same side.
+    // An object that moves with the camera is always seen from the same side.
     b.scene.objects[0].keys = camera.keys = {{.time_s = 0}, {.time_s = 1, .translation = {3, 1, 2}}};
     b.scene.objects[0].motion_base = glm::dmat4(1);
     EXPECT_NEAR(sweep(b), 0, rounding_degrees);
@@ -135,16 +135,16 @@ TEST(KeyInstants, AreSpreadEvenlyWithBothEnds) {
     EXPECT_EQ(key_instants(3, shutter, 7), (Times{0, 0.5, 1}));
     EXPECT_EQ(key_instants(64, shutter, 7).size(), 64U);
     EXPECT_EQ(key_instants(64, shutter, 7).back(), 1);
-    // Equal to 1e-9 is equal, -0.1 + 0.3 / 3 too.
+    // Instants that agree to 1e-9 are equal, such as -0.1 + 0.3 / 3 and 0.
     EXPECT_EQ(key_instants(2, {0, 1 + 1e-11}, 1), (Times{0}));
     EXPECT_EQ(key_instants(4, {-0.1, 0.2}, 0).size(), 3U);
-    // A shutter of no length has one instant.
+    // A shutter of length 0 has one instant.
     EXPECT_EQ(key_instants(9, {0.5, 0.5}, 0), (Times{0.5}));
     EXPECT_EQ(key_instants(9, {0.5, 0.5}, 0.5), Times());
 }
 
 TEST(FilmMotion, MovesPointsAsTheSceneDoes) {
-    // A box that turns and a camera that turns and goes: a corner of it, by hand.
+    // A rotating box and a camera that rotates and moves: compares a corner of the box with the formula.
     SceneBuilder b = turning_box(70, {0.3, 1, 0.2});
     Camera& camera = b.scene.cameras[0];
     camera.keys = {turned(0, 0, {0, 1, 0}), turned(1, 8, {0, 1, 0.5}, {0.3, 0.1, -0.2})};
@@ -157,10 +157,10 @@ TEST(FilmMotion, MovesPointsAsTheSceneDoes) {
     const auto expected = then.place(path.at(to_s).point(corner));
     const auto got = film.place(1, path.at(from_s).point(corner), 0);
     ASSERT_TRUE(expected && got);
-    // A few dozen roundings of numbers of the size of a raster position.
+    // Tolerance: a few dozen roundings of raster positions.
     EXPECT_NEAR(got->x, expected->x, 1e-11 * 64);
     EXPECT_NEAR(got->y, expected->y, 1e-11 * 64);
-    // `place` undoes `ray`, whatever the distance.
+    // `place` inverts `ray` at any distance.
     const CameraRay ray = then.ray(11.5, 40.25);
     for (const double t : {0.1, 3.0, 1e6}) {
         EXPECT_NEAR(then.place(ray.origin + t * ray.direction)->x, 11.5, 1e-11 * 64);
@@ -176,7 +176,7 @@ TEST(FilmMotion, MovesPointsAsTheSceneDoes) {
 }
 
 TEST(FilmMotion, KnowsWhichRaysMayMeetWhatMoves) {
-    SceneBuilder b = turning_box(70, {0, 1, 0});  // a ball of radius sqrt(0.75) about (0, 0, -4)
+    SceneBuilder b = turning_box(70, {0, 1, 0});  // its bounding ball has radius sqrt(0.75) about (0, 0, -4)
     const std::vector<double> at{0.5};
     const FilmMotion film(recorded_motion(b.scene, b.scene.cameras[0]), b.scene.cameras[0], {}, 0, at);
     const dvec3 ahead{0, 0, -1};
@@ -202,7 +202,7 @@ TEST(RecordedMotion, NamesIdsWhoseShapesMoveApart) {
 
 // Files -------------------------------------------------------------------------------------------------
 
-// Shadows, mirrors, a moving ball before and behind things, a camera that pans.
+// A scene with shadows, mirrors, a ball that moves before and behind other objects, and a panning camera.
 SceneBuilder moving_scene() {
     SceneBuilder b;
     Material shiny = mirror(0.4);
@@ -230,7 +230,7 @@ TEST(KeyFiles, HoldAtEachInstantWhatATraceThereRecords) {
     const TemporaryFolder folder;
     const SceneBuilder b = moving_scene();
     const fs::path path = folder.path() / "a.exr", alone_path = folder.path() / "b.exr";
-    // Five: all are among the nine instants that motion is looked at, whatever is recorded.
+    // Five keys are among the nine instants at which motion is always sampled.
     for (const bool automatic : {true, false}) {
         TraceSettings settings = trace_settings(5);
         settings.time_s = 0.5;
@@ -307,9 +307,9 @@ TEST(KeyFiles, AutomaticKeysFollowTheMotion) {
 
 TEST(Overscan, ReachesAsFarAsTheShutterBringsThingsIn) {
     const TemporaryFolder folder;
-    // 64 px * 50 / 36 mm = 88.9 px per tangent: at 4 m a metre is 22.2 px wide. A ball of radius 0.6 m goes
-    // 1 m to the right, and all of it comes in that is outside on the left: 1 m or a little more, as a ball
-    // stands out from its middle.
+    // The scale is 64 px * 50 / 36 mm = 88.9 px per unit of tangent, so 1 m at a distance of 4 m is 22.2 px.
+    // A ball of radius 0.6 m moves by 1 m to the right. The part of it outside of the left border, at least 1
+    // m, moves into the frame.
     SceneBuilder b;
     b.add(square({0, 0, -9}, {0, 0, 1}, 100), glowing({0, 1, 0}));
     const auto overscan = [&](const std::vector<TransformKey>& keys,
@@ -325,26 +325,26 @@ TEST(Overscan, ReachesAsFarAsTheShutterBringsThingsIn) {
         return r.overscan_px;
     };
     const double edge = -32 / (64 * 50 / 36.0) * 4;              // the frame's left edge at 4 m
-    EXPECT_EQ(overscan({{.time_s = 0}, {.time_s = 1}}, {}), 0);  // not in view, and nothing moves
+    EXPECT_EQ(overscan({{.time_s = 0}, {.time_s = 1}}, {}), 0);  // the ball is not in view and does not move
     const int right = overscan({{.time_s = 0, .translation = {edge - 0.4, 0, -4}},
                                 {.time_s = 1, .translation = {edge + 0.6, 0, -4}}},
                                {});
     // The coarse samples are 8 px apart.
     EXPECT_GE(right, 22);
     EXPECT_LE(right, 22 + 16);
-    // Out of the frame, and along its border: no need.
+    // A ball that moves out of the frame, or along its border, needs no overscan.
     EXPECT_EQ(overscan({{.time_s = 0, .translation = {edge, 0, -4}},
                         {.time_s = 1, .translation = {edge - 2, 0, -4}}},
                        {}),
               0);
-    // Hidden by a nearer thing that stands still, the ball counts all the same.
+    // A ball that is hidden by a nearer still object counts as well.
     b.add(Box{{-2, -1, -3.1}, {-1.1, 1, -3}}, glowing({1, 0, 0}));
     EXPECT_GE(overscan({{.time_s = 0, .translation = {edge - 0.4, 0, -4}},
                         {.time_s = 1, .translation = {edge + 0.6, 0, -4}}},
                        {}),
               22);
-    // A pan by 5 degrees: 88.9 * tan 5 degrees = 7.8 px on the axis, more to the sides (tan 24.8 - tan 19.8
-    // degrees: 9.1 px).
+    // A pan by 5 degrees moves the image by 88.9 * tan 5 degrees = 7.8 px on the axis, and by more at the
+    // sides (tan 24.8 - tan 19.8 degrees: 9.1 px).
     const int pan =
         overscan({{.time_s = 0}, {.time_s = 1}}, {turned(0, 0, {0, 1, 0}), turned(1, 5, {0, 1, 0})});
     EXPECT_GE(pan, 9);

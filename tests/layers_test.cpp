@@ -1,5 +1,5 @@
-// Layers on records in memory: closed forms, what is hidden, mirrors' masks, the fast form against the slow
-// one.
+// The layers method on records in memory: closed forms, hidden surfaces, masks of mirrors, and the fast
+// version against the reference version.
 #include "focus/layers.h"
 
 #include <cmath>
@@ -41,7 +41,7 @@ Image layered(const RecordBand& band, int overscan_px, const TableOptions& optio
     return image;
 }
 
-/// A record of an object, at a depth and in a layer.
+/// A record of object `id` at a depth and in a layer.
 Record of(std::uint32_t id, double z_m, const std::array<float, 3>& rgb, std::uint32_t layer = 0) {
     Record r = corner(z_m, rgb[0], rgb[1], rgb[2]);
     r.id = id;
@@ -49,7 +49,7 @@ Record of(std::uint32_t id, double z_m, const std::array<float, 3>& rgb, std::ui
     return r;
 }
 
-/// A step edge at t under a disc of radius 1.
+/// A step edge blurred by a disc of radius 1, at distance t from the edge.
 double edge_response(double t) {
     if (t <= -1) return 0;
     if (t >= 1) return 1;
@@ -62,7 +62,7 @@ constexpr std::array<float, 3> red{1, 0.5F, 0}, blue{0, 0.25F, 1};
 // ------------------------------------------------------------------------------------------------
 
 TEST(Layers, HalfPlaneBeforeABackgroundIsItsOwnEdgeWhateverTheBackground) {
-    // Focused at 1/4 m^-1: behind the focus the radius counts the other way.
+    // The signed radius of a disc has the other sign behind the focus.
     FocusGeometry geometry = unit_geometry;
     geometry.inverse_focus_per_m = 30;
     constexpr int x0 = 40;
@@ -75,7 +75,7 @@ TEST(Layers, HalfPlaneBeforeABackgroundIsItsOwnEdgeWhateverTheBackground) {
                 return std::vector{of(1, near_m, red), of(2, far_m, blue, 1)};
             });
             const Image image = layered(band, 30, {.geometry = geometry});
-            // The disc's radius is that of its level.
+            // The radius of the disc is that of its depth level.
             const double radius_px = level_radius(near_px);
             for (int i = 0; i < 80; ++i) {
                 const double front = edge_response((i + 1 - x0) / radius_px);
@@ -91,7 +91,7 @@ TEST(Layers, HalfPlaneBeforeABackgroundIsItsOwnEdgeWhateverTheBackground) {
 }
 
 TEST(Layers, WhatIsHiddenShinesThroughASoftEdge) {
-    // A sharp texture behind a near half-plane: what no pinhole saw, weighed by what the half-plane leaves.
+    // A texture in focus behind a near half-plane: its hidden part has the weight that the half-plane leaves.
     FocusGeometry geometry = unit_geometry;
     geometry.inverse_focus_per_m = 1;
     const auto texture = [](int x, int y) {
@@ -110,13 +110,13 @@ TEST(Layers, WhatIsHiddenShinesThroughASoftEdge) {
             const double front = edge_response((x + 1 - x0) / near_px);
             for (int c = 0; c < 3; ++c) {
                 const auto k = static_cast<std::size_t>(c);
-                double sharp = 0;  // a pixel is the mean of its corners
+                double sharp = 0;  // mean of the pixel's corners
                 for (const int dy : {0, 1}) {
                     for (const int dx : {0, 1}) sharp += static_cast<double>(texture(x + dx, y + dy)[k]) / 4;
                 }
                 const double wanted = front * static_cast<double>(red[k]) + (1 - front) * sharp;
-                // Where the radii differ by less than the larger one and a pixel a share of 1 / 10.9 moves
-                // along: that mixes what was seen and hidden within one pixel, at the border itself.
+                // The radii differ by slightly less than the larger one plus a pixel, so a share of 1 / 10.9
+                // moves with the half-plane. This mixes visible and hidden parts in the pixel at the border.
                 ASSERT_NEAR(value(image, x, y, c), wanted, x == x0 - 1 ? 0.02 : 2e-6) << x << " " << y;
             }
         }
@@ -124,7 +124,8 @@ TEST(Layers, WhatIsHiddenShinesThroughASoftEdge) {
 }
 
 TEST(Layers, ThreeLayersLieOverEachOther) {
-    // Two near half-planes at right angles, far apart in depth, before a wall: their edges are independent.
+    // Two near half-planes at right angles, far apart in depth, in front of a wall. Their edges are
+    // independent.
     FocusGeometry geometry = unit_geometry;
     geometry.inverse_focus_per_m = 10;
     constexpr std::array<float, 3> grey{0.2F, 0.2F, 0.2F};
@@ -150,7 +151,7 @@ TEST(Layers, ThreeLayersLieOverEachOther) {
                 const double wanted = front * static_cast<double>(red[k]) +
                                       (1 - front) * (middle * static_cast<double>(blue[k]) +
                                                      (1 - middle) * static_cast<double>(grey[k]));
-                // At the sharp edge itself half of the pixel's corners belong to either side.
+                // The pixels at the sharp edge have corners on both sides.
                 if (y == 29) continue;
                 ASSERT_NEAR(value(image, x, y, c), wanted, 2e-6) << x << " " << y;
             }
@@ -159,8 +160,8 @@ TEST(Layers, ThreeLayersLieOverEachOther) {
 }
 
 TEST(Layers, AHalfCoveredLensSeesThroughItsOtherHalf) {
-    // A point of light behind the soft edge of something near: each pixel of its disc is the light of one
-    // point of the lens, which is covered or not; alphas alone would dim the whole disc.
+    // A point light behind the soft edge of a near object. Each pixel of its disc gets the light of one lens
+    // point, which is covered or not; with alphas alone, the whole disc would be dimmed.
     FocusGeometry geometry = unit_geometry;
     geometry.inverse_focus_per_m = 30;
     const double light_px = -level_radius(7.92), near_px = level_radius(15.84);
@@ -173,12 +174,12 @@ TEST(Layers, AHalfCoveredLensSeesThroughItsOtherHalf) {
         return std::vector{of(1, 1 / (30 + near_px), {0, 0, 0}), hidden};
     });
     const Image image = layered(band, 30, {.geometry = geometry});
-    // Light arrives d px from its place through the lens point q = d / 7.92; from there the near thing is
-    // seen where the pinhole sees it at 30 + d + 15.84 q = 30 + 3 d: the right half is covered.
+    // Light arrives d px from its position through the lens point q = d / 7.92. This lens point sees the part
+    // of the near object that the pinhole sees at 30 + d + 15.84 q = 30 + 3 d, so the right half is covered.
     const double whole = 1000 / (std::numbers::pi * light_px * light_px);
     double left = 0, right = 0;
     for (int x = 23; x < 37; ++x) (x < 30 ? left : right) += value(image, x, 20, 0) / whole / 7;
-    // To first order only: the covered side is dark to a sixth, the free one bright to a sixth.
+    // The method is of first order: both the covered and the free side have errors of up to 1/6.
     EXPECT_GT(left, 0.8);
     EXPECT_LT(right, 0.2);
 }
@@ -187,7 +188,7 @@ TEST(Layers, AHalfCoveredLensSeesThroughItsOtherHalf) {
 // -------------------------------------------------------------------------------------------------
 
 TEST(Layers, ASurfaceThroughTheFocusIsScatter) {
-    // At 45 degrees from 20 px before the focus to 20 px behind it: one accumulator, no seam.
+    // A surface tilted by 45 degrees, from 20 px before to 20 px behind the focus, must have no seam.
     std::mt19937 random(3);
     std::uniform_real_distribution<float> colour(0, 1);
     FocusGeometry geometry = unit_geometry;
@@ -233,8 +234,7 @@ Record shown(std::uint32_t id, double z_m, const std::array<float, 3>& rgb, Node
 }
 
 TEST(Layers, AMirrorsOutlineIsBlurredAsTheMirrorAndItsImageAsTheImage) {
-    // A mirror with a straight border, 4.95 px out of focus, shows an edge that is in focus; a black wall is
-    // behind it.
+    // A mirror with a straight border and a blur of 4.95 px shows an edge in focus, in front of a black wall.
     FocusGeometry geometry = unit_geometry;
     geometry.inverse_focus_per_m = 10;
     const double mirror_px = level_radius(4.95);
@@ -256,14 +256,14 @@ TEST(Layers, AMirrorsOutlineIsBlurredAsTheMirrorAndItsImageAsTheImage) {
             const auto k = static_cast<std::size_t>(c);
             const double picture =
                 left * static_cast<double>(red[k]) + (1 - left) * static_cast<double>(blue[k]);
-            // Beyond the border only the stand-in knows colours: there they are those of the border.
+            // Beyond the mirror's border, its image continues with the colours of the border.
             ASSERT_NEAR(value(image, x, 4, c), mask * picture, 2e-6) << x;
         }
     }
 }
 
 TEST(Layers, AMirrorThatIsPartlyMattShowsItsShare) {
-    // Every other column reflects; the mirror is blurred, its image is not.
+    // Every other column reflects. The mirror is out of focus, its image is in focus.
     FocusGeometry geometry = unit_geometry;
     geometry.inverse_focus_per_m = 10;
     const RecordBand band = corner_band(60, 40, 20, [&](int x, int) {
@@ -273,15 +273,15 @@ TEST(Layers, AMirrorThatIsPartlyMattShowsItsShare) {
     });
     const Image image = layered(band, 20, {.geometry = geometry});
     for (int x = 0; x < 60; ++x) {
-        // Columns under the disc: within the change from one column to the next, 2 / (pi radius), of a half.
+        // The disc averages the columns to 1/2, up to the weight of one column, 2 / (pi radius).
         EXPECT_NEAR(value(image, x, 20, 0), 0.2 + 0.25, 0.5 * 2 / (std::numbers::pi * 9.9));
         EXPECT_NEAR(value(image, x, 20, 1), 0.2 + 0.5, 2 / (std::numbers::pi * 9.9));
     }
 }
 
 TEST(Layers, WhatHidesInAMirrorComesToLight) {
-    // In a sharp mirror a near half-plane before a texture, whose hidden part was recorded as nodes of layer
-    // 1 without a primary one.
+    // A mirror in focus shows a near half-plane in front of a texture. The hidden part of the texture is
+    // recorded as nodes of layer 1 without a primary node.
     FocusGeometry geometry = unit_geometry;
     geometry.inverse_focus_per_m = 10;
     const double near_px = level_radius(9.9);
@@ -298,14 +298,14 @@ TEST(Layers, WhatHidesInAMirrorComesToLight) {
     for (int x = 0; x < 60; ++x) {
         const double front = edge_response((x + 1 - x0) / near_px);
         const double behind = (static_cast<double>(level(x)) + static_cast<double>(level(x + 1))) / 2;
-        // At the border itself what was seen and hidden is told apart within the pixel.
+        // In the pixel at the border, visible and hidden parts are mixed.
         ASSERT_NEAR(value(image, x, 15, 0), (1 - front) * behind, x == x0 - 1 ? 0.02 : 2e-6) << x;
         ASSERT_NEAR(value(image, x, 15, 2), front, 2e-6) << x;
     }
 }
 
 TEST(Layers, MirrorsInMirrorsAddUp) {
-    // All even: a mirror shows a mirror that shows a wall, each at a depth of its own.
+    // A mirror shows a mirror that shows a wall, each uniform and at its own depth.
     FocusGeometry geometry = unit_geometry;
     geometry.inverse_focus_per_m = 10;
     const NodePath twice = reflected.child(NodePath::Bounce::reflected);
@@ -322,8 +322,8 @@ TEST(Layers, MirrorsInMirrorsAddUp) {
 }
 
 TEST(Layers, WhatAMirrorInAMirrorHidesDoesNotDarkenIt) {
-    // In a sharp mirror a near mirror with an edge, before a wall that was recorded behind it: what the near
-    // mirror shows, in focus, fills it up to its soft edge.
+    // A mirror in focus shows a near mirror with an edge, in front of a wall that is recorded behind it. The
+    // image in the near mirror, in focus, must fill it up to its soft edge.
     FocusGeometry geometry = unit_geometry;
     geometry.inverse_focus_per_m = 10;
     const double near_px = level_radius(5.88);
@@ -349,7 +349,7 @@ TEST(Layers, WhatAMirrorInAMirrorHidesDoesNotDarkenIt) {
 // --- the fast form, limits
 // ---------------------------------------------------------------------------------------
 
-/// A handful of objects that lie through each other, mirrors, hidden layers, and hidden nodes of chains.
+/// Random records of interpenetrating objects, mirrors, hidden layers, and hidden nodes after bounces.
 RecordBand tangle(std::mt19937& random, int overscan_px, int width, int height) {
     RecordBand band =
         random_band(random, -overscan_px, width + overscan_px + 1, -overscan_px, height + overscan_px + 1,
@@ -373,7 +373,7 @@ TEST(Layers, EqualsTheReference) {
             const auto splats = splats_of(band, 4, {.geometry = geometry, .model = model});
             Image fast;
             layers(*splats, fast);
-            // Sums of 1e4 terms in another order; colours up to 4.
+            // Tolerance: sums of 1e4 terms in another order, for colours of up to 4.
             EXPECT_LT(difference(fast, layers_reference(*splats)), 2e-5) << scale;
         }
     }
@@ -420,7 +420,8 @@ TEST(Layers, AnyLensGivesFinitePicturesBetweenTheDarkestAndTheBrightest) {
     std::mt19937 random(53);
     const RecordBand band = tangle(random, 2, 24, 16);
     std::array<float, 3> most{};
-    // What is seen, with all that its mirrors show; of hidden nodes of chains, with what is before them.
+    // Sums the visible nodes of each sample with all reflected ones. Hidden nodes after bounces are added to
+    // the nodes in front of them.
     for (std::size_t k = 0; k + 1 < band.offsets.size(); ++k) {
         for (std::size_t i = band.offsets[k]; i < band.offsets[k + 1]; ++i) {
             std::array<float, 3> sum{};
@@ -436,7 +437,7 @@ TEST(Layers, AnyLensGivesFinitePicturesBetweenTheDarkestAndTheBrightest) {
     }
     for (const double f_number : {0.5, 1.4, 8.0, 64.0}) {
         for (const double focus_m : {0.1, 0.7, 3.0, 1e6, static_cast<double>(infinity)}) {
-            // 4 m * px of gain per mm of lens make circles of up to four frames.
+            // These settings make CoCs of up to four image widths.
             const FocusGeometry geometry{.aperture_radius_m = 0.025 / f_number,
                                          .inverse_focus_per_m = 1 / focus_m,
                                          .gain_px = 200,
@@ -452,7 +453,7 @@ TEST(Layers, AnyLensGivesFinitePicturesBetweenTheDarkestAndTheBrightest) {
 }
 
 TEST(Layers, LightsKeepTheirEnergy) {
-    // Lights before, at and behind the focus, on surfaces that fill the frame: nothing covers them.
+    // Lights before, at and behind the focus, on surfaces that fill the frame, so that nothing covers them.
     for (const double radius_px : {-9.9, -4.95, 0.0, 2.97, 7.92}) {
         FocusGeometry geometry = unit_geometry;
         geometry.inverse_focus_per_m = 30;
@@ -468,11 +469,11 @@ TEST(Layers, LightsKeepTheirEnergy) {
 }
 
 TEST(Layers, ASmallLightBehindSomethingComesToLight) {
-    // Its circle is faint and lies beside a blurred ball that hides it from the pinhole; their radii differ
-    // by half the larger one.
+    // The light's disc is faint and lies beside a blurred object that hides it from the pinhole. Their radii
+    // differ by half of the larger one.
     FocusGeometry geometry = unit_geometry;
     geometry.inverse_focus_per_m = 30;
-    // The light and the wall lie in one plane: which of them comes first is left to roundings.
+    // The light and the wall have equal or nearly equal depths, so rounding decides their order.
     for (const double light_px : {level_radius(19.8), level_radius(19.8) + 0.03, level_radius(19.8) - 0.03}) {
         const RecordBand band = corner_band(80, 60, 30, [&](int x, int y) {
             const Record wall = of(3, 1 / (30 - light_px), {0, 0, 0});
@@ -483,19 +484,18 @@ TEST(Layers, ASmallLightBehindSomethingComesToLight) {
             return std::vector{of(1, 1 / (30 - 9.9), {0, 0, 0}), behind};
         });
         const Image image = layered(band, 30, {.geometry = geometry});
-        // Beyond x = 30 the half-plane's edge reaches no pixel: what the light gives there is what it gives
-        // alone.
+        // The half-plane's blurred edge does not reach columns left of 30, so the light alone determines
+        // them.
         const double whole = 1e4 / (std::numbers::pi * std::pow(level_radius(light_px), 2));
-        // What is covered elsewhere on the lens is known to first order; there the wall and the light
-        // together fill a pixel to 1e-3.
+        // Coverage over the lens is known to first order; wall and light fill a pixel to 1e-3 there.
         for (int x = 26; x < 30; ++x) EXPECT_NEAR(value(image, x, 30, 0), whole, 1e-3 * whole) << x;
-        // Halfway up the edge much of it is still there.
+        // Halfway through the edge, much of the light remains.
         EXPECT_GT(value(image, 36, 30, 0), 0.3 * whole);
     }
 }
 
 TEST(Composite, LiesOver) {
-    // Without moments and far apart in depth: alphas multiply.
+    // Without moments and far apart in depth, alphas are multiplied.
     const FocusGeometry geometry{
         .aperture_radius_m = 1e-3, .inverse_focus_per_m = 10, .gain_px = 1000, .zoom = 1};
     const auto fragment = [](double inverse_m, double seen, double hidden, double grey, double covered = 0) {
@@ -511,11 +511,11 @@ TEST(Composite, LiesOver) {
     EXPECT_NEAR(composite(two, geometry)[0], 0.3 * 4 + 0.7, 1e-12);
     std::vector<Fragment> three{fragment(-100, 1, 0, 8), fragment(0, 0.5, 0, 1), fragment(40, 0.3, 0, 4)};
     EXPECT_NEAR(composite(three, geometry)[0], 0.3 * 4 + 0.7 * (0.5 + 0.5 * 8), 1e-12);
-    // The same circle: what the pinhole sees, and nothing of what it has hidden.
+    // With equal CoCs, only the visible parts count, not the hidden ones.
     std::vector<Fragment> together{fragment(20, 0.5, 0.5, 1, 0.5), fragment(20.001, 0.25, 0, 4),
                                    fragment(20, 0.25, 0, 2)};
     EXPECT_NEAR(composite(together, geometry)[0], 0.25 * 4 + 0.25 * 2 + 0.5, 1e-3);
-    // What nothing was recorded behind is divided by what there is.
+    // If nothing is recorded behind a fragment, the result is divided by its coverage.
     std::vector<Fragment> half{fragment(20, 0.5, 0, 3)};
     EXPECT_NEAR(composite(half, geometry)[0], 3, 1e-12);
     EXPECT_EQ(composite({}, geometry), (std::array<double, 3>{}));

@@ -1,4 +1,4 @@
-// The camera with a lens: its fast rays against the obvious ones, and what a thin lens promises.
+// The camera with a lens: fast rays against simple ones, and the properties of a thin lens.
 #include "tracer/lens_camera.h"
 
 #include <algorithm>
@@ -55,11 +55,11 @@ std::vector<TransformKey> rigid_keys(RandomNumbers& random, const std::vector<do
     return random_keys(random, times, {1, 1, 1, 1});
 }
 
-// In float: a tangent is the product of px <= 32 and pitch / d, rounded three times, and the lens's part the
-// same with sines and cosines whose series err by 4e-7 of the radius. Then three sums of three products, and
-// a root and a product to make the length 1: below 12 roundings of numbers that, with a half width of the
-// film over d of 18 / 35, stay below 2 - and the lens's part, focused at s, adds its error over s. Origins:
-// the position's own rounding and the lens's.
+// Tolerances of float rays. A tangent is the product of px <= 32 and pitch / d, with three roundings; the
+// lens part also has sines and cosines whose series have an error of 4e-7 of the radius. Three sums of three
+// products and the normalisation follow: below 12 roundings of numbers below 2 (half of the film width over d
+// is 18 / 35). With the focus at s, the error of the lens part is divided by s. Origins have the rounding of
+// the position and of the lens point.
 void expect_same_rays(const View& v, RandomNumbers& random, bool with_times) {
     const LensCamera camera = v.lens();
     const double aperture_m = v.geometry().aperture_radius_m;
@@ -74,7 +74,8 @@ void expect_same_rays(const View& v, RandomNumbers& random, bool with_times) {
             s.lens_v[i] = static_cast<float>(random.in(0, 0.9999999));
             s.time[i] = static_cast<float>(random.in(0, 0.9999999));
             if (group == 0)
-                s.lens_u[i] = i % 2 == 0 ? 0.5F : static_cast<float>(i) / 16;  // middle and diagonal
+                s.lens_u[i] =
+                    i % 2 == 0 ? 0.5F : static_cast<float>(i) / 16;  // centre and diagonal of the lens
             if (group == 0) s.lens_v[i] = s.lens_u[i];
         }
         RayBatch batch;
@@ -123,8 +124,8 @@ TEST(LensCameras, FastRaysOfParallelProjectionToo) {
     }
 }
 
-// Without a lens, without a shutter: the rays that `trace` takes. The parallel camera's pitch is a float,
-// wrong by 2^-24 over half of the 2 m that it sees.
+// Without lens and shutter the rays equal those of `trace`. The pitch of the orthographic camera is a float,
+// with an error of 2^-24 over half of its width of 2 m.
 TEST(LensCameras, APinholeOfAnInstantIsTheCameraModel) {
     RandomNumbers random(13);
     for (const auto projection : {Camera::Projection::perspective, Camera::Projection::orthographic}) {
@@ -160,7 +161,7 @@ TEST(LensCameras, RaysOfOnePointMeetInTheFocalPlane) {
             const CameraRay pinhole = m.ray(x, y);
             for (int k = 0; k < 20; ++k) {
                 const LensCamera::Ray r = camera.ray(x, y, random.in(0, 1), random.in(0, 1), 0.5);
-                // On the lens: in its plane and within its aperture.
+                // The origin lies in the plane of the lens and within its aperture.
                 const dvec3 q = r.origin - m.position;
                 EXPECT_NEAR(glm::dot(q, m.forward), 0, 1e-14);
                 EXPECT_LE(glm::length(q), 0.025 * (1 + 1e-12));
@@ -171,7 +172,7 @@ TEST(LensCameras, RaysOfOnePointMeetInTheFocalPlane) {
                 const auto at_focus = [&](const dvec3& o, const dvec3& d) {
                     return o + d * (focus_m / glm::dot(d, m.forward));
                 };
-                // Roundings of 2^-53 of positions of a few metres and of a way of focus_m.
+                // Roundings of 2^-53 for positions of a few metres and a distance of focus_m.
                 EXPECT_LE(
                     glm::length(at_focus(r.origin, r.direction) - at_focus(m.position, pinhole.direction)),
                     1e-14 * (5 + focus_m));
@@ -180,7 +181,7 @@ TEST(LensCameras, RaysOfOnePointMeetInTheFocalPlane) {
     }
 }
 
-// What lies at z' moves on the raster by gain (1/s - 1/z') q: the promise of FocusGeometry, by rays.
+// Tests FocusGeometry by rays: a point at z' moves on the raster by gain (1/s - 1/z') q.
 TEST(LensCameras, APointOutOfFocusMovesAsTheGeometrySays) {
     RandomNumbers random(15);
     for (const Framing framing : {Framing::keep, Framing::lens, Framing::breathing}) {
@@ -190,7 +191,7 @@ TEST(LensCameras, APointOutOfFocusMovesAsTheGeometrySays) {
         v.focus_m = 1.5;
         v.framing = framing;
         const CameraModel m = v.model();
-        // The film distances that the three framings stand for: d, F and V = F s / (s - F).
+        // The film distances of the three framings: d, F and V = F s / (s - F).
         const double film_mm = framing == Framing::keep   ? 35
                                : framing == Framing::lens ? 80
                                                           : 80 * 1500.0 / (1500 - 80);
@@ -205,7 +206,7 @@ TEST(LensCameras, APointOutOfFocusMovesAsTheGeometrySays) {
             const dvec2 seen(32 + gain * glm::dot(p, m.right) / depth,
                              24 + gain * glm::dot(p, m.down) / depth);
             const dvec2 lens(glm::dot(q, m.right), glm::dot(q, m.down));
-            // Seen from the lens's middle at `seen`; from q it moved to (x, y).
+            // The lens's centre sees the point at `seen`, lens point q at (x, y).
             const dvec2 moved = gain * (1 / v.focus_m - 1 / depth) * lens;
             EXPECT_NEAR(seen.x + moved.x, x, 1e-10);
             EXPECT_NEAR(seen.y + moved.y, y, 1e-10);
@@ -214,8 +215,8 @@ TEST(LensCameras, APointOutOfFocusMovesAsTheGeometrySays) {
 }
 
 TEST(DiscPoints, AreSpreadEvenly) {
-    // 16 rings of equal area, 16 sectors: n points in 256 cells. The statistic has the mean 255 and the
-    // standard deviation sqrt(2 * 255).
+    // A chi-square test with 256 cells, in 16 rings of equal area and 16 sectors. The statistic has mean 255
+    // and standard deviation sqrt(2 * 255).
     constexpr int rings = 16, sectors = 16, cells = rings * sectors, n = 1 << 16;
     std::vector<int> count(cells, 0);
     RandomNumbers random(16);
@@ -244,9 +245,9 @@ TEST(DiscPoints, NeighboursStayNeighbours) {
                     b = disc_point(u + step * std::cos(angle), v + step * std::sin(angle));
         most = std::max(most, glm::length(a - b) / step);
     }
-    // The map (r, phi) = (a, (pi/4) b/a) with a = 2u - 1, b = 2v - 1: its columns, 2 (1, -(pi/4) b/a) and
-    // 2 (0, pi/4) in the directions of r and phi, have a Frobenius norm below 2 sqrt(1 + 2 (pi/4)^2) = 2.99,
-    // over the seams too, where the map is continuous.
+    // The map is (r, phi) = (a, (pi/4) b/a) with a = 2u - 1, b = 2v - 1. The columns of its derivative in the
+    // directions of r and phi are 2 (1, -(pi/4) b/a) and 2 (0, pi/4), with a Frobenius norm below
+    // 2 sqrt(1 + 2 (pi/4)^2) = 2.99. This also holds across the seams, where the map is continuous.
     EXPECT_LE(most, 2.99);
     EXPECT_EQ(disc_point(0.5, 0.5), dvec2(0));
     EXPECT_NEAR(disc_point(1, 0.5).x, 1, 1e-15);
@@ -268,14 +269,14 @@ TEST(LensCameras, ScaleIsWhatASmallMoveIsWorth) {
             const dvec3 from = world - m.position;
             return glm::dot(from, m.right) / glm::dot(from, m.forward) / m.tangent_per_px;
         };
-        // Across the view, at the same depth, the raster is linear: no more than rounding.
+        // At constant depth the raster is a linear function of position, so the difference is only rounding.
         const double px = raster_x(p + m.right) - raster_x(p);
         EXPECT_NEAR(camera.px_per_m(p, t), px, 1e-9 * px);
         EXPECT_EQ(camera.px_per_m(m.position - m.forward * depth, t), 0);
     }
 }
 
-// A scene with everything that has a place: shapes, meshes, motion, lights, a lens.
+// A scene with all kinds of content that has a position: shapes, meshes, motion, lights, a lens.
 SceneBuilder placed_scene(const dvec3& origin) {
     SceneBuilder b;
     const auto at = [&](const dvec3& p) { return glm::translate(glm::dmat4(1), origin + p); };
@@ -319,8 +320,8 @@ RenderSettings lens_and_shutter() {
     return s;
 }
 
-// Every place above is a multiple of 1/8 and so is the offset: sums and differences with it are exact, and
-// the scene moved to the camera is the same to the last bit.
+// All positions and the offset are multiples of 1/8, so sums and differences are exact, and the recentred
+// scenes have the same bits.
 TEST(FarFromTheOrigin, ThePictureIsTheSame) {
     const Image near = render_picture(placed_scene(dvec3(0)).scene, lens_and_shutter()).image;
     const Image far = render_picture(placed_scene({1e6, -2e6, 5e5}).scene, lens_and_shutter()).image;
@@ -329,7 +330,7 @@ TEST(FarFromTheOrigin, ThePictureIsTheSame) {
     for (const float v : near.rgb) brightest = std::max(brightest, v), darkest = std::min(darkest, v);
     EXPECT_GT(brightest, 0.5F);
     EXPECT_LT(darkest, 0.1F);
-    // The moving camera's keys are moved as well.
+    // The keys of a moving camera are translated as well.
     std::array<Image, 2> moving;
     for (std::size_t i = 0; i < 2; ++i) {
         const dvec3 origin = i == 0 ? dvec3(0) : dvec3(1e6, -2e6, 5e5);
@@ -343,7 +344,7 @@ TEST(FarFromTheOrigin, ThePictureIsTheSame) {
         c.keys[1].time_s = 1;
         moving[i] = render_picture(b.scene, lens_and_shutter()).image;
     }
-    // Here the camera is at an eighth of its way when the shutter opens, which is exact too.
+    // The camera has moved by 1/8 of its path when the shutter opens, which is also exact.
     EXPECT_EQ(moving[0].rgb, moving[1].rgb);
     EXPECT_NE(moving[0].rgb, near.rgb);
 }

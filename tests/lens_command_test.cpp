@@ -1,4 +1,4 @@
-// lens show, trace and fit as people type them.
+// The commands `lens show`, `lens trace` and `lens fit`.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -31,7 +31,7 @@ class LensCommand : public CommandTest {
 
 TEST_F(LensCommand, ShowHasItsKeys) {
     const json j = result({"lens", "show", data("rayoptics_ag_dblgauss.seq"), "--film-width", "40"});
-    // CODE V's listing, four decimals.
+    // The values of CODE V's listing, with four decimals.
     EXPECT_NEAR(j["efl_mm"], 100.0038, 1e-4);
     EXPECT_NEAR(j["bfl_mm"], 61.4875, 1e-4);
     EXPECT_NEAR(j["ffl_mm"], -29.3208, 1e-4);
@@ -41,8 +41,8 @@ TEST_F(LensCommand, ShowHasItsKeys) {
     EXPECT_NEAR(j["exit_pupil_diameter_mm"], 57.3201, 1e-4);
     EXPECT_NEAR(j["exit_pupil_z_mm"], -53.1569, 1e-4);
     EXPECT_NEAR(j["field_of_view_deg"], 2 * std::atan(20 / 100.0038) * 180 / 3.14159265358979, 1e-4);
-    // The design has its film 0.4 mm ahead of the focus, and 0.6 % of barrel distortion: both see a little
-    // more.
+    // The design has its film 0.4 mm in front of the focus, and 0.6 % of barrel distortion. Both widen the
+    // field of view.
     EXPECT_NEAR(j["field_of_view_traced_deg"].get<double>() / j["field_of_view_deg"].get<double>(), 1.010,
                 0.002);
     // The sample is the same design with rounded radii.
@@ -80,7 +80,7 @@ TEST_F(LensCommand, TraceWritesItsFiles) {
                            in("s.csv"), "--curves", in("c.csv"), "--impulse", in("i.exr")});
     ASSERT_EQ(j["fields"].size(), 2U);
     EXPECT_EQ(j["fields"][0]["film_mm"], 0);
-    EXPECT_NEAR(j["fields"][0]["pupil_share"], 1, 0.02);  // another grid: its edge
+    EXPECT_NEAR(j["fields"][0]["pupil_share"], 1, 0.02);  // differs at the edge of another grid
     EXPECT_GT(j["fields"][1]["film_mm"], 13);
     EXPECT_LT(j["fields"][1]["pupil_share"], 1);
     std::ifstream spots(in("s.csv"));
@@ -159,7 +159,7 @@ TEST_F(LensCommand, BadRequestsAreRefused) {
     refused({"lens", "fit", sample_, "--depths", "2"}, wrong, "--depths");
     refused({"lens", "fit", sample_, "--tolerance-px", "0"}, wrong, "--tolerance-px");
     refused({"lens", "fit", sample_, "--field", "900"}, wrong, "--field: no chief ray");
-    // A hole of a picometre, which no ray finds.
+    // An aperture of a picometre, which no ray passes.
     const std::string dark = in("dark.dat");
     std::ofstream(dark) << "50 5 1.5 20\n-50 5 1 20\n0 20 1 10\n80 3 1.5 0.000000001\n-80 0 1 20\n";
     refused({"lens", "trace", dark}, invalid, "no ray gets");

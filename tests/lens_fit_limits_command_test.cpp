@@ -1,4 +1,4 @@
-// `postlens lens fit --pairs` and `--sharp` as people type them.
+// The options `--pairs` and `--sharp` of `postlens lens fit`.
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -11,7 +11,8 @@ using nlohmann::json;
 class LensFitLimitsCommand : public CommandTest {};
 
 TEST_F(LensFitLimitsCommand, FindsALensFromPairs) {
-    // 50 mm f/2 at 1.5 m: c = 2500 |z - s| / (2 z (s - F)) mm, to four decimals.
+    // A 50 mm f/2 lens focused at 1.5 m has a CoC of c = 2500 |z - s| / (2 z (s - F)) mm, given to four
+    // decimals.
     std::ofstream(in("pairs.csv"))
         << "distance_m,coc_mm\n0.75,0.8621\n1,0.4310\n3,0.4310\n6,0.6466\ninf,0.8621\n";
     const json j =

@@ -1,5 +1,5 @@
-// Real lenses: the focused picture against rays through the same prescription, on one plane, where nothing
-// is hidden.
+// Real lenses: the focused image against rays through the same prescription. The scene is one plane, so
+// nothing is hidden.
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -23,11 +23,11 @@ const std::string biotar = lenses + "lentil_0009.toml", retrofocus = lenses + "l
 
 class LensFocus : public testing::Test {
   protected:
-    // Once, by the first test: a temporary folder has a test's name.
+    // Traces the scene once, in the first test, because a temporary folder needs the name of a test.
     void SetUp() override {
         if (scene_ != nullptr) return;
         scene_ = new Scene(mosaic(depth_m, tile_m));
-        // 12 degrees to the corner: what these lenses were made for.
+        // The corner of the image is at 12 degrees, within the field that these lenses are designed for.
         scene_->cameras.front().focal_length_mm = 100;
         folder_ = new TemporaryFolder();
         TraceSettings settings;
@@ -64,9 +64,9 @@ class LensFocus : public testing::Test {
     static inline SampleFileReader* file_ = nullptr;
 };
 
-// The rays' own noise is that of ImpulseFocus, and somewhat higher, as the rectangle that they are aimed at
-// is larger than what passes. The light: noise, and steps of a twentieth of the field between which the table
-// is linear.
+// The noise of the rays is slightly higher than in ImpulseFocus, because they are aimed at a rectangle larger
+// than the pupil. The total light has noise, and an error because the table is linear between steps of 1/20
+// of the field.
 TEST_F(LensFocus, AgreesWithRaysThroughTheSamePrescription) {
     struct Case {
         std::string lens;
@@ -80,7 +80,8 @@ TEST_F(LensFocus, AgreesWithRaysThroughTheSamePrescription) {
         const std::string what = fmt::format("{} f/{} at {} m", c.lens, c.f_number, c.focus_m);
         EXPECT_GT(psnr(got.image, truth, 12), 47) << what;
         EXPECT_NEAR(mean(got.image) / mean(truth), 1, 5e-3) << what;
-        // So that this can fail: the thin lens of the same numbers loses no light and has round responses.
+        // Shows that this test can fail: a thin lens of the same focal length and f-number loses no light and
+        // has round responses.
         const Image thin = focus_picture(*file_, {.lens = {.focal_length_mm = 100, .f_number = c.f_number},
                                                   .focus_distance_m = c.focus_m})
                                .image;
@@ -93,7 +94,7 @@ TEST_F(LensFocus, FramingMovesTheFilmOfBoth) {
         const FocusResult got = focused(double_gauss, 0.6, 2.8, framing);
         const Image truth = rays(double_gauss, 0.6, 2.8, framing);
         EXPECT_NEAR(mean(got.image) / mean(truth), 1, 5e-3);
-        // Enlarging the picture costs what it costs a thin lens; steps of the field within 3 dB of it.
+        // Magnifying the image reduces accuracy as with a thin lens; steps of the field cost up to 3 dB more.
         RenderSettings s;
         s.focal_length_mm = 100;
         s.f_number = 2.8;

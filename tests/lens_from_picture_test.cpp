@@ -1,4 +1,4 @@
-// Which lens took this picture: known lenses found again, and what cannot be known said.
+// Finding the lens of an image: known lenses are found again, and ambiguous images are rejected.
 #include "compare/lens_from_picture.h"
 
 #include <cmath>
@@ -21,10 +21,11 @@ namespace postlens::test {
 namespace {
 
 constexpr int width = 128, height = 96;
-/// Of the view's half width and height, at F = 50 mm on 36 mm.
+/// Tangents of half the horizontal and vertical field of view, for F = 50 mm and a film width of 36 mm.
 constexpr double tangent_x = 18.0 / 50, tangent_y = tangent_x * height / width;
 
-/// A picture of even chance, `cells` to a side, shown smoothly: samples at the pixels' corners do it justice.
+/// Adds a texture of uniform random values with `cells` texels a side, interpolated, so that samples at pixel
+/// corners represent it well.
 void add_texture(Scene& scene, unsigned seed, int cells, glm::dvec2 repeat) {
     ImageTexture image{.width = cells, .height = cells, .repeat = repeat};
     std::mt19937 random(seed);
@@ -38,8 +39,8 @@ void add_panel(SceneBuilder& b, const Rectangle& where, unsigned seed, glm::dvec
     add_texture(b.scene, seed, 16, repeat);
 }
 
-/// A wall across the view from 1.5 m on the left to 9 m on the right, 1/z even over the picture, alone or
-/// with panels before it, whose edges hide what a lens would see.
+/// A wall across the view, from 1.5 m on the left to 9 m on the right, with 1/z linear over the image.
+/// Optional panels in front of it have edges that hide surfaces which a lens would see.
 Scene room(bool panels) {
     SceneBuilder b;
     b.scene.cameras[0].width = width;
@@ -47,7 +48,7 @@ Scene room(bool panels) {
     const double near_m = 1.5, far_m = 9;
     const glm::dvec3 left{-tangent_x * near_m, 0, -near_m}, right{tangent_x * far_m, 0, -far_m};
     const glm::dvec3 along = right - left, up{0, 2.6 * tangent_y * far_m, 0};
-    // Longer than the view on both sides.
+    // The wall extends beyond the view on both sides.
     const glm::dvec3 start = left - 0.05 * along - 0.5 * up;
     add_panel(b, Rectangle{start, along * 1.3, up}, 1, {9, 9});
     if (panels) {
@@ -88,7 +89,7 @@ void expect_lens(const LensFromPicture& found, double f_number, double focus_m, 
     EXPECT_NEAR(found.best.place.inverse_focus_per_m * focus_m, 1, tolerance);
 }
 
-/// The text of the refusal; fails where there is an answer.
+/// The error message for an image; fails if a lens is found.
 std::string refusal(const SampleFileReader& file, const Image& picture, ExitCode code,
                     const LensFromPictureSettings& settings = {}) {
     try {
@@ -102,9 +103,8 @@ std::string refusal(const SampleFileReader& file, const Image& picture, ExitCode
     return "";
 }
 
-// Nothing is left where the picture was made by `focus` with the same depths. The descent ends where the
-// error falls by less than 1e-4 of itself; before, it fell to 0 with the square of each step, from 3 % or
-// less.
+// An image by `focus` with the same depths leaves no error. The descent ends when the error decreases by less
+// than 1e-4 of itself; before that it converges quadratically to 0, from 3 % or less.
 TEST(LensFromPicture, FindsTheLensOfAPictureByFocus) {
     const Traced room_with_panels(room(true));
     const LensFromPicture found =
@@ -114,8 +114,8 @@ TEST(LensFromPicture, FindsTheLensOfAPictureByFocus) {
     EXPECT_TRUE(found.others.empty());
 }
 
-// A hundredth is what is promised for 256 samples a pixel and CoCs of 5 to 10 px: their noise makes a
-// standard error of 0.1 % and less, the rest is what `focus` gets wrong (docs/lens.md).
+// The specified accuracy is 1 % for 256 samples per pixel and CoCs of 5 to 10 px. Noise makes a standard
+// error of at most 0.1 %; the rest is the error of `focus` (docs/lens.md).
 TEST(LensFromPicture, FindsALensFocusedNear) {
     const Traced t(room(true));
     const LensFromPicture found = lens_from_picture(*t.file, rendered(t.scene, 0.6, 2));
@@ -132,8 +132,8 @@ TEST(LensFromPicture, FindsALensFocusedFar) {
     expect_lens(lens_from_picture(*t.file, rendered(t.scene, 0.6, 5)), 0.6, 5, 0.01);
 }
 
-// The wall's near end is blurred alike by a focus before and behind: the rough search has minima on both
-// sides, and the right one wins.
+// The near end of the wall has the same blur for a focus before and behind it. The coarse search finds minima
+// on both sides, and must choose the right one.
 TEST(LensFromPicture, TellsNearFromFarFocus) {
     const Traced t(room(false));
     const Image picture = rendered(t.scene, 1, 2);
@@ -150,7 +150,7 @@ TEST(LensFromPicture, RefusesWhatTellsNoLens) {
     EXPECT_NE(refusal(*t.file, even, ExitCode::invalid_input).find("same all over"), std::string::npos);
     EXPECT_NE(refusal(*t.file, pinhole_picture(*t.file), ExitCode::invalid_input).find("no blur"),
               std::string::npos);
-    // The same without a lens but with the noise and the pixels of a render.
+    // A render without a lens, which differs by its noise and pixel filter, is also rejected.
     EXPECT_NE(refusal(*t.file, rendered(t.scene, std::numeric_limits<double>::infinity(), 2, 64),
                       ExitCode::invalid_input)
                   .find("no blur"),
@@ -163,7 +163,7 @@ TEST(LensFromPicture, RefusesAPictureOfSomethingElse) {
     std::mt19937 random(1);
     for (float& v : noise.rgb) v = std::uniform_real_distribution<float>(0, 1)(random);
     EXPECT_NE(refusal(*t.file, noise, ExitCode::invalid_input).find("no lens makes"), std::string::npos);
-    // The room from the other side: the same colours and depths at other places.
+    // The mirror image of the room has the same colours and depths at other positions.
     const Image picture = focused(*t.file, 1, 2);
     Image mirrored(width, height);
     for (int y = 0; y < height; ++y) {
@@ -172,7 +172,8 @@ TEST(LensFromPicture, RefusesAPictureOfSomethingElse) {
     EXPECT_NE(refusal(*t.file, mirrored, ExitCode::invalid_input).find("no lens makes"), std::string::npos);
 }
 
-// One depth: a small aperture focused far off is a large one focused close by.
+// With a single depth, a small aperture with a focus far from it and a large one with a focus near it are
+// equal.
 TEST(LensFromPicture, RefusesOneDepth) {
     SceneBuilder b;
     b.scene.cameras[0].width = width;
@@ -192,13 +193,13 @@ TEST(LensFromPicture, RefusesWhatIsNoPictureOfTheView) {
     (void)refusal(*t.file, Image(width, height), ExitCode::wrong_arguments, {.starts = 0});
 }
 
-// A depth edge hides its surroundings as far as its light goes, and nothing else.
+// Pixels are unreliable exactly within the CoC of a depth edge.
 TEST(ReliablePixels, LeaveOutWhatADepthEdgeReaches) {
     RecordedDepths d{.width = 41, .height = 31, .overscan_px = 100};
     d.nearest_per_m.assign(41 * 31, 0.5F);
     d.farthest_per_m.assign(41 * 31, 0.5F);
     d.nearest_per_m[15 * 41 + 20] = 1;
-    // CoC: 0 at 2 m, 10 px at 1 m.
+    // The CoC is 0 at 2 m and 10 px at 1 m.
     const FocusGeometry geometry{.aperture_radius_m = 0.01, .inverse_focus_per_m = 0.5, .gain_px = 1000};
     const std::vector<char> reliable = reliable_pixels(d, geometry);
     for (int y = 0; y < 31; ++y) {

@@ -1,5 +1,5 @@
-// What a lens sees and the pinhole does not: which hidden surfaces `trace` records for an aperture, directly
-// and in mirrors, held against closed forms and against rays from the lens.
+// Hidden surfaces that a lens sees and the pinhole does not, directly and in mirrors: those that `trace`
+// records for an aperture are compared with closed forms and with rays from the lens.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -23,9 +23,9 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr int width = 96, height = 64;
-constexpr double radius_m = 0.05;                 // f/0.5 at 50 mm: wide bands in a small picture
-constexpr double gain_px = width * 50.0 / 36.0;   // film distance / pitch
-constexpr double gain_px_m = gain_px * radius_m;  // px that surfaces part by, per 1/m
+constexpr double radius_m = 0.05;                 // f/0.5 at 50 mm: wide strips in a small image
+constexpr double gain_px = width * 50.0 / 36.0;   // film distance / pixel pitch
+constexpr double gain_px_m = gain_px * radius_m;  // displacement per difference of inverse depths, px m
 constexpr double margin_px = LensReach::margin_px;
 
 SceneBuilder wide() {
@@ -37,7 +37,7 @@ SceneBuilder wide() {
 
 struct Traced {
     std::vector<Record> all;     // every hidden surface
-    std::vector<Record> chosen;  // those that the lens asks for
+    std::vector<Record> chosen;  // those that are recorded for the lens
 };
 std::vector<Record> sampled(const Scene& scene, bool for_lens, int count, int levels = 1) {
     const RayScene rays(scene, scene.time_s);
@@ -63,7 +63,7 @@ std::vector<Record> chosen(const Scene& scene, int levels = 1) {
     return sampled(scene, true, HiddenLayers::most, levels);
 }
 
-// By place, the records there by layer.
+// Per raster position and layer, the records.
 using Places = std::map<std::pair<float, float>, std::map<std::uint32_t, std::vector<Record>>>;
 Places places(const std::vector<Record>& records) {
     Places out;
@@ -71,7 +71,7 @@ Places places(const std::vector<Record>& records) {
     return out;
 }
 
-// A plate that ends at raster x = `edge_px`, and what else a test puts behind.
+// Adds a plate that ends at raster x = `edge_px`.
 void add_plate(SceneBuilder& b, double z, double edge_px) {
     const double end = (edge_px - width / 2.0) / gain_px * z;
     b.add(Rectangle{{end - 40, -20, -z}, {40, 0, 0}, {0, 40, 0}}, glowing({1, 0, 0}));
@@ -103,7 +103,8 @@ TEST(LensLayers, BehindAPlateAsFarAsTheLensLooks) {
 }
 
 TEST(LensLayers, GlassBehindAPlateAsFarAsWhatItShows) {
-    // A tinted sheet parts from the plate's edge by 1.3 px, the wall that shines through it by over 5.
+    // A transmitting sheet is displaced by 1.3 px against the plate's edge, the wall seen through it by over
+    // 5 px.
     constexpr double near = 1, sheet = 1.25, far = 7.5;
     SceneBuilder b = wide();
     add_plate(b, near, 60.3);
@@ -127,7 +128,7 @@ TEST(LensLayers, GlassBehindAPlateAsFarAsWhatItShows) {
 }
 
 TEST(LensLayers, NothingBehindWhatIsTooCloseOrHasNoEdge) {
-    // 0.2 px over the lens's radius.
+    // The wall is displaced by only 0.2 px.
     SceneBuilder close = wide();
     add_plate(close, 1, 60.3);
     add_wall(close, 1 / (1 - 0.2 / gain_px_m));
@@ -135,7 +136,7 @@ TEST(LensLayers, NothingBehindWhatIsTooCloseOrHasNoEdge) {
     SceneBuilder slope = wide();
     slope.add(square({0, 0, -2}, {0, 1, 1}, 50), glowing({1, 0, 0}));
     add_wall(slope, 8);
-    // A floor up to the horizon, under the sky.
+    // A floor up to the horizon, without an edge.
     SceneBuilder floor = wide();
     floor.add(Plane{{0, -1, 0}, {0, 1, 0}}, glowing({1, 0, 0}));
     for (const SceneBuilder* b : {&close, &slope, &floor}) {
@@ -145,8 +146,8 @@ TEST(LensLayers, NothingBehindWhatIsTooCloseOrHasNoEdge) {
     }
 }
 
-// A rectangle at z that fills columns [begin, end) px of a raster turned by 0.1 about its middle, so that it
-// crosses the lines of corners.
+// A rectangle at z that fills columns [begin, end) px of a raster rotated by 0.1 rad about its centre, so
+// that its edges cross rows and columns of corners.
 constexpr double turn = 0.1;
 void add_turned(SceneBuilder& b, double z, double begin_px, double end_px) {
     const dvec3 u{std::cos(turn), std::sin(turn), 0}, v{-std::sin(turn), std::cos(turn), 0};
@@ -160,7 +161,7 @@ double turned_x(const std::pair<float, float>& at) {
 }
 
 TEST(LensLayers, AThinHairHidesNothing) {
-    // Half a pixel wide: wherever it is met, the wall behind is recorded.
+    // The hair is half a pixel wide. Wherever a corner hits it, the wall behind must be recorded.
     SceneBuilder b = wide();
     add_turned(b, 1, 3.1, 3.6);
     add_wall(b, 4);
@@ -178,8 +179,8 @@ TEST(LensLayers, AThinHairHidesNothing) {
 }
 
 TEST(LensLayers, ASlitIsSeenThrough) {
-    // Two plates, and between them a gap of half a pixel, where every other line has a corner: behind both
-    // edges the wall comes to light.
+    // Between two plates is a gap of half a pixel, in which every other row has a corner. The wall must be
+    // recorded behind both edges.
     SceneBuilder b = wide();
     add_turned(b, 1, -400, 3.1);
     add_turned(b, 1, 3.6, 400);
@@ -200,7 +201,7 @@ TEST(LensLayers, ASlitIsSeenThrough) {
 
 // Against rays ---------------------------------------------------------------------------------------
 
-// Whether a ray from some point of the lens's rim or of a ring inside it meets the surface point first.
+// Whether a ray from a point on the lens's rim, or on a ring inside it, hits the given surface point first.
 bool seen_from_lens(const RayScene& rays, const CameraModel& camera, const dvec3& point) {
     RayBatch batch;
     batch.clear(false);
@@ -219,8 +220,8 @@ bool seen_from_lens(const RayScene& rays, const CameraModel& camera, const dvec3
     return false;
 }
 
-// Every hidden surface that rays from the lens find is among the chosen; says how many were chosen, and how
-// many of them rays found.
+// Checks that every hidden surface that rays from the lens find is recorded for the lens. Counts the recorded
+// surfaces, and those of them that rays find.
 struct Tally {
     int chosen = 0, seen = 0;
 };
@@ -232,7 +233,7 @@ Tally expect_all_seen_chosen(const Scene& scene) {
     int missed = 0;
     for (const auto& [at, layers] : some) {
         const auto known = all.find(at);
-        if (known == all.end()) continue;  // places that only edges of other hidden surfaces ask for
+        if (known == all.end()) continue;  // sampled only because of edges of other hidden surfaces
         for (const auto& [layer, nodes] : known->second) {
             if (layer == 0) continue;
             const Record& r = nodes.front();
@@ -245,8 +246,8 @@ Tally expect_all_seen_chosen(const Scene& scene) {
             ++tally.seen;
             if (is_chosen) continue;
             ++missed;
-            // What is hidden by one surface only parts from it by less than shows. Behind several, the edge
-            // of one may be hidden by another beside which nothing farther is seen: rare, and let go.
+            // A missed surface behind one other must have a displacement that is not visible. Behind several
+            // surfaces, the edge of one may be hidden by another one; this is rare and accepted.
             const double part = gain_px_m * std::abs(1 / static_cast<double>(layers.at(0).front().z) -
                                                      1 / static_cast<double>(r.z));
             if (layer == 1) {
@@ -262,11 +263,11 @@ TEST(LensLayersAgainstRays, PlatesBehindPlates) {
     SceneBuilder b = wide();
     add_plate(b, 1, 40.3);
     add_plate(b, 2, 38.6);  // its edge is hidden behind the first
-    add_plate(b, 3, 44.8);  // and this one looks out
+    add_plate(b, 3, 44.8);  // extends beyond the first two
     add_wall(b, 9);
     const Tally t = expect_all_seen_chosen(b.scene);
     EXPECT_GT(t.seen, 1000);
-    // Three layers over a band of at most 6.4 px, and for each the margin.
+    // Three layers in a strip of at most 6.4 px, each with its margin.
     EXPECT_LT(t.chosen, 2.2 * t.seen);
 }
 
@@ -295,7 +296,7 @@ TEST(LensLayersAgainstRays, BallsAndBoxes) {
 // In mirrors and glass -------------------------------------------------------------------------------
 
 TEST(LensLayersInMirrors, AFlatMirrorShowsWhatStandsBehindIt) {
-    // A plate 5 m away and a wall 8 m away; and the same seen in a mirror at 2 m.
+    // A plate at 5 m and a wall at 8 m, seen directly and in a mirror at 2 m.
     const double edge_px = 50.3;
     SceneBuilder direct = wide();
     add_plate(direct, 5, edge_px);
@@ -327,7 +328,7 @@ TEST(LensLayersInMirrors, AFlatMirrorShowsWhatStandsBehindIt) {
 }
 
 TEST(LensLayersInMirrors, LayersComeAfterThoseOfThePrimary) {
-    // The mirror itself ends before a wall, just where the plate in it does.
+    // The mirror ends in front of a wall, at the same raster position as the plate that it shows.
     SceneBuilder b = wide();
     const double end = (50.3 - width / 2.0) / gain_px;
     b.add(Rectangle{{end * 5 - 40, -20, 1}, {40, 0, 0}, {0, 40, 0}}, glowing({1, 0, 0}));
@@ -343,7 +344,7 @@ TEST(LensLayersInMirrors, LayersComeAfterThoseOfThePrimary) {
             } else {
                 ++both;
                 EXPECT_GT(layer, last_primary);
-                // One subtree: all are of the root's path or go on from it.
+                // A layer is one subtree: all its paths begin with the path of the root.
                 const NodePath root = nodes.front().path;
                 for (const Record& r : nodes) {
                     EXPECT_EQ(r.path.bits() & ((1U << (2 * root.depth())) - 1), root.bits());
@@ -355,7 +356,7 @@ TEST(LensLayersInMirrors, LayersComeAfterThoseOfThePrimary) {
 }
 
 TEST(LensLayersInMirrors, BehindGlass) {
-    // A pane before a bar before a wall: the bar's band shows through.
+    // A pane in front of a bar in front of a wall: the strip hidden by the bar is seen through the pane.
     SceneBuilder b = wide();
     b.add(Box{{-5, -5, -1.02}, {5, 5, -1}}, glass(1.5));
     b.add(Box{{-0.05, -5, -2.1}, {0.05, 5, -2}}, glowing({1, 0, 0}));
@@ -367,7 +368,8 @@ TEST(LensLayersInMirrors, BehindGlass) {
             if (layer > 0 && nodes.front().path.text() == "TT" && nodes.front().id == 3) ++behind;
         }
     }
-    // 6.7 px wide, less than both its bands: the wall is wanted behind all of it.
+    // The bar is 6.7 px wide, less than the strips at its two edges, so the wall is recorded behind all of
+    // it.
     EXPECT_GT(bar, 6 * height);
     EXPECT_EQ(behind, bar);
 }
@@ -392,7 +394,7 @@ TEST(LensLayers, TheVisibleLayerHasTheSameBits) {
     const std::vector<Record> bare = sampled(b.scene, false, 0);
     std::vector<Record> with = chosen(b.scene);
     EXPECT_GT(with.size(), bare.size());
-    // Edges of hidden surfaces add samples; those that are there without them are as they were.
+    // Edges of hidden surfaces add samples. Samples that also exist without hidden layers are unchanged.
     std::erase_if(with, [](const Record& r) { return r.layer != 0; });
     auto at = with.begin();
     for (const Record& r : bare) {
@@ -414,7 +416,8 @@ TEST(LensLayers, SameBitsForAnyNumberOfThreads) {
                             [](const Record& r) { return r.layer > 0 && r.path.bits() != 0; }));
 }
 
-// Share of the pixels that have hidden surfaces; and records there are for each without them.
+// Tests the share of pixels with hidden surfaces, and the ratio of the numbers of records with and without
+// them.
 TEST(LensLayers, CostWhatTheBandsAreWide) {
     for (const char* name : {"bars", "still_life"}) {
         const Scene scene = read_scene(std::string(POSTLENS_SAMPLES) + "/scenes/" + name + ".toml", {});
@@ -437,7 +440,8 @@ TEST(LensLayers, CostWhatTheBandsAreWide) {
         const double without = static_cast<double>(trace_to_file(scene, t, folder.path() / "b.exr").records);
         const double share = pixels / (320.0 * 180.0);
         RecordProperty(name, std::to_string(share) + " " + std::to_string(with / without));
-        // At 960 x 540 it is a fifth; the margin is three times as wide against the bands here.
+        // At 960 x 540 px the share is a fifth; relative to the strips, the margin is three times as wide
+        // here.
         EXPECT_GT(share, 0.10) << name;
         EXPECT_LT(share, 0.35) << name;
         EXPECT_LT(with / without, 1.6) << name;

@@ -1,4 +1,4 @@
-// Models of a traced lens: each tends to the next dearer one where its assumptions hold.
+// Models of a traced lens: each agrees with the next more expensive one where its assumptions hold.
 #include "lens/prescription/lens_models.h"
 
 #include <cmath>
@@ -46,7 +46,8 @@ TEST(LensModels, TheThickLensIsExactCloseToTheAxis) {
             const dvec2 pupil(1e-3 * traced.first_order().entrance_pupil_diameter_mm, 0);
             const ModelRay thick = models.ray(LensModelKind::thick, depth, 0, pupil);
             const ModelRay exact = models.ray(LensModelKind::traced, depth, 0, pupil);
-            // Third-order aberration at 1/500 of the pupil's radius: 1e-8 of what the edge has, at most 1 mm.
+            // Third-order aberration at 1/500 of the pupil's radius is 1e-8 of that at the edge, at most 1
+            // mm.
             EXPECT_NEAR(thick.film_mm.x, exact.film_mm.x, 1e-6 * std::abs(thick.film_mm.x) + 1e-8)
                 << name << depth;
         }
@@ -62,7 +63,7 @@ TEST(LensModels, ErrorsFallFromModelToModel) {
     EXPECT_EQ(range.depths_m.front(), 1);
     EXPECT_EQ(range.depths_m.back(), infinite_m);
     EXPECT_EQ(range.tangents.front(), 0);
-    // The last tangent's chief ray lands where it was asked to.
+    // The chief ray of the last tangent hits the film at the requested height.
     LensRay chief = traced.object_ray(infinite_m, {0, range.tangents.back()},
                                       traced.aim_at_stop(infinite_m, {0, range.tangents.back()}).value());
     ASSERT_TRUE(traced.stack().forward(chief, Apertures::ignored).passes());
@@ -72,24 +73,23 @@ TEST(LensModels, ErrorsFallFromModelToModel) {
     const double thin = models.error_mm(LensModelKind::thin, range),
                  thick = models.error_mm(LensModelKind::thick, range),
                  polynomial = models.error_mm(LensModelKind::polynomial, range);
-    // This lens's pupil and principal planes are so close together that aberrations and vignetting are all
-    // that the first two lack: they differ by less than a hundredth.
+    // Pupil and principal planes of this lens are close together, so the first two models lack only
+    // aberrations and vignetting, and differ by less than 1 %.
     EXPECT_NEAR(thick, thin, 0.01 * thin);
-    // The edge of a strongly cut pupil is what three circles cannot follow; where nothing is cut, little is
-    // left.
+    // Three circles cannot follow the edge of a strongly vignetted pupil. Without vignetting the error is
+    // small.
     EXPECT_LT(polynomial, 0.55 * thick);
     EXPECT_LT(models.error_mm(LensModelKind::polynomial, 2, 0),
               0.1 * models.error_mm(LensModelKind::thick, 2, 0));
     EXPECT_GT(polynomial, 0);
-    // Between the samples it was fitted to it is not much worse.
+    // Between the samples of the fit the polynomial is not much less accurate.
     const LensModelRange between{{1.2, 3.0}, {0.6 * range.tangents.back()}};
     EXPECT_LT(models.error_mm(LensModelKind::polynomial, between), 1.2 * polynomial);
 }
 
 TEST(LensModels, ATelephotoLensIsNoThinLens) {
-    // Its front principal plane stands 98 mm ahead of its pupil, from which distances are measured: the
-    // object in focus is so much closer than the thin lens takes it for, and all blur larger by (s - F) /
-    // (s_H - F).
+    // Its front principal plane is 98 mm in front of its pupil, from which distances are measured. The object
+    // in focus is closer by this than for a thin lens, and all blur is larger by (s - F) / (s_H - F).
     const Prescription lens = data("telephoto.250mm.dat");
     const TracedLens traced(lens, {.focus_distance_m = 3, .f_number = 16});
     const LensModels models(lens, traced);
@@ -112,8 +112,7 @@ TEST(LensModels, StoppedDownAndOnAxisTheThickLensIsEnough) {
     const LensModelRange range = lens_model_range(traced, 1, 10, 0, 5);
     EXPECT_EQ(range.tangents.size(), 1U);
     const LensModels models(lens, traced);
-    // 1 um: the aberrations of f/22 are below that; what is left is the pupil's edge, a step of 1/20 of which
-    // lands on one side or the other.
+    // Aberrations at f/22 are below 1 um. The rest is the edge of the pupil, sampled in steps of 1/20.
     EXPECT_LT(models.error_mm(LensModelKind::thick, range),
               0.1 * models.error_mm(LensModelKind::thin, range) + 0.02);
 }
@@ -148,8 +147,8 @@ TEST(MeshResponse, HoldsAllLightAndItsPlace) {
         passing += mesh.passes[k];
     }
     mean /= passing;
-    // The centroid on the upright raster; cells cut by the pupil's edge are left out, a ring of 1/128 of the
-    // response of some 35 px, nearly the same on all sides.
+    // Compares centroids on the upright raster. Cells at the pupil's edge are left out: a ring of 1/128 of
+    // the response of about 35 px, nearly equal on all sides.
     EXPECT_NEAR(x, -mean.x / 0.01, 0.15);
     EXPECT_NEAR(y, mean.y / 0.01, 0.15);
 }
@@ -165,7 +164,7 @@ TEST(LensSection, DrawsEveryElementAndTheRays) {
     for (const auto& ray : section.rays) {
         EXPECT_EQ(ray.points.size(), lens.surfaces.size() + 2);
         EXPECT_NEAR(ray.points.back().x, section.film_z_mm, 1e-12);
-        // Towards a field above the axis, down to the film below it.
+        // A ray from a field above the axis hits the film below it.
         if (ray.field == 1) {
             EXPECT_LT(ray.points.back().y, -5);
         }

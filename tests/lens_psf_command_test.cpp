@@ -1,4 +1,4 @@
-// `postlens lens psf` as people type it.
+// The command `postlens lens psf`.
 #include <OpenImageIO/imageio.h>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -48,12 +48,12 @@ TEST_F(LensPsfCommand, WritesOneChannelOfEnergyOne) {
             peak = std::max(peak, static_cast<double>(value));
         }
         EXPECT_EQ(size, 65);
-        // Floats: 6e-8 of each pixel.
+        // Pixels are floats, with a relative rounding of 6e-8.
         EXPECT_NEAR(sum, j["energy_in_frame"], 1e-7) << impulse;
         EXPECT_NEAR(peak, j["peak"], 1e-7 * peak) << impulse;
         EXPECT_GT(sum, 0.985) << impulse;
         EXPECT_LE(sum, 1 + 1e-6) << impulse;
-        // V D (1/s - 1/z) = 52.63 mm 6.25 mm (1/1 - 1/1.1) / m, over 4 um.
+        // The CoC is V D (1/s - 1/z) = 52.63 mm 6.25 mm (1/1 - 1/1.1) / m, divided by pixels of 4 um.
         EXPECT_NEAR(j["coc_px"], 50 / 0.95 * 6.25 * 1e-3 * (1 - 1 / 1.1) / 0.004, 1e-9);
         EXPECT_NEAR(j["u"], 3.14159265358979 * 6.25 * 6.25 / (2 * 550e-6) * (1 - 1 / 1.1) * 1e-3, 1e-7);
     }
@@ -77,7 +77,7 @@ TEST_F(LensPsfCommand, ProfileEndsAtTheFrameAndHoldsItsEnergy) {
     ASSERT_EQ(std::sscanf(last.c_str(), "%lf,%lf,%lf,%lf,%lf", &um, &px, &v, &intensity, &energy), 5) << last;
     EXPECT_NEAR(px, 32.5, 1e-9);
     EXPECT_NEAR(um, 130, 1e-9);
-    // The circle in the frame holds less than the frame.
+    // The circle inscribed in the frame holds less energy than the frame.
     EXPECT_LT(energy, json::parse(r.out)["energy_in_frame"]);
     EXPECT_GT(energy, 0.98);
 }
@@ -103,7 +103,8 @@ TEST_F(LensPsfCommand, CrossoverIsInTextJsonAndTable) {
     const Outcome r = run(with_json);
     ASSERT_EQ(r.exit_code, 0) << r.err;
     const json j = json::parse(r.out);
-    // Airy 2.43934 lambda V/F n = CoC V/n F (1/s - 1/z): n = F sqrt((1/s - 1/z) / (2.43934 lambda)).
+    // The Airy disc 2.43934 lambda V/F n equals the CoC V/n F (1/s - 1/z) at
+    // n = F sqrt((1/s - 1/z) / (2.43934 lambda)).
     EXPECT_NEAR(j["over_defocus_f_number"], 50 * std::sqrt((1 - 1 / 1.2) * 1e-3 / (2.43934 * 550e-6)), 1e-4);
     EXPECT_NEAR(j["over_pixel_f_number"], 0.005 / (2.43934 * 550e-6 / 0.95), 1e-5);
     EXPECT_EQ(text_of(in("c.csv")).rfind("f_number,airy_um,coc_um,pixel_um\n", 0), 0U);

@@ -1,4 +1,5 @@
-// The picture of one point and its figures; where diffraction takes over; what --impulse names.
+// The response to one point and its measures, the f-number at which diffraction dominates, and the values of
+// --impulse.
 #include "lens/wave/lens_response.h"
 
 #include <algorithm>
@@ -22,16 +23,17 @@ constexpr double pi = std::numbers::pi, infinity = std::numeric_limits<double>::
 const Impulse diffraction{.kind = ImpulseKind::diffraction};
 
 TEST(LensResponse, InFocusHasAirysFigures) {
-    // f/8, s = 1 m, F = 50 mm: V = 52.63 mm, D = 6.25 mm.
+    // For f/8, s = 1 m and F = 50 mm: V = 52.63 mm, D = 6.25 mm.
     const LensResponse r = lens_response({.lens = {50, 8}, .pixel_pitch_mm = 0.001, .impulse = diffraction});
     const double wave_px = 550e-6 * (50 / 0.95) / 6.25 / 0.001;  // lambda V/D
     EXPECT_EQ(r.u, 0);
     EXPECT_NEAR(r.v_per_px, pi / wave_px, 1e-12);
     EXPECT_NEAR(r.airy_diameter_px, 2.43934 * wave_px, 1e-4 * wave_px);
-    // (2 J1(v) / v)^2 = 1/2 at v = 1.61634: 1.02899 lambda V/D across. Profile: four places to a unit of v,
-    // joined by lines: h^2/8 of a second derivative of 0.3, over a slope of 0.4.
+    // (2 J1(v) / v)^2 = 1/2 at v = 1.61634, so the full width is 1.02899 lambda V/D. The profile has four
+    // points per unit of v with linear interpolation: its error is h^2/8 times a second derivative of 0.3,
+    // over a slope of 0.4.
     EXPECT_NEAR(r.fwhm_px.value(), 1.02899 * wave_px, 2 * 0.006 / r.v_per_px);
-    // Encircled energy 1/2 at v = 1.6784.
+    // The encircled energy is 1/2 at v = 1.6784.
     EXPECT_NEAR(r.half_energy_diameter_px.value() * r.v_per_px / 2, 1.6784, 0.006);
     EXPECT_NEAR(r.profile.front().intensity, 1, 1e-12);
     EXPECT_GT(r.energy_in_frame, 0.99);
@@ -60,7 +62,7 @@ TEST(LensResponse, DiscIsTheExactCoverage) {
             for (int i = 0; i < size; i += 2) {
                 const double share = ellipse_coverage_reference(disc, middle, middle, r.grid.x_begin + i,
                                                                 r.grid.y_begin + j, 200);
-                // 200 x 200 points tell the part of a pixel within its outline to 1/200.
+                // 200 x 200 points give the coverage of a pixel to 1/200.
                 EXPECT_NEAR(r.grid.at(i, j), share, 1.0 / 200 / disc.area_px2())
                     << size << " " << i << " " << j;
             }
@@ -93,8 +95,8 @@ TEST(LensResponse, TendsToTheDiscForShortWaves) {
     };
     const double visible = distance(550), ultraviolet = distance(137.5);
     EXPECT_LT(visible, 0.1);
-    // A quarter of the wavelength: what bleeds out beyond a pixel falls in proportion, the width of the edge
-    // with the square root. This edge is about as wide as a pixel.
+    // At a quarter of the wavelength, the light beyond a pixel decreases in proportion, and the width of the
+    // edge with the square root. This edge is about one pixel wide.
     EXPECT_GT(visible / ultraviolet, 1.9);
     EXPECT_LT(visible / ultraviolet, 4.1);
 }
@@ -136,7 +138,7 @@ TEST(LensResponse, RefusesWhatIsOutOfRange) {
     refused({.lens = {50, 8}, .impulse = diffraction, .wavelength_nm = 1}, ExitCode::wrong_arguments,
             "wavelength");
     refused({.lens = {50, infinity}, .impulse = diffraction}, ExitCode::wrong_arguments, "pinhole");
-    // A field of metres at a thousandth of the wavelength.
+    // A field of metres that would be sampled at a thousandth of the wavelength.
     refused({.lens = {50, 1e-4}, .pixel_pitch_mm = 10, .impulse = diffraction, .size_px = 16384},
             ExitCode::out_of_memory, "needs");
 }
@@ -157,20 +159,20 @@ TEST(Crossover, IsWhereTheDiametersAreEqual) {
 }
 
 TEST(LensResponse, BladesStandUprightBehindTheFocus) {
-    // A triangle with a corner to the right: behind the focus its centroid is that of the aperture, at 0, and
-    // most of its light left of the corner.
+    // A triangular aperture with a corner to the right. Behind the focus the response has the same
+    // orientation.
     LensResponseRequest q{.lens = {50, 2}, .depth_m = 2, .size_px = 101};
     q.impulse = {.kind = ImpulseKind::polygon, .blades = 3};
     const auto corner_side = [&] {
         const LensResponse r = lens_response(q);
         EXPECT_NEAR(r.energy_in_frame, 1, 1e-9);
         EXPECT_TRUE(r.profile.empty());
-        // The corner reaches as far as the disc's radius, the opposite side half as far.
+        // The corner is at the disc's radius, the opposite side at half of it.
         double right = 0, left = 0;
         for (int j = 0; j < 101; ++j) {
             for (int i = 0; i < 101; ++i) {
                 const double x = r.grid.x_begin + i;
-                if (r.grid.at(i, j) > 1e-9) {  // beyond rounding
+                if (r.grid.at(i, j) > 1e-9) {  // above rounding errors
                     right = std::max(right, x);
                     left = std::min(left, x);
                 }

@@ -18,7 +18,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 TEST(ThinLens, ImageDistanceSolvesTheLensEquation) {
     const ThinLens lens{.focal_length_mm = 50, .f_number = 2};
-    // 1/F = 1/V + 1/s.
+    // The lens equation is 1/F = 1/V + 1/s.
     EXPECT_NEAR(1 / image_distance_mm(lens, 2.0) + 1 / 2000.0, 1 / 50.0, 1e-15);
     EXPECT_EQ(image_distance_mm(lens, infinity), 50);
     EXPECT_TRUE(std::isinf(image_distance_mm(lens, 0.05)));
@@ -27,7 +27,7 @@ TEST(ThinLens, ImageDistanceSolvesTheLensEquation) {
 
 TEST(ThinLens, CircleOfConfusionIsThatOf1981) {
     const ThinLens lens{.focal_length_mm = 50, .f_number = 1.4};
-    // C = |V_z - V| D / V_z with V_z = F z / (z - F): the film at V cuts the cone that converges at V_z.
+    // The film at V cuts the cone that converges at V_z = F z / (z - F), so C = |V_z - V| D / V_z.
     for (const double z_m : {0.3, 1.0, 4.999, 5.001, 30.0}) {
         const double v_s = image_distance_mm(lens, 5), v_z = image_distance_mm(lens, z_m);
         const double cone_mm = lens.aperture_diameter_mm() * std::abs(v_z - v_s) / v_z;
@@ -40,7 +40,7 @@ TEST(ThinLens, CircleOfConfusionIsThatOf1981) {
 
 TEST(ThinLens, CircleOfConfusionIsRightAtItsLimits) {
     const ThinLens lens{.focal_length_mm = 50, .f_number = 2};
-    // F^2 / (n (s - F)) for z infinite; -F^2 / (n z) for s infinite.
+    // The CoC is F^2 / (n (s - F)) for infinite z, and -F^2 / (n z) for infinite s.
     EXPECT_NEAR(coc_diameter_mm(lens, 2, infinity), 2500.0 / (2 * 1950), 1e-12);
     EXPECT_NEAR(coc_diameter_mm(lens, infinity, 10), -2500.0 / (2 * 10000), 1e-12);
     EXPECT_EQ(coc_diameter_mm(lens, infinity, infinity), 0);
@@ -64,7 +64,7 @@ TEST(DepthOfField, EqualsThePublishedTables) {
         ASSERT_EQ(field[5], "m");
         const ThinLens lens{.focal_length_mm = std::stod(field[1]), .f_number = std::stod(field[2])};
         const DepthOfField dof = depth_of_field(lens, std::stod(field[4]), std::stod(field[3]));
-        // Each number to the digits that it is printed with.
+        // Compares each number to the precision with which it is printed.
         const auto expect = [&](const std::string& printed, double value) {
             if (printed.empty()) return;
             if (printed == "inf") {
@@ -94,7 +94,7 @@ TEST(DepthOfField, HyperfocalDistance) {
     const ThinLens lens{.focal_length_mm = 50, .f_number = 8};
     const double hyperfocal_m = depth_of_field(lens, 4, 0.03).hyperfocal_m;
     EXPECT_NEAR(hyperfocal_m, (2500 / (8 * 0.03) + 50) / 1000, 1e-12);
-    // Focused there, everything from half of it on is sharp.
+    // With the focus at the hyperfocal distance, everything from half of this distance on is sharp.
     const DepthOfField dof = depth_of_field(lens, hyperfocal_m, 0.03);
     EXPECT_TRUE(std::isinf(dof.far_m));
     EXPECT_NEAR(dof.near_m, hyperfocal_m / 2, 1e-12);
@@ -117,7 +117,7 @@ constexpr Film film{.distance_mm = 50, .pixel_pitch_mm = 36.0 / 960};
 TEST(FocusGeometry, KeepsTheViewOfTheTrace) {
     const FocusGeometry g = focus_geometry({.focal_length_mm = 85, .f_number = 1.4}, 5, Framing::keep, film);
     EXPECT_EQ(g.zoom, 1);
-    // (d / pitch) (F / n) |1/s - 1/z|, F in metres.
+    // The CoC is (d / pitch) (F / n) |1/s - 1/z|, with F in metres.
     EXPECT_NEAR(g.coc_diameter_px(1 / 1.5), 50 / (36.0 / 960) * (0.085 / 1.4) * (1 / 5.0 - 1 / 1.5), 1e-12);
     EXPECT_GT(g.coc_diameter_px(0), 0);
     EXPECT_EQ(g.coc_diameter_px(0.2), 0);
@@ -136,7 +136,7 @@ TEST(FocusGeometry, LensFramingPutsTheFilmAtTheFocalLength) {
     const FocusGeometry g = focus_geometry({.focal_length_mm = 100, .f_number = 2}, 5, Framing::lens, film);
     EXPECT_NEAR(g.zoom, 2, 1e-15);
     EXPECT_NEAR(g.gain_px, 100 / (36.0 / 960), 1e-9);
-    // A film at F sees a circle that is s / (s - F) smaller than one at V.
+    // The CoC on a film at F is smaller by s / (s - F) than on a film at V.
     const FocusGeometry v =
         focus_geometry({.focal_length_mm = 100, .f_number = 2}, 5, Framing::breathing, film);
     EXPECT_NEAR(v.coc_diameter_px(1) / g.coc_diameter_px(1), 5 / 4.9, 1e-12);

@@ -1,4 +1,4 @@
-// A real lens before a straight picture: where rays and light go, against slow sums of rays.
+// A real lens with distortion removed: positions and light of rays, compared with slow sums over rays.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
@@ -24,10 +24,9 @@ LensView view_of(const std::string& name, double focus_m, Framing framing = Fram
                                                        .half_diagonal_px = half_diagonal_px});
 }
 
-// In focus, the rays of a pixel go through the point of the focused plane that the pinhole sees there but for
-// the lens's aberrations: a root mean square of a tenth of the blur that a defocus of as much as the focus
-// itself makes (whose own is 0.7) holds them at f/4 and 11 degrees. Turned over or scaled wrongly, rays would
-// be off by as much as that.
+// In focus, the rays of a pixel go through the point of the plane in focus that the pinhole sees, except for
+// aberrations. At f/4 and 11 degrees these have an RMS below a tenth of the blur for a defocus equal to the
+// focus itself (0.7). Rays with wrong orientation or scale would have errors as large as that blur.
 TEST(LensView, RaysMeetWhereThePinholeLooks) {
     for (const char* name : {"rayoptics_ag_dblgauss.seq", "lentil_0004.toml", "dgauss.22deg.50.0mm.dat"}) {
         const double focus_m = 2;
@@ -70,13 +69,14 @@ TEST(LensView, FramingsHaveTheFilmWhereTheySay) {
     const LensView at_focal_length = view_of(name, 2, Framing::lens);
     EXPECT_NEAR(at_focal_length.geometry().gain_px, 100.0038 / 0.05, 0.01);
     EXPECT_NEAR(at_focal_length.geometry().zoom, 2, 1e-4);
-    // Focused at infinity the film is at the focal length; nearer, farther away: F / (1 - F / s) from the
-    // principal planes, which lie within 0.1 m of the pinhole, seen through pupils of 50 : 57.3.
+    // With the focus at infinity the film distance is the focal length; with a nearer focus it is F / (1 - F
+    // / s) from the principal planes, which lie within 0.1 m of the pinhole. The pupils have a ratio of 50
+    // : 57.3.
     EXPECT_NEAR(view_of(name, HUGE_VAL, Framing::breathing).geometry().gain_px, 100.0038 / 0.05, 0.02);
     EXPECT_NEAR(view_of(name, 2, Framing::breathing).geometry().gain_px, 100.0038 / (1 - 0.1 / 2) / 0.05, 15);
 }
 
-/// Rays of one point, counted per pixel.
+/// Counts the rays of one object point per pixel.
 ResponseGrid counted(const LensView& view, double w, double tangent, const dvec2& axis) {
     const PixelWindow window{-60, 60, -60, 60};
     ResponseGrid out(window.x_begin, window.y_begin, 120, 120);
@@ -103,10 +103,10 @@ ResponseGrid counted(const LensView& view, double w, double tangent, const dvec2
     return out;
 }
 
-// Half the sum of differences is the share of light in the wrong pixel. The count's own noise: with m pixels
-// of equal light and N rays sqrt(2 m / (pi N)) / 2, here 0.03 for the 1000 px of the largest. What the table
-// adds must stay below 0.02, an edge that is off by 0.01 of the radius, or by a tenth of a pixel where the
-// whole response has a few: its share of the light is that of a ring, 0.2 / radius.
+// Half the sum of absolute differences is the share of light in wrong pixels. The noise of counting N rays in
+// m pixels of equal light is sqrt(2 m / (pi N)) / 2, at most 0.03 (1000 px). The table may add 0.02, which is
+// an error of 0.01 of the radius at the edge, or 0.1 px for responses of a few pixels: a ring of 0.2 /
+// radius.
 TEST(FanTable, HasTheResponseOfRays) {
     const double focus_m = 2;
     for (const char* name : {"lentil_0009.toml", "lentil_0004.toml", "rayoptics_ag_dblgauss.seq"}) {
@@ -138,7 +138,7 @@ TEST(FanTable, HasTheResponseOfRays) {
     }
 }
 
-// The light of a pixel by its own rays, against the table's by rays of the point.
+// Compares the light of a pixel by rays from the pixel with that of the table by rays from an object point.
 TEST(FanTable, LosesTheLightThatRaysLose) {
     for (const char* name : {"lentil_0009.toml", "lentil_0004.toml", "rayoptics_ag_dblgauss.seq"}) {
         const double focus_m = 2;
@@ -153,14 +153,14 @@ TEST(FanTable, LosesTheLightThatRaysLose) {
                              dvec2(k % steps + 0.5, k / steps + 0.5) / double{steps}, ray))
                     light += ray.weight;
             }
-            // An inscribed polygon of 96 sides lacks 7e-4; 300^2 nodes err by 300^-1.5 = 2e-4; between two of
-            // 25 places the edge of a pupil that begins to be cut is off by less than 0.005.
+            // Errors: an inscribed polygon of 96 sides lacks 7e-4, a grid of 300^2 nodes has 300^-1.5 = 2e-4,
+            // and interpolation between 25 fields has less than 0.005 where vignetting begins.
             EXPECT_NEAR(table.light(tangent), light / (steps * steps), 0.006) << name << ", " << tangent;
         }
     }
 }
 
-// Doubling the pupil's rays changes little: what fan_response leaves out by chords is small at any size.
+// The chords by which fan_response approximates the pupil's edge have a small error for any size.
 TEST(PupilFan, OfAThinMapIsTheDisc) {
     PupilFan fan;
     for (std::size_t ring = 0; ring <= PupilFan::rings; ++ring) {

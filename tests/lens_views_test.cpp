@@ -1,4 +1,4 @@
-// The points that views look from: even, nested, and independent from set to set.
+// The lens points of views: uniform, nested, and independent between sets.
 #include "focus/lens_views.h"
 
 #include <cmath>
@@ -15,8 +15,8 @@ FocusGeometry geometry() {
     return g;
 }
 
-// A half-plane's share of a pixel that is out of focus: the mean over the views of whether each sees it, for
-// an edge at an angle through the middle of a blur of so many px.
+// Coverage of a pixel by a defocused half-plane: the fraction of the views that see it. `blur_px` is the
+// width of the blur, `angle` the direction of the edge and `offset_px` its distance.
 double seen_share(const std::vector<LensViewPoint>& points, double blur_px, double angle, double offset_px) {
     double sum = 0;
     for (const LensViewPoint& p : points) {
@@ -39,7 +39,7 @@ TEST(LensViewPoints, BeginAlikeHoweverManyThereAre) {
 }
 
 TEST(LensViewPoints, EveryPlaceAndInstantHasItsShare) {
-    // Of 2^k points one lies in each of 2^k equal parts of the pixel, along either axis, and of the exposure.
+    // Each of 2^k equal intervals of the pixel's x, of its y and of the exposure holds one of 2^k points.
     const Aperture disc{Impulse{}};
     for (const int set : {0, 1, 7}) {
         const auto points = lens_view_points(disc, geometry(), 64, set);
@@ -55,9 +55,9 @@ TEST(LensViewPoints, EveryPlaceAndInstantHasItsShare) {
     }
 }
 
-// On 200 edges of every angle, blurred or not: half the squared difference of two sets, summed up, is the
-// squared error of a set within 1 dB, with as many pairs as it takes for chance to be less. All in all 64
-// points are better than four times as many random ones.
+// On 200 edges of all angles, blurred or not, the mean of half the squared difference of two sets equals the
+// squared error of one set to 1 dB; there are enough pairs for the noise to be smaller. 64 points are more
+// accurate than four times as many random points.
 TEST(LensViewPoints, HalfTheDifferenceOfTwoSetsIsTheErrorOfOne) {
     const Aperture disc{Impulse{}};
     constexpr int pairs = 200;
@@ -80,13 +80,13 @@ TEST(LensViewPoints, HalfTheDifferenceOfTwoSetsIsTheErrorOfOne) {
                 stated += (a - b) * (a - b) / 2 / pairs;
                 is += ((a - truth) * (a - truth) + (b - truth) * (b - truth)) / 2 / pairs;
             }
-            // The mean of all sets is what every set is even about: three deviations of as many random
+            // The mean of all sets agrees with the truth to three standard deviations of as many random
             // points.
             EXPECT_NEAR(truth, seen_share(truth_points, blur_px, angle, offset_px),
                         3 * std::sqrt(truth * (1 - truth) / most_lens_views) + 1e-9);
             good += std::abs(10 * std::log10(stated / is)) < 1 ? 1 : 0;
             all += is;
-            // Random points: p (1 - p) / 64.
+            // The variance of 64 random points is p (1 - p) / 64.
             EXPECT_LT(is, truth * (1 - truth) / 64);
         }
     }

@@ -1,4 +1,5 @@
-// What a trace and a picture hold in memory grows so little with the pixels that 4K stays below 1.5 GiB.
+// The memory of `trace` and `focus` grows so slowly with the number of pixels that 4K needs less than 1.5
+// GiB.
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -35,9 +36,8 @@ class MemoryOfCommand : public CommandTest {
     }
 };
 
-// Memory is a part that is always there, one that grows with the width (bands of rows), and one that grows
-// with the pixels (pictures). Two heights tell the last, two widths the other: both from 3 records a pixel
-// on.
+// Memory has a constant part, a part that grows with the width (bands of rows) and one that grows with the
+// number of pixels (images). Two heights and two widths determine them, with at least 3 records per pixel.
 TEST_F(MemoryOfCommand, OfTracingFourKStaysBelowOneAndAHalfGibibytes) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "a sanitizer's own memory is counted with it";
@@ -55,7 +55,7 @@ TEST_F(MemoryOfCommand, OfTracingFourKStaysBelowOneAndAHalfGibibytes) {
     std::printf("at 3840x2160: trace %.0f MiB, image %.0f MiB\n", trace / 1048576, image / 1048576);
     EXPECT_LT(trace, limit_bytes);
     EXPECT_LT(image, limit_bytes);
-    // Scatter keeps what it spreads: so much for each record.
+    // The scatter method stores the records that it scatters, so its memory is measured per record.
     const double per_record = (high.focus_bytes - low.focus_bytes) / (high.records - low.records);
     std::printf("focus: %.0f bytes a record\n", per_record);
     EXPECT_LT(per_record, 256);

@@ -1,4 +1,4 @@
-// Scenes from glTF, OBJ and PLY: what becomes of everything in them, and files that are broken.
+// Scenes from glTF, OBJ and PLY: the conversion of all content, and damaged files.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -76,7 +76,7 @@ class MeshText : public testing::Test {
     Scene read(const GltfText& g, const SceneReadOptions& options = {}) {
         return read("t.gltf", g.text(), options);
     }
-    // The error without the file's folder; it is one line of code 3.
+    // The error message without the file's folder. It must be a single line, with exit code 3.
     std::string error(const std::string& name, const std::string& bytes) {
         try {
             std::ignore = read(name, bytes);
@@ -94,10 +94,10 @@ class MeshText : public testing::Test {
     test::TemporaryFolder folder_;
 };
 
-// What a reader does in a process of its own, with 10 seconds and 1 GiB.
+// The result of reading a file in a separate process, limited to 10 seconds and 1 GiB.
 struct Outcome {
     bool loaded = false, refused = false;
-    std::string text;  // of the refusal, or what killed it
+    std::string text;  // the error message, or the signal that ended the process
 };
 
 Outcome read_apart(const fs::path& path) {
@@ -108,7 +108,7 @@ Outcome read_apart(const fs::path& path) {
         ::close(pipe_ends[0]);
         ::alarm(10);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-        // Sanitizers reserve more than that at their start.
+        // Sanitizers reserve more address space than that when they start.
         const rlimit limit{rlim_t{1} << 30, rlim_t{1} << 30};
         ::setrlimit(RLIMIT_AS, &limit);
 #endif
@@ -155,7 +155,7 @@ std::vector<fs::path> scenes_below(const fs::path& folder) {
 // ---- published files
 
 TEST(PublishedMeshes, LoadOrAreRefusedInOneLine) {
-    // Files that hold nothing to see, or that are not what they say.
+    // Files without visible content, and invalid files.
     const std::set<std::string> refused{"invalid-face-definition.obj", "invalid-relative-vertex-index.obj",
                                         "BoxWithInfinites.glb",        "RecursiveNodes.gltf",
                                         "IndexOutOfRange.gltf",        "badArray.gltf"};
@@ -203,7 +203,7 @@ TEST(PublishedMeshes, CamerasAreThoseOfTheFile) {
     EXPECT_EQ(o.projection, Camera::Projection::orthographic);
     EXPECT_EQ(o.orthographic_width_m, 2);
     EXPECT_NE(p.name, o.name);
-    // The film of the perspective one holds what lies yfov / 2 above its middle.
+    // A point at yfov / 2 above the axis of the perspective camera is at the upper border of its film.
     const CameraModel model(p, 0);
     const auto at = model.place(p.position + dvec3(0, std::tan(0.35), -1));
     ASSERT_TRUE(at);
@@ -226,9 +226,9 @@ TEST(PublishedMeshes, TheAnimatedCubeTurnsAsItsKeysSay) {
     ASSERT_EQ(s.objects.size(), 1U);
     const Object& cube = s.objects[0];
     ASSERT_FALSE(cube.keys.empty());
-    // Keys at 0, 1, 2 s: (0, 0, 0, 1), (0, 1, 0, -4e-8), (0, -9e-8, 0, -1). Each pair's product is a little
-    // below 0, so that the short way runs backwards: half a turn a second about -y. The keys are off by 4e-8,
-    // on a corner at sqrt(3) m by twice that times as much.
+    // The keys at 0, 1 and 2 s are (0, 0, 0, 1), (0, 1, 0, -4e-8) and (0, -9e-8, 0, -1). The dot products of
+    // neighbours are slightly below 0, so the shorter arc runs backwards: half a turn per second about -y.
+    // The keys have errors of 4e-8, which moves a corner at sqrt(3) m by 2 sqrt(3) times as much.
     for (int i = 0; i <= 200; ++i) {
         const double t = 2 * i / 200.0, a = -std::numbers::pi * t;
         const dvec3 corner(1, 1, 1);
@@ -239,7 +239,7 @@ TEST(PublishedMeshes, TheAnimatedCubeTurnsAsItsKeysSay) {
     EXPECT_EQ(s.materials[cube.material].name, "AnimatedCube");
 }
 
-// [gltf2, appendix C.4], term by term, for a value v_k with tangents a_k in and b_k out.
+// The cubic spline of [gltf2, appendix C.4], for values v_k with tangents a_k in and b_k out.
 double hermite(double v0, double b0, double v1, double a1, double gap, double t) {
     return (2 * t * t * t - 3 * t * t + 1) * v0 + gap * (t * t * t - 2 * t * t + t) * b0 +
            (-2 * t * t * t + 3 * t * t) * v1 + gap * (t * t * t - t * t) * a1;
@@ -249,7 +249,7 @@ TEST(PublishedMeshes, ACubicSplineIsFollowed) {
     const Scene s = read_scene(published / "01_cs_translate.gltf");
     ASSERT_EQ(s.objects.size(), 1U);
     const Object& cube = s.objects[0];
-    // The 9 vectors of the file: at 0, 1 and 2 s (0,0,0), (2,1,0), (0,0,0), as its accessor's bytes say.
+    // The file has 9 vectors: values (0,0,0), (2,1,0) and (0,0,0) at 0, 1 and 2 s, each with two tangents.
     std::ifstream file(published / "01_cs_translate.bin", std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(file)), {});
     std::vector<float> v(27);
@@ -269,8 +269,8 @@ TEST(PublishedMeshes, ACubicSplineIsFollowed) {
         }
         worst = std::max(worst, glm::length(moved(cube, t, dvec3(0)) - wanted));
     }
-    // 1/10000 of the size at seven instants of every gap; between those the error of a parabola's chord is at
-    // most 1 / 0.9375 of what the nearest of them sees.
+    // The tolerance is 1/10000 of the size at seven instants in every gap. Between these, the error of a
+    // chord of a parabola is at most 1 / 0.9375 times that at the nearest instant.
     EXPECT_LT(worst, 1e-4 * size / 0.93);
     EXPECT_GT(cube.keys.size(), 8U);
 }
@@ -284,15 +284,15 @@ TEST_F(MeshText, ANodesPlaceIsTheProductOfThoseAboveIt) {
         R"({"children":[2],"matrix":[0,1,0,0,-1,0,0,0,0,0,1,0,5,0,0,1]},{"mesh":0,"scale":[1,1,-1]})";
     const Scene s = read(g);
     ASSERT_EQ(s.objects.size(), 1U);
-    // (1,0,0) -> scale z -> quarter turn (0,1,0) + (5,0,0) -> times 2 (10,2,0) -> quarter turn (-2,10,0) -> +
-    // (1,2,3).
+    // (1,0,0) is scaled along z, rotated by 90 degrees to (0,1,0), translated by (5,0,0), scaled by 2 to
+    // (10,2,0), rotated by 90 degrees to (-2,10,0) and translated by (1,2,3).
     EXPECT_LT(glm::length(moved(s.objects[0], 0, {1, 0, 0}) - dvec3(-1, 12, 3)), 1e-14);
     EXPECT_LT(glm::length(moved(s.objects[0], 0, {0, 0, 1}) - dvec3(1, 12, 1)), 1e-14);
 }
 
 TEST_F(MeshText, MotionOfOneAboveAnotherIsTheirProduct) {
-    // Above: stands still, twice as large. Middle: moves along x and turns about z. Below: is displaced.
-    // Mesh: turns about y.
+    // From the root: a still node with scale 2, a node that moves along x and rotates about z, a translated
+    // node, and the node of the mesh, which rotates about y.
     const auto h = static_cast<float>(std::sqrt(0.5));
     GltfText g;
     g.nodes =
@@ -302,7 +302,7 @@ TEST_F(MeshText, MotionOfOneAboveAnotherIsTheirProduct) {
     g.animate(3, "rotation", "LINEAR", {0.5F, 1.5F}, {0, 0, 0, 1, 0, h, 0, h});
     const Scene s = read(g);
     ASSERT_EQ(s.objects.size(), 1U);
-    const double size = 2 * std::sqrt(2.0);  // of the triangle's box, twice as large
+    const double size = 2 * std::sqrt(2.0);  // diagonal of the triangle's box, times the scale 2
     double worst = 0;
     for (int i = 0; i <= 300; ++i) {
         const double t = 2.0 * i / 300, quarter = std::numbers::pi / 2;
@@ -356,7 +356,8 @@ TEST_F(MeshText, AConstantCurveIsNoMotion) {
 
 TEST_F(MeshText, ACubicRotationIsNormalised) {
     GltfText g;
-    // Tangents of 0: q(t) = normalised blend by 3 t^2 - 2 t^3 of none and a third of a turn about z.
+    // With tangents of 0, q(t) is the normalised blend by 3 t^2 - 2 t^3 of the identity and a rotation by 120
+    // degrees about z.
     const double half = std::numbers::pi / 3;
     const auto z = static_cast<float>(std::sin(half)), w = static_cast<float>(std::cos(half));
     g.animate(0, "rotation", "CUBICSPLINE", {0, 1},
@@ -417,8 +418,8 @@ TEST_F(MeshText, CamerasAndLightsMoveWithTheirNodes) {
     EXPECT_EQ(s.ambient_light, dvec3(0));
 }
 
-// What Cycles shows of a matt floor of albedo 0.8 under the lights that Blender exports so: measured within
-// 0.1 %.
+// Compares the radiance of a diffuse floor of albedo 0.8 with Cycles (measured to 0.1 %), for lights exported
+// by Blender.
 TEST_F(MeshText, LightsAreDividedByLumensPerWatt) {
     const auto light = [&](const std::string& type, double intensity, const SceneReadOptions& options) {
         GltfText g;
@@ -431,7 +432,7 @@ TEST_F(MeshText, LightsAreDividedByLumensPerWatt) {
         EXPECT_EQ(s.lumens_per_watt, options.lumens_per_watt);
         return s.lights.at(0).intensity.x;
     };
-    // 2 W/m^2 at 30 degrees; 1000 W, 3 m above the floor.
+    // A sun of 2 W/m^2 at 30 degrees, and a point light of 1000 W at 3 m above the floor.
     const double candela = 1000 / (4 * std::numbers::pi) * 683;
     EXPECT_NEAR(0.8 * light("directional", 2 * 683, {}) * std::cos(std::numbers::pi / 6), 0.441063, 1e-6);
     EXPECT_NEAR(0.8 * light("point", candela, {}) / 9, 2.251581, 1e-6);
@@ -452,7 +453,7 @@ TEST_F(MeshText, LengthsFollowTheUnit) {
     const Scene s = read(g, {.metres_per_unit = 0.01});
     EXPECT_LT(glm::length(moved(s.objects.at(0), 1, {0.01, 0, 0}) - dvec3(0.21, 0, 0)), 1e-8);
     EXPECT_EQ(s.lights.at(0).position, dvec3(0, 0.05, 0));
-    // At 5 units the same as at 5 m.
+    // The light at 5 units of the file is the same as at 5 m.
     EXPECT_NEAR(s.lights[0].attenuation.z * 0.05 * 0.05, 25, 1e-12);
 }
 
@@ -472,7 +473,7 @@ TEST(MetallicRoughness, HasItsLimitsInWhittedsModel) {
     const Material rough_metal = whitted_material({.base = red, .metallic = 1, .roughness = 1});
     EXPECT_EQ(rough_metal.diffuse, red);
     EXPECT_EQ(rough_metal.reflection, dvec3(0));
-    // F0 of an index of 1.5 is 0.04; a solid body refracts, a thin one does not.
+    // F0 is 0.04 for an index of 1.5. A solid body refracts, a thin sheet does not.
     const Material glass =
         whitted_material({.metallic = 0, .roughness = 0, .transmission = 1, .ior = 1.5, .solid = true});
     EXPECT_NEAR(glass.reflection.x, 0.04, 1e-15);
@@ -487,7 +488,7 @@ TEST(MetallicRoughness, HasItsLimitsInWhittedsModel) {
 }
 
 TEST(MetallicRoughness, NeverGivesMoreThanArrives) {
-    // With light from everywhere a white surface must not send back more than one.
+    // In uniform light from all directions, a white surface must not reflect more than it receives.
     for (int i = 0; i <= 10; ++i) {
         for (int j = 0; j <= 10; ++j) {
             for (int k = 0; k <= 10; ++k) {
@@ -535,7 +536,7 @@ TEST_F(MeshText, PicturesLieAsTheFormatSays) {
     write_image(folder_.path() / "four colours.png", four_colours());
     const std::string png = bytes_of(folder_.path() / "four colours.png");
     const auto document = [&](GltfText& g, const std::string& image) {
-        // v runs downwards in glTF: (0.25, 0.25) is the first texel, red.
+        // v runs downwards in glTF, so (0.25, 0.25) is the first texel, which is red.
         const int uv = g.floats({0.25F, 0.25F, 0.75F, 0.25F, 0.25F, 1.75F}, "VEC2");
         g.mesh.replace(g.mesh.find("}}]"), 3, fmt::format(R"(,"TEXCOORD_0":{}}},"material":0}}])", uv));
         g.more =
@@ -571,7 +572,7 @@ TEST_F(MeshText, TheDigestCoversWhatIsReferredTo) {
     EXPECT_EQ(before.sha256, digest.hex());
     write("a b.bin", g.buffer() + "more");
     EXPECT_NE(read("t.gltf", text).sha256, before.sha256);
-    // OBJ: the material library counts.
+    // The SHA-256 of an OBJ scene includes its material library.
     write("m.mtl", "newmtl a\nKd 1 0 0\n");
     const std::string obj = "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     const Scene first = read("t.obj", obj);
@@ -624,7 +625,7 @@ TEST_F(MeshText, StripsFansIndicesAndSparseValuesAreTriangles) {
     const auto& strip = mesh_of(s.objects[0]).triangles;
     ASSERT_EQ(strip.size(), 2U);
     EXPECT_EQ(strip[0], glm::uvec3(0, 1, 2));
-    EXPECT_EQ(strip[1], glm::uvec3(1, 3, 2));  // turned as the first
+    EXPECT_EQ(strip[1], glm::uvec3(1, 3, 2));  // with the winding of the first triangle
     EXPECT_EQ(mesh_of(s.objects[1]).triangles.size(), 2U);
     EXPECT_EQ(mesh_of(s.objects[2]).positions[2], glm::vec3(0, 9, 0));
     EXPECT_TRUE(notes_have(s, "points and lines"));
@@ -643,7 +644,7 @@ TEST_F(MeshText, ColoursOfCornersAreMixed) {
     rays.intersect(batch, false);
     ASSERT_TRUE(batch.hit(0).valid());
     const SurfacePoint p = rays.surface(batch.hit(0), from, along, 1);
-    // Its shares of the three corners.
+    // The colour is interpolated by the barycentric coordinates of the hit.
     EXPECT_LT(glm::length(dvec3(p.colour) - dvec3(0.25, 0.25, 0.5)), 1e-7);
     EXPECT_EQ(surface_colour(s.materials.at(0), p), dvec3(p.colour));
 }
@@ -704,7 +705,7 @@ TEST(PublishedMeshes, TheCornellBoxIsSeenFromItsOpenSide) {
     for (const Object& o : s.objects) names.insert(o.name);
     EXPECT_TRUE(names.contains("floor") && names.contains("tall_block"));
     const CameraModel camera(s.cameras.at(0), 0);
-    EXPECT_LT(camera.position.z, -0.5);  // its back wall stands at 0.559 m
+    EXPECT_LT(camera.position.z, -0.5);  // the back wall is at 0.559 m
     EXPECT_GT(camera.forward.z, 0.99);
     for (const Object& o : s.objects) {
         for (const glm::vec3& p : mesh_of(o).positions) {
@@ -713,7 +714,7 @@ TEST(PublishedMeshes, TheCornellBoxIsSeenFromItsOpenSide) {
             EXPECT_TRUE(at->x > 0 && at->x < camera.width && at->y > 0 && at->y < camera.height);
         }
     }
-    // The lamp's Ka of 20 glows under the ambient light that goes with Ka.
+    // The light's Ka of 20 has a radiance of 2 under the ambient light of 0.1.
     for (const Object& o : s.objects) {
         if (o.name != "light") continue;
         EXPECT_NEAR((s.materials[o.material].ambient * s.ambient_light).x, 2, 1e-6);
@@ -822,7 +823,7 @@ TEST_F(BrokenGltf, DepthAndSizeAreBounded) {
     chain.nodes += R"({"mesh":0})";
     const Outcome walked = read_apart(write("chain.gltf", chain.text()));
     EXPECT_TRUE(walked.loaded) << walked.text;
-    // Two children that are one: 2^40 nodes, were they all visited.
+    // Every node has the same child twice, which would be 2^40 visits.
     GltfText doubled;
     doubled.nodes.clear();
     for (int i = 0; i < 40; ++i) doubled.nodes += fmt::format(R"({{"children":[{0},{0}]}},)", i + 1);
@@ -836,7 +837,7 @@ TEST_F(BrokenGltf, DepthAndSizeAreBounded) {
     const Outcome flood = read_apart(write("wide.gltf", wide));
     EXPECT_TRUE(flood.refused) << flood.text;
     EXPECT_THAT(flood.text, HasSubstr("too many values"));
-    // Zeros that no buffer stands behind.
+    // An accessor without a buffer, whose elements are zero.
     GltfText zeros;
     std::string text = zeros.text();
     const auto at = text.find(R"("bufferView":0,)");

@@ -1,4 +1,4 @@
-// Searches of a raster by squares against looking at every value.
+// Hierarchical searches of a raster, compared with a test of all values.
 #include "tracer/min_max_pyramid.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ struct Raster {
     std::vector<float> values;
 };
 
-/// Planes with steps between them, lone values and holes: what depths look like.
+/// A raster like one of depths: planes with steps between them, single values and holes.
 Raster raster_of(std::mt19937& random, int width, int height) {
     std::uniform_real_distribution<float> share(0, 1);
     Raster out{-7, 3, width, height, {}};
@@ -45,7 +45,7 @@ void for_each_value(const Raster& r, const glm::dvec2& at, const Look& look) {
     }
 }
 
-/// Whether a value within `reach` is in the cone, which is that much wider at its top.
+/// Whether the cone contains a value within `reach`, tested for all values.
 bool any_by_hand(const Raster& r, const MinMaxPyramid::Cone& cone, double reach) {
     bool found = false;
     for_each_value(r, cone.at, [&](double v, double d) {
@@ -63,7 +63,8 @@ TEST(MinMaxPyramid, FindsWhatLookingAtEveryValueFinds) {
         for (int n = 0; n < 400; ++n) {
             const Raster r = raster_of(random, width, height);
             const MinMaxPyramid pyramid(r.x_begin, r.y_begin, width, height, r.values);
-            // Also of places outside, and of radii far beyond the raster and within a pixel.
+            // Positions may be outside of the raster; radii range from less than a pixel to far beyond the
+            // raster.
             MinMaxPyramid::Cone cone;
             cone.at = {r.x_begin + (1.4 * share(random) - 0.2) * width,
                        r.y_begin + (1.4 * share(random) - 0.2) * height};
@@ -94,7 +95,7 @@ TEST(MinMaxPyramid, FindsWhatLookingAtEveryValueFinds) {
     EXPECT_LT(yes, 1700);
 }
 
-// Whatever was found last, also in another raster, and by the coarser search.
+// Any hint is valid, also one from another raster or from the coarser search.
 TEST(MinMaxPyramid, HintsChangeNoAnswer) {
     std::mt19937 random(2);
     std::uniform_real_distribution<double> share(0, 1);
@@ -105,7 +106,7 @@ TEST(MinMaxPyramid, HintsChangeNoAnswer) {
         const MinMaxPyramid pyramid(r.x_begin, r.y_begin, width, height, r.values);
         MinMaxPyramid::Cone cone;
         for (int n = 0; n < 2000; ++n) {
-            // Most like the last one, as those of samples side by side are.
+            // Most cones are close to the previous one, as for neighbouring samples.
             if (n % 10 == 0) {
                 cone.at = {r.x_begin + (1.4 * share(random) - 0.2) * width,
                            r.y_begin + (1.4 * share(random) - 0.2) * height};

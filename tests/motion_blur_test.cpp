@@ -1,4 +1,4 @@
-// The motion-blur processor against closed forms, limits and invariants.
+// Motion blur against closed forms, limiting cases and invariants.
 #include "motionblur/motion_blur.h"
 
 #include <cmath>
@@ -19,8 +19,8 @@ using glm::dvec3;
 constexpr double depth_m = 4;
 constexpr double m_per_px = depth_m / px_per_m;
 
-// A bar of radiance 1 whose left edge stands on column `left`, `width` px wide, over the whole height and
-// before darkness; it moves `way` px to the right.
+// A bar of radiance 1 on black, with its left edge at column `left`, `width` px wide and over the whole
+// height. It moves by `way` px to the right.
 Scene bar(double left, double width, double way, std::vector<TransformKey> keys = {}) {
     SceneBuilder b;
     Object& o =
@@ -30,9 +30,9 @@ Scene bar(double left, double width, double way, std::vector<TransformKey> keys 
     return b.scene;
 }
 
-// Share of the exposure during which the bar covers a place: a box shutter and constant speed.
+// The fraction of the exposure during which the bar covers x, for a box shutter and constant speed.
 double trapezoid(double x, double left, double width, double way) {
-    const auto integral = [&](double edge) {  // of the share of time that the edge lies left of x
+    const auto integral = [&](double edge) {  // fraction of the time in which the edge is left of x
         return way == 0 ? (x >= edge ? 1.0 : 0.0) : std::clamp((x - edge) / way, 0.0, 1.0);
     };
     return integral(left) - integral(left + width);
@@ -62,9 +62,8 @@ struct BarCase {
 
 class MovingBar : public testing::TestWithParam<BarCase> {};
 
-// The bar's edges lie on borders of cells of the quadtree (quarters of a pixel), so that the records hold it
-// exactly, but for the half quarter by which a corner stands for its surroundings: a bar between two corners
-// a quarter apart.
+// The bar's edges lie on borders of quadtree cells (1/4 px), so the records hold it exactly, except that a
+// corner represents its surroundings up to 1/8 px.
 TEST_P(MovingBar, IsATrapezoid) {
     const auto [left, width, way] = GetParam();
     const TracedFrame frame(bar(left, width, way), for_shutter());
@@ -76,9 +75,9 @@ TEST_P(MovingBar, IsATrapezoid) {
             for (const int y : {3, 24, 40})
                 worst = std::max(worst, std::abs(static_cast<double>(image.pixel(x, y)[0]) - expected));
         }
-        // Each edge is known to 1/8 px: over a way of d pixels the ramp is off by 1/(8 d) on each, or by 1/8
-        // where it does not move. Views err by up to one of M at each of two edges; cells of i2 of c to a
-        // pixel shift the ends of the ramp by half a cell, 1 / (2 c d).
+        // Each edge is known to 1/8 px, which changes the ramp of a motion by d px by 1/(8 d), or by 1/8
+        // without motion. M views have an error of up to 1/M at each of two edges. i2 with c cells per pixel
+        // displaces the ends of the ramp by half a cell, 1 / (2 c d).
         const double views = 2.0 / 128,
                      cells = method == MotionMethod::convolve ? 0.5 / std::max(way, 1.0) : 0;
         EXPECT_LE(worst, 2 * 0.125 / std::max(way, 1.0) + (method == MotionMethod::convolve ? cells : views))
@@ -94,9 +93,9 @@ TEST(MotionBlur, ConservesLightInsideTheFrame) {
     const Scene scene = bar(12, 6, 24);
     const TracedFrame frame(scene, for_shutter());
     const double still = light_of(frame.file().picture());
-    // Cells and coverage are floats.
+    // Tolerance: cells and coverage are floats.
     EXPECT_NEAR(light_of(frame.blur(MotionMethod::convolve).image), still, 1e-5 * still);
-    // 128 views of 64 places: each counts the bar's columns to one.
+    // Each of 128 views counts the bar's columns to one column.
     EXPECT_NEAR(light_of(frame.blur(MotionMethod::lightfield).image), still, 0.01 * still);
 }
 
@@ -144,7 +143,7 @@ TEST(MotionBlur, ZeroExposureAtAnotherInstantIsTheMovedStill) {
         const Image image = frame.blur(method, 0.5, 0.5).image;
         for (int x = 0; x < 64; ++x) {
             const double expected = x >= 28 && x < 38 ? 1 : 0;
-            // The records know each edge to 1/8 px.
+            // The records hold each edge to 1/8 px.
             EXPECT_NEAR(static_cast<double>(image.pixel(x, 20)[0]), expected, 0.13) << x;
         }
     }
@@ -172,7 +171,7 @@ TEST(MotionBlur, CameraThatMovesWithItsObjectGivesNoBlurOfIt) {
 }
 
 TEST(MotionBlur, ObjectsThatMoveAlikeAreOneAndTheSameAsOneObject) {
-    // One plate, and the same plate cut in two that move alike: no seam between them.
+    // A plate, and the same plate cut in two parts with equal motion, which must have no seam.
     SceneBuilder whole, halves;
     const auto keys = from_to({18 * m_per_px, 5 * m_per_px, 0});
     whole.add(Rectangle{{-1, -0.8, -4}, {1.5, 0, 0}, {0, 1.5, 0}}, glowing(dvec3(0.8))).keys = keys;
@@ -185,8 +184,8 @@ TEST(MotionBlur, ObjectsThatMoveAlikeAreOneAndTheSameAsOneObject) {
 }
 
 TEST(MotionBlur, LongExposureWeighsTheStandstillAtTheEnds) {
-    // Open from -1 s to 3 s while the motion takes from 0 s to 1 s: a quarter stands at the start, half at
-    // the end.
+    // The shutter is open from -1 s to 3 s, and the motion lasts from 0 s to 1 s. For a quarter of the
+    // exposure the bar is at its start, and for half of it at its end.
     const TracedFrame frame(bar(8, 8, 32), for_shutter());
     for (const MotionMethod method : {MotionMethod::convolve, MotionMethod::lightfield}) {
         const Image image = frame.blur(method, -1, 3).image;
@@ -204,8 +203,8 @@ TEST(MotionBlur, OutAndBackIsTwiceTheWayAtTwiceTheSpeed) {
     const TracedFrame there(bar(14, 6, 20), for_shutter()), back(bar(14, 6, 0, keys), for_shutter());
     for (const MotionMethod method : {MotionMethod::convolve, MotionMethod::lightfield}) {
         const Image a = there.blur(method).image, b = back.blur(method).image;
-        // Paths of 20 px have cells of 1/4 px, of 40 px of 1/2: half of the difference of 20 px at either
-        // end.
+        // Paths of 20 px have cells of 1/4 px, paths of 40 px cells of 1/2 px. The ends differ by half of the
+        // difference.
         const double ends = 2 * 0.125 / 20, views = 4.0 / 128;
         for (int x = 0; x < 64; ++x)
             EXPECT_NEAR(a.pixel(x, 20)[0], b.pixel(x, 20)[0], method == MotionMethod::convolve ? ends : views)
@@ -214,7 +213,8 @@ TEST(MotionBlur, OutAndBackIsTwiceTheWayAtTwiceTheSpeed) {
 }
 
 TEST(MotionBlur, LeavesAndReentersTheFrame) {
-    // To the right beyond the border and back: seen for the first and the last third or so.
+    // The bar leaves the frame on the right and returns. It is visible for about the first and the last
+    // third.
     const std::vector<TransformKey> keys{
         {.time_s = 0}, {.time_s = 0.5, .translation = {40 * m_per_px, 0, 0}}, {.time_s = 1}};
     const TracedFrame frame(bar(40, 12, 0, keys), for_shutter());
@@ -251,7 +251,7 @@ TEST(MotionBlur, WhatIsUncoveredIsRightWhereRecordedAndSaidWhereNot) {
         const MotionBlurResult right = known.blur(method), filled = unknown.blur(method);
         EXPECT_FALSE(has_warning(right, "uncovered"));
         EXPECT_TRUE(has_warning(filled, "uncovered"));
-        // The study has 42.6 dB against 26.9 dB; here the records hold edges to 1/128 px.
+        // The study reports 42.6 dB against 26.9 dB; here the records hold edges to 1/128 px.
         EXPECT_GT(psnr(right.image, reference), 40) << static_cast<int>(method);
         EXPECT_LT(psnr(filled.image, reference), psnr(right.image, reference) - 8);
     }
@@ -276,7 +276,7 @@ TEST(MotionBlur, AutomaticConvolvesTranslationsAndReprojectsTheRest) {
     EXPECT_EQ(r.method, MotionMethod::automatic);
     const Image convolved = frame.blur(MotionMethod::convolve).image,
                 reprojected = frame.blur(MotionMethod::lightfield).image;
-    for (int y = 0; y < 48; ++y) {  // left: as convolve has it, right: as lightfield does
+    for (int y = 0; y < 48; ++y) {  // the left part equals `convolve`, the right part `lightfield`
         for (int x = 0; x < 24; ++x) EXPECT_EQ(r.image.pixel(x, y)[0], convolved.pixel(x, y)[0]);
         for (int x = 44; x < 64; ++x) EXPECT_EQ(r.image.pixel(x, y)[0], reprojected.pixel(x, y)[0]);
     }
@@ -292,8 +292,8 @@ TEST(MotionBlur, KeysDoNotTakeAConvolvedObjectFromConvolve) {
     ASSERT_EQ(chosen.objects.size(), 1U);
     EXPECT_EQ(chosen.objects[0].method, MotionMethod::convolve);
     EXPECT_EQ(chosen.method, MotionMethod::convolve);
-    // The second key, at which the plate stands elsewhere, says nothing of the wall there. Where four tiles
-    // of the wall meet, the keys are subdivided differently, as other hidden surfaces lie near.
+    // The second key, at which the plate is elsewhere, does not change the wall here. Pixels at which four
+    // tiles of the wall meet are left out: other hidden surfaces nearby make the keys' subdivisions differ.
     for (int y = 0; y < 48; ++y) {
         for (int x = 0; x < 64; ++x) {
             if ((x == 31 || x == 32) && (y % 12 == 11)) continue;
@@ -327,7 +327,7 @@ TEST(MotionBlur, PathsReplaceWhatTheFileSays) {
     for (const MotionMethod method : {MotionMethod::convolve, MotionMethod::lightfield}) {
         const Image image =
             motion_blur(frame.file(), {.exposure = {0, 1}, .method = method, .paths = {path}}).image;
-        for (int x = 0; x < 64; ++x) {  // mirrored: it moves 12 px to the left
+        for (int x = 0; x < 64; ++x) {  // mirrored, because the bar moves by 12 px to the left
             EXPECT_NEAR(static_cast<double>(image.pixel(x, 20)[0]), pixel_mean(63 - x, 64 - 28, 8, 12), 0.06)
                 << x;
         }

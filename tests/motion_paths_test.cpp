@@ -1,4 +1,4 @@
-// Paths on the raster: closed forms of each kind, and flattening that keeps both the way and the speed.
+// Paths on the raster: closed forms of all kinds, and flattening that preserves position and speed.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
@@ -13,7 +13,7 @@ namespace {
 
 using glm::dvec2;
 
-// Linear between points.
+// Linear interpolation between points.
 dvec2 on_points(const std::vector<PathPoint>& points, double time_s) {
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const PathPoint &a = points[i], &b = points[i + 1];
@@ -24,7 +24,7 @@ dvec2 on_points(const std::vector<PathPoint>& points, double time_s) {
     return points.back().at_px;
 }
 
-// The greatest distance between points and function at many instants.
+// The greatest distance between the points and the function, over many instants.
 template <typename At>
 double greatest_error_px(const std::vector<PathPoint>& points, const At& at) {
     double worst = 0;
@@ -58,7 +58,7 @@ TEST(ScreenPaths, APolylineIsLinearInTimeAndStillOutside) {
     EXPECT_EQ(path.at(3), dvec2(10, 0));
     EXPECT_EQ(path.at(9), dvec2(10, -4));
     const auto points = path.flatten(0, 3);
-    ASSERT_EQ(points.size(), 4U);  // still, two pieces of constant velocity
+    ASSERT_EQ(points.size(), 4U);  // a still piece and two pieces of constant velocity
     EXPECT_EQ(points[0].time_s, 0);
     EXPECT_EQ(points[1].time_s, 1);
     EXPECT_EQ(points[2].at_px, dvec2(10, 4));
@@ -70,10 +70,10 @@ TEST(ScreenPaths, APolylineIsLinearInTimeAndStillOutside) {
 }
 
 TEST(ScreenPaths, ABezierPathIsTheCurveOfItsHandlesWithTimeAsParameter) {
-    // Handles of a third: constant velocity.
+    // Handles of a third of the distance give constant velocity.
     const ScreenPath straight(PathKind::bezier, {{0, {0, 0}, {}, {3, 1}}, {2, {9, 3}, {-3, -1}, {}}}, "test");
     for (int i = 0; i <= 10; ++i) expect_near(straight.at(0.2 * i), dvec2(0.9, 0.3) * double(i), 1e-14);
-    // x = 3 u^2 - 2 u^3: no handle along x. y = 3 u (1 - u): handles of 1.
+    // Without handles along x, x = 3 u^2 - 2 u^3. With handles of 1 along y, y = 3 u (1 - u).
     const ScreenPath ease(PathKind::bezier, {{0, {0, 0}, {}, {0, 1}}, {4, {1, 0}, {0, 1}, {}}}, "test");
     for (int i = 0; i <= 16; ++i) {
         const double u = i / 16.0;
@@ -82,19 +82,19 @@ TEST(ScreenPaths, ABezierPathIsTheCurveOfItsHandlesWithTimeAsParameter) {
 }
 
 TEST(ScreenPaths, CatmullRomMeetsItsKnotsAndMakesParabolasOfUnevenKnots) {
-    // Between inner knots a motion of constant acceleration comes out exactly, whatever the knots' times.
+    // Between inner knots, a motion with constant acceleration is exact for any times of the knots.
     const auto fall = [](double t) { return dvec2(3 * t - 1, 7 - 2 * t + 5 * t * t); };
     std::vector<PathKnot> knots;
     for (const double t : {-1.0, 0.0, 0.1, 0.7, 2.0, 2.5}) knots.push_back({t, fall(t)});
     const ScreenPath path(PathKind::catmull_rom, knots, "test");
     for (const PathKnot& k : knots) EXPECT_EQ(path.at(k.time_s), k.at_px);
-    // Values up to 40, each a handful of roundings.
+    // Tolerance: a few roundings of values up to 40.
     for (int i = 0; i <= 200; ++i) expect_near(path.at(0.01 * i), fall(0.01 * i), 1e-13);
-    // Two knots are a straight line of constant velocity, one knot is still.
+    // Two knots give a straight line with constant velocity; one knot gives a constant position.
     const ScreenPath line(PathKind::catmull_rom, {{0, {0, 0}}, {3, {6, 9}}}, "test");
     for (int i = 0; i <= 30; ++i) expect_near(line.at(0.1 * i), dvec2(0.2, 0.3) * double(i), 1e-14);
     EXPECT_EQ(ScreenPath(PathKind::catmull_rom, {{0, {5, 6}}}, "test").at(7), dvec2(5, 6));
-    // The velocity has no jumps: left and right of a knot differences over h are the same but for h times
+    // The velocity is continuous: difference quotients over h on both sides of a knot differ only by h times
     // the jump of the acceleration, which is below 1000 here.
     std::mt19937 random(3);
     std::uniform_real_distribution<double> place(-10, 10), step(0.5, 2);
@@ -174,7 +174,7 @@ TEST(ScreenPaths, FlatteningHasABoundedNumberOfPoints) {
     EXPECT_GE(points.size(), most_path_points / 2);
     std::vector<PathKnot> many;
     for (int i = 0; i < 100'000; ++i) many.push_back({1.0 * i, {i % 2 == 0 ? 1e9 : -1e9, 0}});
-    // Every segment at least once.
+    // Every segment has at least one point, even beyond the limit.
     EXPECT_LE(ScreenPath(PathKind::catmull_rom, many, "test").flatten(-1, 1e6).size(),
               most_path_points + 100'000);
 }
@@ -183,23 +183,23 @@ TEST(Flatten, FollowsAnyFunctionOfTime) {
     const auto circle = [](double t) { return 100.0 * dvec2(std::cos(t), std::sin(t)); };
     const auto points = flatten(circle, {}, 0, 2 * std::numbers::pi, 0.01);
     EXPECT_LE(greatest_error_px(points, circle), 0.01);
-    // A chord of angle a is off by r (1 - cos(a / 2)): 222 of them would do; a quarter of the tolerance is
-    // kept for kinks, and halving takes a power of two.
+    // A chord of angle a has an error of r (1 - cos(a / 2)), so 222 chords would suffice. A quarter of the
+    // tolerance is reserved for kinks, and halving gives a power of two.
     EXPECT_EQ(points.size(), 513U);
-    // What is straight stays 16 pieces.
+    // A straight motion keeps the initial 16 pieces.
     EXPECT_EQ(flatten([](double t) { return dvec2(t, -t); }, {}, 0, 3).size(), 17U);
     EXPECT_EQ(flatten(circle, {}, 1, 1).size(), 1U);
 }
 
 TEST(Flatten, SeesWhatTurnsSymmetrically) {
-    // Periodic motions whose period divides the first pieces or what lies between their tests.
+    // Periodic motions whose period divides the initial pieces or the distances between their tests.
     for (int waves = 1; waves <= 64; ++waves) {
         const auto swing = [&](double t) {
             return 5.0 * dvec2(std::sin(2 * std::numbers::pi * waves * t),
                                std::cos(2 * std::numbers::pi * waves * t));
         };
         EXPECT_LE(greatest_error_px(flatten(swing, {}, 0, 1, 0.02), swing), 0.02) << waves;
-        // To and fro along a line, a kink at each end.
+        // A motion back and forth along a line, with a kink at each end.
         const auto saw = [&](double t) {
             const double phase = waves * t - std::floor(waves * t);
             return dvec2(40 * std::abs(2 * phase - 1), 0);
@@ -222,10 +222,10 @@ TEST(Flatten, BreaksAreMetExactly) {
 }
 
 TEST(Flatten, IsBoundedForAnyFunction) {
-    // No halving ever makes this linear.
+    // This function does not become linear by halving.
     const auto noise = [](double t) { return dvec2(std::fmod(t * 1e9, 1000.0), 0); };
     EXPECT_LE(flatten(noise, {}, 0, 1).size(), 2 * most_path_points + 1);
-    // A jump costs a few points a halving.
+    // A jump needs two points per halving.
     const auto jump = [](double t) { return dvec2(t < 0.123 ? 0 : 1e6, 0); };
     EXPECT_LE(flatten(jump, {}, 0, 1).size(), 17U + 2 * 20);
 }

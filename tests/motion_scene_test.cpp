@@ -1,4 +1,4 @@
-// Scenes over a time span: what a ray at an instant hits is what the scene of that instant has there.
+// Scenes over a time span: a ray at an instant must have the same hit as in the still scene of that instant.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <memory>
@@ -18,7 +18,7 @@ using glm::dmat4;
 using glm::dvec3;
 
 constexpr TimeSpan shutter{0.25, 1.25};
-// A key inside the shutter's time at no share that a float or equal steps would meet.
+// Time of a key inside the shutter interval, at a fraction that neither floats nor equal steps hit exactly.
 constexpr double kink_s = 0.25 + 0.3137;
 
 std::shared_ptr<const Mesh> smooth_ball(int rings, int sectors) {
@@ -33,7 +33,8 @@ struct NamedShape {
     bool mesh = false, twice = false;
 };
 
-// Every kind of shape; "twice": two objects share the mesh, which is large enough to be shared by Embree too.
+// All kinds of shapes. With "twice", two objects share the mesh, which is large enough to be shared in
+// Embree.
 std::vector<NamedShape> all_shapes() {
     return {{"sphere", Sphere{{0.1, 0, 0}, 0.8}},
             {"box", Box{{-0.8, -0.4, -0.3}, {0.9, 0.5, 0.4}}},
@@ -47,7 +48,7 @@ std::vector<NamedShape> all_shapes() {
             {"shared mesh", smooth_ball(12, 16), true, true}};
 }
 
-// uvs and positions in the object's own space are made for what has a texture only.
+// A textured material, because uvs and object positions are only computed for textured objects.
 Material textured() {
     Material m = matte(dvec3(1));
     m.colour_texture = std::make_shared<Texture>(Checker{});
@@ -56,7 +57,7 @@ Material textured() {
 
 struct MotionKind {
     const char* name;
-    bool uniform;       // one scale for all axes, no change of it
+    bool uniform;       // the scale is uniform and constant
     std::size_t count;  // keys
 };
 constexpr MotionKind kinds[] = {{"rigid, two keys", true, 2},
@@ -83,11 +84,11 @@ SceneBuilder scene_of(const NamedShape& shape, const MotionKind& kind, RandomNum
         second.keys = keys_of(kind, random);
         for (TransformKey& k : second.keys) k.translation += dvec3(2.5, 0, 0);
     }
-    b.add(Sphere{{0, 0, 0}, 40}, matte(dvec3(1)));  // what lies behind, still
+    b.add(Sphere{{0, 0, 0}, 40}, matte(dvec3(1)));  // a still background
     return b;
 }
 
-// What an error of a mesh's motion may be, m.
+// Tolerance of a mesh's motion, m.
 constexpr double motion_m = 1e-4;
 MotionAccuracy accuracy() {
     return {[](const dvec3&, double) { return 0.05 / motion_m; }, 0.05};
@@ -98,7 +99,7 @@ struct Rays {
     std::vector<dvec3> o, d;
 
     void add(const dvec3& from, const dvec3& to, double time) {
-        // Origins as floats, so that both scenes are asked for the same ray in double too.
+        // Origins and directions are rounded to float, so that both scenes get the same ray in double.
         const dvec3 start(glm::vec3{from}), direction(glm::vec3(glm::normalize(to - start)));
         o.push_back(start);
         d.push_back(glm::normalize(direction));
@@ -106,8 +107,8 @@ struct Rays {
     }
 };
 
-// Rays from around the object at its time towards it, some past it: ray i at times[i % times.size()], so that
-// rays of many times share a packet.
+// Rays from around the object towards its position at their time; some miss it. Ray i has time
+// times[i % times.size()], so that a packet has rays of many times.
 Rays rays_at(const Scene& scene, const std::vector<double>& times, int per_time, RandomNumbers& random) {
     Rays r;
     r.batch.clear(false, true);
@@ -138,9 +139,9 @@ struct Counts {
     int rays = 0, hits = 0, other = 0;
 };
 
-// Analytic shapes go by their true motion, in double as in the scene of that instant: what differs are
-// roundings of 2^-53 times the condition of the transforms (scales down to 0.7: below 100), and of a hit near
-// a silhouette, whose root of the discriminant may be as small as 1e-3 in some thousand rays.
+// Analytic shapes follow their exact motion in double. Differences are roundings of 2^-53 times the condition
+// of the transforms (below 100 for scales down to 0.7) and of hits near a silhouette, where the root of the
+// discriminant may be as small as 1e-3.
 void compare_exact(const SurfacePoint& a, const SurfacePoint& b, const std::string& what) {
     constexpr double tolerance = 1e-9;
     EXPECT_NEAR(a.t, b.t, tolerance * b.t) << what;
@@ -148,14 +149,14 @@ void compare_exact(const SurfacePoint& a, const SurfacePoint& b, const std::stri
     EXPECT_LE(glm::length(a.geometric_normal - b.geometric_normal), tolerance) << what;
     EXPECT_LE(glm::length(a.normal - b.normal), tolerance) << what;
     EXPECT_LE(glm::length(a.object_position - b.object_position), tolerance * b.t) << what;
-    EXPECT_LE(glm::length(a.uv - b.uv), 1e-8) << what;  // angles about an axis that is near
+    EXPECT_LE(glm::length(a.uv - b.uv), 1e-8) << what;  // angles about a nearby axis amplify rounding
 }
 
-// Meshes go linearly from step to step and stray by motion_m at most (and the 1/8 that lies between the
-// places that motion_steps looks at). Along the ray that is motion_m / |d . n|; in the object's own space it
-// grows by 1 / 0.7, its smallest scale; a normal errs by the change of the linear part, 2 motion_m over the
-// object's smallest half width, and by the surface's own turn, some 1 / 0.7 radians per metre, with uvs like
-// positions. Floats of Embree's transforms add 1e-6.
+// Meshes move linearly between steps, with an error of at most motion_m (plus 1/8 between the instants that
+// motion_steps tests). Along the ray this is motion_m / |d . n|; in object space it is larger by 1 / 0.7, the
+// smallest scale. The error of a normal is the change of the linear part, 2 motion_m over the smallest half
+// width, plus the curvature of about 1 / 0.7 radians per metre; uvs behave like positions. Embree's float
+// transforms add 1e-6.
 void compare_mesh(const SurfacePoint& a, const SurfacePoint& b, const dvec3& d, const std::string& what) {
     const double along = 1.125 * motion_m / std::abs(glm::dot(d, b.geometric_normal)) + 2e-6;
     EXPECT_NEAR(a.t, b.t, along) << what;
@@ -194,8 +195,8 @@ Counts compare_hits(const NamedShape& shape, const MotionKind& kind, std::uint64
                 moving.surface(r.batch.hit(i), r.o[i], r.d[i], static_cast<double>(r.batch.t[i]), time);
             const SurfacePoint q =
                 still.surface(at_once.hit(i), r.o[i], r.d[i], static_cast<double>(at_once.t[i]));
-            // Embree's own t, in float, of the same surface: 2^-20 of what the ray travelled, divided by the
-            // cosine at which it meets it.
+            // Embree's own t of the same hit is a float, with an error of 2^-20 of the distance divided by
+            // the cosine of incidence.
             const double cosine = std::abs(glm::dot(r.d[i], p.geometric_normal));
             EXPECT_NEAR(static_cast<double>(r.batch.t[i]), p.t, 1e-5 * p.t / std::max(cosine, 0.05)) << what;
             const bool other = p.object != q.object || (!shape.mesh && p.part != q.part) ||
@@ -222,9 +223,9 @@ TEST(MovingScene, HitsWhatTheSceneOfTheInstantHas) {
         for (const MotionKind& kind : kinds) {
             const Counts c = compare_hits(shape, kind, seed++);
             EXPECT_GT(c.hits, c.rays / 6) << shape.name;
-            // Analytic: only rays within a float's rounding of an outline or an edge, one in 10^5, may
-            // differ. Meshes: those within motion_m of an edge of their triangles, whose length per area is
-            // below 20 per m for these: 0.4 %; at grazing incidence more.
+            // For analytic shapes, only rays within float rounding of an outline or edge may differ: one in
+            // 10^5. For meshes, rays within motion_m of a triangle's edge may differ. Their edges have a
+            // length per area below 20 per m, which makes 0.4 %, and more at grazing incidence.
             EXPECT_LE(c.other, shape.mesh ? c.rays / 50 : 1) << shape.name << ", " << kind.name;
         }
     }
@@ -237,7 +238,7 @@ TEST(MovingScene, ShadowsAreThoseOfTheInstant) {
             for (const bool glassy : {false, true}) {
                 RandomNumbers random(seed++);
                 SceneBuilder b = scene_of(shape, kind, random);
-                b.scene.objects.pop_back();  // the ball around everything
+                b.scene.objects.pop_back();  // removes the background
                 if (glassy) {
                     for (Material& m : b.scene.materials) m.transmission = dvec3(0.5, 0.7, 0.9);
                 }
@@ -258,7 +259,8 @@ TEST(MovingScene, ShadowsAreThoseOfTheInstant) {
                     }
                 }
                 EXPECT_GT(dark, rays / 8) << shape.name;
-                // As for hits: only rays that pass an outline (or, t_far, end) within rounding or motion_m.
+                // As for hits, only rays may differ that pass an outline, or end, within rounding or
+                // motion_m.
                 EXPECT_LE(other, shape.mesh ? rays / 50 : 1)
                     << shape.name << ", " << kind.name << (glassy ? ", glass" : "");
             }
@@ -266,8 +268,8 @@ TEST(MovingScene, ShadowsAreThoseOfTheInstant) {
     }
 }
 
-// Many glass things on long ways: Embree cuts time up for them, and meets the same one in several stretches
-// of it. Light must be coloured once per crossing.
+// For many glass objects with long motions, Embree splits time and may meet the same object in several
+// intervals. Each crossing must filter light only once.
 TEST(MovingScene, LightPassesEachOfACrowdOnce) {
     for (const int what : {0, 1, 2}) {
         RandomNumbers random(70);
@@ -305,8 +307,8 @@ TEST(MovingScene, LightPassesEachOfACrowdOnce) {
     }
 }
 
-// Between two keys a mesh is one instance for Embree, and the next stretch has another: at the key's very
-// instant both are there, in the same place. Light must pass them as if there were one.
+// A mesh has one Embree instance per interval between keys. At the instant of a key both instances exist at
+// the same position, but light must be filtered as by one.
 TEST(MovingScene, AtAKeyAMeshIsThereOnce) {
     for (const double key : {0.5, 0.3137}) {
         SceneBuilder b;
@@ -323,7 +325,7 @@ TEST(MovingScene, AtAKeyAMeshIsThereOnce) {
         for (const float time : {std::nextafter(at, 0.0F), at, std::nextafter(at, 1.0F)}) {
             RayBatch r;
             r.clear(false, true);
-            // Beside the edges: where two triangles meet, either or both may be crossed.
+            // The rays avoid edges between triangles, where one or both triangles may be crossed.
             for (int i = 0; i < 16; ++i) r.add({0.453 + 0.01 * i, 0.0171, 5}, {0, 0, -1}, 100.0F, {}, time);
             moving.occlude(r);
             for (std::size_t i = 0; i < 16; ++i)
@@ -334,8 +336,8 @@ TEST(MovingScene, AtAKeyAMeshIsThereOnce) {
     }
 }
 
-// A bar whose motion has a kink, met by packets of rays each of its own time, some close to the key: an
-// instance of one stretch is not there for a ray of the other, though both are in one packet.
+// A bar whose motion has a kink, hit by packets of rays with different times, some close to the key. Rays of
+// one interval must not hit the instance of the other, although they share a packet.
 TEST(MovingScene, RaysOfAPacketEachHaveTheirOwnTime) {
     for (const double key : {0.25, 0.5, 0.3137, 0.9}) {
         SceneBuilder b;
@@ -366,7 +368,7 @@ TEST(MovingScene, RaysOfAPacketEachHaveTheirOwnTime) {
         for (std::size_t i = 0; i < places.size(); ++i) {
             const double x = transform_at(b.scene.objects[0].keys, static_cast<double>(r.time[i]))[3].x;
             const double into = std::min(places[i] - x, x + 0.15 - places[i]);
-            if (std::abs(into) < 1e-5) continue;  // within float's rounding of its border
+            if (std::abs(into) < 1e-5) continue;  // within float rounding of the bar's border
             inside += into > 0 ? 1 : 0;
             EXPECT_EQ(r.transmittance[i].x, into > 0 ? 0 : 1) << "key " << key << ", time " << r.time[i];
             EXPECT_EQ(eye.hit(i).valid(), into > 0) << "key " << key << ", time " << r.time[i];
@@ -376,14 +378,14 @@ TEST(MovingScene, RaysOfAPacketEachHaveTheirOwnTime) {
     }
 }
 
-// Convex and lit from where its normals point: no point of it lies in its own shadow.
+// On a convex object, no point that faces the light lies in the object's own shadow.
 TEST(MovingScene, NothingShadowsItself) {
     std::uint64_t seed = 500;
     for (const NamedShape& shape : all_shapes()) {
         for (const MotionKind& kind : kinds) {
             RandomNumbers random(seed++);
             SceneBuilder b = scene_of(shape, kind, random);
-            // Both of a pair that shares its mesh would throw shadows on each other.
+            // Two objects that share a mesh would cast shadows on each other.
             if (shape.twice) b.scene.objects.erase(b.scene.objects.begin() + 1);
             b.point_light({9, 7, 8}).casts_shadows = true;
             const RayScene moving(b.scene, shutter, accuracy());
@@ -400,13 +402,13 @@ TEST(MovingScene, NothingShadowsItself) {
                     moving.surface(key, r.o[i], r.d[i], static_cast<double>(r.batch.t[i]), time);
                 if (p.object != 0) continue;
                 const Facing f = face(p, r.d[i]);
-                // Only the outer side, as the inner one of a closed shape is dark.
+                // Tests only the outer side, because the inner side of a closed shape is dark.
                 const bool flat = std::holds_alternative<Disc>(shape.shape) ||
                                   std::holds_alternative<Rectangle>(shape.shape) ||
                                   std::holds_alternative<Plane>(shape.shape);
                 if (!flat && f.sign < 0) continue;
                 const Lit lit = lit_by(light, light.position, p, f, b.scene.materials[0], dvec3(1), r.d[i]);
-                // Past the horizon of the true surface a smooth normal may still see the light.
+                // Beyond the horizon of the geometric surface, a smooth normal may still face the light.
                 if (lit.radiance == dvec3(0) || glm::dot(f.geometric_normal, lit.to_light) < 0.01) continue;
                 shadows.add(lit.origin, lit.segment, lit.reach, key, r.batch.time[i]);
             }
@@ -449,7 +451,7 @@ TEST(MovingScene, WhatDoesNotMoveWithinTheSpanIsAsStill) {
     }
 }
 
-// Faster than the most steps can follow: said, not hidden.
+// A motion that is too fast for the greatest number of steps is reported.
 TEST(MovingScene, TooFastForEmbreeIsSaid) {
     SceneBuilder b;
     Object& o = b.add(sphere_mesh(4, 6, false), matte(dvec3(1)));
@@ -458,8 +460,8 @@ TEST(MovingScene, TooFastForEmbreeIsSaid) {
     o.keys[1].rotation = glm::angleAxis(3.0, dvec3(0, 0, 1));
     const MotionAccuracy strict{[](const dvec3&, double) { return 1e6; }, 0.05};
     const RayScene scene(b.scene, {0, 1}, strict);
-    // A circle of radius 1 by chords of 3 / 128 radians strays by their height, 1 - cos(3 / 256); the corners
-    // of the ball's box lie a root of 2 further out.
+    // A circle of radius 1 by chords of 3 / 128 radians has an error of their height, 1 - cos(3 / 256). The
+    // corners of the ball's box are farther out by a factor of sqrt(2).
     const double height = 1 - std::cos(3.0 / 256);
     EXPECT_GE(scene.motion_error_px(), 0.99e6 * height);
     EXPECT_LE(scene.motion_error_px(), 1.01e6 * std::sqrt(2.0) * height);

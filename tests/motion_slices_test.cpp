@@ -1,5 +1,5 @@
-// What moves parallel to the film and has some depth, convolved in slices: closed forms, light, and what
-// `auto` makes of it.
+// Objects with depth that move parallel to the film are convolved in slices: closed forms, conservation of
+// light, and the choice of `auto`.
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
@@ -15,21 +15,22 @@ namespace {
 using namespace test;
 using glm::dvec2, glm::dvec3;
 
-// Where column x of the raster lies at a depth, m from the axis.
+// Distance from the axis, m, of raster column x at a depth.
 double at_column(double x, double depth_m) {
     return (x - 32) * depth_m / px_per_m;
 }
 
-// An upright edge, recorded on a column, that moves from `from` to `to` px of it over the exposure.
+// A vertical edge that is recorded at `column` and moves from `column + from` to `column + to` px during the
+// exposure.
 struct Edge {
     double column, from, to;
-    // Share of the exposure during which it lies left of x: constant speed, a box shutter.
+    // Fraction of the exposure in which the edge is left of x, for constant speed and a box shutter.
     [[nodiscard]] double passed(double x) const {
         return std::clamp((x - column - from) / (to - from), 0.0, 1.0);
     }
 };
 
-// Share of the exposure during which pixel x lies between two edges.
+// Fraction of the exposure in which pixel x lies between two edges.
 double between(int x, const Edge& left, const Edge& right) {
     double sum = 0;
     constexpr int steps = 1000;
@@ -40,7 +41,7 @@ double between(int x, const Edge& left, const Edge& right) {
     return sum / steps;
 }
 
-// Over the whole height, from a column at one depth to a column at another.
+// A rectangle over the whole height, from a column at one depth to a column at another depth.
 Rectangle upright(double left, double left_depth_m, double right, double right_depth_m) {
     const dvec3 a(at_column(left, left_depth_m), -10, -left_depth_m),
         b(at_column(right, right_depth_m), -10, -right_depth_m);
@@ -55,7 +56,7 @@ double light_of(const Image& image) {
 
 constexpr double way_m = 0.9;
 
-// One id: a bar at 4 m that goes 20 px and one at 5 m that goes 16 px.
+// Two bars with one id: one at 4 m that moves by 20 px, one at 5 m that moves by 16 px.
 Scene two_bars() {
     SceneBuilder b;
     b.add(upright(6, 4, 14, 4), glowing(dvec3(1))).keys = from_to({way_m, 0, 0});
@@ -75,7 +76,8 @@ TEST(MotionSlices, PartsOfTwoDepthsAreTrapezoidsOfTheirOwn) {
     for (int x = 0; x < 64; ++x) {
         const double expected = between(x, {6, 0, near_px}, {14, 0, near_px}) +
                                 0.5 * between(x, {38, 0, far_px}, {44, 0, far_px});
-        // As for MovingBar: each edge is known to 1/8 px, and cells of 1/4 px shift the ramp's ends.
+        // Tolerance as for MovingBar: edges are known to 1/8 px, and cells of 1/4 px displace the ramp's
+        // ends.
         EXPECT_NEAR(static_cast<double>(r.image.pixel(x, 20)[0]), expected, (2 * 0.125 + 0.5) / far_px) << x;
     }
 }
@@ -83,22 +85,22 @@ TEST(MotionSlices, PartsOfTwoDepthsAreTrapezoidsOfTheirOwn) {
 TEST(MotionSlices, LightIsConserved) {
     const TracedFrame frame(two_bars(), for_shutter());
     const double still = light_of(frame.file().picture());
-    // Cells and coverage are floats.
+    // Tolerance: cells and coverage are floats.
     EXPECT_NEAR(light_of(frame.blur(MotionMethod::convolve).image), still, 1e-5 * still);
 }
 
-// A board that leans away from the film, in stripes of one id: each edge between stripes is an upright line
-// with a speed of its own, and nothing shows through.
+// A striped board with one id that is tilted against the film. Each edge between stripes is a vertical line
+// with its own speed, and the board must have no holes.
 struct LeaningCase {
     std::vector<TransformKey> keys;
     int slices;
-    double open_s, from_m, to_m;  ///< from where it was recorded, over the exposure from open_s to 1 s
+    double open_s, from_m, to_m;  ///< displacement from the record, at the exposure's begin and end (1 s)
 };
 
 TEST(MotionSlices, ALeaningBoardHasNoSeamsAndItsStripesGoTheirOwnWays) {
     const std::vector<LeaningCase> cases{
         {from_to({0.6, 0, 0}), 3, 0, 0, 0.6},
-        // Recorded in the middle of the exposure, and going to the left.
+        // Recorded in the middle of the exposure, moving to the left.
         {{{.time_s = -1, .translation = {0.3, 0, 0}}, {.time_s = 1, .translation = {-0.3, 0, 0}}},
          2,
          -1,
@@ -106,7 +108,7 @@ TEST(MotionSlices, ALeaningBoardHasNoSeamsAndItsStripesGoTheirOwnWays) {
          -0.3}};
     const std::vector<double> columns{18, 26, 32, 40}, radiances{0.9, 0.4, 0.7};
     constexpr double near_m = 3, far_m = 5;
-    // Along a plane 1/z' is linear in the column.
+    // On a plane, 1/z' is a linear function of the column.
     const auto inverse_z = [&](double x) {
         return 1 / near_m +
                (1 / far_m - 1 / near_m) * (x - columns.front()) / (columns.back() - columns.front());
@@ -139,8 +141,8 @@ TEST(MotionSlices, ALeaningBoardHasNoSeamsAndItsStripesGoTheirOwnWays) {
                 const double share = std::abs(between(x, edge(i), edge(i + 1)));
                 expected += radiances[i] * share;
             }
-            // Edges and cells as above. An edge between two slices ends in two steps up to a half step away:
-            // off by a quarter of step / way of what the stripes differ by.
+            // Edges and cells as above. An edge between two slices ends in two steps at up to half a step
+            // from its position: an error of a quarter of step / way times the difference of the stripes.
             const double edges = (2 * 0.125 + 0.5) / shortest_px, slices = 0.25 * step_px / shortest_px * 0.5;
             EXPECT_NEAR(static_cast<double>(r.image.pixel(x, 20)[0]), expected, edges + slices) << x;
         }
@@ -148,7 +150,7 @@ TEST(MotionSlices, ALeaningBoardHasNoSeamsAndItsStripesGoTheirOwnWays) {
 }
 
 TEST(MotionSlices, AreWhatTheSurfacesMovedToEveryInstantAre) {
-    // On a bend and faster and faster, against 4096 views of the same records: the slow reference.
+    // An accelerated motion along a curve. The slow reference is the mean of 4096 views of the same records.
     std::vector<TransformKey> keys;
     for (int i = 0; i <= 20; ++i) {
         const double t = i / 20.0;
@@ -169,8 +171,8 @@ TEST(MotionSlices, AreWhatTheSurfacesMovedToEveryInstantAre) {
     const Image reference =
         motion_blur(frame.file(), {.exposure = {0, 1}, .method = MotionMethod::lightfield, .views = 4096})
             .image;
-    // Slices end a step apart at most, over ways of 10 px and more: a tenth of the contrast of 0.7 at single
-    // edges, and the mean square far below.
+    // Ends of slices are at most one step apart, for motions of at least 10 px: an error of 1/10 of the
+    // contrast of 0.7 at single edges, and a much smaller mean square.
     EXPECT_GT(psnr(sliced.image, reference), 45);
 }
 
@@ -180,9 +182,10 @@ TEST(MotionSlices, WhatABallCoversAllTheTimeHasItsFullRadiance) {
     const TracedFrame frame(b.scene, for_shutter(4));
     const MotionBlurResult r = frame.blur(MotionMethod::convolve);
     EXPECT_EQ(r.objects.at(0).kind, MotionKind::parallax);
-    // The outline is 18 px about columns 26.4 and 37.6 in the end: what lies a pixel within both. The ball's
-    // surface is stretched by up to 2.3 px in 18 on its way and pressed on the other side, which without
-    // Stretch would be 6 % of the radiance; what is left is the outline's quarter pixel in 11.
+    // The ball's outline has a radius of 18 px about column 26.4 at the start and 37.6 at the end; pixels
+    // inside of both by a pixel are tested. The surface is stretched by up to 2.3 px in 18 during the motion,
+    // and compressed on the other side. Without Stretch this would change the radiance by 6 %; the remaining
+    // error is 1/4 px at the outline, of 11 px.
     for (int y = 14; y < 34; ++y) {
         for (int x = 23; x < 41; ++x) {
             if (std::max(std::hypot(x + 0.5 - 26.4, y + 0.5 - 24), std::hypot(x + 0.5 - 37.6, y + 0.5 - 24)) >
@@ -194,9 +197,9 @@ TEST(MotionSlices, WhatABallCoversAllTheTimeHasItsFullRadiance) {
 }
 
 TEST(MotionSlices, AreContinuousWithWhatMovesAsAWhole) {
-    // A board that leans by so little that its sides go 0.4 px apart moves as a whole (0.2 px from its
-    // middle); one by 0.6 px has slices. Their pictures differ by their sides' tenths of a pixel
-    // and what the records know of an edge.
+    // A slightly tilted board whose sides move apart by 0.4 px is moved as a whole (an error of 0.2 px); one
+    // of 0.6 px has slices. Their images may differ by this tenth of a pixel at the sides, and by the
+    // accuracy of recorded edges.
     std::vector<Image> images;
     for (const double apart_px : {0.4, 0.6}) {
         SceneBuilder b;
@@ -227,7 +230,7 @@ TEST(MotionSlices, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-// A ball that passes, with something else in the scene.
+// A moving ball, with another object in the scene.
 SceneBuilder ball_and(const std::function<void(SceneBuilder&)>& add) {
     SceneBuilder b;
     b.add(Sphere{{-0.25, 0, -4}, 0.8}, glowing(dvec3(0.8))).keys = from_to({0.5, 0, 0});
@@ -245,14 +248,14 @@ TEST(MotionSlices, AutomaticTakesThemForOneSurfaceThatNothingLiesAmong) {
         {"slices of depth", MotionMethod::convolve, [](SceneBuilder&) {}},
         {"slices of depth", MotionMethod::convolve,
          [](SceneBuilder& b) { b.add(upright(0, 7, 64, 7), glowing(dvec3(0.3))); }},
-        // A pole that stands between the ball's nearest and farthest depth.
+        // A pole at a depth between the ball's nearest and farthest points.
         {"lies in its depth", MotionMethod::lightfield,
          [](SceneBuilder& b) { b.add(upright(48, 3.5, 50, 3.5), glowing(dvec3(0.3))); }},
         {"moves in the same depth", MotionMethod::lightfield,
          [](SceneBuilder& b) {
              b.add(Sphere{{0.9, 0, -3.8}, 0.3}, glowing(dvec3(0.3))).keys = from_to({-0.2, 0.3, 0});
          }},
-        // The same id has a plate a metre before the ball.
+        // A plate one metre in front of the ball with the same id.
         {"uncover", MotionMethod::lightfield, [](SceneBuilder& b) {
              Object& o = b.add(Rectangle{{-0.4, -0.2, -2.2}, {0.3, 0, 0}, {0, 0.4, 0}}, glowing(dvec3(0.3)));
              o.keys = from_to({0.5, 0, 0});
@@ -285,7 +288,7 @@ TEST(MotionSlices, StretchHoldsTheLightOfWhatTurnsOverOnTheWay) {
         EXPECT_NEAR(line, exact, 1e-6 * exact) << rate;
         EXPECT_GE(least, -1e-9) << rate;
     }
-    // Turned over from the beginning on.
+    // A surface that is reversed from the beginning on.
     EXPECT_EQ(stretch_of({-1, 0}, {{{1, 0}, 2, 30}}).area, 0);
 }
 

@@ -1,5 +1,4 @@
-// Keyframed motion as rays ask for it: MotionPath against transform_at, and the steps and boxes that Embree
-// gets for it.
+// Keyed motion for rays: MotionPath against transform_at, and the steps and boxes that Embree gets.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,8 +29,8 @@ dvec3 apply(const dmat4& m, const dvec3& p) {
     return dvec3(m * glm::dvec4(p, 1));
 }
 
-// Both forms do the same arithmetic but for a division made a multiplication, where a share of the way, of
-// sines between 0 and 1 and of entries below 3, errs by a few 2^-53.
+// Both versions use the same arithmetic, except that a division became a multiplication. Fractions of an
+// interval, sines in [0, 1] and entries below 3 therefore differ by a few 2^-53.
 constexpr double path_tolerance = 1e-12;
 
 void expect_same_path(const std::vector<TransformKey>& keys, RandomNumbers& random, const char* what) {
@@ -67,13 +66,13 @@ TEST(MotionPaths, AreWhatTransformAtSays) {
 
 TEST(MotionPaths, TakeTheShortWayRoundAndTinyAnglesStraight) {
     RandomNumbers random(2);
-    // Around 2e-8 (cosine = 1 - epsilon) slerp becomes a straight line; half turns have no shorter way.
+    // Near 2e-8 (cosine = 1 - epsilon) slerp becomes linear. For 180 degrees there is no shorter arc.
     for (const double angle : {0.0, 1e-12, 1e-9, 2e-8, 5e-8, 1e-6, 1e-3, 1.0, 3.0, 3.1415}) {
         for (const double sign : {1.0, -1.0}) {
             auto keys = random_keys(random, {0, 1});
             keys[1].rotation = sign * (random.turn(angle) * keys[0].rotation);
             expect_same_path(keys, random, "one angle");
-            // Never further than the angle, whatever sign the quaternion has.
+            // The rotation is never larger than the angle, for either sign of the quaternion.
             const MotionPath::Pose a = MotionPath(keys).at(0), b = MotionPath(keys).at(0.37);
             const dvec3 axis = random.direction();
             const double cosine = glm::dot(a.rotation * axis, b.rotation * axis);
@@ -101,7 +100,7 @@ TEST(MotionPaths, AreUndoneByTheirPoses) {
         const MotionPath path(random_keys(random, {0, 0.4, 1}));
         const MotionPath::Pose pose = path.at(random.in(-0.2, 1.2));
         const dvec3 p = random.in_box(2), v = random.in_box(2);
-        // A rotation by slerp is orthogonal to some 2^-52; scales from 0.6 on make at most a factor of 2.
+        // A rotation by slerp is orthogonal to a few 2^-52. Scales of at least 0.6 add a factor of at most 2.
         EXPECT_LE(glm::length(pose.unmoved_point(pose.point(p)) - p), 1e-13);
         EXPECT_LE(glm::length(pose.unmoved_direction(pose.direction(v)) - v), 1e-13);
         EXPECT_LE(glm::length(pose.point(pose.unmoved_point(p)) - p), 1e-13);
@@ -111,7 +110,7 @@ TEST(MotionPaths, AreUndoneByTheirPoses) {
 TEST(MotionPaths, KnowWhenTheyMove) {
     RandomNumbers random(5);
     auto keys = random_keys(random, {0, 1, 2, 3});
-    keys[2].translation = keys[1].translation;  // still from 1 to 2
+    keys[2].translation = keys[1].translation;  // no motion from 1 s to 2 s
     keys[2].rotation = keys[1].rotation;
     keys[2].scale = keys[1].scale;
     const MotionPath path(keys);
@@ -119,14 +118,14 @@ TEST(MotionPaths, KnowWhenTheyMove) {
     EXPECT_TRUE(path.moves(-1, 1e-9));
     EXPECT_TRUE(path.moves(1.5, 2.0 + 1e-9));
     EXPECT_TRUE(path.moves(-5, 5));
-    EXPECT_FALSE(path.moves(1, 2));  // touches what moves on both sides, for no time at all
+    EXPECT_FALSE(path.moves(1, 2));  // only the ends touch moving intervals
     EXPECT_FALSE(path.moves(1.2, 1.7));
     EXPECT_FALSE(path.moves(-2, 0));
     EXPECT_FALSE(path.moves(3, 9));
     EXPECT_FALSE(path.moves(0.5, 0.5));  // an instant
     EXPECT_FALSE(path.moves(0.6, 0.5));
     for (int c = 0; c < 3; ++c) {
-        // Each of the three parts alone is motion.
+        // Translation, rotation and scale each count as motion.
         std::vector<TransformKey> one{TransformKey{}, TransformKey{}};
         one[1].time_s = 1;
         if (c == 0) one[1].translation.y = 1e-9;
@@ -146,7 +145,7 @@ TEST(MotionPaths, ListTheKeysWithin) {
     EXPECT_EQ(MotionPath().intervals(0, 1), (std::vector<double>{0, 1}));
 }
 
-// How far Embree's interpolation of the steps strays from the motion at one instant, m.
+// Error of Embree's interpolation between steps at one instant, m.
 double strays_m(const std::vector<dmat4>& steps, const MotionPath& path, const dmat4& base, const Bounds& box,
                 double share, double time_s) {
     const auto last = static_cast<double>(steps.size() - 1);
@@ -164,9 +163,9 @@ double strays_m(const std::vector<dmat4>& steps, const MotionPath& path, const d
     return most;
 }
 
-// The error vanishes at the ends of a step and is looked for at a quarter, a half and three quarters of it.
-// Were it a parabola, its peak, never more than an eighth from such a place unless it lies near an end, would
-// be higher by (2/8)^2 = 1/16; twice that is left for what it is not.
+// Ratio of the greatest error to the measured one. The error vanishes at the ends of a step and is measured
+// at 1/4, 1/2 and 3/4 of it. The peak of a parabola is at most 1/8 from such an instant, unless it is near an
+// end, and so exceeds the measured value by at most (2/8)^2 = 1/16. Twice that is allowed for other shapes.
 constexpr double unseen = 1.125;
 
 TEST(MotionStepCounts, KeepTheirPromiseAndAreNotMoreThanItTakes) {
@@ -194,7 +193,7 @@ TEST(MotionStepCounts, KeepTheirPromiseAndAreNotMoreThanItTakes) {
                 strays_m(steps.world_from_object, path, base, box, share, begin + share * (end - begin));
             EXPECT_LE(error_m * px_per_m, unseen * accuracy.tolerance_px) << count << " steps";
         }
-        // Every step is the true transform.
+        // Every step has the exact transform.
         for (std::size_t k = 0; k <= count; ++k) {
             const double t = begin + (end - begin) * static_cast<double>(k) / static_cast<double>(count);
             EXPECT_LE(largest_difference(steps.world_from_object[k], path.at(t).matrix() * base), 1e-12);
@@ -229,7 +228,7 @@ TEST(MotionStepCounts, ExceedHonestlyWhereTheMostDoNotSuffice) {
                            px_per_m * strays_m(steps.world_from_object, path, dmat4(1), box, share, share));
     }
     EXPECT_LE(most_px, unseen * steps.error_px);
-    EXPECT_GE(most_px, 0.99 * steps.error_px);  // of 156 instants a step one is at most 1/312 from the worst
+    EXPECT_GE(most_px, 0.99 * steps.error_px);  // 156 instants per step: one is at most 1/312 from the worst
 }
 
 TEST(MotionStepCounts, OneForStraightLinesAndForWhatIsNotSeen) {
@@ -240,7 +239,7 @@ TEST(MotionStepCounts, OneForStraightLinesAndForWhatIsNotSeen) {
     const MotionAccuracy seen{[](const dvec3&, double) { return 1e6; }, 0.05};
     const MotionSteps line = motion_steps(MotionPath(straight), dmat4(1), box, 0, 1, seen);
     EXPECT_EQ(line.world_from_object.size(), 2U);
-    EXPECT_LE(line.error_px, 1e6 * 1e-14);  // rounding of metres
+    EXPECT_LE(line.error_px, 1e6 * 1e-14);  // rounding errors of positions
     const MotionPath turning(random_keys(random, {0, 1}));
     const MotionAccuracy unseen_there{[](const dvec3&, double) { return 0.0; }, 0.05};
     EXPECT_EQ(motion_steps(turning, dmat4(1), box, 0, 1, unseen_there).world_from_object.size(), 2U);

@@ -1,4 +1,4 @@
-// `motionblur` as people type it: what it prints, its exit codes, and what it refuses without a trace.
+// The command `motionblur`: output, exit codes, and rejected arguments that leave no files.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -21,7 +21,7 @@ constexpr const char* camera = "[scene]\nambient_light = 0\n[[camera]]\nfocal_le
 constexpr const char* materials =
     "[[material]]\nname = \"m\"\nambient = 0\ndiffuse = 0\nemission = 0.8\n"
     "[[material]]\nname = \"w\"\nambient = 0\ndiffuse = 0\nemission = 0.2\n";
-// A wall and a plate before it that goes 22 px to the right, at 64 px.
+// A wall behind a plate that moves by 22 px to the right in an image of 64 px.
 constexpr const char* wall =
     "[[object]]\nname = \"wall\"\nshape = \"rectangle\"\nmaterial = \"w\"\ncorner_m = [-9, -9, -8]\n"
     "edge_u_m = [18, 0, 0]\nedge_v_m = [0, 18, 0]\n";
@@ -36,7 +36,7 @@ class MotionblurCommand : public CommandTest {
         std::ofstream(in(name), std::ios::binary) << text;
         return in(name);
     }
-    // Traces a scene of these parts into NAME.exr.
+    // Traces the scene `text` into NAME.exr and returns its path.
     std::string traced(const std::string& name, const std::string& text, const Words& options = {},
                        const std::string& size = "64x36") {
         Words words{"trace", write(name + ".toml", text), "-o", in(name + ".exr"), "--size", size, "--quiet"};
@@ -93,7 +93,7 @@ TEST_F(MotionblurCommand, SaysWhatItDid) {
     EXPECT_EQ(j["objects"][0]["motion"], "translation");
     EXPECT_NEAR(j["objects"][0]["move_px"], 50.0 / 36 * 64 / 4, 1e-3);  // 1 m at 4 m; depths are floats
     EXPECT_EQ(j["objects"][0]["method"], "convolve");
-    // The plate passes over 44.4 x 22.2 of 64x36 px.
+    // The plate moves over 44.4 x 22.2 of 64 x 36 px.
     EXPECT_NEAR(j["touched_share"], 44.4 * 22.2 / (64 * 36), 2 * (44.4 + 22.2) / (64 * 36));
     const Outcome text = blur(frame, {"--shutter", "0:1"});
     EXPECT_NE(text.out.find("plate: convolve (moves as a whole"), std::string::npos) << text.out;
@@ -118,7 +118,7 @@ TEST_F(MotionblurCommand, ShuttersThatMakeNoSense) {
     for (const char* text : {"1:0", "0.5:-1", "nan:1", "0:nan", "0:inf", "-inf:0", "0", ":", "0:", ":1", "",
                              "0:1:2", "0,1", "a:b", "0:1e999", "1e400:1e401", "-1e308:1e308"})
         not_blurred(frame, {std::string("--shutter=") + text}, ExitCode::wrong_arguments, "--shutter");
-    // Legal: an instant, and times far beyond all keys.
+    // An instant, and times far beyond all keys, are valid.
     for (const char* text : {"0:0", "0.5:0.5", "-1e9:1e9", "-5:-4", "1e-300:2e-300"})
         EXPECT_EQ(blur(frame, {std::string("--shutter=") + text}).exit_code, 0) << text;
 }
@@ -138,12 +138,12 @@ TEST_F(MotionblurCommand, CurvesOfTheShutter) {
         (void)blurred(frame, {"--shutter", "0:1", "--shutter-curve", curve, "--method", method});
         return static_cast<double>(picture().pixel(21, 18)[0]);
     };
-    // The plate is 22.2 px long and its left edge leaves x at t = (x - 9.8) / 22.2: of pixel 21 half has
-    // gone by t = 0.53. A file that is open in the first half only sees it all the time.
+    // The plate is 22.2 px long, and its left edge passes x at t = (x - 9.8) / 22.2, which is the middle of
+    // pixel 21 at t = 0.53. A shutter that is open only in the first half sees the plate there all the time.
     const std::string first_half = write("curve.txt", "0 1\n0.5 1\n0.5001 0\n1 0\n");
     for (const char* method : {"convolve", "lightfield"}) {
         const double box = at("box", method), triangle = at("triangle", method);
-        // Shares of the light until then: 0.527, and of a triangle 1 - 2 (1 - 0.527)^2 = 0.553.
+        // Fraction of the light until then: 0.527 for a box, 1 - 2 (1 - 0.527)^2 = 0.553 for a triangle.
         EXPECT_NEAR(box, 0.2 + 0.6 * 0.527, 0.02) << method;
         EXPECT_NEAR(triangle, 0.2 + 0.6 * 0.553, 0.02) << method;
         EXPECT_GT(triangle, box) << method;
@@ -219,7 +219,7 @@ TEST_F(MotionblurCommand, LongPaths) {
     const auto key = [](int i) {
         return ", translate_m = [" + std::to_string(0.5 * std::sin(i * 1e-3)) + ", 0, 0]";
     };
-    // Minutes, were a key found by going through all of them.
+    // A linear search for each key would take minutes.
     for (const std::string& text : {many("knots", 100'000, knot), many("keys", 100'000, key)}) {
         const Outcome r =
             blur(frame, {"--paths", write("long.toml", text), "--shutter", "0:1", "--method", "convolve"},
@@ -286,7 +286,7 @@ TEST_F(MotionblurCommand, StrictIsSixWhereTheFileDoesNotSuffice) {
         EXPECT_TRUE(w.at("share").is_number());
         EXPECT_FALSE(w.at("text").get<std::string>().empty());
     }
-    EXPECT_GT(picture().rgb.size(), 0U);  // written all the same
+    EXPECT_GT(picture().rgb.size(), 0U);  // the image is written nevertheless
 }
 
 TEST_F(MotionblurCommand, UnreadableInputIsThree) {
@@ -296,7 +296,7 @@ TEST_F(MotionblurCommand, UnreadableInputIsThree) {
     not_blurred("/dev/null", {}, ExitCode::invalid_input, "/dev/null");
     not_blurred(in("a.toml"), {}, ExitCode::invalid_input, "a.toml");
     EXPECT_EQ(run({"image", frame, "-o", in("plain.exr"), "--quiet"}).exit_code, 0);
-    // A flat picture would do, if it had motion vectors.
+    // A flat image is only accepted with motion vectors.
     not_blurred(in("plain.exr"), {"--shutter", "0:1"}, ExitCode::invalid_input, "plain.exr");
     const std::string whole = text_of(frame);
     for (const double share : {0.0, 0.01, 0.3, 0.7, 0.99}) {
@@ -318,7 +318,7 @@ TEST_F(MotionblurCommand, UnwritableOutputIsFourAndLeavesNothing) {
     }
     std::filesystem::create_directory(in("folder.exr"));
     EXPECT_EQ(run({"motionblur", frame, "-o", in("folder.exr")}).exit_code, 4);
-    // A full disk; what stood there stays.
+    // Simulates a full disk. An existing file must stay unchanged.
     write("old.exr", "as it was");
     const Outcome full = run({"motionblur", frame, "-o", in("old.exr")}, "ulimit -f 2; ");
     EXPECT_EQ(full.exit_code, 4) << full.err;
@@ -343,7 +343,7 @@ TEST_F(MotionblurCommand, AnOrthographicCamera) {
     for (const char* method : {"convolve", "lightfield", "auto"}) {
         const json j = blurred(frame, {"--shutter", "0:1", "--method", method});
         EXPECT_NEAR(j["objects"][0]["move_px"], 16, 1e-3) << method;  // 1 m of 4 m on 64 px
-        // The plate's columns are [16, 32) to [32, 48).
+        // The plate moves from columns [16, 32) to [32, 48).
         EXPECT_NEAR(picture().pixel(31, 18)[0], 0.2 + 0.6 * (1 - 0.5 / 16), 0.01) << method;
         EXPECT_NEAR(picture().pixel(24, 18)[0], 0.2 + 0.6 * 8.5 / 16, 0.01) << method;
         EXPECT_NEAR(picture().pixel(10, 18)[0], 0.2, 1e-6) << method;
@@ -351,7 +351,7 @@ TEST_F(MotionblurCommand, AnOrthographicCamera) {
 }
 
 TEST_F(MotionblurCommand, NothingBeforeTheCamera) {
-    // A scene without objects is refused by `trace`; one may still look past all of them.
+    // `trace` rejects a scene without objects, but the camera may see none of them.
     const std::string behind =
         "[[object]]\nname = \"behind\"\nshape = \"sphere\"\nmaterial = \"m\"\ncentre_m = [0, 0, 9]\nradius_m "
         "= 1\n"
@@ -362,7 +362,7 @@ TEST_F(MotionblurCommand, NothingBeforeTheCamera) {
         EXPECT_TRUE(j["objects"].empty());
         EXPECT_EQ(j["touched_share"], 0);
     }
-    // And before a camera that turns: the background alone moves.
+    // With a rotating camera, only the background moves.
     const std::string turning =
         traced("turning",
                std::string(camera) +
@@ -445,7 +445,7 @@ TEST_F(MotionblurCommand, MovingLightsAreSaid) {
             "[[material]]\nname = \"w\"\n") +
         wall;
     const std::string frame = traced("lit", lit, {"--for-shutter", "0:1", "--keys", "2"});
-    // Two recorded instants are blended, and the light's way is in them.
+    // Two recorded instants, which include the light's motion, are blended without a warning.
     EXPECT_FALSE(warns(blurred(frame, {"--shutter", "0:1"}), "light"));
     const std::string one = traced("one", lit, {"--for-shutter", "0:1"});
     EXPECT_TRUE(warns(blurred(one, {"--shutter", "0:1"}), "light"));
@@ -474,7 +474,7 @@ TEST_F(MotionblurCommand, AnInterruptLeavesNothing) {
     const auto asked = std::chrono::steady_clock::now();
     int status = 0;
     ASSERT_EQ(::waitpid(child, &status, 0), child);
-    // A second on a free machine; others may use this one too.
+    // It takes one second on an idle machine; other processes may slow it down.
     EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(10));
     EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), 130);
     EXPECT_EQ(folder_.file_count(), before);

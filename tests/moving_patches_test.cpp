@@ -1,5 +1,5 @@
-// Patches that move: how finely motion cuts them, that turns and steps leave no holes, and the marks of what
-// was seen to move.
+// Moving patches: their size for a motion, absence of holes after rotations and translations, and marks of
+// pixels that moving surfaces touch.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
@@ -21,7 +21,7 @@ constexpr int width = 40, height = 30, overscan = 3;
 constexpr double all_px = (width + 2 * overscan) * (height + 2 * overscan);
 constexpr std::uint32_t moving_id = 5;
 
-/// A file of random quadtrees, each of whose records `change` may alter, as sheets.
+/// The sheets of a file of random quadtrees, whose records are modified by `change`.
 struct MovingSheets {
     template <typename Change>
     MovingSheets(const RandomOptions& options, const Change& change) {
@@ -48,7 +48,7 @@ struct MovingSheets {
     SheetMesh sheets;
 };
 
-/// A plane of one id with colours that go linearly over the raster, on random quadtrees.
+/// A plane of one id with colours that are linear over the raster, on random quadtrees.
 MovingSheets plane(double tilt_x, double tilt_y) {
     return {{.levels = 3, .probability = 0.4}, [=](Record& r) {
                 r.id = moving_id;
@@ -60,7 +60,7 @@ MovingSheets plane(double tilt_x, double tilt_y) {
             }};
 }
 
-/// px^2 of what a node of a pixel's quadtree has of the pixel.
+/// Area of a pixel, px^2, that a node of its quadtree covers.
 double area(const SheetMesh& mesh, std::uint32_t node, double size = 1) {
     if (SheetNode::empty(node)) return 0;
     if ((node & SheetNode::leaf) != 0) return size * size;
@@ -82,7 +82,7 @@ dmat4 raster_turn(double angle) {
     turn[1] = {-std::sin(angle), std::cos(angle), 0, 0};
     return centre * turn * back;
 }
-/// A step of the camera: moves by depth.
+/// A translation of the camera, whose displacement on the raster depends on the depth.
 dmat4 step_aside(double px_m) {
     dmat4 m(1);
     m[3][0] = px_m;
@@ -92,7 +92,7 @@ RasterMap map_of(const dmat4& m) {
     return {m, Projection::perspective};
 }
 
-/// For a pinhole and these motions of moving_id.
+/// A pinhole with these motions of moving_id.
 PatchLens lens_for(const std::vector<RasterMap>& motions) {
     StrainOfMotions strain{{}, [](std::uint32_t id) { return id == moving_id ? std::size_t{1} : 0; }};
     for (const RasterMap& m : motions) strain.views.push_back({RasterMap(), m});
@@ -102,7 +102,7 @@ PatchLens lens_for(const std::vector<RasterMap>& motions) {
     return lens;
 }
 
-// Places in a pixel: middle and corners of leaves among them.
+// Positions in a pixel, including the centre and corners of leaves.
 const std::vector<glm::dvec2> places{{0.5, 0.5},      {0.25, 0.75},     {0.0625, 0.5},
                                      {0.501, 0.0001}, {0.9999, 0.0625}, {0.3717, 0.6113}};
 
@@ -130,7 +130,8 @@ int holes(const SheetMesh& sheets, const RasterMap& map, int margin = 0) {
 }
 
 TEST(MovingSheets, EverySurfaceOfACornerHasItsQuarterOfTheLeaf) {
-    // Layers, ids and depths at random: whatever joins, the areas stay. No id lies on itself.
+    // Layers, ids and depths are random. Areas are conserved for any connection of cells. No id overlaps
+    // itself.
     const MovingSheets f({.levels = 3, .has_layers = true},
                          [](Record& r) { r.id = r.id % 4 + 4 * static_cast<std::uint32_t>(r.layer); });
     std::map<std::pair<float, float>, int> surfaces;
@@ -152,18 +153,18 @@ TEST(MovingSheets, EverySurfaceOfACornerHasItsQuarterOfTheLeaf) {
 TEST(MovingSheets, AnIdSeenTwiceOnOneRayIsTwoSheets) {
     const MovingSheets f({.has_layers = true}, [](Record& r) {
         r.id = moving_id;
-        r.z = r.layer == 0 ? 2 : 20;  // a slope beyond 88.6 degrees in a pixel
+        r.z = r.layer == 0 ? 2 : 20;  // a slope of more than 88.6 degrees within a pixel
     });
     double front_px2 = 0;
     for (const Sheet& s : f.sheets.sheets) {
-        ASSERT_EQ(s.inverse_z_min, s.inverse_z_max);  // none reaches from one to the other
+        ASSERT_EQ(s.inverse_z_min, s.inverse_z_max);  // no sheet connects the two depths
         for (int k = 0; s.inverse_z_min == 0.5F && k < s.width * s.height; ++k)
             front_px2 += area(f.sheets, f.sheets.fine[s.first_cell + static_cast<std::size_t>(k)]);
     }
     EXPECT_EQ(front_px2, all_px);
 }
 
-// The derivatives of a map of either projection against differences of the map itself.
+// Compares the derivatives of maps of both projections with differences.
 TEST(RasterMap, TangentIsTheMapToFirstOrder) {
     dmat4 m = raster_turn(0.4);
     m[3] = {9, -7, 0.2, 1.1};
@@ -190,15 +191,15 @@ TEST(RasterMap, TangentIsTheMapToFirstOrder) {
         expect(to->by_x, at(h, 0), at(-h, 0));
         expect(to->by_y, at(0, h), at(0, -h));
     }
-    // What reaches behind the camera has none, though its middle lies before it.
+    // A patch that extends behind the camera has no tangent, even if its centre is in front of it.
     dmat4 near(1);
     near[0][2] = -0.1;
     EXPECT_TRUE(map_of(near).tangent({5, 0, 1}, {0, 0}, {4, 4}));
     EXPECT_FALSE(map_of(near).tangent({5, 0, 1}, {0, 0}, {6, 4}));
 }
 
-// Motion along the film moves 1/m by as many px as the matrix's last column says; a turn in the film moves no
-// depth and bends nothing; a pan bends about as the differences of its map say.
+// A motion parallel to the film displaces by the px per 1/m in the matrix's last column. A rotation in the
+// film does not depend on depth and is linear. A pan is nonlinear by about the differences of its map.
 TEST(StrainOfMotions, IsTheMostOfAllViews) {
     const SheetKey key{{}, 0, moving_id};
     const auto of = [&](const std::vector<RasterMap>& motions, const SheetKey& k) {
@@ -228,8 +229,9 @@ TEST(StrainOfMotions, IsTheMostOfAllViews) {
     EXPECT_EQ(of({map_of(step_aside(7))}, {{}, 0, moving_id + 1}).px_m, 0);
 }
 
-// A curved surface that moves by its depth: every cell comes to lie where its own depth puts it, within what
-// was asked for. Where a pinhole alone is thought of, squares as large as they come are a pixel off.
+// A curved surface whose displacement depends on depth: every cell must be within the tolerance of the
+// position by its own depth. With patches for a pinhole without motion, which are as large as possible, the
+// error is one pixel.
 TEST(MovingPatches, AreCutAsFineAsTheMotionAsks) {
     const MovingSheets f({.levels = 1}, [](Record& r) {
         r.id = moving_id;
@@ -273,7 +275,7 @@ TEST(MovingPatches, LeaveNoHolesUnderTurnsStretchesAndPerspective) {
     larger[0][0] = 1.7;
     larger[1][1] = 2.3;
     EXPECT_EQ(holes(f.sheets, map_of(larger)), 0);
-    dmat4 smaller(1);  // about the corner, a fifth and less
+    dmat4 smaller(1);  // scales by 0.21 and 0.13 about the corner
     smaller[0][0] = 0.21;
     smaller[1][1] = 0.13;
     const SeenTile tile =
@@ -288,7 +290,7 @@ TEST(MovingPatches, LeaveNoHolesUnderTurnsStretchesAndPerspective) {
         EXPECT_EQ(holes(f.sheets, map_of(step_back), 4), 0) << step;
     }
     for (int i = 0; i < 20; ++i) {
-        dmat4 tilt(1);  // keeps rows as rows
+        dmat4 tilt(1);  // maps rows to rows
         tilt[1] = {0, 1, 5e-6 * i, 0};
         tilt[2] = {0, 0.185 * i, 1, 0};
         EXPECT_EQ(holes(f.sheets, map_of(tilt), 4), 0) << i;
@@ -310,7 +312,7 @@ TEST(MovingPatches, TurnedOverOrBehindTheCameraTheyAreNotDrawn) {
 
 // Marks ---------------------------------------------------------------------------------------------------
 
-/// `views` views, moving_id moved by `map` in each.
+/// The mean of `views` views, in each of which moving_id is moved by `map`.
 PatchPicture seen(const SheetMesh& sheets, const std::function<RasterMap(int)>& map, int views = 64) {
     std::vector<RasterMap> maps;
     for (int i = 0; i < views; ++i) maps.push_back(map(i));
@@ -341,7 +343,7 @@ TEST(PatchMarks, AtRestItIsTheRecordsColours) {
     const PatchPicture p = seen(f.sheets, [&](int) { return map_of(hardly); });
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-            // The mean of what goes linearly is its value in the middle.
+            // The mean of a linear function over a pixel is its value at the centre.
             EXPECT_NEAR(p.image.pixel(x, y)[0], 0.25 + 0.01 * (x + 0.5), 1e-5);
             EXPECT_NEAR(p.image.pixel(x, y)[1], 0.5 - 0.01 * (y + 0.5), 1e-5);
             EXPECT_EQ(p.unknown[static_cast<std::size_t>(y * width + x)], 0);
@@ -357,7 +359,7 @@ TEST(PatchMarks, WhatStandsStillIsNotTouched) {
     const PatchPicture p = seen(f.sheets, [&](int) { return map_of(down); });
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-            // The leaf at the border has quarters of either.
+            // Leaves at the border belong to both sides.
             if (x == 19 || x == 20) continue;
             EXPECT_EQ(p.touched[static_cast<std::size_t>(y * width + x)], x < 19 ? 0 : 1) << x << ' ' << y;
         }
@@ -365,7 +367,7 @@ TEST(PatchMarks, WhatStandsStillIsNotTouched) {
 }
 
 TEST(PatchMarks, TellWhatWasRecordedAndHasGone) {
-    // All that moves leaves the picture: where it was, nothing is known any more.
+    // The moving surface leaves the image, and a hole remains at its former position.
     const MovingSheets f = plane(0, 0);
     dmat4 away(1);
     away[2][0] = 1000;
@@ -378,7 +380,8 @@ TEST(PatchMarks, TellWhatWasRecordedAndHasGone) {
 
 TEST(PatchMarks, SayWhereNothingIsKnown) {
     const MovingSheets f = plane(0, 0);
-    // Half of the views see it moved 10 px to the right: the records begin 3 px left of the frame.
+    // Half of the views see the surface displaced by 10 px to the right. The records begin 3 px left of the
+    // frame.
     dmat4 right(1);
     right[2][0] = 10;
     const PatchPicture p = seen(f.sheets, [&](int i) { return i % 2 == 0 ? RasterMap() : map_of(right); });

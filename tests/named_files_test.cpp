@@ -1,4 +1,4 @@
-// No command writes a file that it reads, or one file twice, however the names are written.
+// No command may overwrite a file that it reads, or write one file twice, for any spelling of the names.
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -25,7 +25,7 @@ class NamedFiles : public CommandTest {
         EXPECT_EQ(run({"trace", scene(), "-o", path, "--size", "16x9", "--quiet"}).exit_code, 0);
         return path;
     }
-    // Refused, and the file named is as it was.
+    // Checks that the command is rejected and that the file is unchanged.
     void kept(const std::string& path, const std::vector<std::string>& words, const std::string& part) {
         const std::string before = text_of(path);
         EXPECT_FALSE(before.empty());

@@ -1,4 +1,4 @@
-// The Neutral File Format: published scenes, hand-written ones, and files that are none.
+// The Neutral File Format: published scenes, hand-written scenes, and invalid files.
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -48,14 +48,14 @@ std::filesystem::path small(const std::string& name) {
     return std::filesystem::path(POSTLENS_TEST_DATA) / "nff" / name;
 }
 
-// A file with this text, read.
+// Reads scenes from text.
 class NffText : public testing::Test {
   protected:
     Scene read(const std::string& text, const SceneReadOptions& options = {}) {
         std::ofstream(path_, std::ios::binary) << text;
         return read_scene(path_, options);
     }
-    // The error without the file's folder.
+    // The error message without the file's folder.
     std::string error(const std::string& text) {
         try {
             std::ignore = read(text);
@@ -89,7 +89,7 @@ TEST(PublishedNff, HasTheCountsOfItsTable) {
         std::getline(fields, number, ',');
         if (name != "scene") total[name] = std::stoul(number);
     }
-    // balls: 7381 spheres and a square of two triangles; the others' polygons are triangles.
+    // `balls` has 7381 spheres and a square of two triangles. The polygons of the others are triangles.
     const Counts balls = count(read_scene(published("balls.nff")));
     EXPECT_EQ(balls.triangles, 2U);
     EXPECT_EQ(static_cast<std::size_t>(balls.spheres) + 1, total.at("balls"));
@@ -167,7 +167,7 @@ TEST(SmallNff, MountAndTetraAreMeshes) {
     EXPECT_EQ(count(tetra).triangles, 64U);
     EXPECT_EQ(tetra.objects.size(), 1U);
     EXPECT_TRUE(mesh_of(tetra.objects[0]).normals.empty());
-    EXPECT_EQ(tetra.materials[0].ior, 1);  // 0 in the file, where nothing is transmitted
+    EXPECT_EQ(tetra.materials[0].ior, 1);  // 0 in the file, because nothing is transmitted
 }
 
 bool has_note(const Scene& scene, const std::string& part) {
@@ -233,7 +233,7 @@ TEST_F(NffText, PolygonsOfOneFillAreOneObject) {
 }
 
 TEST_F(NffText, ConcavePolygonsAreCutInside) {
-    // An arrow head: the fan about its first corner would cover the notch.
+    // The polygon is an arrow head. A fan about its first corner would cover the notch.
     const Scene s = read(view + "l 1 2 3\n" + fill + "p 4\n0 0 0\n4 2 0\n0 4 0\n1 2 0\n");
     const Mesh& m = mesh_of(s.objects[0]);
     float area = 0;
@@ -251,7 +251,7 @@ TEST_F(NffText, PatchNormalsAreKeptAndFlatNeighboursGetTheirOwn) {
     ASSERT_EQ(m.normals.size(), 6U);
     EXPECT_EQ(m.normals[0], glm::vec3(0, 0, 1));
     EXPECT_EQ(m.normals[1], glm::vec3(0.6F, 0, 0.8F));
-    EXPECT_EQ(m.normals[2], glm::vec3(0, 0, 1));  // no length in the file: the patch's own
+    EXPECT_EQ(m.normals[2], glm::vec3(0, 0, 1));  // of length 0 in the file: the polygon's normal is used
     EXPECT_EQ(m.normals[3], glm::vec3(1, 0, 0));
 }
 

@@ -1,4 +1,4 @@
-// The reference's own error and the error above it, where the truth is known.
+// The error of a noisy reference, and the error of an image above it, for a known truth.
 #include "compare/noise_floor.h"
 
 #include <cmath>
@@ -22,7 +22,7 @@ NoiseFloor floor_of(const Image& image, const Image& r1, const Image& r2) {
     return noise_floor(Picture(image), Picture(r1), Picture(r2), every_pixel(image));
 }
 
-// The truth with this constant error, in every value.
+// The truth plus a constant error.
 Image shifted(const Image& truth, double error) {
     Image out = truth;
     for (float& v : out.rgb) v = static_cast<float>(static_cast<double>(v) + error);
@@ -33,17 +33,17 @@ TEST(NoiseFloor, FindsTheNoiseOfTheReference) {
     constexpr double sigma = 0.01;
     const Image truth = waves(width, height);
     const NoiseFloor n = floor_of(truth, noisy(truth, sigma, 1), noisy(truth, sigma, 2));
-    // (R1 - R2)^2 / 2 has mean sigma^2 and variance 2 sigma^4; five standard errors of its mean, halved by
-    // the root.
+    // (R1 - R2)^2 / 2 has mean sigma^2 and variance 2 sigma^4. The tolerance is five standard errors of its
+    // mean, halved by the root.
     EXPECT_NEAR(n.reference_rmse / sigma, 1, 2.5 * std::sqrt(2 / values));
 }
 
 TEST(NoiseFloor, IsUnbiasedAndKnowsItsStandardError) {
-    // An error five times below the noise: invisible in the plain difference.
+    // The error is five times smaller than the noise, so the plain difference does not show it.
     constexpr double sigma = 0.02, error = 0.004;
     constexpr int runs = 200;
     const Image truth = waves(width, height), image = shifted(truth, error);
-    // Variance of one value's (I - R1)(I - R2): sigma^4 + 2 sigma^2 error^2.
+    // (I - R1)(I - R2) of one value has the variance sigma^4 + 2 sigma^2 error^2.
     const double expected_deviation =
         std::sqrt((std::pow(sigma, 4) + 2 * sigma * sigma * error * error) / values);
     double sum = 0, sum_of_squares = 0, sum_of_variances = 0;
@@ -54,8 +54,8 @@ TEST(NoiseFloor, IsUnbiasedAndKnowsItsStandardError) {
         sum_of_squares += (e.mse - error * error) * (e.mse - error * error);
         sum_of_variances += e.standard_error * e.standard_error;
     }
-    // Four standard errors of each mean over the runs: of the estimate, of its variance (chi squared,
-    // deviation sqrt(2 / runs)), and of the claimed variance (96 blocks, each with the square of a normal
+    // Tolerances of four standard errors over the runs: of the estimate, of its variance (chi-squared with a
+    // deviation of sqrt(2 / runs)), and of the stated variance (96 blocks, each the square of a normal
     // number).
     EXPECT_NEAR(sum / runs, error * error, 4 * expected_deviation / std::sqrt(runs));
     const double variance = expected_deviation * expected_deviation;
@@ -64,9 +64,8 @@ TEST(NoiseFloor, IsUnbiasedAndKnowsItsStandardError) {
 }
 
 TEST(NoiseFloor, ClaimsNoMoreThanItCanKnow) {
-    // Whatever the picture's error is, none or far below or near the noise: what is claimed as the least PSNR
-    // above the noise may exceed the true one only as often as two standard errors of a normal number are
-    // exceeded.
+    // For errors of zero, far below and near the noise: the stated lower bound of the PSNR above the noise
+    // may exceed the true PSNR only as often as a normal number exceeds two standard errors.
     constexpr double sigma = 0.02;
     constexpr int runs = 100;
     const Image truth = waves(width, height);
@@ -80,9 +79,9 @@ TEST(NoiseFloor, ClaimsNoMoreThanItCanKnow) {
             bounds += e.is_bound() ? 1 : 0;
             EXPECT_LT(e.least_rms(), e.greatest_rms());
         }
-        // 2.3 % of 100 runs, and 3.9 standard deviations of that count above.
+        // Expected are 2.3 % of 100 runs; 8 are 3.9 standard deviations more.
         EXPECT_LE(too_much, 8) << error;
-        // The least error that two standard errors, 2 sigma^2 / sqrt(values), can tell from none is 0.0024.
+        // The smallest error that exceeds two standard errors, 2 sigma^2 / sqrt(values), is 0.0024.
         if (error < 5e-4) {
             EXPECT_GE(bounds, 92) << error;
         } else if (error > 5e-3) {
@@ -92,16 +91,15 @@ TEST(NoiseFloor, ClaimsNoMoreThanItCanKnow) {
 }
 
 TEST(NoiseFloor, TheEncodingsBiasIsPartOfTheBound) {
-    // Dark and noisy: the curve shifts the mean of both references alike, which no product of differences
-    // shows. The truth itself must not be given an error, nor a claim below what the references agree on by
-    // mistake.
+    // In a dark noisy image, the sRGB curve shifts the mean of both references equally, which products of
+    // differences cannot detect. The truth must not get an error from this, nor a bound below the shift.
     constexpr double sigma = 0.02;
     const Image truth = test::constant_picture(256, 256, 0.06F);
     const NoiseFloor n = floor_of(truth, noisy(truth, sigma, 1), noisy(truth, sigma, 2));
-    EXPECT_GT(n.encoded.mse, 2 * n.encoded.standard_error);  // the shift, taken for an error
+    EXPECT_GT(n.encoded.mse, 2 * n.encoded.standard_error);  // the shift appears as an error
     EXPECT_TRUE(n.encoded.is_bound());
-    // f = 1.055 x^(1/2.4) - 0.055 has f'' = -0.2564 x^(1/2.4 - 2), so the mean shifts by 0.0044 and twice the
-    // bound on it cannot be less.
+    // f = 1.055 x^(1/2.4) - 0.055 has f'' = -0.2564 x^(1/2.4 - 2), so the mean shifts by 0.0044, and the
+    // bound must be larger.
     EXPECT_GT(n.encoded.greatest_rms(), 0.0044);
 }
 
@@ -114,7 +112,7 @@ TEST(NoiseFloor, AnErrorInOneCornerIsNotLostAsChance) {
     }
     const NoisyError e = floor_of(image, noisy(truth, sigma, 1), noisy(truth, sigma, 2)).linear;
     const double mse = 256 * 0.01 / values;
-    // sum of 2 sigma^2 d^2 over the corner and sigma^4 elsewhere.
+    // The variance is the sum of 2 sigma^2 d^2 over the corner and of sigma^4 over all values.
     const double deviation = std::sqrt(256 * 2 * sigma * sigma * 0.01 + values * std::pow(sigma, 4)) / values;
     EXPECT_NEAR(e.mse, mse, 4 * deviation);
     EXPECT_FALSE(e.is_bound());
@@ -124,7 +122,7 @@ TEST(NoiseFloor, TellsAPictureThatWasMadeFromAReference) {
     constexpr double sigma = 0.01;
     const Image truth = waves(width, height), r1 = noisy(truth, sigma, 1), r2 = noisy(truth, sigma, 2);
     EXPECT_LT(std::abs(floor_of(noisy(truth, 0.003, 3), r1, r2).preference), 4);
-    // Every block says the same: the most that 96 of them can, sqrt(96) = 9.8, less what chance takes away.
+    // All 96 blocks agree, which gives at most sqrt(96) = 9.8, less some noise.
     EXPECT_LT(floor_of(noisy(r1, 0.003, 3), r1, r2).preference, -8);
     EXPECT_GT(floor_of(noisy(r2, 0.003, 3), r1, r2).preference, 8);
 }
@@ -140,7 +138,7 @@ TEST(NoiseFloor, EqualFilesClaimNothing) {
     for (const Comparison& c : {compared(r1, r1, r2), compared(r2, r1, r2)}) {
         EXPECT_TRUE(c.image_is_a_reference);
         ASSERT_TRUE(c.noise);
-        // The noise is known, no error above it is claimed.
+        // The noise is known, but no error above it is stated.
         for (const std::string& note : comparison_notes(c))
             EXPECT_EQ(note.find("above its noise"), std::string::npos) << note;
     }
@@ -148,7 +146,7 @@ TEST(NoiseFloor, EqualFilesClaimNothing) {
 }
 
 TEST(NoiseFloor, AffectedPixelsHaveTheirOwn) {
-    // Noise only in the left half, which is also what the lens affects.
+    // Only the left half has noise, and only the left half is affected by the lens.
     const Image truth = waves(width, height);
     const auto left_noise = [&](unsigned seed) {
         const Image all = noisy(truth, 0.01, seed);
@@ -163,7 +161,7 @@ TEST(NoiseFloor, AffectedPixelsHaveTheirOwn) {
     const Comparison c = compare_pictures(
         {.image = truth, .reference = left_noise(1), .pinhole = pinhole, .second_reference = left_noise(2)});
     EXPECT_EQ(*c.affected_share, 0.5);
-    // All of the noise in half of the pixels; the sums are the same but for rounding.
+    // Half of the pixels have all of the noise; the sums are equal except for rounding.
     EXPECT_NEAR(c.affected_noise->reference_mse / c.noise->reference_mse, 2, 1e-9);
 }
 

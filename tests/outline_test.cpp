@@ -16,7 +16,7 @@ Outline placed(const Outline& outline, double radius, const dvec2& centre) {
     return out;
 }
 
-/// Every pixel's share, by column from x_begin on.
+/// Coverage of all pixels of a row, from column x_begin on.
 std::vector<double> whole_row(const OutlineRows& rows, int y, int& x_begin) {
     CoverageSpan span;
     rows.row(y, span);
@@ -36,7 +36,7 @@ TEST(Outline, CircleHasItsAreaAndPolygonsTheirs) {
     for (int blades = 3; blades < 12; ++blades) {
         const double straight = blades / 2.0 * std::sin(2 * std::numbers::pi / blades);
         EXPECT_NEAR(area(blades_outline(blades, 17, 0, 1e-4)), straight, 1e-12) << blades;
-        // Inscribed chords lose at most the tolerance along the circumference.
+        // Inscribed chords lose at most the tolerance times the circumference.
         EXPECT_NEAR(area(blades_outline(blades, 17, 1, 1e-5)), std::numbers::pi, 2 * std::numbers::pi * 1e-5);
         double before = straight;
         for (const double roundness : {0.25, 0.5, 0.75}) {
@@ -82,7 +82,8 @@ TEST(OutlineRows, AgreesWithSubsampling) {
             int x = 0;
             for (const double share : whole_row(rows, y, x)) {
                 sum += share;
-                // A straight edge through n x n points miscounts at most one in n; a pixel may have several.
+                // With n x n points, a straight edge miscounts at most one in n; a pixel may have several
+                // edges.
                 EXPECT_NEAR(share, outline_coverage_reference(outline, x, y, n), 4.0 / n * rows.inner_share())
                     << i << ": " << x << ", " << y;
                 ++x;
@@ -109,7 +110,7 @@ TEST(OutlineRows, CircleIsTheDisc) {
                 const bool inner = at >= span.inner_begin && at < span.inner_end;
                 const double expected = inner ? disc.inner_share() : span.edge_share[edge++];
                 const bool there = at >= x && at < x + static_cast<int>(shares.size());
-                // The rim through a pixel is at most sqrt(2) + its bend long, and off by the tolerance.
+                // The rim in a pixel is slightly longer than sqrt(2) at most, and displaced by the tolerance.
                 EXPECT_NEAR(there ? shares[static_cast<std::size_t>(at - x)] : 0, expected,
                             3 * tolerance_px * disc.inner_share())
                     << radius << ": " << at << ", " << y;
@@ -138,7 +139,7 @@ TEST(OutlineRows, EitherOrientationAndEveryWholeShiftGiveTheSame) {
     }
 }
 
-// Sides on whole coordinates: pixels wholly in or out, nothing beside them.
+// With sides at integer coordinates, pixels are wholly inside or outside.
 TEST(OutlineRows, ARectangleOnThePixelGridIsExact) {
     const OutlineRows rows({{2, 1}, {7, 1}, {7, 4}, {2, 4}});
     EXPECT_EQ(rows.y_begin(), 1);

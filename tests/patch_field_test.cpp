@@ -1,4 +1,4 @@
-// Sheets, patches and the mean of views of them: what sheets cover, and the fast drawing against a slow one.
+// Sheets, patches and the mean of their views: coverage by sheets, and fast drawing against slow drawing.
 #include "reproject/patch_field.h"
 
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int width = 40, height = 30, overscan = 3;
 
-/// A file of random quadtrees, each of whose records `change` may alter, as sheets.
+/// The sheets of a file of random quadtrees, whose records are modified by `change`.
 struct MadeSheets {
     template <typename Change>
     MadeSheets(const RandomOptions& options, const Change& change, std::uint32_t seed = 3) {
@@ -46,7 +46,7 @@ struct MadeSheets {
     TreeSheets sheets;
 };
 
-/// The texel at a place of a cell, (x, y) in [0, 1) px; none where the sheet has nothing there.
+/// The texel at a position in a pixel, (x, y) in [0, 1) px; none if the sheet has nothing there.
 std::uint32_t texel_at(const SheetMesh& mesh, std::uint32_t node, double x, double y) {
     while (!SheetNode::empty(node) && (node & SheetNode::leaf) == 0) {
         x *= 2;
@@ -59,7 +59,7 @@ std::uint32_t texel_at(const SheetMesh& mesh, std::uint32_t node, double x, doub
     return SheetNode::empty(node) ? SeenTile::no_texel : node & ~SheetNode::leaf;
 }
 
-// Of layer 0 every place of every pixel belongs to one sheet, and its means are the traced picture.
+// In layer 0, every position belongs to exactly one sheet, and the pixel means equal the traced image.
 TEST(Sheets, CoverEveryPixelOnceWithThePinholesColours) {
     const MadeSheets f({.levels = 3}, [](Record& r) { r.id %= 4; });
     const SheetMesh& mesh = f.sheets.primary;
@@ -113,7 +113,7 @@ TEST(Sheets, TellOfEveryRowOnceAndInOrder) {
 
 TEST(Sheets, TellOfTheLeavesOfEveryRowOnce) {
     const MadeSheets f({.levels = 2}, [](Record&) {});
-    // Of a row's pixels: how many leaves, and what they cover.
+    // Numbers of leaves in a row of pixels, and their coverage.
     struct Row {
         int times = 0;
         std::size_t leaves = 0;
@@ -197,7 +197,7 @@ TEST(Sheets, SomeOfThemHaveWhatTheyHadAmongAll) {
             };
             EXPECT_EQ(light(some, i), light(*mesh, old[i]));
         }
-        // What a bright texel has beside its lights is still the texel.
+        // The radiance of a bright texel that is not in its lights stays in the texel.
         for (const BrightTexel& b : some.bright_texels) {
             double green = static_cast<double>(b.rgb[1]);
             for (std::uint32_t l = b.first_light; l < b.first_light + b.lights; ++l) {
@@ -211,7 +211,7 @@ TEST(Sheets, SomeOfThemHaveWhatTheyHadAmongAll) {
     }
 }
 
-/// Patches drawn one after the other and pixel by pixel, in double.
+/// Draws a patch pixel by pixel, in double.
 void draw_slowly(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const glm::dvec2& sample,
                  std::vector<double>& z, std::vector<std::uint32_t>& texel) {
     if (glm::determinant(place.move) <= 0) return;
@@ -237,8 +237,8 @@ void draw_slowly(const PatchMesh& mesh, const Patch& patch, const PatchPlace& pl
     }
 }
 
-// But for what lies within the overlap of patches, 0.02 px, of a border: where each cell is a patch of its
-// own that is 8 % of its area.
+// Positions within 0.02 px of a border may differ, because patches overlap by this distance. If each cell is
+// a separate patch, this is 8 % of its area.
 TEST(Patches, FastDrawingIsWhatSlowDrawingGives) {
     for (const double radius_px : {1.0, 9.0}) {
         const MadeSheets f({.levels = 3, .has_layers = true}, [](Record& r) {
@@ -277,8 +277,8 @@ TEST(Patches, FastDrawingIsWhatSlowDrawingGives) {
     }
 }
 
-// What a view is said to have nothing of in a tile, it draws nothing of; and that says much: the tile is a
-// tenth of the raster.
+// Patches that are skipped for a view of a tile must not be visible in it. Many are skipped, since the tile
+// is a tenth of the raster.
 TEST(Patches, AViewMissesOnlyWhatDrawsNothing) {
     for (const bool has_w : {false, true}) {
         const MadeSheets f({.levels = 2, .has_w = has_w}, [](Record& r) { r.id %= 3; });
@@ -304,12 +304,12 @@ TEST(Patches, AViewMissesOnlyWhatDrawsNothing) {
                 for (const std::uint32_t t : seen.texel) ASSERT_EQ(t, SeenTile::no_texel);
             }
         }
-        EXPECT_GT(missed, mesh.patches.size());  // of three times as many
+        EXPECT_GT(missed, mesh.patches.size());  // of three times this number
     }
 }
 
-// Where the light of a point meets a patch on its way to a pixel is where an eye at the point of the lens
-// that the light comes through sees it.
+// The point at which light from a point source meets a patch on its way to a pixel must equal the point that
+// the view from the same lens point sees.
 TEST(Patches, LieWhereTheEyesOfAPointsRaysSeeThem) {
     const MadeSheets f({.levels = 2, .has_w = true}, [](Record& r) { r.id %= 3; });
     const PatchMesh mesh = cut_patches(f.sheets.primary, {3.0, 0.4});
@@ -327,7 +327,7 @@ TEST(Patches, LieWhereTheEyesOfAPointsRaysSeeThem) {
             return glm::length(by_eye.from + by_eye.move * place - pixel);
         };
         EXPECT_LT(error_px(half), 1e-6 * (1 + glm::length(by_rays.from)));
-        // First order around the middle: what is left falls with the square.
+        // The map is exact to first order about the centre, so the error decreases with the square.
         const glm::dvec2 aside(0.3, -0.2);
         const double far = error_px(half + aside), near = error_px(half + aside / 100.0);
         EXPECT_LT(near, far / 5000 + 1e-9 * (1 + glm::length(by_rays.from)));
@@ -336,7 +336,7 @@ TEST(Patches, LieWhereTheEyesOfAPointsRaysSeeThem) {
     EXPECT_GT(placed, 50);
 }
 
-// A surface that goes through the light's own depth would lie everywhere at once there.
+// A surface through the depth of the light has no finite image there, so it is cut.
 TEST(Patches, AreCutWhereTheyComeCloseToTheLight) {
     constexpr double light = 0.4, nearest = 0.41;
     const MadeSheets f({.levels = 1}, [](Record& r) {
@@ -391,7 +391,7 @@ TEST(Patches, AreCutWhereTheyComeCloseToTheLight) {
     EXPECT_LT(parts, nearer / 2);
 }
 
-// A plane of 1/z' moves as the lens says, exactly: no patch needs to be smaller than its square.
+// A plane is reprojected exactly, so no patch is smaller than its square.
 TEST(Patches, APlaneIsCutNoFurtherThanSquares) {
     const MadeSheets f({.levels = 1}, [](Record& r) {
         r.id = 5;
@@ -420,7 +420,7 @@ TEST(PatchField, AMotionAndItsLensAreOneMap) {
         r.z = 2;
     });
     const PatchMesh mesh = cut_patches(f.sheets.primary, {10, 0.1});
-    glm::dmat4 m(0.5);  // 3 px to the right, at half the depth
+    glm::dmat4 m(0.5);  // 3 px to the right, at half of the depth
     m[2][0] = 1.5;
     m[3][3] = 1;
     const LensShift shift{{8, 0}, 0.1, {}};
@@ -451,7 +451,7 @@ TEST(PatchField, WhatIsNotWantedStaysUnknown) {
     for (const float u : pictures[1].unknown) EXPECT_EQ(u, 0);
 }
 
-/// Notes along which lines it is asked to look.
+/// Records the lines that are traced.
 class NotedLines : public SightRays {
   public:
     void trace(std::span<const SightLine> lines, const LightElsewhere& /*less*/,
@@ -468,7 +468,7 @@ class NotedLines : public SightRays {
     mutable std::vector<SightLine> noted_;
 };
 
-// A check is made along the line of its view, whose lights and lobes are those of its set.
+// A check ray follows the line of its view, with the light and lobe samples of the view's set.
 TEST(PatchField, ChecksLookAlongTheLinesOfTheirViews) {
     const MadeSheets f({.levels = 1}, [](Record& r) { r.id = 5; });
     const PatchMesh mesh = cut_patches(f.sheets.primary, {1, 0.1});
@@ -492,7 +492,7 @@ TEST(PatchField, ChecksLookAlongTheLinesOfTheirViews) {
     field.sets[0].checked = [](int, int, std::vector<std::uint32_t>& views) { views = {0, 1}; };
     std::vector<PatchPicture> pictures(1, PatchPicture(width, height));
     patch_field(field, pictures);
-    // Every view of every pixel is either left to a ray or checked by one.
+    // Every view sample of every pixel is either replaced or checked by a ray.
     EXPECT_EQ(rays.noted().size(), static_cast<std::size_t>(2 * width * height));
     for (const SightLine& line : rays.noted()) {
         ASSERT_EQ(line.set, 7U);

@@ -1,4 +1,4 @@
-// Rasters of paths: closed forms, what must be conserved, and a sum over many instants as the slow reference.
+// Path rasters: closed forms, conservation of light, and a sum over many instants as the slow reference.
 #include "motionblur/path_raster.h"
 
 #include <cmath>
@@ -30,7 +30,7 @@ PathRaster draw(const std::vector<PathPoint>& points, int cells_per_px = 1,
     return draw_path(points, dvec2(0), points.front().time_s, points.back().time_s, curve, cells_per_px);
 }
 
-// Every instant alone, at the middle of equal shares of the light.
+// The slow reference: adds many instants, each in the middle of an equal part of the light.
 PathRaster reference(const std::vector<PathPoint>& points, dvec2 origin_px, double open_s, double close_s,
                      const ShutterCurve& curve, int cells, const PathRaster& window, int instants) {
     PathRaster out = window;
@@ -69,7 +69,7 @@ TEST(PathRasters, AStillPointIsOneCell) {
             EXPECT_EQ(r.cells_per_px, cells);
         }
     }
-    // No exposure is a still of that instant.
+    // An exposure of length 0 gives the position at that instant.
     const std::vector<PathPoint> moving{{0, {0, 0}}, {1, {10, 0}}};
     const PathRaster instant = draw_path(moving, dvec2(0), 1, 1, ShutterCurve::box(), 1);
     EXPECT_EQ(instant.x_begin, 10);
@@ -77,7 +77,7 @@ TEST(PathRasters, AStillPointIsOneCell) {
 }
 
 TEST(PathRasters, ACellIsHalfOpen) {
-    // On the border between two cells: the greater one, in either direction.
+    // A position on the border of two cells belongs to the cell with the greater index, along both axes.
     const auto cell = [](double x, double y) {
         const PathRaster r = draw({{0, {x, y}}, {1, {x, y}}});
         EXPECT_EQ(r.weight.size(), 1U);
@@ -113,7 +113,7 @@ TEST(PathRasters, ATriangularShutterWeighsTheDifferenceOfItsLight) {
 }
 
 TEST(PathRasters, FromRestTheWeightsFollowTheRoot) {
-    // x = a t^2: by the time it leaves cell k, sqrt((k + 1/2) / a) of the time has gone.
+    // For x = a t^2, the path leaves cell k at t = sqrt((k + 1/2) / a).
     const double a = 40;
     const ScreenPath path(PathKind::bezier, {{0, {0, 0}, {}, {0, 0}}, {1, {a, 0}, {-2 * a / 3, 0}, {}}},
                           "test");
@@ -124,15 +124,15 @@ TEST(PathRasters, FromRestTheWeightsFollowTheRoot) {
     for (int k = 0; k <= 40; ++k) {
         const double until = std::sqrt(std::min(k + 0.5, a) / a);
         const double from = k == 0 ? 0 : std::sqrt((k - 0.5) / a);
-        // A border that is off by the tolerance is crossed that much earlier or later: dt = dx / (2 a t),
-        // where t >= sqrt(1/2 / a); two borders.
+        // An error dx of the path changes the time of a crossing by dt = dx / (2 a t), where t >= sqrt(1/2 /
+        // a). A cell has two crossings.
         EXPECT_NEAR(r.at(k, 0), until - from, 2 * tolerance_px / (2 * a * std::sqrt(0.5 / a))) << k;
     }
 }
 
 TEST(PathRasters, ADiagonalCrossesWhereItDoes) {
-    // From the centre of cell (0, 0) along (3, 1): borders of columns at x = 1/2, 3/2, ..., of rows at
-    // y = 1/2, that is x = 3/2, together with a column's.
+    // The path starts at the centre of cell (0, 0) along (3, 1). It crosses borders of columns at x = 1/2,
+    // 3/2, ..., and the border of a row at y = 1/2, where x = 3/2 is also the border of a column.
     const PathRaster r = draw({{0, {0, 0}}, {1, {6, 2}}});
     ASSERT_EQ(r.width, 7);
     ASSERT_EQ(r.height, 3);
@@ -141,7 +141,7 @@ TEST(PathRasters, ADiagonalCrossesWhereItDoes) {
         {part / 2, part, 0, 0, 0, 0, 0}, {0, 0, part, part, part, 0, 0}, {0, 0, 0, 0, 0, part, part / 2}};
     for (int y = 0; y < 3; ++y)
         for (int x = 0; x < 7; ++x) EXPECT_NEAR(r.at(x, y), expected[y][x], 1e-15) << x << ", " << y;
-    // Slope 1/2 through (0.25, 0): y = 1/2 at x = 1.25.
+    // A path of slope 1/2 through (0.25, 0) reaches y = 1/2 at x = 1.25.
     const PathRaster s = draw({{0, {0.25, 0}}, {1, {2.25, 1}}});
     EXPECT_NEAR(s.at(0, 0), 0.25 / 2, 1e-15);
     EXPECT_NEAR(s.at(1, 0), 0.75 / 2, 1e-15);
@@ -162,24 +162,24 @@ TEST(PathRasters, ACircleRunTwiceIsTheCircleOnce) {
         const double a = 2 * std::numbers::pi * t;
         return dvec2(20 * std::cos(a), 20 * std::sin(a));
     };
-    // Whole periods have equal pieces: 512 and 1024.
+    // One and two periods are flattened to equal pieces, 512 and 1024 of them.
     const auto once_points = flatten(circle, {}, 0, 1, 0.01), twice_points = flatten(circle, {}, 0, 2, 0.01);
     ASSERT_EQ(2 * (once_points.size() - 1), twice_points.size() - 1);
     const PathRaster once = draw(once_points, 2), twice = draw(twice_points, 2);
     ASSERT_EQ(once.weight.size(), twice.weight.size());
-    // sin and cos of the second period are those of the first but for the rounding of its angles, 20 px times
-    // 2^-50: crossings differ by that over a speed of 126 px a period.
+    // sin and cos of the second period differ from the first by rounding of the angles, 20 px times 2^-50.
+    // Crossings differ by that divided by a speed of 126 px per period.
     for (std::size_t i = 0; i < once.weight.size(); ++i) EXPECT_NEAR(once.weight[i], twice.weight[i], 1e-14);
 }
 
-// Pieces of random velocity and duration.
+// A path of pieces with random velocity and duration.
 std::vector<PathPoint> random_points(std::mt19937& random, int count) {
     std::uniform_real_distribution<double> place(-6, 6), step(0.01, 1);
     std::vector<PathPoint> points;
     double t = -1;
     for (int i = 0; i < count; ++i) {
         t += step(random);
-        // Some stand still, some lie on borders of cells.
+        // Some pieces do not move, some points lie on borders of cells.
         dvec2 at(place(random), place(random));
         if (i % 5 == 3) at = points.back().at_px;
         if (i % 7 == 2) at = glm::floor(at) + 0.5;
@@ -195,14 +195,15 @@ TEST(PathRasters, ConserveLightAndItsCentre) {
         const int cells = 1 + run % 4;
         const bool is_box = run % 2 == 0;
         const PathRaster r = draw(points, cells, is_box ? ShutterCurve::box() : ShutterCurve::triangle());
-        // One rounding of at most 2^-53 for each of some hundred parts.
+        // Tolerance: one rounding of at most 2^-53 for each of about a hundred parts.
         EXPECT_NEAR(sum(r), 1, 1e-13);
         for (const double w : r.weight) ASSERT_GE(w, 0);
     }
 }
 
 TEST(PathRasters, TheCentroidOfFineCellsIsThatOfThePath) {
-    // Ways between centres of cells, along rows and columns: each half lies as far before a centre as after.
+    // The path runs between centres of cells along rows and columns, so rounding to cells does not change the
+    // centroid.
     const std::vector<PathPoint> points{{0, {0, 0}}, {0.3, {12, 0}}, {0.4, {12, 5}}, {1, {-7, 5}}};
     for (const int cells : {1, 2, 4}) {
         const PathRaster r = draw(points, cells);
@@ -229,7 +230,7 @@ TEST(PathRasters, AgreeWithManyInstants) {
         const ShutterCurve curve = run % 3 == 0   ? ShutterCurve::box()
                                    : run % 3 == 1 ? ShutterCurve::triangle()
                                                   : uneven;
-        // Also where the exposure begins before the path or ends after it, or shows a part of it.
+        // The exposure may begin before the path, end after it, or cover a part of it.
         const double open_s = points.front().time_s + (run % 4 - 1) * 0.1;
         const double close_s = std::max(points.back().time_s + (run % 5 - 2) * 0.1, open_s + 0.01);
         const dvec2 origin(0.37, -1.2);
@@ -238,7 +239,8 @@ TEST(PathRasters, AgreeWithManyInstants) {
         constexpr int instants = 200'000;
         const PathRaster many = reference(points, origin, open_s, close_s, curve, cells, exact, instants);
         for (std::size_t i = 0; i < exact.weight.size(); ++i) {
-            // Each visit of a cell errs by one instant at most; 10 pieces pay at most two visits each.
+            // Each visit of a cell has an error of at most one instant, and 10 pieces make at most two visits
+            // each.
             EXPECT_NEAR(exact.weight[i], many.weight[i], 20.0 / instants) << run;
         }
     }
@@ -260,14 +262,14 @@ TEST(PathRasters, AWindowKeepsItsCellsAndDropsTheRest) {
             }
         }
     }
-    // Far beyond: what is in the window is that of the same speed drawn without one.
+    // A path that extends far beyond the window gives the weights of its speed inside.
     const double far_px = 1e9;
     const PathRaster cut =
         draw_path(std::vector<PathPoint>{{0, {-far_px, 0.2}}, {1, {far_px, 0.2}}}, dvec2(0), 0, 1,
                   ShutterCurve::box(), 2, CellWindow{-100, 100, -100, 100});
     EXPECT_EQ(cut.width, 200);
     EXPECT_EQ(cut.height, 1);
-    // Instants are known to 2^-53 of the exposure, a cell lasts 1 / (4 far).
+    // Times have an error of 2^-53 of the exposure, and a cell lasts 1 / (4 far).
     for (const double w : cut.weight) EXPECT_NEAR(w, 1 / (4 * far_px), 1e-15);
     const PathRaster none = draw_path(std::vector<PathPoint>{{0, {50, 50}}}, dvec2(0), 0, 1,
                                       ShutterCurve::box(), 1, CellWindow{0, 10, 0, 10});
@@ -300,11 +302,11 @@ TEST(PathRasters, WhatCannotBeDrawnIsRefused) {
     refused({{0, {0, 0}}, {1, {1e9, 0}}}, 0, 1, 2,
             "too long (spans 1e+09 px, 1e+09 px away; expected at most 500000)");
     refused({{0, {5e9, 0}}}, 0, 1, 1, "too long");
-    // Short, but to and fro without end.
+    // A path of small extent that goes back and forth very often.
     std::vector<PathPoint> wild;
     for (int i = 0; i < 2'001; ++i) wild.push_back({1.0 * i, {i % 2 * 200'000.0, 0}});
     refused(wild, 0, 2000, 1, "too long a way");
-    // 10^12 cells are more memory than there is.
+    // 10^12 cells exceed the available memory.
     refused({{0, {0, 0}}, {1, {999'990, 999'990}}}, 0, 1, 1, "memory");
 }
 
@@ -313,18 +315,18 @@ TEST(PathRasters, ValuesWeighTheLight) {
     const std::vector<double> values{2, 12};
     const PathRaster r = draw_path(points, dvec2(0), 0, 1, ShutterCurve::box(), 1, std::nullopt, values);
     ASSERT_EQ(r.width, 11);
-    // Cell i has the tenth of the light during which the value goes from i + 1.5 to i + 2.5; the ends have
-    // half.
+    // Cell i gets a tenth of the light, while the value changes from i + 1.5 to i + 2.5. The cells at the
+    // ends get half of that.
     for (int i = 1; i < 10; ++i) EXPECT_NEAR(r.at(i, 0), 0.1 * (i + 2), 1e-12) << i;
     EXPECT_NEAR(r.at(0, 0), 0.05 * 2.25, 1e-12);
     EXPECT_NEAR(r.at(10, 0), 0.05 * 11.75, 1e-12);
-    // A window holds what it did before; half of the exposure, the half of the path.
+    // A window does not change the weights inside. Half of the exposure gives half of the path.
     const PathRaster kept =
         draw_path(points, dvec2(0), 0, 1, ShutterCurve::box(), 1, CellWindow{3, 6, 0, 1}, values);
     for (int i = 3; i < 6; ++i) EXPECT_NEAR(kept.at(i, 0), r.at(i, 0), 1e-12) << i;
     const PathRaster half = draw_path(points, dvec2(0), 0, 0.5, ShutterCurve::box(), 1, std::nullopt, values);
     for (int i = 1; i < 5; ++i) EXPECT_NEAR(half.at(i, 0), 2 * r.at(i, 0), 1e-12) << i;
-    // Values of 1 are the light itself, bit for bit.
+    // Values of 1 give the same bits as no values.
     const std::vector<double> ones{1, 1};
     EXPECT_EQ(draw_path(points, dvec2(0), -1, 2, ShutterCurve::triangle(), 2, std::nullopt, ones).weight,
               draw_path(points, dvec2(0), -1, 2, ShutterCurve::triangle(), 2).weight);

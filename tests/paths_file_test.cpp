@@ -1,4 +1,4 @@
-// PATHS.toml: the example, every kind of motion, and each way to get it wrong with its line.
+// PATHS.toml: the example, all kinds of motion, and all kinds of errors with their lines.
 #include "motionblur/paths_file.h"
 
 #include <cmath>
@@ -25,7 +25,7 @@ class PathsFile : public testing::Test {
         std::ofstream(path, std::ios::binary) << text;
         return path;
     }
-    // The error is one line that begins with the path and holds the part.
+    // Checks that the error is one line that begins with the path and contains `part`.
     void refused(const fs::path& path, const std::string& part) {
         try {
             (void)read_paths(path);
@@ -54,7 +54,7 @@ TEST_F(PathsFile, TheExampleIsRead) {
     EXPECT_EQ(parabola.at(0.5), dvec2(60, -40));
     const auto& bezier = std::get<ScreenPath>(paths[1].motion);
     EXPECT_EQ(bezier.kind(), PathKind::bezier);
-    // u = 1/2: an eighth of the ends, three eighths of the handles' ends.
+    // At u = 1/2 the ends have weight 1/8 and the handles' ends 3/8.
     EXPECT_NEAR(bezier.at(0.5).x, (3 * 2 + 3 * 30 + 90) / 8.0, 1e-13);
     EXPECT_NEAR(bezier.at(0.5).y, (3 * 10 + 30) / 8.0, 1e-13);
     EXPECT_EQ(std::get<ScreenPath>(paths[2].motion).kind(), PathKind::polyline);
@@ -153,7 +153,7 @@ TEST_F(PathsFile, KeysFollowTheRulesOfScenes) {
 TEST_F(PathsFile, WhatIsNoFileIsRefused) {
     refused(folder_.path() / "missing.toml", "cannot be read: no such file");
     refused(folder_.path(), "cannot be read (got a folder");
-    // 256 MB and a byte, none of which are stored.
+    // A sparse file of 256 MB and one byte.
     const fs::path large = folder_.path() / "large.toml";
     std::ofstream(large).close();
     fs::resize_file(large, 256'000'001);

@@ -1,4 +1,4 @@
-// What lies between the corners of a cell without their seeing it: textures and shadows.
+// Textures and shadows between the corners of a cell that none of the corners shows.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
@@ -61,7 +61,7 @@ TEST(TexelRanges, AreThoseOfTheTexelsAndLittleMore) {
             const int longer = std::max(x1 - x0, y1 - y0) + 1,
                       more = longer <= 9 ? 0 : static_cast<int>(std::ceil(0.4 * longer));
             EXPECT_TRUE(holds(got, exact));
-            // What lies outside is the border's, which has neighbours inside.
+            // Texels outside continue the border, whose neighbours are inside.
             const auto inside = [](int v, int count, bool wraps) {
                 return wraps ? v : std::clamp(v, 0, count - 1);
             };
@@ -85,7 +85,7 @@ TEST(TextureRange, OfACheckerIsOneCellsColourOrBoth) {
     EXPECT_EQ(range({0.11, 0.01, -9}, {0.59, 0.49, 9}).low, c.even);
     EXPECT_EQ(range({0.11, 0.01, -9}, {0.59, 0.49, 9}).high, c.even);
     EXPECT_EQ(range({0.61, 0.01, 0}, {0.7, 0.02, 0}).high, c.odd);
-    // Two cells on: the ends have one colour.
+    // The ends are two cells apart and have the same colour.
     EXPECT_EQ(range({0.11, 0.01, 0}, {1.15, 0.01, 0}).low, c.odd);
     EXPECT_EQ(range({0.11, 0.01, 0}, {1.15, 0.01, 0}).high, c.even);
     EXPECT_EQ(range({0.2, 0.4, 0}, {0.2, 0.6, 0}).low, c.odd);
@@ -115,7 +115,7 @@ TEST(TextureRange, OfAPictureHoldsAllThatIsLookedUpBetween) {
     }
 }
 
-/// A wall at 4 m, of a checker with cells of half a pixel: every corner lies in one of the same colour.
+/// A wall at 4 m with a checker whose cells are half a pixel wide, so that all corners show the same colour.
 Scene fine_wall() {
     SceneBuilder b;
     const double px = 4 * 36 / 50.0 / 64;
@@ -134,16 +134,16 @@ TEST(CornersAndPatterns, ACheckerIsSeenThoughAllCornersHaveOneColour) {
     TraceSettings settings;
     settings.subdivision.levels = 4;
     const TracedFrame frame(fine_wall(), settings);
-    // Half of every pixel has either colour. Leaves of 1/16 px that a border cuts, two each way in a pixel,
-    // err by half of their contrast at most, and corners lie a tenth of a pixel off the borders: 0.8 * 2 * 2
-    // / 16 / 2.
+    // Each colour fills half of every pixel. A pixel has two borders along each axis; leaves of 1/16 px that
+    // they cut have an error of at most half of the contrast: 0.8 * 2 * 2 / 16 / 2.
     const Image picture = frame.file().picture();
     for (const float v : picture.rgb) EXPECT_NEAR(v, 0.5F, 0.1F);
     settings.subdivision.levels = 0;
     for (const float v : TracedFrame(fine_wall(), settings).file().picture().rgb) EXPECT_EQ(v, 0.9F);
 }
 
-// Corners of one colour tell nothing of what lies between them, unless they are divided.
+// Corners of one colour do not show the texture between them; such leaves are marked, unless they are
+// divided.
 TEST(CornersAndPatterns, TextureFinerThanTheSamplesIsMarked) {
     const auto marked_share = [](const Scene& scene, int levels) {
         TraceSettings settings;
@@ -157,7 +157,7 @@ TEST(CornersAndPatterns, TextureFinerThanTheSamplesIsMarked) {
         return static_cast<double>(marked) / static_cast<double>(band.records.size());
     };
     EXPECT_EQ(marked_share(fine_wall(), 0), 1);
-    // Two borders a pixel, either way: of leaves of 1/16 px most lie between them.
+    // A pixel has two borders along each axis, and most leaves of 1/16 px lie between borders.
     const double divided = marked_share(fine_wall(), 4);
     EXPECT_GT(divided, 0.1);
     EXPECT_LT(divided, 0.95);
@@ -172,8 +172,9 @@ TEST(CornersAndPatterns, TextureFinerThanTheSamplesIsMarked) {
     EXPECT_FALSE(TracedFrame(plain.scene).file().header().has_marks);
 }
 
-// A strip before a wall, narrower than a pixel and between two corners, with a light from either side: each
-// corner lies in the shadow of one, and both have one colour. Between them the wall has both lights.
+// A strip in front of a wall, narrower than a pixel and between two corners, with a light on each side. Each
+// corner is in the shadow of one light, and both have the same colour. The wall between them is lit by both
+// lights.
 TEST(CornersAndPatterns, ShadowsOfTwoLightsAreToldApart) {
     SceneBuilder b;
     const double px = 4 * 36 / 50.0 / 64, middle = px / 2;
@@ -204,8 +205,8 @@ TEST(CornersAndPatterns, ShadowsOfTwoLightsAreToldApart) {
     EXPECT_TRUE(divided);
 }
 
-// A floor of cells that shrink to nothing at the horizon: what corners missed was a quarter of all such
-// pixels, and 28 dB at any level. 4 levels are 256 looks at a pixel.
+// A checkered floor whose cells become arbitrarily small towards the horizon. If only the corners' colours
+// decided, the result would be 28 dB at any level. Four levels are 256 samples per pixel.
 TEST(CornersAndPatterns, ACheckeredFloorIsKnownAsWellAsItIsDivided) {
     SceneBuilder b;
     Checker c;
@@ -225,7 +226,7 @@ TEST(CornersAndPatterns, ACheckeredFloorIsKnownAsWellAsItIsDivided) {
         return psnr(TracedFrame(b.scene, settings).file().picture(), reference);
     };
     const double two = error_db(2), four = error_db(4);
-    // Where every look is as good as a throw of a coin: 0.4 / 4 and 0.4 / 16.
+    // If every sample were random, the error would be 0.4 / 4 and 0.4 / 16.
     EXPECT_GT(two, 20);
     EXPECT_GT(four, 32);
     EXPECT_GT(four, two + 8);

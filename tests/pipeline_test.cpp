@@ -1,4 +1,4 @@
-// From a scene to a focused picture: what the parts promise each other.
+// From a scene to a focused image: properties of all parts together.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Mirrors and glass before a chequered wall.
+// Mirrors and glass in front of a checkered wall.
 SceneBuilder busy_scene() {
     SceneBuilder b;
     Material m = matte({0.6, 0.5, 0.4});
@@ -84,8 +84,8 @@ TEST_F(Pipeline, AsTheCircleVanishesThePictureIsThePinholes) {
             const FocusResult r =
                 focus_picture(file, {.lens = {50, f_number}, .focus_distance_m = 3, .depth_model = model});
             EXPECT_EQ(r.method, FocusMethod::scatter);
-            // At f/1e6 the widest circle is 2e-5 px; what crosses a pixel's border is less than that share of
-            // a sample.
+            // At f/1e6 the widest CoC is 2e-5 px, and less than that share of a sample crosses a pixel's
+            // border.
             EXPECT_LT(largest_difference(r.image, stored), f_number < 1e7 ? 1e-4 : 1e-6);
         }
     }
@@ -104,8 +104,8 @@ TEST_F(Pipeline, TheSameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(images[0].rgb, images[2].rgb);
 }
 
-// One plane out of focus: the focused picture is the pinhole's corners filtered by one disc. OpenCV is the
-// other opinion.
+// For one defocused plane, the focused image is the raster of corners filtered by one disc. The reference is
+// OpenCV's filter.
 TEST_F(Pipeline, OnePlaneIsAFilterOfTheCorners) {
     SceneBuilder b;
     Material wall = glowing(glm::dvec3(1));
@@ -124,13 +124,13 @@ TEST_F(Pipeline, OnePlaneIsAFilterOfTheCorners) {
     const double radius = std::abs(lens.coc_diameter_px(1 / 4.0)) / 2;
     ASSERT_GT(radius, 5);
     ASSERT_LT(radius, overscan - 2);
-    // Corner (i, j) lies at whole coordinates: pixel (x, y) gathers corners with the coverage of a disc about
-    // (0, 0).
+    // Corner (i, j) is at integer coordinates, so pixel (x, y) gathers corners with the coverage of a disc
+    // about (0, 0).
     const int reach = static_cast<int>(std::ceil(radius)) + 1;
     cv::Mat kernel = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_64F);
     for (const CoverageRow& row : ellipse_coverage(Ellipse::disc(radius), 0, 0)) {
         for (std::size_t i = 0; i < row.share.size(); ++i) {
-            // filter2D correlates: corner c reaches pixel p = c + d, so the tap of c = p - d.
+            // filter2D computes a correlation: corner c contributes to pixel p = c + d, so its tap is at -d.
             kernel.at<double>(reach - row.y, reach - (row.x_begin + static_cast<int>(i))) = row.share[i];
         }
     }
@@ -156,10 +156,10 @@ TEST_F(Pipeline, OnePlaneIsAFilterOfTheCorners) {
             }
         }
     }
-    // The level nearest to the plane's CoC differs by less than half a pixel of diameter; a quarter of a
-    // pixel of radius moves at most 2 * 0.25 / radius of a pixel's energy, of contrast 2.9.
+    // The CoC of the nearest depth level differs from the plane's by less than 0.5 px in diameter. A change
+    // of 0.25 px in radius moves at most 2 * 0.25 / radius of a pixel's energy, with a contrast of 2.9.
     EXPECT_LT(most, 2.9 * 2 * 0.25 / radius);
-    // With a level on the plane itself nothing is left but float.
+    // With a depth level at the plane, only float rounding remains.
     FocusSettings exact = settings;
     exact.depths = 2;
     most = 0;
@@ -175,8 +175,8 @@ TEST_F(Pipeline, OnePlaneIsAFilterOfTheCorners) {
     EXPECT_LT(most, 1e-5);
 }
 
-// A mirror 2 m away shows a wall 3 m before it: focused at 5 m the mirror's image is sharp, focused on its
-// frame it is not.
+// A mirror at 2 m shows a wall that is 3 m in front of it. With the focus at 5 m the reflected image is
+// sharp, with the focus on the mirror it is not.
 TEST_F(Pipeline, WhatAMirrorShowsIsInFocusAtItsOwnDepth) {
     SceneBuilder b;
     Material wall = glowing(glm::dvec3(1));
@@ -184,7 +184,7 @@ TEST_F(Pipeline, WhatAMirrorShowsIsInFocusAtItsOwnDepth) {
         Checker{.size = glm::dvec3(0.25, 0.25, infinity), .even = glm::dvec3(1), .odd = glm::dvec3(0)});
     b.add(square({0, 0, -2}, {0, 0, 1}, 8), mirror());
     b.add(square({0, 0, 1}, {0, 0, -1}, 40), wall);
-    // Without subdivision: the weights that arrive are then one everywhere, whatever the mirror's own blur.
+    // Without subdivision, the arriving weights are 1 everywhere, for any blur of the mirror itself.
     const SampleFileReader file(traced(
         b.scene, {.camera = {.width = 640, .height = 480}, .subdivision = {.levels = 0}, .overscan_px = 20}));
     const Image pinhole = file.picture();
@@ -194,9 +194,9 @@ TEST_F(Pipeline, WhatAMirrorShowsIsInFocusAtItsOwnDepth) {
             pinhole);
     };
     EXPECT_LT(at(5, DepthModel::ray_differentials), 1e-5);
-    EXPECT_LT(at(5, DepthModel::path), 1e-5);  // for a flat mirror the path's length is right as well
+    EXPECT_LT(at(5, DepthModel::path), 1e-5);  // for a flat mirror the path length is also correct
     EXPECT_GT(at(2, DepthModel::ray_differentials), 0.3);
-    EXPECT_LT(at(2, DepthModel::first_hit), 1e-5);  // what a depth buffer would do
+    EXPECT_LT(at(2, DepthModel::first_hit), 1e-5);  // equals a depth buffer
 }
 
 TEST_F(Pipeline, AnOrthographicFileHasNoLens) {

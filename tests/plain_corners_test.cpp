@@ -1,4 +1,4 @@
-// What is looked up for many corners at once is what is reckoned for each.
+// Lookups for many corners at once give the same results as a computation for each corner.
 #include "focus/plain_corners.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 TEST(LevelTable, HasTheLevelsOfItsDefinition) {
     const LevelTable& table = LevelTable::the();
-    // Where a level begins, to the last bit on either side, and in between.
+    // Tests radii at the beginning of each level, to the last bit on both sides, and between levels.
     std::uint32_t begun = 0;
     for (double low = 0; low < 300; low += 1.0 / 64) {
         double below = low, from = low + 1.0 / 64;
@@ -43,7 +43,7 @@ TEST(LevelTable, HasTheSameForManyAsForEach) {
         for (int i = -500; i < 500; ++i) inverse.push_back(scale * i / 150);
     }
     std::vector<std::uint32_t> level(inverse.size());
-    // With and without such as are beyond the table.
+    // With and without values beyond the table.
     for (const std::size_t count : {std::size_t{1000}, inverse.size(), std::size_t{7}, std::size_t{0}}) {
         LevelTable::the().levels_of(geometry, inverse.data(), count, level.data());
         for (std::size_t i = 0; i < count; ++i)
@@ -52,7 +52,7 @@ TEST(LevelTable, HasTheSameForManyAsForEach) {
     }
 }
 
-/// The tables of a band, its plain corners apart or among all others.
+/// The tables of a band, with its plain corners handled separately or with all others.
 std::unique_ptr<SplatTables> tables(const RecordBand& band, const FocusGeometry& geometry, bool apart) {
     const RasterWindow source{band.x_begin, band.x_end, band.y_begin, band.y_end};
     const RasterWindow picture{band.x_begin, band.x_end - 1, band.y_begin, band.y_end - 1};
@@ -89,7 +89,8 @@ TEST(PlainCorners, GiveTheSameTablesAsAmongAllOthers) {
     std::uniform_real_distribution<float> uniform(0, 1);
     std::size_t plain = 0, others = 0;
     for (const double scale : {0.2, 3.0, 300.0}) {
-        // Runs, single corners, mirrors, black nodes, nothing, depths beside zero, and subdivided pixels.
+        // The band has runs, single corners, mirrors, black nodes, background, depths close to 0 and
+        // subdivided pixels.
         RecordBand band = corner_band(70, 30, 0, [&](int x, int y) {
             const double z_m = (x / 9 + y / 7) % 3 == 0 ? 2 : 0.3 + 3 * static_cast<double>(uniform(random));
             std::vector<Record> nodes{corner(z_m, uniform(random), uniform(random), uniform(random) - 0.1F)};

@@ -1,5 +1,5 @@
-// What the planner expects, against what comes of it: the noise of views, the records' density, whole
-// pictures; and the traces that are planned.
+// Predictions of the planner against results: noise of views, density of records, whole images, and planned
+// traces.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
@@ -27,7 +27,7 @@ Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
     return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
 }
 
-/// A striped wall and a near bar at the left.
+/// A striped wall and a near bar on the left.
 SceneBuilder bar_and_wall() {
     SceneBuilder b;
     b.add(board(-0.34, -0.27, -2, 2, 1), glowing({0.9, 0.2, 0.1}));
@@ -99,17 +99,17 @@ TEST(RecordFloor, VarianceOfAnEdgeInASquare) {
         ++edges;
     }
     ASSERT_GT(edges, 1000);
-    // The squared error of one edge is below 1/9; a mean of over 1000 strays by less than 0.0388 / sqrt(1000)
-    // * 2.
+    // The squared error of one edge is below 1/9. The mean of over 1000 deviates by less than
+    // 0.0388 / sqrt(1000) * 2.
     EXPECT_NEAR(sum / edges, edge_cell_variance, 0.0025);
 }
 
-/// A disc of light as cells know it, or as it is: how much, and where its middle is.
+/// Light and centroid of a disc, either exact or as represented by cells.
 struct Lamp {
     double light = 0, x = 0, y = 0;
 };
 
-/// The encoded picture of a lamp that is spread over a circle of confusion, 40 px wide.
+/// The encoded image, 40 px wide, of a light that is spread over its circle of confusion.
 std::vector<double> spread(const Lamp& lamp, double coc_px, double ground) {
     constexpr int edge = 40;
     std::vector<double> out(static_cast<std::size_t>(edge) * edge, ground);
@@ -130,7 +130,7 @@ std::vector<double> spread(const Lamp& lamp, double coc_px, double ground) {
     return out;
 }
 
-// Lamps within a pixel of sixteen cells, from discs that are dim to such as are far too bright for a picture.
+// Lights within a pixel of 16 cells, whose discs range from dim to far brighter than white.
 TEST(SpreadLight, IsWhatKnowingALampByItsCornersErrsBy) {
     constexpr int cells = 4;
     constexpr double size = 1.0 / cells;
@@ -165,7 +165,7 @@ TEST(SpreadLight, IsWhatKnowingALampByItsCornersErrsBy) {
                     known.x += here * (static_cast<double>(column) + 0.5) * size;
                     known.y += here * (static_cast<double>(row) + 0.5) * size;
                 }
-                if (known.light == 0) continue;  // missed: what floor_unseen is for
+                if (known.light == 0) continue;  // missed by all corners; floor_unseen covers this
                 known.x /= known.light;
                 known.y /= known.light;
                 const std::vector<double> is = spread({3.14159 * r * r * (radiance - 1), x0, y0}, coc_px,
@@ -174,7 +174,7 @@ TEST(SpreadLight, IsWhatKnowingALampByItsCornersErrsBy) {
                 for (std::size_t k = 0; k < is.size(); ++k) measured += (is[k] - seen[k]) * (is[k] - seen[k]);
                 expected += light.error();
             }
-            // From dim discs to white ones; within a factor of two either way.
+            // From dim discs to white discs, the prediction is within a factor of two.
             EXPECT_LT(std::abs(10 * std::log10(expected / measured)), 3)
                 << coc_px << " px, radiance " << radiance << ": " << expected << " " << measured;
         }
@@ -182,7 +182,7 @@ TEST(SpreadLight, IsWhatKnowingALampByItsCornersErrsBy) {
 }
 
 TEST(RecordFloor, IsWhatThePinholePictureErrsBy) {
-    // Edges of all directions: slanting boards one before the other.
+    // Overlapping tilted boards with edges of all directions.
     SceneBuilder b;
     std::mt19937 random(3);
     std::uniform_real_distribution<double> unit(-1, 1);
@@ -197,21 +197,21 @@ TEST(RecordFloor, IsWhatThePinholePictureErrsBy) {
     s.f_number = std::numeric_limits<double>::infinity();
     s.spp = 4096;
     const Image truth = render_picture(b.scene, s).image;
-    for (const int levels : {0, 1, 2, 3}) {  // level 4 errs as little as 4096 rays do
+    for (const int levels : {0, 1, 2, 3}) {  // level 4 has as small an error as the 4096 rays
         const TracedFrame frame(b.scene, traced(false, levels));
         const std::vector<float> floor = record_floor(frame.file(), FocusGeometry{});
         double expected = 0;
         for (const float v : floor) expected += static_cast<double>(v) / static_cast<double>(floor.size());
         const double is = encoded_mse(pinhole_picture(frame.file()), truth);
-        // Radiances are averaged, not their encoded values; corners where three colours meet; 24 dB between
-        // the levels. Within a factor of two either way.
+        // The prediction ignores that radiances are averaged instead of encoded values, and corners with
+        // three colours. It is within a factor of two, while errors of the levels differ by 24 dB.
         EXPECT_LT(std::abs(10 * std::log10(expected / is)), 3) << levels << ": " << expected << " " << is;
     }
 }
 
 TEST(AutoPicture, ReachesItsTargetAndStatesWhatItReached) {
     const SceneBuilder b = bar_and_wall();
-    const TracedFrame frame(b.scene, traced(true, 1));  // without rays no better than 30 dB
+    const TracedFrame frame(b.scene, traced(true, 1));  // at most 30 dB without rays
     double views = 0;
     for (const double target : {25.0, 35.0, 45.0}) {
         AutoSettings s = settings(target);
@@ -222,7 +222,7 @@ TEST(AutoPicture, ReachesItsTargetAndStatesWhatItReached) {
         ASSERT_TRUE(r.hybrid.stated);
         EXPECT_TRUE(r.met) << r.plan;
         EXPECT_GE(r.hybrid.stated->db(), target);
-        // Of 64x48 px few pieces tell the noise.
+        // With 64 x 48 px, few pieces determine the noise, so the interval is wide.
         EXPECT_GT(is, r.hybrid.stated->low_db()) << r.plan;
         EXPECT_LT(is, r.hybrid.stated->high_db()) << r.plan;
         EXPECT_GE(r.mean_views, views);
@@ -233,7 +233,7 @@ TEST(AutoPicture, ReachesItsTargetAndStatesWhatItReached) {
 
 TEST(AutoPicture, WithoutASceneItKnowsTheNoiseAndABound) {
     const SceneBuilder b = bar_and_wall();
-    // Too coarse for 60 dB, and nothing of what the bar hides is recorded.
+    // The records are too coarse for 60 dB, and no surfaces behind the bar are recorded.
     const TracedFrame frame(b.scene, traced(false, 1));
     FocusFrame of(frame.file());
     AutoSettings s = settings(45, 10);
@@ -247,15 +247,15 @@ TEST(AutoPicture, WithoutASceneItKnowsTheNoiseAndABound) {
     const double is = psnr_db(r.hybrid.focus.image, rays(b.scene, s));
     EXPECT_GT(is, r.bound_db());
     EXPECT_LT(is, r.noise_db());
-    // Where nothing is asked for, nothing is missed.
+    // Without a target there is no warning.
     s.target_db.reset();
     EXPECT_TRUE(auto_picture(of, s).hybrid.focus.warnings.empty());
-    // More than all views can do.
+    // A target that the greatest number of views cannot reach.
     s.target_db = 80;
     const AutoResult most = auto_picture(of, s);
     EXPECT_FALSE(most.met);
     EXPECT_EQ(most.hybrid.focus.warnings.back().code, "target");
-    // Rays show what the records do not.
+    // Rays show the surfaces that are not recorded.
     s = settings(45, 10);
     s.hybrid.scene = &b.scene;
     const AutoResult seen = auto_picture(of, s);
@@ -311,13 +311,14 @@ TEST(TracePlan, FindsTheLevelsThatATargetTakes) {
 
         const TemporaryFolder folder;
         const TraceResult r = trace_to_file(b.scene, p.settings, folder.path() / "frame.exr");
-        // A look at a sixteenth of the pixels, which makes margins wider: records within a factor of two,
-        // bytes, which pack the better the denser they lie, of three.
+        // The preview pass covers 1/16 of the pixels, for which margins are relatively wider. The number of
+        // records is predicted within a factor of two, that of bytes within three, as dense records compress
+        // better.
         EXPECT_GT(p.records / static_cast<double>(r.records), 0.5) << target;
         EXPECT_LT(p.records / static_cast<double>(r.records), 2) << target;
         EXPECT_GT(p.bytes / static_cast<double>(r.bytes), 0.5) << target;
         EXPECT_LT(p.bytes / static_cast<double>(r.bytes), 3) << target;
-        // What it says of the records is what the records say.
+        // The predicted error of the records equals that computed from the file.
         const SampleFileReader file(folder.path() / "frame.exr");
         const SampleHeader& h = file.header();
         const std::vector<float> floor =
@@ -331,7 +332,7 @@ TEST(TracePlan, FindsTheLevelsThatATargetTakes) {
 }
 
 TEST(TracePlan, CountsLampsThatAreSpread) {
-    // Even behind the lamps: nothing else has an edge.
+    // The background is uniform, so only the lights have edges.
     SceneBuilder b;
     b.add(board(-9, 9, -9, 9, 10), glowing({0.2, 0.3, 0.4}));
     for (int i = 0; i < 8; ++i)

@@ -1,4 +1,4 @@
-// PLY files as programs write them: any order of elements and properties, strips, comments, binary data.
+// PLY files: any order of elements and properties, strips, comments, binary data.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -89,7 +89,7 @@ TEST_F(PlyText, StripsTurnEverySecondTriangleAndStartAgainAfterMinusOne) {
         "ply\nformat ascii 1.0\nelement tristrips 1\nproperty list int int vertex_indices\n"
         "element vertex 5\n" +
         xyz + "end_header\n10 0 1 2 3 -1 4 4 1 2 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 0 1\n");
-    // 4 4 1 and 4 1 2 belong to one strip: the first has no area, and the second turns.
+    // 4 4 1 and 4 1 2 belong to one strip: the first has no area, and the second has the opposite winding.
     const std::vector<glm::uvec3> wanted{{0, 1, 2}, {2, 1, 3}, {1, 4, 2}, {1, 2, 0}};
     EXPECT_EQ(m.triangles, wanted);
 }
@@ -104,7 +104,7 @@ TEST_F(PlyText, CommentsMayStandAnywhere) {
     EXPECT_EQ(m.triangles.size(), 1U);
 }
 
-// The first float has the first byte 0x0a; after a CR it must not be taken for a part of the line's end.
+// The first byte of the first float is 0x0a. After a CR it must not be taken as part of the line end.
 TEST_F(PlyText, TheFirstByteOfDataMayBeALineFeedOrACarriageReturn) {
     for (const std::string end : {"\n", "\r\n", "\r"}) {
         for (const bool is_big : {false, true}) {

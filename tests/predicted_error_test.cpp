@@ -1,4 +1,4 @@
-// What is expected of pictures from the records that they were made of, against what they are off by.
+// Errors of images that are predicted from their records, against the true errors.
 #include "planner/predicted_error.h"
 
 #include <cmath>
@@ -24,8 +24,8 @@ Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
     return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
 }
 
-/// A wall of patches, which no set of views suits by chance, and a near bar at the left, which moves by
-/// `move_m` in a second.
+/// A wall of random patches, which favours no set of views, and a near bar on the left that moves by `move_m`
+/// in one second.
 SceneBuilder bar_and_wall(double move_m = 0) {
     SceneBuilder b;
     Object& bar = b.add(board(-0.34, -0.27, -2, 2, 1), glowing({0.9, 0.2, 0.1}));
@@ -69,7 +69,7 @@ Image rays(const Scene& scene, const FocusSettings& focus, const std::optional<T
     return render_picture(scene, s).image;
 }
 
-/// PSNR of the pixels of `crop`, encoded values.
+/// PSNR of the encoded pixels in `crop`.
 double is_db(const Image& image, const Image& truth, const std::optional<Crop>& crop = {}) {
     double sum = 0, count = 0;
     for (int y = 0; y < image.height; ++y) {
@@ -91,8 +91,8 @@ double expected_db(const SampleFileReader& file, const FocusSettings& focus, con
     return predict_error(frame, {.focus = focus}, image, focus.views).predicted_db;
 }
 
-// Within a factor of two of the squared error, either way; but by how much the errors of the halves that a
-// picture is compared with go together by chance is not known, which is 47 dB and less here.
+// Tolerance: a factor of two in squared error. Chance correlations between the image and the two halves of
+// its reference are not predicted; they limit the test to 47 dB.
 constexpr double factor_of_two_db = 3.01, told_db = 47;
 
 void expect_near(double expected_db, double is_db, const std::string& what) {
@@ -124,7 +124,7 @@ TEST(PredictError, KnowsAWrongPictureFromARightOne) {
     Image image = focus_picture(frame.file(), f).image;
     const double right = expected_db(frame.file(), f, image);
     for (float& v : image.rgb) v = linear_from_srgb(srgb_from_linear(v) + 0.05F);
-    // Off by 0.05: 26 dB, beside what it was off by before.
+    // An error of 0.05 is 26 dB, in addition to the previous error.
     EXPECT_GT(right, 35);
     EXPECT_NEAR(expected_db(frame.file(), f, image),
                 -10 * std::log10(0.05 * 0.05 + std::pow(10, -right / 10)), 0.3);
@@ -133,10 +133,10 @@ TEST(PredictError, KnowsAWrongPictureFromARightOne) {
 TEST(PredictError, BoundsWhatTheRecordsLack) {
     const SceneBuilder b = bar_and_wall();
     FocusSettings f = with(FocusMethod::lightfield, 256);
-    f.focus_distance_m = 10;  // the edge of the bar is over a hand wide
+    f.focus_distance_m = 10;  // blurs the edge of the bar widely
     const Image truth = rays(b.scene, f);
     double least_unsure = 0;
-    // With what the bar hides; coarse; and without it.
+    // Fine records with hidden surfaces, coarse records with them, and records without hidden surfaces.
     for (const TraceSettings& t : {traced(true), traced(true, 1), traced(false)}) {
         const TracedFrame frame(b.scene, t);
         const Image image = focus_picture(frame.file(), f).image;
@@ -144,7 +144,7 @@ TEST(PredictError, BoundsWhatTheRecordsLack) {
         const PredictedError e = predict_error(of, {.focus = f}, image, f.views);
         EXPECT_GT(is_db(image, truth), e.bound_db);
         EXPECT_LT(e.bound_db, e.predicted_db);
-        // The fine records with all layers are the surest.
+        // Fine records with hidden surfaces have the smallest share of unsure view samples.
         EXPECT_GT(e.unsure_share, least_unsure);
         if (least_unsure == 0) least_unsure = e.unsure_share;
     }
@@ -154,9 +154,9 @@ TEST(PredictError, OfACropIsOfItsPixels) {
     const SceneBuilder b = bar_and_wall();
     const TracedFrame frame(b.scene, traced(true));
     FocusSettings f = with(FocusMethod::scatter);
-    // What the light field of the records comes to.
+    // The light field of these records, with the greatest number of views.
     const Image all = focus_picture(frame.file(), with(FocusMethod::lightfield, most_lens_views)).image;
-    // With the bar's edges, and without.
+    // One crop with the bar's edges, and one without.
     for (const Crop& crop : {Crop{0, 0, 24, 48}, Crop{40, 4, 20, 40}}) {
         f.crop = crop;
         const Image image = focus_picture(frame.file(), f).image;
@@ -176,7 +176,7 @@ TEST(PredictError, WithTheShutterOpen) {
     const Image both = hybrid_picture(of, s).focus.image;
     expect_near(predict_error(of, s, both, 64).predicted_db, is_db(both, rays(b.scene, s.focus, s.shutter)),
                 "");
-    // A pinhole's.
+    // The image of a pinhole.
     s.focus.lens.f_number = std::numeric_limits<double>::infinity();
     const MotionBlurResult blurred = frame.blur(MotionMethod::convolve);
     expect_near(predict_error(of, s, blurred.image, 0).predicted_db,
@@ -214,8 +214,8 @@ TEST(PredictError, RefusesWhatItCannotTell) {
     EXPECT_NO_THROW(check_predictable(h, with(FocusMethod::scatter)));
 }
 
-// A mirror close by, out of focus: beyond its outline the lens sees in it what no ray of the pinhole met, and
-// all views alike are given what the pinhole saw next to it.
+// A near, defocused mirror. Near its outline the lens sees reflected surfaces that the pinhole does not see,
+// and all views get the surface that the pinhole sees next to them.
 TEST(PredictError, BoundsWhatNobodySawInAMirrorsRim) {
     SceneBuilder b;
     b.add(board(-4, 4, -4, 4, 4), glowing({0.4, 0.4, 0.4}));

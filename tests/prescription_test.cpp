@@ -1,4 +1,5 @@
-// Prescriptions: first-order values that the files' sources state, glasses, formats, and what is refused.
+// Prescriptions: first-order values against those stated by the sources of the files, glasses, formats,
+// errors.
 #include "lens/prescription/prescription.h"
 
 #include <cmath>
@@ -21,7 +22,7 @@
 namespace postlens::test {
 namespace {
 
-/// As if this text stood in a file of that name.
+/// Reads a prescription from a file with this text and name.
 Prescription of_text(const std::string& text, const std::string& name) {
     const TemporaryFolder folder;
     const auto path = folder.path() / name;
@@ -33,15 +34,14 @@ Prescription data(const std::string& name) {
     return read_prescription(std::string(POSTLENS_TEST_DATA) + "/lens/" + name);
 }
 
-// A value that was stated with a rounded last digit.
+// Compares with a stated value whose last digit is rounded.
 void expect_stated(double got, double stated, double relative, double last_digit, const std::string& what) {
     EXPECT_NEAR(got, stated, std::abs(stated) * relative + 0.5 * last_digit) << what;
 }
 
 TEST(Glasses, TermsGiveThePublishedIndex) {
     for (const std::string_view name : glass_names()) {
-        // Published to five digits, of which the melt's temperature and the lamp's air leave the last
-        // uncertain.
+        // Published to five digits; the last one depends on the temperature of the melt and on the air.
         EXPECT_NEAR(find_glass(name)->index(d_line_nm), published_nd(name).value(), 1e-5) << name;
     }
     EXPECT_FALSE(find_glass("UNOBTAINIUM"));
@@ -50,7 +50,7 @@ TEST(Glasses, TermsGiveThePublishedIndex) {
     EXPECT_FALSE(*find_glass("SF6") == *find_glass("N-SF6"));
 }
 
-// The table "REFRACTIVE INDICES" of CODE V's listing, six decimals at three wavelengths.
+// The table "REFRACTIVE INDICES" of CODE V's listing has six decimals at three wavelengths.
 TEST(Glasses, TermsGiveTheIndicesOfCodeV) {
     std::ifstream listing(std::string(POSTLENS_TEST_DATA) + "/lens/rayoptics_ag_dblgauss.lis");
     std::string line;
@@ -72,7 +72,7 @@ TEST(Glasses, TermsGiveTheIndicesOfCodeV) {
     EXPECT_EQ(rows, 4);
 }
 
-// A report of another reader: a private glass by a formula stopped files that do not even use it.
+// Another reader of .seq files rejected a file because of an unused private glass with a formula.
 TEST(Glasses, PrivateOnesMayBeSeries) {
     for (const char* file : {"plain", "unused_laurent", "table", "used_laurent"}) {
         const FirstOrder f = first_order(data(std::string("private_glass/") + file + ".seq"));
@@ -98,7 +98,7 @@ TEST(FirstOrderNumbers, AnEyesFilmLiesInItsOwnMedium) {
     const FirstOrder f = first_order(eye);
     const double length = eye.length_mm();
     EXPECT_NEAR(length, 7.2, 1e-12);
-    // The power is stated to a part in ten thousand, and so is all that comes of it.
+    // The power, and all values that follow from it, are stated to a relative 1e-4.
     constexpr double to = 1e-4 * 24.387;
     EXPECT_NEAR(1000 / f.efl_mm, 58.64, 0.005);
     EXPECT_NEAR(f.ffl_mm, -15.707, to);
@@ -107,14 +107,14 @@ TEST(FirstOrderNumbers, AnEyesFilmLiesInItsOwnMedium) {
     EXPECT_NEAR(length + f.rear_principal_z_mm, 1.602, to);
     EXPECT_NEAR(f.entrance_pupil_z_mm, 3.047, to);
     EXPECT_NEAR(length + f.exit_pupil_z_mm, 3.665, to);
-    // Rays close to the axis say the same.
+    // Rays close to the axis confirm these values.
     LensStack stack(eye, eye.wavelength_nm, 4);
     constexpr double height = 1e-4;
     LensRay ray{{0, height, -10}, {0, 0, 1}};
     ASSERT_TRUE(stack.forward(ray).passes());
     EXPECT_NEAR(ray.at_z(length + f.bfl_mm).y / height, 0, 1e-7);
-    // A circle of confusion is the pupil times the focal length times the difference of vergences.
-    constexpr double n = 60;  // stopped down, so that aberrations are small
+    // The CoC is the pupil times the focal length times the difference of vergences.
+    constexpr double n = 60;  // a small aperture, so that aberrations are small
     const TracedLens traced(eye, {.focus_distance_m = 1, .f_number = n, .film_radius_mm = 5});
     PupilMesh mesh;
     ASSERT_TRUE(traced.impulse(0.5, {0, 0}, 256, mesh));
@@ -124,15 +124,15 @@ TEST(FirstOrderNumbers, AnEyesFilmLiesInItsOwnMedium) {
     const double F = f.efl_mm * 1e-3, image = F / (1 - F);
     const double expected_mm = 1e3 * F / n * image * (1 / 0.5 - 1);
     EXPECT_NEAR(2 * widest_mm, expected_mm, 0.02 * expected_mm);
-    // Light goes by the numerical aperture, which the medium is part of: pi / (4 n^2), and less as the film
-    // stands farther for what is near.
+    // The irradiance depends on the numerical aperture, which includes the medium: pi / (4 n^2). It is lower
+    // for near objects, because the film is farther away.
     EXPECT_NEAR(traced.axial_irradiance_sr() * 4 * n * n / std::numbers::pi, (F / image) * (F / image),
                 0.005);
 }
 
 TEST(DatFiles, PlanesMayBeWrittenLikeStops) {
-    // A plano-convex lens before its stop, and an achromat whose middle is plane; the stop is the row that
-    // does not refract.
+    // A plano-convex lens in front of its stop, and an achromat with a plane middle surface. The stop is the
+    // plane that does not refract.
     for (const char* plane : {"0", "inf"}) {
         const Prescription lens =
             of_text(std::string(plane) + " 4 1.5 20\n-40 2 1 20\n0 3 0 8\n60 3 1.6 20\n" + plane +
@@ -150,8 +150,8 @@ TEST(Glasses, AnAbbeNumberIsKept) {
     const Glass g = Glass::abbe(1.62, 36.4);
     EXPECT_NEAR(g.index(d_line_nm), 1.62, 1e-15);
     EXPECT_NEAR((g.index(d_line_nm) - 1) / (g.index(F_line_nm) - g.index(C_line_nm)), 36.4, 1e-10);
-    // A real glass by its nd and Vd: between the lines within the 1e-4 that the header names, where a
-    // Sellmeier formula and A + B / L^2 differ most in the blue.
+    // A real glass modelled by nd and Vd: within the 1e-4 that the header states. A Sellmeier formula and
+    // A + B / L^2 differ most in the blue.
     const Glass real = *find_glass("N-BK7");
     const double vd = (real.index(d_line_nm) - 1) / (real.index(F_line_nm) - real.index(C_line_nm));
     const Glass model = Glass::abbe(real.index(d_line_nm), vd);
@@ -169,7 +169,7 @@ TEST(FirstOrder, CodeVListing) {
     EXPECT_EQ(lens.wavelength_nm, 587.6);
     EXPECT_EQ(lens.name, "Double Gauss F/2 -  Available Glasses");
     const FirstOrder f = first_order(lens);
-    // Stated to four decimals.
+    // The values are stated to four decimals.
     expect_stated(f.efl_mm, 100.0038, 1e-6, 1e-4, "EFL");
     expect_stated(f.bfl_mm, 61.4875, 1e-6, 1e-4, "BFL");
     expect_stated(f.ffl_mm, -29.3208, 1e-6, 1e-4, "FFL");
@@ -182,7 +182,7 @@ TEST(FirstOrder, CodeVListing) {
     expect_stated(f.exit_pupil_z_mm, -53.1569, 1e-6, 1e-4, "exit pupil's position");
 }
 
-// The listing's "fio": heights of the marginal and the chief ray (14 degrees) at every surface.
+// The listing's "fio" has the heights of the marginal and the chief ray (14 degrees) at every surface.
 TEST(FirstOrder, ParaxialRaysOfCodeV) {
     const Prescription lens = data("rayoptics_ag_dblgauss.seq");
     std::ifstream listing(std::string(POSTLENS_TEST_DATA) + "/lens/rayoptics_ag_dblgauss.lis");
@@ -200,7 +200,8 @@ TEST(FirstOrder, ParaxialRaysOfCodeV) {
         const ParaxialRay marginal = paraxial_ray(lens, lens.wavelength_nm, {25, 0}, i);
         const ParaxialRay chief = paraxial_ray(lens, lens.wavelength_nm, {-z * slope, slope}, i);
         const double n = lens.index_after(i);
-        // Six decimals; the slope that the chief ray begins with is itself rounded to six: 58 mm times that.
+        // The values have six decimals. The initial slope of the chief ray is also rounded to six decimals,
+        // which makes an error of 58 mm times that.
         EXPECT_NEAR(marginal.y_mm, hmy, 1e-6) << i;
         EXPECT_NEAR(marginal.nu / n, umy, 1e-6) << i;
         EXPECT_NEAR(chief.y_mm, hcy, 5e-5) << i;
@@ -217,11 +218,11 @@ TEST(FirstOrder, ValuesThatOptilandAsserts) {
         const FirstOrder f = first_order(lens);
         const auto& stated = entry["expected_from_upstream_tests"];
         const auto value = [&stated](const char* key) { return stated[key].get<double>(); };
-        // Theirs are measured from the film. The table has indices to seven decimals: 1e-5 of the focal
-        // length is asked for, for differences of lengths of its order too.
+        // The stated lengths are measured from the film. The table has indices to seven decimals, so the
+        // tolerance is 1e-5 of the focal length, also for differences of lengths of this order.
         const double near = 1e-5 * f.efl_mm;
-        // The cemented achromat contradicts its own table: its F2 of 2e-15 is that of a film moved to the
-        // focus, while the table has the film 1.1 um short of it.
+        // The values of the cemented achromat contradict its table: its F2 of 2e-15 is for a film at the
+        // focus, while the film of the table is 1.1 um in front of it.
         const double film = name == "CementedAchromat" ? f.bfl_mm : *lens.film_distance_mm;
         EXPECT_NEAR(f.efl_mm, value("f2"), near) << name;
         EXPECT_NEAR(f.bfl_mm - film, value("F2"), near) << name;
@@ -243,8 +244,8 @@ TEST(FirstOrder, TablesOfIsetcam) {
     f = first_order(data("telephoto.250mm.dat"));
     EXPECT_NEAR(f.efl_mm, 250, 2.5);
     EXPECT_NEAR(f.bfl_mm, 105, 1.05);
-    // These two do not reproduce what they state, 100 mm (and 23.09 mm behind the wide one): an independent
-    // trace of the same numbers gave 102.315 and 23.937, and 103.994.
+    // These two files do not have their stated values, 100 mm (and 23.09 mm behind the wide lens). An
+    // independent trace of the same numbers gave 102.315 and 23.937 mm, and 103.994 mm.
     const Prescription wide = data("wide.40deg.100.0mm.dat");
     f = first_order(wide);
     EXPECT_EQ(wide.stated_focal_length_mm, 100);
@@ -252,14 +253,14 @@ TEST(FirstOrder, TablesOfIsetcam) {
     EXPECT_NEAR(f.bfl_mm, 23.937, 0.001);
     const Prescription two = data("2el.XXdeg.100mm.dat");
     EXPECT_NEAR(first_order(two).efl_mm, 103.994, 0.001);
-    // Its stop stands inside the glass; the lens is the same from both sides.
+    // The stop is inside the glass, and the lens is symmetrical.
     EXPECT_EQ(two.stop(), 1U);
     EXPECT_NEAR(first_order(two).entrance_pupil_z_mm, -first_order(two).exit_pupil_z_mm, 1e-12);
 }
 
 TEST(FirstOrder, PatentsOfLentil) {
-    // Scaled to 100 (the fisheye to 1) as in the patents. The source's own focal lengths, found by tracing
-    // rays of finite height, are up to 4 % lower; the paraxial ones are these, by an independent trace.
+    // Lenses are scaled to 100 (the fisheye to 1) as in the patents. The focal lengths of the source, from
+    // rays of finite height, are up to 4 % lower. The paraxial values here are from an independent trace.
     const std::map<std::string, double> paraxial{
         {"0001", 99.940}, {"0004", 100.059}, {"0009", 99.914}, {"0013", 100.200}, {"0015", 1.0002}};
     for (const auto& [number, efl] : paraxial) {
@@ -279,14 +280,14 @@ TEST(FirstOrder, TablesOfDeepLens) {
         const FirstOrder f = first_order(lens);
         EXPECT_NEAR(f.efl_mm, stated.first, 6e-4) << name;
         if (name == "ef50mm_f1.8") {
-            // The source states 50.520 mm and F/1.787 for it, which its table does not have.
+            // The source states 50.520 mm and F/1.787, which differ from its table.
             EXPECT_NEAR(*lens.stated_focal_length_mm, 50.520, 1e-3);
             EXPECT_GT(f.efl_mm, 1.017 * *lens.stated_focal_length_mm);
         } else {
             EXPECT_NEAR(f.efl_mm, *lens.stated_focal_length_mm, 1e-4 * f.efl_mm) << name;
         }
     }
-    // rf50 has aspheres, which the vertex does not show: k = 0, terms from r^4 on.
+    // rf50 has aspheres (k = 0, terms from r^4 on), which do not affect first-order values.
     const Prescription rf50 = data("deeplens_rf50mm_f1.8.toml");
     EXPECT_TRUE(rf50.surfaces[8].is_asphere());
     EXPECT_EQ(rf50.surfaces[8].asphere[1], -4.12032e-05);
@@ -298,11 +299,11 @@ TEST(FirstOrder, ZemaxFile) {
     EXPECT_NEAR(lens.wavelength_nm, 587.5618, 1e-9);
     const FirstOrder f = first_order(lens);
     EXPECT_NEAR(f.f_number, 4.5, 1e-12);
-    // Its merit function asks for 49.4 mm; the lens is the same from both sides about the stop, but for the
-    // plane 4.5 mm ahead of it.
+    // The target of its merit function is 49.4 mm. The lens is symmetrical about the stop, except for the
+    // plane 4.5 mm in front of it.
     EXPECT_NEAR(f.efl_mm, 49.4, 0.012);
     EXPECT_NEAR(f.entrance_pupil_z_mm - 4.5, -f.exit_pupil_z_mm, 1e-8);
-    // The stop's radius, which Zemax found by tracing the edge of the pupil, off the paraxial one by
+    // Zemax found the stop's radius by tracing the edge of the pupil. It differs from the paraxial radius by
     // aberrations.
     EXPECT_NEAR(f.stop_radius_mm, 4.215, 0.01 * 4.215);
 }
@@ -310,9 +311,9 @@ TEST(FirstOrder, ZemaxFile) {
 TEST(FirstOrder, SequenceFilesOfCurvatures) {
     EXPECT_NEAR(first_order(data("rayoptics_landscape_lens.seq")).bfl_mm, 10.150245, 1e-6);
     const Prescription singlet = data("rayoptics_singlet.seq");
-    EXPECT_EQ(singlet.stop(), 0U);  // no command says which: the first
+    EXPECT_EQ(singlet.stop(), 0U);  // the first surface, as no command defines the stop
     EXPECT_NEAR(*singlet.object_distance_mm, 100, 0);
-    // 1/f = (n - 1)(c1 - c2 + (n - 1) t c1 c2 / n), the thick lens.
+    // For a thick lens, 1/f = (n - 1)(c1 - c2 + (n - 1) t c1 c2 / n).
     const double n = find_glass("N-BK7")->index(550);
     EXPECT_NEAR(1 / first_order(singlet).efl_mm, (n - 1) * (0.15 - (n - 1) / n * 0.1 * 0.05), 1e-12);
 }
@@ -355,7 +356,7 @@ class PrescriptionFiles : public testing::Test {
         std::ofstream(path, std::ios::binary) << text;
         return path.string();
     }
-    // Refused with a line that has this part in it.
+    // Checks that the file is rejected with a one-line message that contains `part`.
     void refused(const std::string& name, const std::string& text, const std::string& part) {
         const std::string path = write(name, text);
         try {
@@ -423,7 +424,7 @@ TEST_F(PrescriptionFiles, Utf16IsReadLikeUtf8) {
 }
 
 TEST_F(PrescriptionFiles, NamesBecomeAscii) {
-    // Latin-1, as older programs write it: no UTF-8, which JSON would refuse.
+    // Older programs write Latin-1, which is not valid UTF-8 and which JSON would reject.
     EXPECT_EQ(read_prescription(write("a.dat", "# Z\xE4hler \x07\n50 1 1.5 9\n0 0 1 9\n")).name, "Z?hler ?");
 }
 
@@ -439,7 +440,7 @@ TEST_F(PrescriptionFiles, SequenceCommands) {
     EXPECT_NEAR(lens.surfaces[0].thickness_mm, 5, 1e-12);
     EXPECT_NEAR(lens.surfaces[0].clear_radius_mm, 12, 1e-12);
     EXPECT_EQ(lens.surfaces[0].conic, -1);
-    EXPECT_NEAR(lens.surfaces[0].asphere[1], 1e-6, 1e-18);  // 1e-3 / cm^3
+    EXPECT_NEAR(lens.surfaces[0].asphere[1], 1e-6, 1e-18);  // 1e-3 / cm^3 in the file
     EXPECT_NEAR(lens.index_after(0), 1.61, 1e-12);
     EXPECT_NEAR(lens.surfaces[1].glass.index(d_line_nm), 1.517, 1e-12);
     EXPECT_EQ(lens.stop(), 1U);
@@ -457,7 +458,7 @@ TEST_F(PrescriptionFiles, SequenceAperturesAndGlassesInAnyOrder) {
     EXPECT_EQ(lens.surfaces[0].clear_radius_mm, 8);
     EXPECT_EQ(lens.surfaces[1].clear_radius_mm, 6);
     EXPECT_NEAR(lens.surfaces[2].glass.index(588), 1.61, 1e-12);
-    // Of either order of Sellmeier's coefficients, those of N-BK7.
+    // The Sellmeier coefficients of N-BK7 in both orders.
     for (const char* terms : {"1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653",
                               "1.03961212 0.231792344 1.01046945 0.00600069867 0.0200179144 103.560653"}) {
         const Prescription made =
@@ -483,7 +484,7 @@ TEST_F(PrescriptionFiles, ZemaxAperturesInUtf16WithoutAMark) {
         const Prescription lens = read_prescription(write("a.zmx", wide));
         EXPECT_EQ(lens.surfaces[0].clear_radius_mm, 5);
         EXPECT_EQ(lens.surfaces[1].clear_radius_mm, 6);
-        EXPECT_EQ(lens.surfaces[2].clear_radius_mm, 3);  // a plane in air that stops light
+        EXPECT_EQ(lens.surfaces[2].clear_radius_mm, 3);  // a plane in air that limits rays
     }
 }
 
@@ -497,8 +498,8 @@ TEST_F(PrescriptionFiles, ZemaxAspheres) {
     const Surface& s = lens.surfaces[0];
     EXPECT_NEAR(s.curvature_per_mm, 0.02, 1e-15);
     EXPECT_EQ(s.conic, -0.7);
-    EXPECT_NEAR(s.asphere[0], 1e-3, 1e-15);  // 0.01 / cm
-    EXPECT_NEAR(s.asphere[1], 3e-6, 1e-18);  // 0.003 / cm^3
+    EXPECT_NEAR(s.asphere[0], 1e-3, 1e-15);  // 0.01 / cm in the file
+    EXPECT_NEAR(s.asphere[1], 3e-6, 1e-18);  // 0.003 / cm^3 in the file
     EXPECT_NEAR(s.clear_radius_mm, 8, 1e-12);
     EXPECT_NEAR(s.glass.index(d_line_nm), 1.5, 1e-12);
     EXPECT_NEAR(first_order(lens).entrance_pupil_diameter_mm, 10, 1e-12);
@@ -506,7 +507,8 @@ TEST_F(PrescriptionFiles, ZemaxAspheres) {
 }
 
 TEST_F(PrescriptionFiles, ClearRadiiEndWhereSurfacesMeet) {
-    // Radii of 15 mm over 1 mm of glass: sags of half a millimetre, where r^2 = 2 R s - s^2.
+    // Surfaces with radii of 15 mm and 1 mm of glass between them meet at sags of 0.5 mm, where
+    // r^2 = 2 R s - s^2.
     const Prescription lens =
         read_prescription(write("a.dat", "15 1 1.5 20\n-15 1 1 18\n0 1 0 10\n80 0 1 20\n"));
     const double met = std::sqrt(2 * 15 * 0.5 - 0.25);
@@ -564,7 +566,7 @@ TEST_F(PrescriptionFiles, BadTomlIsRefused) {
     std::string many;
     for (int i = 0; i < 1'000'000; ++i) many += "[[surface]]\nindex=1.5\n";
     refused("a.toml", many, ":1001: too many surfaces");
-    // Nothing says how wide: neither a pupil nor the stop.
+    // Neither a pupil nor the stop defines the width of the aperture.
     std::string open = with("f_number = 4\n", "");
     open.replace(open.rfind("aperture_diameter_mm = 15\n"), 26, "");
     refused("a.toml", open, "nothing says how wide the stop is");

@@ -15,7 +15,7 @@ namespace {
 using test::Places;
 using test::steps_per_px;
 
-/// What a sample has in each quadrant.
+/// Weight and leaf size of a sample in each of its four quadrants.
 struct Quadrants {
     std::array<double, 4> weight{};
     std::array<double, 4> leaf_size{};
@@ -33,8 +33,8 @@ Places places_of(const RecordBand& band) {
     return places;
 }
 
-/// The rule as it is stated: a cell with a centre sample is four cells; a leaf gives a quarter of its area to
-/// each corner. Slow and obvious.
+/// The rule as specified, slow and simple: a cell with a centre sample is four cells, and a leaf gives a
+/// quarter of its area to each corner.
 void add_cell(const Places& places, int x, int y, int size, Reference& out) {
     const int half = size / 2;
     if (half > 0 && places.contains({y + half, x + half})) {
@@ -126,8 +126,8 @@ TEST(Quadtree, OneSampleAPixelWeighsAQuarterInEachOfItsFourPixels) {
 }
 
 TEST(Quadtree, AHangingNodeHasNoWeightInTheCoarseLeaf) {
-    // The left of two pixels is subdivided once: its right edge has a midpoint that is a corner of nothing in
-    // the right pixel.
+    // The left of two pixels is subdivided once. The midpoint of its right edge is no corner of a leaf in the
+    // right pixel.
     Places places;
     for (int x = 0; x < 3; ++x) {
         for (int y = 0; y < 2; ++y) places.insert({y * 1024, x * 1024});
@@ -170,7 +170,7 @@ TEST(Quadtree, AHangingNodeHasNoWeightInTheCoarseLeaf) {
 }
 
 TEST(Quadtree, EqualsTheReferenceForRandomTrees) {
-    for (const int levels : {0, 1, 2, 3, 5, 6, 7}) {  // more than six are looked up another way
+    for (const int levels : {0, 1, 2, 3, 5, 6, 7}) {  // more than six levels use another lookup
         for (unsigned seed = 0; seed < 3; ++seed) {
             const RecordBand band = make_band(levels, 0.5, seed + 10);
             PointSamples got;
@@ -180,7 +180,7 @@ TEST(Quadtree, EqualsTheReferenceForRandomTrees) {
                     expect_equal_reference(got, band, y_begin, y_end, band.y_begin, band.y_end - 1);
                 }
             }
-            find_point_samples(band, 0, 5, 0, 4, got);  // the raster's own pixels only
+            find_point_samples(band, 0, 5, 0, 4, got);  // only the raster's pixels, without overscan
             expect_equal_reference(got, band, 0, 5, 0, 4);
         }
     }
@@ -191,7 +191,7 @@ TEST(Quadtree, FinestLeavesAreOfOneStep) {
     std::mt19937 random(3);
     test::subdivide(places, random, 1.0, 1, 0, 0, steps_per_px);
     int x = 0, size = steps_per_px;
-    while (size > 1) {  // always the up-left quarter again
+    while (size > 1) {  // divides the upper left quarter again
         size /= 2;
         for (const int dy : {0, size}) {
             for (const int dx : {0, size}) test::add_corners(places, x + dx, dy, size);
@@ -253,8 +253,7 @@ TEST(Picture, IsTheWeightedSumOfTheSamples) {
                     }
                 }
                 for (std::size_t c = 0; c < 3; ++c) {
-                    // The float result is the double sum rounded once: half an ulp, and the doubles' own
-                    // dust.
+                    // The float result is the double sum rounded once: half an ulp, plus rounding in double.
                     ASSERT_NEAR(row[3 * static_cast<std::size_t>(i) + c], sum[c],
                                 6.0e-8 * std::abs(sum[c]) + 1e-14);
                 }
@@ -281,7 +280,7 @@ TEST(Quadtree, AMissingCornerIsRefused) {
     std::size_t refused = 0;
     for (std::size_t drop = 0; drop < good.records.size(); ++drop) {
         const Record& r = good.records[drop];
-        // Drop an edge sample of level 1: on the pixel's edge, halfway.
+        // Drops a sample of level 1 in the middle of a pixel's edge.
         if (r.layer != 0 || r.path.bits() != 0 || r.x - std::floor(r.x) != 0.5F || r.y != std::floor(r.y))
             continue;
         if (r.y + 1 >= static_cast<float>(good.y_end)) continue;

@@ -1,5 +1,5 @@
-// W.bend, how far W errs: against exact rays from the lens, in closed form where mirrors are flat, and what
-// `focus` says of it.
+// Nonlinear W (`w_bend`), the error of W: against exact rays from the lens, against closed forms for flat
+// mirrors, and the warning of `focus`.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -58,7 +58,7 @@ TEST(Bend, IsNothingForWhatIsSeenDirectlyAndInFlatMirrors) {
     EXPECT_GT(deeper, 3);
 }
 
-// The ball mirror of the next tests, and a wall behind the camera that it shows.
+// A ball mirror that shows a wall behind the camera.
 SceneBuilder ball_mirror() {
     SceneBuilder b;
     b.add(Sphere{{0, 0, -2}, 0.5}, mirror(0.9));
@@ -66,7 +66,8 @@ SceneBuilder ball_mirror() {
     return b;
 }
 
-// Written out: the ray from lens point q with tangent p, mirrored at that ball, meets the wall at z = 3.
+// The point of the wall at z = 3 that a ray from lens point q with tangent p hits after reflection at the
+// ball, by its formula.
 dvec2 on_wall(dvec2 q, dvec2 p) {
     const dvec3 o{q.x, -q.y, 0}, d = glm::normalize(dvec3(p.x, -p.y, -1)), c{0, 0, -2};
     const double half = glm::dot(d, c - o);
@@ -76,7 +77,8 @@ dvec2 on_wall(dvec2 q, dvec2 p) {
     return {x.x + s * r.x, x.y + s * r.y};
 }
 
-// The largest departure from p - W q, both found by differences and by Newton's method with differences.
+// The largest departure from p - W q. W is found by differences, the exact tangent by Newton's method with
+// differences.
 double departure(dvec2 p0, double radius_m) {
     constexpr double h = 1e-6;
     const dvec2 target = on_wall({0, 0}, p0);
@@ -104,8 +106,8 @@ TEST(Bend, OfABallMirrorAgreesWithExactRays) {
         for (const double radius_m : {0.018, 0.009}) {
             const double got = static_cast<double>(node(trace_at(b.scene, at, radius_m), "R").w_bend);
             const double expected = departure(p, radius_m) / (radius_m * radius_m);
-            // Half floats, W rounded to float; and what the last step leaves: 5 %, or of steps of 0.1 px less
-            // than a fifth.
+            // Tolerance: half floats, W rounded to float, and the residual of the last step, which is 5 %, or
+            // less than a fifth of a step of 0.1 px.
             const double tolerance = 0.05 * expected + 0.02 * tangent_per_px / (radius_m * radius_m);
             EXPECT_NEAR(got, expected, tolerance) << at.x << ' ' << at.y << ", R " << radius_m;
             EXPECT_GT(got, 0);
@@ -114,7 +116,7 @@ TEST(Bend, OfABallMirrorAgreesWithExactRays) {
 }
 
 TEST(Bend, IsOfSecondOrder) {
-    // The same number for half the aperture, and so a quarter of the error.
+    // w_bend is the same for half of the aperture, whose error is a quarter.
     for (const dvec2 at : {dvec2(44.5, 30), dvec2(25, 14)}) {
         const dvec2 p = (at - dvec2(32, 24)) * tangent_per_px;
         const double whole = departure(p, 0.018), half = departure(p, 0.009);
@@ -128,15 +130,15 @@ TEST(Bend, IsOfSecondOrder) {
 }
 
 TEST(Bend, IsOfThePointsOfTheLensThatSeeIt) {
-    // A post before a curved mirror: beside it half of the lens is in its shade, which is for the post's
-    // outline to know, not for W.
+    // A post in front of a curved mirror blocks the view of half of the lens beside it. This occlusion must
+    // not count as an error of W.
     SceneBuilder shade = ball_mirror();
     const float open = node(trace_at(shade.scene, {32.5, 24}, 0.02), "R").w_bend;
     shade.add(Box{{-1, -1, -1.02}, {0, 1, -1}}, glowing({1, 0, 0}));
     const float half = node(trace_at(shade.scene, {32.5, 24}, 0.02), "R").w_bend;
     EXPECT_LE(half, open);
     EXPECT_GT(half, open / 4);
-    // Behind the post, what is recorded there is measured as if nothing stood before it.
+    // Nodes that are recorded behind the post are measured as if it were not there.
     const std::vector<Record> behind = trace_at(shade.scene, {24, 24}, 0.02, {2});
     const auto hidden = std::find_if(behind.begin(), behind.end(),
                                      [](const Record& r) { return r.layer == 1 && r.path.text() == "R"; });
@@ -146,13 +148,13 @@ TEST(Bend, IsOfThePointsOfTheLensThatSeeIt) {
 }
 
 TEST(Bend, IsInfiniteWhereNoPointOfTheLensSeesIt) {
-    // A ball of glass that focuses the wall on the lens: 0.3 m from its middle for n = 1.5, and 1 / 0.3 =
-    // 1 / 1 + 1 / 0.4286. In its middle another point of the lens sees all of another point of the wall.
+    // A glass ball that images the wall onto the lens: its focal length is 0.3 m for n = 1.5, and
+    // 1 / 0.3 = 1 / 1 + 1 / 0.4286. At its centre, each lens point sees a different point of the wall.
     SceneBuilder b;
     b.add(Sphere{{0, 0, -1}, 0.2}, glass(1.5));
     b.add(square({0, 0, -1.4286}, {0, 0, 1}, 200), glowing({0, 1, 0}));
     EXPECT_TRUE(std::isinf(node(trace_at(b.scene, {32.05, 24}, 0.05), "TT").w_bend));
-    // Of a wall that is farther away it does.
+    // For a wall that is farther away, w_bend is finite.
     SceneBuilder farther;
     farther.add(Sphere{{0, 0, -1}, 0.2}, glass(1.5));
     farther.add(square({0, 0, -2}, {0, 0, 1}, 200), glowing({0, 1, 0}));
@@ -160,7 +162,7 @@ TEST(Bend, IsInfiniteWhereNoPointOfTheLensSeesIt) {
 }
 
 TEST(Bend, OfGlassIsMeasuredThroughAllItsSurfaces) {
-    // A pane 5 cm thick: what it shows moves nearly as without. A ball: it does not.
+    // Points behind a pane of 5 cm move almost linearly, points behind a ball do not.
     SceneBuilder pane;
     pane.add(Box{{-5, -5, -1.05}, {5, 5, -1}}, glass(1.5));
     pane.add(square({0, 0, -4}, {0, 0, 1}, 200), glowing({0, 1, 0}));
@@ -237,7 +239,7 @@ TEST(BendAround, IsAlsoToldWhereAllAroundHaveAboutTheSame) {
     EXPECT_EQ(bend_around({infinite, infinite, infinite, infinite}, node, 1), infinite[1].w_bend);
 }
 
-// A hidden node may stand in a layer that has all before it, or in one that begins behind a bounce.
+// A hidden node's layer may have all nodes of its path, or begin after a bounce.
 TEST(BendAround, FindsWhatAHiddenNodeIsSeenIn) {
     const std::vector<Record> whole{behind("", 7, 0), behind("", 1, 0, 1), behind("R", 2, 0.5F, 1)},
         part{behind("", 1, 0), behind("R", 3, 0), behind("R", 2, 0.25F, 1)};
@@ -247,8 +249,8 @@ TEST(BendAround, FindsWhatAHiddenNodeIsSeenIn) {
     EXPECT_EQ(bend_around({part, part, part, part}, node, 1), 0.25F);
 }
 
-// What the subdivision takes over from corners against measuring it: nothing that W is wrong for goes
-// unnoticed.
+// Compares values that subdivision takes from corners with measured values. Nodes with a large error of W
+// must not be missed.
 TEST(Bend, OfSubdividedPixelsIsAsIfMeasured) {
     SceneBuilder b = ball_mirror();
     b.add(Sphere{{0.5, 0.1, -1.3}, 0.2}, glass(1.5, 0.9));
@@ -278,15 +280,15 @@ TEST(Bend, OfSubdividedPixelsIsAsIfMeasured) {
         ASSERT_EQ(records[i].path, measured.records[i].path);
         nodes += records[i].path.depth() > 0 ? 1 : 0;
         const double told = px(records[i]), is = px(measured.records[i]);
-        // Over half a pixel something is done about it. On the balls, 20 px wide here, it changes by a half
-        // from pixel to pixel.
+        // Errors above half a pixel have consequences. On the balls, 20 px wide, the error changes by half of
+        // itself between neighbouring pixels.
         wrong += is > 0.5 ? 1 : 0;
         missed += is > 0.5 && told < 0.25 ? 1 : 0;
         false_alarms += told > 0.5 && is < 0.25 ? 1 : 0;
     }
     EXPECT_GT(nodes, 2000);
     EXPECT_GT(wrong, nodes / 100);
-    // The glass ball's image in the mirror, two pixels wide: no corner tells what is between.
+    // The image of the glass ball in the mirror is only two pixels wide, so corners miss some of it.
     EXPECT_LE(missed, wrong / 30);
     EXPECT_EQ(false_alarms, 0);
 }
@@ -311,12 +313,12 @@ TEST(BendWarning, SaysWhichShareWIsWrongFor) {
     const auto wide = warning(ball, 0.7);
     ASSERT_TRUE(wide.has_value());
     EXPECT_EQ(wide->code, "nonlinear");
-    // The ball covers pi (0.15 / sqrt(1 - 0.15^2))^2 / tangent_per_px^2 = 571 of 3072 pixels; those at its
-    // outline also count where it fills them in part: twice 2 pi 13.5 px at most.
+    // The ball covers pi (0.15 / sqrt(1 - 0.15^2))^2 / tangent_per_px^2 = 571 of 3072 pixels. Pixels at its
+    // outline also count: at most twice 2 pi 13.5 px.
     EXPECT_GT(wide->share, 0);
     EXPECT_LE(wide->share, (571.0 + 170) / 3072);
-    // More, the finer the raster, until at the smallest of apertures only that is left which no other point
-    // of a lens was found to see.
+    // The share increases with the resolution. At the smallest aperture only nodes remain that no other lens
+    // point was found to see.
     const auto fine = warning(ball, 0.7, 100), least = warning(ball, 1000);
     ASSERT_TRUE(fine.has_value() && least.has_value());
     EXPECT_GT(fine->share, wide->share);

@@ -1,5 +1,5 @@
-// W and z' against exact rays: the lens point moves, the seen point is held, and the ray that still reaches
-// it is found by Newton's method on the exact chain of mirrors and glass.
+// W and z' against exact rays: for a displaced lens point, Newton's method finds the ray through all mirrors
+// and glass that reaches the same point.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <string>
@@ -21,11 +21,11 @@ struct ChainEnd {
     double length = 0;
 };
 
-// Follows one bounce chain exactly, in double, by the laws of mirror and refraction written out plainly.
+// Follows a path in double, by plain laws of reflection and refraction.
 ChainEnd follow(const RayScene& rays, dvec3 o, dvec3 d, NodePath path) {
     ChainEnd end;
     HitKey from;
-    dvec3 off(0);  // Embree's float ray starts clear of the facets next door; the exact ray does not move
+    dvec3 off(0);  // offset of Embree's float ray from neighbouring facets; the exact ray has none
     for (int i = 0;; ++i) {
         RayBatch batch;
         batch.clear(true);
@@ -60,14 +60,14 @@ ChainEnd follow(const RayScene& rays, dvec3 o, dvec3 d, NodePath path) {
     }
 }
 
-// The eye ray with tangent p through lens point q, both in raster axes.
+// Follows the eye ray with tangent p through lens point q, both along the raster's axes.
 ChainEnd from_lens(const RayScene& rays, const CameraModel& c, dvec2 p, dvec2 q, NodePath path) {
     const dvec3 o = c.position + q.x * c.right + q.y * c.down;
     return follow(rays, o, glm::normalize(c.forward + p.x * c.right + p.y * c.down), path);
 }
 
-// What is held: the hit point, or the direction of a ray that leaves the scene. Two coordinates across
-// `axis`.
+// The target that is kept constant, as two coordinates perpendicular to `axis`: the hit point, or the
+// direction of a ray that leaves the scene.
 dvec2 held(const ChainEnd& e, bool at_infinity, const dvec3& axis) {
     const dvec3 hint = std::abs(axis.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 a = glm::normalize(glm::cross(axis, hint)), b = glm::cross(axis, a);
@@ -75,7 +75,7 @@ dvec2 held(const ChainEnd& e, bool at_infinity, const dvec3& axis) {
     return {glm::dot(v, a), glm::dot(v, b)};
 }
 
-// W column by column: -dp/dq with X held, by Newton and central differences.
+// W column by column: -dp/dq with constant target, by Newton's method and central differences.
 glm::dmat2 exact_w(const RayScene& rays, const CameraModel& c, dvec2 p0, NodePath path, bool at_infinity) {
     const ChainEnd base = from_lens(rays, c, p0, dvec2(0), path);
     const dvec3 axis = glm::normalize(base.direction);
@@ -184,7 +184,7 @@ TEST(RefocusMatrix, ConvexSphereMirror) {
 
 TEST(RefocusMatrix, ConcaveSphereMirror) {
     Case c{"concave sphere mirror", {}, chain("R"), spread};
-    c.builder.add(Sphere{{0, 0.1, 1}, 4}, mirror());  // the camera stands inside
+    c.builder.add(Sphere{{0, 0.1, 1}, 4}, mirror());  // the camera is inside
     c.builder.add(square({0.2, 0, 1.5}, {0, 0, -1}, 4), glowing(dvec3(1)));
     check(c);
 }
@@ -251,7 +251,7 @@ TEST(RefocusMatrix, EveryPrimitivesCurvature) {
 }
 
 TEST(RefocusMatrix, SmoothMeshFollowsItsInterpolatedNormals) {
-    // Baked and instanced, turned and squeezed.
+    // A baked and an instanced mesh, rotated and scaled.
     const auto mesh = sphere_mesh(24, 48, true);
     const glm::dmat4 placed = glm::translate(glm::dmat4(1), dvec3(0.05, 0, -4)) *
                               glm::rotate(glm::dmat4(1), 0.7, dvec3(1, 1, 0)) *
@@ -281,9 +281,9 @@ TEST(RefocusMatrix, WhatLeavesTheSceneHoldsItsDirection) {
 }
 
 TEST(RefocusMatrix, AFoldStaysFinite) {
-    // At a caustic the image of the far wall runs off to the lens itself.
+    // At a caustic the image of the far wall is at the lens itself.
     SceneBuilder b;
-    b.add(Sphere{{0, 0, 0}, 2}, mirror());  // the pinhole in the centre: every ray comes straight back
+    b.add(Sphere{{0, 0, 0}, 2}, mirror());  // the pinhole is at the centre, so rays return along themselves
     const RayScene rays(b.scene, 0);
     const CameraModel camera(b.scene.cameras[0], 0);
     TracedSamples traced;

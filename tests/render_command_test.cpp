@@ -1,4 +1,4 @@
-// `postlens render` as people type it: what it refuses, and what an interruption leaves.
+// The command `postlens render`: rejected arguments, and the files that remain after an interruption.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using Words = std::vector<std::string>;
 
-// Sanitizers slow everything down several times.
+// Sanitizers make the program several times slower.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr int slower = 6;
 #else
@@ -37,7 +37,7 @@ Words operator+(Words a, const Words& b) {
 
 class Render : public CommandTest {
   protected:
-    // A ball that moves before a camera with a lens; `more` goes to the end of the file.
+    // A moving ball in front of a camera with a lens; `more` is appended to the file.
     std::string scene(const std::string& more = "", const std::string& name = "scene.toml") {
         std::string path = in(name);
         std::ofstream(path) << "[[camera]]\n"
@@ -96,7 +96,7 @@ TEST_F(Render, WritesThePictureAndItsHalves) {
         EXPECT_NEAR(static_cast<double>(x.rgb[i]), mean, 0x1p-23 * mean);
     }
     EXPECT_EQ(folder_.file_count(), 4U);  // with the scene
-    // The shutter and its curve are seen; any writer will do.
+    // These options change the image.
     for (const Words& more : {Words{"--shutter-curve", "triangle"}, Words{"--sampler", "poisson"},
                               Words{"--f-number", "inf"}, Words{"--focus-at", "24,30"}}) {
         EXPECT_EQ(run(render("y.exr", Words{"--spp", "16", "--quiet"} + more)).exit_code, 0) << more[0];
@@ -136,9 +136,9 @@ TEST_F(Render, BadScenesAreThreeAndNameTheLine) {
     const auto bad = [&](const std::string& more, const std::string& part) {
         refused({"render", scene(more, "bad.toml"), "-o", in("x.exr"), "--spp", "4"}, three, part);
     };
-    std::ofstream(in("bad.toml")).close();  // so that the count of files stays
+    std::ofstream(in("bad.toml")).close();  // created now, so that the number of files stays constant
     scene();
-    // 22 lines stand before.
+    // The appended text begins after 22 lines.
     bad("\n[[object]]\nshape = \"box\"\nsize_m = 1\nkeys = [{ time_s = 1 },\n  { time_s = 0.5 }]\n",
         "bad.toml:27:");
     bad("\n[[object]]\nshape = \"box\"\nsize_m = 1\nkeys = [{ time_s = 1 },\n  { time_s = 1 }]\n",
@@ -167,21 +167,21 @@ TEST_F(Render, BadShutterCurvesAreThree) {
 TEST_F(Render, UnwritableOutputIsFour) {
     const ExitCode four = ExitCode::cannot_write;
     scene();
-    // Said before any work: the spp asked for would take hours.
+    // The error must come before any work: this number of samples would take hours.
     const Words long_work{"--spp", "1048576"};
     refused(render("no/such/x.exr", long_work), four, "x.exr");
     fs::create_directory(in("folder.exr"));
     refused(render("folder.exr", long_work), four, "folder.exr");
-    // Where the unfinished picture could not be kept, too.
+    // The path of the unfinished image must also be writable.
     fs::create_directory(in("y.partial.exr"));
     refused(render("y.exr", long_work), four, "y.partial.exr");
-    if (::geteuid() != 0) {  // nothing is read-only for root
+    if (::geteuid() != 0) {  // root can write everywhere
         fs::create_directory(in("locked"));
         fs::permissions(in("locked"), fs::perms::owner_read | fs::perms::owner_exec);
         refused(render("locked/x.exr", long_work), four, "x.exr");
         fs::permissions(in("locked"), fs::perms::owner_all);
     }
-    // As on a full disk. An older picture stays.
+    // Simulates a full disk. An existing image must stay unchanged.
     std::ofstream(in("old.exr")) << "old";
     const Outcome r = run(render("old.exr", {"--spp", "1"}), "ulimit -f 2; ");
     EXPECT_EQ(r.exit_code, 4) << r.err;
@@ -198,7 +198,7 @@ TEST_F(Render, FocusesOnWhatThePictureShows) {
 
 TEST_F(Render, TooLargeIsFiveAndSaysHowMuch) {
     scene();
-    // 65536^2 pixels of at least three double sums: 103 GB, were there nothing else.
+    // 65536^2 pixels with three double sums each take at least 103 GB.
     const Words words = render("x.exr", {"--spp", "1", "--size", "65536x65536"});
     refused(words, ExitCode::out_of_memory, "MB of memory");
     refused(words + Words{"--halves", "--spp", "2"}, ExitCode::wrong_arguments, "--spp");  // given twice
@@ -217,7 +217,7 @@ TEST_F(Render, ResumeWithoutAnythingToGoOnFromBeginsAnewAndSaysSo) {
     EXPECT_EQ(read_image(in("a.exr")).rgb, read_image(in("b.exr")).rgb);
 }
 
-// A render of some seconds of one thread, stopped after a part of them.
+// A render that takes some seconds on one thread, and is interrupted before its end.
 class RenderInterrupted : public Render {
   protected:
     Words slow(const std::string& output, const Words& more = {}) {
@@ -243,20 +243,20 @@ TEST_F(RenderInterrupted, GoesOnToTheSameBits) {
     EXPECT_FALSE(fs::exists(in("x.exr")));
     ASSERT_TRUE(fs::exists(in("x.partial.exr")));
     EXPECT_EQ(folder_.file_count(), 2U);                    // with the scene
-    const Image partial = read_image(in("x.partial.exr"));  // a picture like any other
+    const Image partial = read_image(in("x.partial.exr"));  // a normal image
     EXPECT_EQ(partial.width, 160);
     EXPECT_GT(*std::max_element(partial.rgb.begin(), partial.rgb.end()), 0.1F);
-    // Stopped once more, on the way.
+    // The resumed run is interrupted once more.
     ASSERT_NO_FATAL_FAILURE(interrupt(slow("x.exr", {"--halves", "--resume"})));
     ASSERT_TRUE(fs::exists(in("x.partial.exr")));
     const Outcome resumed = run(slow("x.exr", {"--halves", "--resume", "--json"}));
     ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
     const json j = json::parse(resumed.out);
     EXPECT_TRUE(j.at("warnings").empty()) << resumed.out;
-    EXPECT_LT(j.at("rays").at("eye"), 160 * 120 * 512);  // not everything once more
+    EXPECT_LT(j.at("rays").at("eye"), 160 * 120 * 512);  // the run did not start anew
     EXPECT_FALSE(fs::exists(in("x.partial.exr")));
     ASSERT_EQ(run(slow("y.exr", {"--halves"})).exit_code, 0);
-    // The pictures, not the files: these tell when they were written.
+    // Compares images instead of files, because files contain the time of writing.
     for (const char* ending : {".exr", ".a.exr", ".b.exr"}) {
         const Image x = read_image(in(std::string("x") + ending)),
                     y = read_image(in(std::string("y") + ending));
@@ -299,14 +299,14 @@ TEST_F(RenderInterrupted, OtherSettingsAndDamageAreThree) {
         damaged(flipped);
     }
     damaged("no picture at all");
-    // A picture of ours, but a finished one.
+    // A finished image of this program is not accepted.
     ASSERT_EQ(run(render("z.exr", {"--spp", "1", "--size", "160x120", "--quiet"})).exit_code, 0);
     damaged(text_of(in("z.exr")));
-    // Another scene by the same name.
+    // A changed scene with the same name is not accepted.
     std::ofstream(in("x.partial.exr"), std::ios::binary) << whole;
     std::ofstream(in("scene.toml"), std::ios::app) << "# changed\n";
     refused(resume(same), three, "other settings");
-    // Without --resume it is made anew.
+    // Without --resume, the render starts anew.
     EXPECT_EQ(run(render("x.exr", {"--spp", "1", "--quiet"})).exit_code, 0);
     EXPECT_FALSE(fs::exists(in("x.partial.exr")));
 }

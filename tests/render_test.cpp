@@ -1,4 +1,4 @@
-// What a render must be whatever it shows: its limits, its repeatability, its halves.
+// Properties of renders for any scene: limiting cases, repeatability, halves.
 #include "tracer/render.h"
 
 #include <algorithm>
@@ -26,11 +26,11 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Something of everything: gloss, glass, area lights, motion of objects, a light and the camera.
+// A scene with gloss, glass, area lights, and motion of objects, a light and the camera.
 SceneBuilder busy_scene(bool motion = true) {
     SceneBuilder b;
     Camera& c = b.scene.cameras[0];
-    c.width = 30;  // no multiple of a tile
+    c.width = 30;  // not a multiple of a tile
     c.height = 21;
     Material glossy = matte({0.3, 0.5, 0.4});
     glossy.reflection = dvec3(0.4);
@@ -79,7 +79,7 @@ TEST(RenderLimits, AnInfiniteFNumberIsAPinhole) {
     EXPECT_EQ(render_picture(scene, s).image.rgb, pinhole.rgb);
     s.f_number = 2;
     EXPECT_NE(render_picture(scene, s).image.rgb, pinhole.rgb);
-    // A lens of a hundred-thousandth of a pixel: only rays within that of an outline, hardly any, may differ.
+    // A lens with CoCs of 1e-5 px: only the few rays within this distance of an outline may differ.
     s.f_number = 1e7;
     const Image nearly = render_picture(scene, s).image;
     int other = 0;
@@ -104,7 +104,7 @@ TEST(RenderLimits, AShutterOfNoTimeIsAStill) {
     EXPECT_NE(render_picture(scene, s).image.rgb, still.rgb);
 }
 
-// While nothing moves, a shutter's time and its curve change nothing.
+// In a still scene, the shutter interval and its curve have no effect.
 TEST(RenderLimits, AnOpenShutterBeforeAStillSceneIsAStill) {
     const Scene scene = busy_scene(false).scene;
     RenderSettings s = everything();
@@ -114,9 +114,9 @@ TEST(RenderLimits, AnOpenShutterBeforeAStillSceneIsAStill) {
     EXPECT_EQ(render_picture(scene, s).image.rgb, still.rgb);
 }
 
-// Camera, lights and all objects on the same way: nothing moves before the camera. Their places at an instant
-// are sums of floats and doubles that err by 2^-24 of a few metres, so that only samples within 1e-6 of an
-// outline may differ; sharp shadows and outlines are met by some 4000 samples of which 1 in 10^4 does.
+// Camera, lights and all objects have the same motion, so the image is still. Positions at an instant have
+// errors of 2^-24 of a few metres, so only samples within 1e-6 of an outline may differ: 1 in 10^4 of the
+// about 4000 samples at sharp shadows and outlines.
 TEST(RenderLimits, WhatMovesWithTheCameraStandsStill) {
     SceneBuilder b;
     b.scene.cameras[0].width = 24;
@@ -153,11 +153,11 @@ TEST(RenderLimits, WhatMovesWithTheCameraStandsStill) {
         sum += difference;
         other += std::abs(difference) > 1e-3 ? 1 : 0;
     }
-    // The mesh errs by motion_error_px <= 0.05 px, against which its own outline, 40 px long, is 2 px of 432
-    // that may change a sample in 16.
+    // The error of the mesh is motion_error_px <= 0.05 px. Its outline is 40 px long, so 2 px of 432 may
+    // change one sample of 16.
     EXPECT_LE(other, static_cast<int>(still.rgb.size()) / 50);
     EXPECT_LE(std::abs(sum) / static_cast<double>(still.rgb.size()), 1e-3);
-    // And it is not for want of motion.
+    // Without the camera's motion the images differ, so the scene does move.
     b.scene.cameras[0].keys.clear();
     const Image unlike = render_picture(b.scene, s).image;
     other = 0;
@@ -169,7 +169,7 @@ TEST(RenderLimits, WhatMovesWithTheCameraStandsStill) {
 TEST(RenderRepeats, SameBitsForAnyNumberOfThreads) {
     const Scene scene = busy_scene().scene;
     for (const SamplerKind sampler : {SamplerKind::sobol, SamplerKind::poisson}) {
-        // 20 samples: more than one group of 16, and no multiple of it.
+        // 20 samples are more than one group of 16, and not a multiple of it.
         RenderSettings s = everything(20);
         s.sampler = sampler;
         std::vector<Image> pictures;
@@ -191,7 +191,7 @@ TEST(RenderRepeats, SeedsDiffer) {
         s.seed = 1;
         const Image one = render_picture(scene, s).image;
         EXPECT_EQ(render_picture(scene, s).image.rgb, one.rgb);
-        s.seed = (std::uint64_t{1} << 32) + 1;  // high bits count as well
+        s.seed = (std::uint64_t{1} << 32) + 1;  // the high bits of a seed have an effect
         EXPECT_NE(render_picture(scene, s).image.rgb, one.rgb);
         s.seed = 2;
         EXPECT_NE(render_picture(scene, s).image.rgb, one.rgb);
@@ -207,16 +207,16 @@ TEST(RenderHalves, ThePictureIsTheirMean) {
     for (std::size_t i = 0; i < r.image.rgb.size(); ++i) {
         const double mean =
             0.5 * (static_cast<double>(r.halves[0].rgb[i]) + static_cast<double>(r.halves[1].rgb[i]));
-        // Three numbers rounded to floats.
+        // Tolerance: three numbers rounded to float.
         EXPECT_NEAR(static_cast<double>(r.image.rgb[i]), mean, 0x1p-23 * mean) << i;
     }
     s.halves = false;
     EXPECT_TRUE(render_picture(busy_scene().scene, s).halves[0].rgb.empty());
 }
 
-// The errors of two halves, against a picture of many more samples, are independent: over n pixels their
-// correlation has the standard error 1 / sqrt(n), but for what the reference's own error, 1/64 of theirs in
-// variance, adds to both.
+// The errors of two halves, against an image with many more samples, are independent. Over n pixels their
+// correlation has a standard error of 1 / sqrt(n), plus a bias because the reference's error, 1/64 of theirs
+// in variance, is common to both.
 TEST(RenderHalves, AreUncorrelated) {
     const Scene scene = busy_scene().scene;
     RenderSettings s = everything(1024);
@@ -235,7 +235,7 @@ TEST(RenderHalves, AreUncorrelated) {
             for (std::size_t i = 0; i < truth.rgb.size(); i += 3, ++n) {
                 const auto a = static_cast<double>(r.halves[0].rgb[i] - truth.rgb[i]);
                 const auto b = static_cast<double>(r.halves[1].rgb[i] - truth.rgb[i]);
-                // By sign and root: a few bright pixels would else outweigh all others.
+                // Uses signed square roots, so that a few bright pixels do not dominate.
                 const double fa = std::copysign(std::sqrt(std::abs(a)), a);
                 const double fb = std::copysign(std::sqrt(std::abs(b)), b);
                 ab += fa * fb, aa += fa * fa, bb += fb * fb;
@@ -245,7 +245,7 @@ TEST(RenderHalves, AreUncorrelated) {
     }
 }
 
-// Neighbouring seeds share no half: each is as far from the others as from its own twin.
+// Neighbouring seeds share no half: halves of different seeds differ as much as the halves of one seed.
 TEST(RenderHalves, DifferFromThoseOfOtherSeeds) {
     const Scene scene = busy_scene().scene;
     std::vector<Image> all;
@@ -278,8 +278,7 @@ TEST(RenderFiles, AreWhatRenderPictureMakes) {
     EXPECT_EQ(file.rays.eye, 30U * 21 * 8);
 }
 
-// Interrupted before every pixel had its first samples: there is nothing whole to count, but a file to go on
-// from.
+// A run that is interrupted before every pixel has samples reports 0 samples per pixel, but can be resumed.
 TEST(RenderFiles, GoOnFromAnUnfinishedFirstRound) {
     const TemporaryFolder folder;
     const Scene scene = busy_scene().scene;
@@ -313,14 +312,14 @@ TEST(RenderFiles, ResolvedLensIsReported) {
     EXPECT_EQ(r.focal_length_mm, 50);
     s.f_number = 2;
     s.focal_length_mm = 85;
-    s.focus_at = {29.0, 1.0};  // nothing but sky
+    s.focus_at = {29.0, 1.0};  // the background
     r = render_picture(scene, s);
     EXPECT_EQ(r.f_number, 2);
     EXPECT_EQ(r.focal_length_mm, 85);
     EXPECT_EQ(r.focus_m, infinity);
     s.focus_at = {15.0, 20.5};  // on the floor, 0.5 m below
     r = render_picture(scene, s);
-    // 10 px below the middle of 30 px over 36 mm before 50 mm: a tangent of 10 * 1.2 / 50.
+    // 10 px below the centre, with 30 px on 36 mm at a film distance of 50 mm: a tangent of 10 * 1.2 / 50.
     EXPECT_NEAR(r.focus_m, 0.5 / (10 * 1.2 / 50), 1e-6);
 }
 

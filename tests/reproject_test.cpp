@@ -1,5 +1,5 @@
-// Motion on the raster against the obvious way through the world, colours for gaps, and whole pictures of a
-// moving camera against distributed rays.
+// Motion on the raster against a computation in world space, filling of holes, and images of a moving camera
+// against distributed rays.
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
@@ -33,7 +33,8 @@ SampleHeader random_header(RandomNumbers& random, Projection projection) {
     return h;
 }
 
-// The same by points in space: homogeneous, so that w = 0 is a direction.
+// The motion of raster positions, computed by points in world space. Points are homogeneous; w = 0 is a
+// direction.
 struct ThroughTheWorld {
     const SampleHeader& h;
     [[nodiscard]] dmat4 world_from_camera(double time_s) const {
@@ -77,7 +78,8 @@ TEST_P(RasterMapTest, IsTheWayThroughTheWorld) {
         const auto expected =
             obvious.move(from, from_s, to_s, id == 7 ? &h.motion.objects.at(7).keys : nullptr);
         const auto got = motion.map(id, from_s, to_s)(from);
-        // Next to the plane of the pinhole a place is anywhere, and the side that it lies on is rounding.
+        // Close to the plane of the pinhole, positions are arbitrarily large and the sign is determined by
+        // rounding.
         if (expected && std::abs(expected->x) + std::abs(expected->y) > 1e5) continue;
         ASSERT_EQ(got.has_value(), expected.has_value()) << i;
         if (!expected) {
@@ -85,7 +87,8 @@ TEST_P(RasterMapTest, IsTheWayThroughTheWorld) {
             continue;
         }
         ++ahead;
-        // Some fifty operations on values below 1e4 in double, divided by a depth of at least 1e-3.
+        // Tolerance: about fifty operations on values below 1e4 in double, divided by a depth of at least
+        // 1e-3.
         const double tolerance =
             50 * 1e4 * 2.3e-16 * 1e3 * (1 + std::abs(expected->x) + std::abs(expected->y));
         EXPECT_NEAR(got->x, expected->x, tolerance) << i;
@@ -120,17 +123,17 @@ TEST_P(RasterMapTest, IsExactlyNothingWhereNothingMoves) {
     SampleHeader h = random_header(random, GetParam());
     h.motion.camera = {{.time_s = 0, .translation = {1, 2, 3}, .rotation = random.turn(1)}};
     const FrameMotion motion(h);
-    EXPECT_TRUE(motion.map(3, -5, 5).identity());  // no motion of its own
+    EXPECT_TRUE(motion.map(3, -5, 5).identity());  // the object does not move
     EXPECT_TRUE(motion.map(0, -5, 5).identity());
     EXPECT_FALSE(motion.map(7, 0, 0.5).identity());
     EXPECT_TRUE(motion.map(7, 0.5, 0.5).identity());
-    EXPECT_TRUE(motion.map(7, 0.7, 9).identity());  // behind its last key
+    EXPECT_TRUE(motion.map(7, 0.7, 9).identity());  // after the object's last key
     EXPECT_TRUE(motion.map(7, -9, -0.2).identity());
     EXPECT_FALSE(motion.camera_moves(-5, 5));
     EXPECT_EQ(motion.moving_ids(), std::vector<std::uint32_t>{7});
     EXPECT_EQ(motion.breaks_s(7), (std::vector<double>{-0.2, 0, 0.3, 0.7}));
     EXPECT_EQ(motion.breaks_s(3), (std::vector<double>{0}));
-    // A camera that moves moves everything, at infinity too.
+    // A moving camera moves all objects on the raster, and points at infinity.
     h.motion.camera.push_back({.time_s = 1, .rotation = random.turn(1)});
     const FrameMotion turning(h);
     EXPECT_FALSE(turning.map(0, 0, 0.5).identity());
@@ -146,7 +149,7 @@ TEST_P(RasterMapTest, DisplacementsAndKeysReplaceWhatTheFileSays) {
     motion.set_displacement(7, [](double t) { return glm::dvec2(t, 0); }, {});
     for (const double inverse_z : {0.2, 3.0}) {
         const auto p = motion.map(3, 0.25, 2.25)({12, 20, inverse_z});
-        ASSERT_TRUE(p);  // in place of the camera's motion as well; the depth stays
+        ASSERT_TRUE(p);  // the displacement replaces the camera's motion, too; the depth does not change
         EXPECT_NEAR(p->x, 32, 1e-12);
         EXPECT_NEAR(p->y, 20 - 4 * (2.25 * 2.25 - 0.25 * 0.25), 1e-12);
         EXPECT_NEAR(p->inverse_z, inverse_z, 1e-15);
@@ -154,7 +157,7 @@ TEST_P(RasterMapTest, DisplacementsAndKeysReplaceWhatTheFileSays) {
     EXPECT_EQ(motion.breaks_s(3), std::vector<double>{0.5});
     EXPECT_TRUE(motion.map(7, 0.4, 0.4).identity());
     EXPECT_EQ(motion.moving_ids(), (std::vector<std::uint32_t>{3, 7}));
-    // Keys after a displacement: rigid again, with the camera's motion.
+    // Keys that are set after a displacement give a rigid motion again, together with the camera's motion.
     const std::vector<TransformKey> keys = random_keys(random, {0, 1}, {.way_m = 0.3, .angle = 0.2});
     motion.set_keys(7, keys);
     const ThroughTheWorld obvious{h};
@@ -203,7 +206,7 @@ TEST(FillGaps, KeepsWhatIsKnownAndFillsFromAround) {
                 EXPECT_EQ(filled.rgb[i], image.rgb[i]);
             } else if (none) {
                 EXPECT_EQ(filled.rgb[i], 0) << width << 'x' << height;
-            } else {  // means of what is known, but for rounding
+            } else {  // filled with means of known values, up to rounding
                 EXPECT_GE(filled.rgb[i], low - 1e-5F);
                 EXPECT_LE(filled.rgb[i], high + 1e-5F);
             }
@@ -231,14 +234,14 @@ TEST(FillGaps, ConstantSurroundingsGiveTheConstantWhateverStoodInTheGap) {
         }
     }
     fill_gaps(image, weight);
-    for (const float v : image.rgb) EXPECT_NEAR(v, 0.7F, 1e-5F);  // means of equal floats, six levels
+    for (const float v : image.rgb) EXPECT_NEAR(v, 0.7F, 1e-5F);  // six levels of means of equal floats
 }
 
 // A moving camera against distributed rays ----------------------------------------------------------------
 
 Scene room() {
     SceneBuilder b;
-    for (int i = -8; i < 8; ++i) {  // stripes: edges everywhere
+    for (int i = -8; i < 8; ++i) {  // stripes, so that there are edges everywhere
         const double shade = i % 2 == 0 ? 0.8 : 0.15;
         b.add(Rectangle{{i * 0.5, -3, -7}, {0.5, 0, 0}, {0, 6, 0}}, glowing({shade, 0.5, 1 - shade}));
     }
@@ -249,12 +252,11 @@ Scene room() {
 
 class MovingCamera : public testing::TestWithParam<TransformKey> {};
 
-// Views are 128 instants at one place in the pixel each: along an edge that sweeps w pixels the light is
-// known to 1/128, at one that stands still to 1/8 of a pixel's contrast (64 places, 8 columns of them). Of
-// this frame at most a tenth are pixels with edges at rest, of contrast 0.65: 0.65^2 / 64 / 12 / 10 is 52 dB.
-// Leaves of 1/16 px give outlines to 1/32 px: (0.65 / 32)^2 / 3 / 2 = 42 dB if half of the pixels held an
-// edge at rest. 40 dB leave room for the noise of 512 rays, 0.65 / sqrt(512) at worst but far less with a
-// sequence of low discrepancy.
+// There are 128 views, each an instant at one position in the pixel. Along a moving edge the light has an
+// error of 1/128; at a still edge, of 1/8 of the contrast (64 positions in 8 columns). At most a tenth of the
+// pixels have still edges, of contrast 0.65: 0.65^2 / 64 / 12 / 10 is 52 dB. Leaves of 1/16 px give outlines
+// to 1/32 px: (0.65 / 32)^2 / 3 / 2 is 42 dB, if half of the pixels had a still edge. The limit of 40 dB
+// allows for the noise of 512 rays, at most 0.65 / sqrt(512) and much less with a low-discrepancy sequence.
 TEST_P(MovingCamera, IsAsDistributedRaysSeeIt) {
     Scene scene = room();
     TransformKey end = GetParam();
@@ -268,7 +270,7 @@ TEST_P(MovingCamera, IsAsDistributedRaysSeeIt) {
     const MotionBlurResult r = frame.blur(MotionMethod::lightfield);
     EXPECT_FALSE(has_warning(r, "uncovered"));
     EXPECT_GT(psnr(r.image, reference), 40);
-    EXPECT_LT(psnr(frame.file().picture(), reference), 30);  // so that there is something to get right
+    EXPECT_LT(psnr(frame.file().picture(), reference), 30);  // the motion changes the image clearly
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -1,4 +1,5 @@
-// Whatever happens while a file is written, its place holds the old one as it was or the new one whole.
+// If writing a file fails or is interrupted, its path holds either the unchanged old file or the complete new
+// one.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -32,10 +33,10 @@ class SafeWriting : public CommandTest {
         EXPECT_EQ(r.exit_code, 0) << r.err;
         return in("frame.exr");
     }
-    /// Every kind of output, by the command that writes it to a path.
+    /// A kind of output, and the command that writes it to a path.
     struct Output {
         std::string name;                                ///< of the file
-        std::function<Words(const std::string&)> words;  ///< to write to this path
+        std::function<Words(const std::string&)> words;  ///< the command's words for a path
         bool small = false;                              ///< less than 4 kB
         bool many = false;                               ///< the path is a folder for several files
     };
@@ -77,7 +78,7 @@ class SafeWriting : public CommandTest {
         for (const std::string& w : words) line += " " + quoted(w);
         return line + " --quiet";
     }
-    /// Runs a line of shell, whose exit code and error output come back.
+    /// Runs a shell command and returns its exit code and error output.
     Outcome shell(const std::string& line) {
         const std::string err = in(".err");
         const int status = std::system(("(" + line + ") >/dev/null 2>" + quoted(err)).c_str());
@@ -113,7 +114,7 @@ TEST_F(SafeWriting, WithoutPermissionItIsFour) {
         shell(nobody + "test -x " + quoted(POSTLENS_BINARY) + " -a -r " + quoted(frame)).exit_code != 0)
         GTEST_SKIP()
             << "root may write everywhere, and cannot become somebody else who sees the program here";
-    fs::permissions(folder_.path(), fs::perms::all);  // the profile's own picture is written beside it
+    fs::permissions(folder_.path(), fs::perms::all);  // a profile is written together with its image
     fs::permissions(in("plain.exr"), fs::perms::all);
     fs::create_directory(in("locked"));
     for (const Output& output : outputs(frame)) {
@@ -121,8 +122,8 @@ TEST_F(SafeWriting, WithoutPermissionItIsFour) {
         if (!output.many) std::ofstream(target) << "old";
     }
     for (const fs::perms allowed : {fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read |
-                                        fs::perms::others_exec,  // the folder
-                                    fs::perms::all}) {           // only the files are protected
+                                        fs::perms::others_exec,  // the folder is write-protected
+                                    fs::perms::all}) {           // only the files are write-protected
         for (const Output& output : outputs(frame)) {
             const fs::path target = folder_.path() / "locked" / output.name;
             const bool file_only = allowed == fs::perms::all;
@@ -139,14 +140,14 @@ TEST_F(SafeWriting, WithoutPermissionItIsFour) {
               outputs(frame).size() - 1);
 }
 
-// A real one where this machine lets a process have a file system of its own.
+// Uses a real full disk if this machine allows a process to mount its own file system.
 TEST_F(SafeWriting, OnAFullDiskItIsFourAndTheOldFileStays) {
     const std::string frame = traced();
     fs::create_directory(in("disk"));
     if (has_small_disks(in("disk"))) {
         for (const Output& output : outputs(frame)) {
             for (const int free_kilobytes : {0, 4}) {
-                // What takes less than a page fits.
+                // Files of less than a page fit on the disk.
                 if (free_kilobytes > 0 && output.small) continue;
                 const std::string target = in("disk/" + output.name);
                 const std::string old_file = output.many ? "" : "echo old > " + target + "; ";
@@ -158,7 +159,7 @@ TEST_F(SafeWriting, OnAFullDiskItIsFourAndTheOldFileStays) {
                     "{}; code=$?; {}rm $0/full; test $(find $0 -type f | wc -l) = {} || code=97; exit $code",
                     1024 * free_kilobytes, old_file, line_of(output.words(target)), kept,
                     output.many ? 0 : 1);
-                // It goes between quotes; there is nothing in these words that needs its own.
+                // The script is put between quotes, and its words need no quotes.
                 std::erase(script, '\'');
                 expect_said(shell(on_small_disk(in("disk"), 64, script)), output.name);
             }
@@ -192,7 +193,7 @@ TEST_F(SafeWriting, ATraceThatWillNotFitIsRefusedBeforeItIsMade) {
     expect_said(refused, "trace");
     EXPECT_NE(refused.err.find("needs about"), std::string::npos) << refused.err;
     EXPECT_NE(refused.err.find("--force"), std::string::npos) << refused.err;
-    // Forced, it comes to its end on the disk.
+    // With --force it runs until the disk is full.
     const Outcome forced = on_disk(512, " --force");
     expect_said(forced, "trace --force");
     EXPECT_EQ(forced.err.find("needs about"), std::string::npos) << forced.err;
@@ -212,14 +213,15 @@ TEST_F(SafeWriting, AnswersThatCannotBeWrittenAreFour) {
     }
 }
 
-/// Ends a command at random instants of its work and looks at what it has left.
+/// Kills a command at random instants of its run and checks the files that remain.
 class Killed : public SafeWriting {
   protected:
     static constexpr int times = 20;
 
-    /// `is_new`: whether the target is the new file, whole.
+    /// `is_new`: whether the target is the complete new file.
     void at_any_instant(const Words& words, const std::string& target, const std::function<bool()>& is_new) {
-        // As they are begun below, with everything read before: the first one takes longest.
+        // Measures a run as it is started below. The first run takes longest, because its files are not
+        // cached.
         Clock::duration whole_run = Clock::duration::max();
         for (int i = 0; i < 3; ++i) {
             const auto start = Clock::now();
@@ -233,7 +235,7 @@ class Killed : public SafeWriting {
         const std::string old_bytes = "what stood there before";
         std::mt19937 random(20);
         int killed = 0;
-        // More often where the machine was slower when the run was measured than it is now.
+        // More attempts are needed if the machine was slower during the measurement.
         constexpr int at_most = 5 * times;
         for (int i = 0; i < times || (killed <= times / 4 && i < at_most); ++i) {
             std::ofstream(target, std::ios::binary | std::ios::trunc) << old_bytes;
@@ -247,11 +249,11 @@ class Killed : public SafeWriting {
             if (WIFSIGNALED(status)) {
                 ++killed;
             } else {
-                whole_run = whole_run * 9 / 10;  // it had come to its end
+                whole_run = whole_run * 9 / 10;  // the run ended before it was killed
             }
             const bool is_old = text_of(target) == old_bytes;
             EXPECT_TRUE(is_old || is_new()) << "instant " << i << ", after " << wait.count() << " s";
-            // Nothing but the target and hidden files whose names say what they are.
+            // Only the target and hidden files with descriptive names may remain.
             for (const auto& entry : fs::directory_iterator(folder_.path())) {
                 const std::string name = entry.path().filename().string();
                 if (name[0] != '.') continue;
@@ -259,8 +261,8 @@ class Killed : public SafeWriting {
                 fs::remove(entry.path());
             }
         }
-        EXPECT_GT(killed, times / 4);  // else this was no test
-        // What is left hinders nobody.
+        EXPECT_GT(killed, times / 4);  // otherwise nothing was tested
+        // Files that remain do not affect the next run.
         EXPECT_EQ(run(words).exit_code, 0);
         EXPECT_TRUE(is_new());
     }

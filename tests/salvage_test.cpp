@@ -1,5 +1,5 @@
-// Damaged sample files read with --salvage: what is whole comes through bit for bit, what is not is as if
-// nothing had been seen there, and it is said which rows those are.
+// Damaged sample files read with --salvage: intact rows have the same bits, damaged rows are empty, and the
+// lost rows are reported.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -38,8 +38,8 @@ T number_at(const std::string& bytes, std::size_t at) {
     return value;
 }
 
-/// Where the chunk of row y of a part begins: its part and row stand there, as int32 each. Chunks follow one
-/// another from the first one on, whose head, with a y below 0, stands nowhere before it.
+/// Offset of the chunk of row y of a part. A chunk begins with its part and row, as int32 each. The head of
+/// the first chunk, which has y < 0, occurs nowhere before it.
 std::size_t chunk_at(const std::string& bytes, int part, int y) {
     std::size_t at = std::string::npos;
     for (const std::int32_t overscan : {1, 2, 8}) {
@@ -60,7 +60,7 @@ std::size_t chunk_at(const std::string& bytes, int part, int y) {
     return 0;
 }
 
-/// Flips one bit of the row's data, behind the chunk's head.
+/// Flips one bit of a row's data, after the chunk's head.
 std::string with_flipped_bit(std::string bytes, int part, int y, std::size_t at = 60) {
     const std::size_t place = chunk_at(bytes, part, y) + at;
     bytes.at(place) = static_cast<char>(bytes[place] ^ 4);
@@ -93,7 +93,8 @@ RecordBand all_of(const SampleFileReader& file, std::size_t instant = 0) {
     return band;
 }
 
-/// Rows not in `lost` are as in `good`; those in it are black and infinitely far; every leaf has its corners.
+/// Checks that rows not in `lost` equal those of `good`, that rows in `lost` are black and infinitely far
+/// away, and that every leaf has its corners.
 void expect_lost(const SampleFileReader& file, std::size_t instant, const RecordBand& good,
                  const std::set<int>& lost) {
     const RecordBand band = all_of(file, instant);
@@ -117,7 +118,7 @@ void expect_lost(const SampleFileReader& file, std::size_t instant, const Record
     std::size_t stated = 0;
     for (const ScanlineFacts& facts : file.scanlines(instant)) stated += facts.records;
     EXPECT_EQ(stated, band.records.size());
-    // In small bands they are the same.
+    // Reading in small bands gives the same records.
     RecordBand alone;
     for (int y = band.y_begin; y < band.y_end; ++y) {
         file.read(y, y + 1, alone, instant);
@@ -144,7 +145,7 @@ TEST(Salvage, AFlippedBitLosesItsRowAndNoOther) {
          {RecordCompression::none, RecordCompression::rle, RecordCompression::zips}) {
         const Written written(path, compression);
         const std::string bytes = text_of(path);
-        // All rows of one, some of the others.
+        // Tests all rows with one compression, and some rows with the others.
         const int step = compression == RecordCompression::zips ? 1 : 7;
         for (int y = written.y_begin(); y < written.y_end(); y += step) {
             for (const int part : {records_part, scanlines_part}) {
@@ -171,7 +172,7 @@ TEST(Salvage, NeighbouringRowsAndKeysAreLostTogether) {
         bytes = with_flipped_bit(bytes, records_part + parts_per_key, y);
     write_bytes(path, bytes);
     const SampleFileReader file(path, Damage::salvage);
-    // Nothing is left of the first key: the second follows the frame's own instant.
+    // The first key is lost completely, so the second key follows the frame's own instant.
     ASSERT_EQ(file.instants(), 2U);
     ASSERT_EQ(file.lost_instants_s().size(), 1U);
     EXPECT_EQ(file.lost_instants_s()[0], written.header.key_times_s[0]);
@@ -204,7 +205,7 @@ TEST(Salvage, ACutOffFileGivesWhatIsWhole) {
                     if (run.instant == 0) lost.insert(y);
             }
             expect_lost(file, 0, written.instants[0], lost);
-            // Rows are in increasing y and keys come last, so what is lost is the end.
+            // Rows are stored in ascending y and keys come last, so the last rows are lost.
             const std::size_t whole =
                 static_cast<std::size_t>(written.y_end() - written.y_begin()) - lost.size();
             for (const int y : lost) EXPECT_GE(y, written.y_begin() + static_cast<int>(whole));
@@ -247,7 +248,7 @@ TEST(Salvage, ADamagedHeaderIsRefusedAllTheSame) {
 TEST(Salvage, TooLittleIsRefusedWhateverTheHeaderPromises) {
     const TemporaryFolder folder;
     const fs::path path = folder.path() / "a.exr";
-    // 1 whole row of 200 is less than a 64th.
+    // One intact row of 200 is less than 1/64.
     const RandomOptions options;
     const SampleHeader header = test::full_header(5, 197, 1, options);
     std::mt19937 random(6);
@@ -286,7 +287,7 @@ class SalvageCommand : public test::CommandTest {
         if (said != nullptr) *said = json::parse(r.out);
         return read_image(in("o.exr"));
     }
-    /// The first and the last row that differ; none where all are equal.
+    /// The first and the last row that differ; an empty range if all rows are equal.
     static std::pair<int, int> differing(const Image& a, const Image& b) {
         std::pair<int, int> out{a.height, -1};
         for (int y = 0; y < a.height; ++y) {
@@ -309,7 +310,7 @@ TEST_F(SalvageCommand, PicturesAreEqualBeyondTheReachOfWhatIsLost) {
         std::vector<std::string> words;
         double reach_px;
     };
-    // f/8 focused at 6 m: what is infinitely far, and what stands before all of it, is so wide at most.
+    // The widest CoC for f/8 and a focus at 6 m: of the background at infinity, and of the nearest object.
     const json info = json::parse(run({"info", in("a.exr"), "--json"}).out);
     const double film_per_pitch =
         info["film_distance_mm"].get<double>() / info["pixel_pitch_mm"].get<double>();
@@ -337,7 +338,7 @@ TEST_F(SalvageCommand, PicturesAreEqualBeyondTheReachOfWhatIsLost) {
         const Image rest = made(c.subcommand, "b.exr", words, &said);
         const auto [first, last] = differing(good, rest);
         EXPECT_GE(first, 19 - static_cast<int>(c.reach_px)) << c.subcommand;
-        EXPECT_LE(first, 20) << c.subcommand;  // what is lost is missing
+        EXPECT_LE(first, 20) << c.subcommand;  // the lost rows differ
         EXPECT_LE(last, 21 + static_cast<int>(c.reach_px)) << c.subcommand;
         EXPECT_GT(first, 0);
         EXPECT_LT(last, height - 1);
@@ -370,7 +371,7 @@ TEST_F(SalvageCommand, EveryReaderOfSampleFilesTakesIt) {
         EXPECT_EQ(with.exit_code, 0) << words[0] << " " << with.err;
         EXPECT_NE(with.err.find("rows 20-21 lost"), std::string::npos) << words[0] << " " << with.err;
     }
-    // A file that does not suffice is one by --strict.
+    // With --strict, a salvaged file counts as insufficient.
     EXPECT_EQ(run({"focus", in("b.exr"), "-o", in("o.exr"), "--f-number", "8", "--focus", "6", "--salvage",
                    "--strict"})
                   .exit_code,
@@ -384,12 +385,12 @@ TEST_F(SalvageCommand, CutOffFilesGiveTheirUpperPart) {
     refused({"image", in("c.exr"), "-o", in("x.exr")}, ExitCode::invalid_input, "c.exr");
     json said;
     const Image rest = made("image", "c.exr", {"--salvage"}, &said);
-    // Row 29 of records is whole but for what is known of it, which came with row 30.
+    // Row 29 of the records is intact, but its metadata, which are stored with row 30, are lost.
     EXPECT_EQ(differing(good, rest).first, 28);
     EXPECT_EQ(rest.pixel(5, 31)[0], 0);
     EXPECT_NE(salvaged(said).at("text").get<std::string>().find("rows 29-56 lost"), std::string::npos)
         << said;
-    // Without its header it is nothing.
+    // A file without its header cannot be salvaged.
     write_bytes(in("c.exr"), std::string_view(bytes).substr(0, 2000));
     refused({"image", in("c.exr"), "-o", in("x.exr"), "--salvage"}, ExitCode::invalid_input, "c.exr");
 }

@@ -1,5 +1,5 @@
-// Files that are not, or no longer, what SampleFileWriter writes: each must be refused with one line, quickly
-// and without much memory, or read exactly as if nothing had happened.
+// Damaged or forged sample files: each must be rejected with a one-line message, quickly and with little
+// memory, or be read exactly like the original.
 #include <OpenEXR/ImfHeader.h>
 #include <chrono>
 #include <cmath>
@@ -40,7 +40,7 @@ void write_bytes(const fs::path& path, std::string_view bytes) {
     std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// All that a reader gives.
+/// All content that a reader returns.
 struct Content {
     RecordBand records;
     std::vector<RecordBand> keys;
@@ -74,7 +74,8 @@ bool same(const Content& a, const Content& b) {
            a.records.records == b.records.records && a.picture == b.picture && a.scene_name == b.scene_name;
 }
 
-/// Reads the file; what is not refused must be `good`. Returns whether it was refused.
+/// Reads the file and checks that its content equals `good` unless it is rejected. Returns whether it was
+/// rejected.
 bool refused_or_same(const fs::path& path, const Content& good, const std::string& what) {
     try {
         EXPECT_TRUE(same(read_all(path), good)) << what << ": read as something else";
@@ -98,7 +99,7 @@ std::string refusal_of(const fs::path& path) {
     return "accepted";
 }
 
-/// One byte of a file that exists.
+/// Overwrites one byte of an existing file.
 void write_byte(const fs::path& path, std::size_t at, char byte) {
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
     file.seekp(static_cast<std::streamoff>(at));
@@ -146,7 +147,7 @@ TEST(DamagedSampleFile, EveryFlippedByteIsRefusedOrHarmless) {
             refused += refused_or_same(path, good, "byte " + std::to_string(at)) ? 1 : 0;
             write_byte(path, at, bytes[at]);
         }
-        // Harmless are only attributes that this reader does not use.
+        // Only attributes that the reader does not use may change without an error.
         EXPECT_GT(refused, bytes.size() * 85 / 100) << bytes.size();
     }
 }
@@ -158,8 +159,8 @@ TEST(DamagedSampleFile, ChunksOutOfPlaceAreRefused) {
         write_small_file(path, compression);
         const Content good = read_all(path);
         const std::string bytes = bytes_of(path);
-        // The tables of chunks are the first place with file offsets in rising order; swapping two entries of
-        // one table, or pointing one anywhere else, must not go unnoticed.
+        // The chunk tables are the first position with ascending file offsets. Swapped or changed entries
+        // must be detected.
         const SampleFileReader reader(path);
         const std::uint64_t rows = static_cast<std::uint64_t>(reader.y_end() - reader.y_begin());
         const std::uint64_t picture_chunks = compression == RecordCompression::zips ? 1 : 3;
@@ -184,13 +185,13 @@ TEST(DamagedSampleFile, ChunksOutOfPlaceAreRefused) {
     }
 }
 
-/// Writes a file whose checksums are right, whatever its records are: what a hostile writer can do.
+/// Writes a file with correct checksums and arbitrary records, as a malicious writer could.
 class ForgedFile {
   public:
     RandomOptions options{.has_w = true};
     SampleHeader header = test::full_header(3, 2, 0, options);
     RecordBand records;
-    /// Applied to each scanline's counts and channels before the checksum is taken.
+    /// Applied to each scanline's counts and channels before the checksum is computed.
     std::function<void(int y, ScanlineBytes&)> change_bytes = [](int, ScanlineBytes&) {};
     std::function<void(ScanlineFacts&)> change_facts = [](ScanlineFacts&) {};
 
@@ -276,7 +277,7 @@ TEST(ForgedSampleFile, ImpossibleRecordsAreRefused) {
     };
     for (const auto& [text, damage] : damages) {
         ForgedFile file;
-        // In a pixel of one record, so that no other takes its place.
+        // Changes a pixel with one record, so that no other record can replace it.
         const auto& offsets = file.records.offsets;
         std::size_t k = 0;
         while (offsets[k + 1] - offsets[k] != 1) ++k;
@@ -289,7 +290,7 @@ TEST(ForgedSampleFile, ImpossibleRecordsAreRefused) {
 TEST(ForgedSampleFile, PositionsThatAreNoOffsetsAreRefused) {
     const TemporaryFolder folder;
     const fs::path path = folder.path() / "a.exr";
-    // Bit patterns of half floats: NaN, infinity, 1, -0, -0.5, 2^-24, 1/2048.
+    // The bit patterns are the half floats NaN, infinity, 1, -0, -0.5, 2^-24 and 1/2048.
     for (const std::uint16_t half : {0x7E00, 0x7C00, 0x3C00, 0x8000, 0xB800, 0x0001, 0x1000}) {
         ForgedFile file;
         file.change_bytes = [half](int, ScanlineBytes& bytes) {
@@ -326,8 +327,7 @@ TEST(ForgedSampleFile, CountsThatLieAreRefused) {
     EXPECT_NE(refusal_of(path).find("nearest"), std::string::npos);
 }
 
-// AddressSanitizer keeps what was freed for a while and pads what is not: there only the outer limit of 1 GiB
-// holds.
+// AddressSanitizer delays freeing and pads allocations, so only a limit of 1 GiB is tested with it.
 #if defined(__SANITIZE_ADDRESS__)
 constexpr long most_kilobytes = 1024 * 1024;
 #else
@@ -347,7 +347,7 @@ TEST(ForgedSampleFile, HugeSizesAreRefusedWithoutMemory) {
     ForgedFile file;
     file.write(path);
     const std::string good = bytes_of(path);
-    // Every 32-bit word of the headers set to large numbers: windows, counts, sizes of attributes.
+    // Sets each 32-bit word of the headers (windows, counts, sizes of attributes) to large numbers.
     const std::size_t header_end =
         good.find(std::string("\0\0\0\0\0\0\0\0", 8), good.find("scanlineimage", 3000));
     const std::size_t end = std::min(good.size(), header_end == std::string::npos ? good.size() : header_end);

@@ -56,7 +56,7 @@ Frame random_frame(int width, int height, int overscan_px, const RandomOptions& 
     return frame;
 }
 
-/// Writes in bands of the given heights, in turn.
+/// Writes a frame in bands of the given heights, which are repeated.
 std::uint64_t write_frame(const fs::path& path, const Frame& frame, RecordCompression compression,
                           const std::vector<int>& heights = {1000000}) {
     SampleFileWriter writer(path, frame.header, compression);
@@ -127,7 +127,7 @@ void expect_equal_bands(const RecordBand& a, const RecordBand& b) {
     for (std::size_t i = 0; i < a.records.size(); ++i) ASSERT_EQ(a.records[i], b.records[i]) << i;
 }
 
-/// The picture from the records, by the function that every reader uses.
+/// The image of the records, computed by the function that all readers use.
 Image picture_of(const Frame& frame) {
     Image image(frame.header.width, frame.header.height);
     for (int y = 0; y < image.height; ++y) {
@@ -181,7 +181,7 @@ TEST(SampleFile, RoundTripsEverything) {
             RecordBand band;
             reader.read(reader.y_begin(), reader.y_end(), band);
             expect_equal_bands(band, frame.records);
-            // Random access, the same buffer, odd heights, last rows first.
+            // Random access: reads bands of 5 rows from the last to the first, into the same buffer.
             for (int end = reader.y_end(); end > reader.y_begin(); end -= 5) {
                 const int begin = std::max(end - 5, reader.y_begin());
                 reader.read(begin, end, band);
@@ -305,7 +305,7 @@ TEST(SampleFile, OpenImageIoReadsThePicture) {
     EXPECT_EQ(read_image(folder.path() / "a.exr").rgb, picture_of(frame).rgb);
 }
 
-/// One channel of the deep part, all its values in file order.
+/// All values of one channel of a deep part, in file order.
 template <typename T>
 std::vector<T> read_deep_channel(const fs::path& path, const char* name, Imf::PixelType type,
                                  std::vector<unsigned>& counts, int of_part = 1) {
@@ -429,8 +429,8 @@ TEST(SampleFile, StandardAttributesAreWhatOtherProgramsExpect) {
     EXPECT_EQ(Imf::expTime(h), 1.0F / 48);
     EXPECT_TRUE(std::isinf(Imf::focus(h)));
     EXPECT_FLOAT_EQ(h.typedAttribute<Imf::V2fAttribute>("sensorOverallDimensions").value().x, 3.6F);
-    // OpenEXR's camera: +x right, +y up, +z into the scene, row vectors. A point 2 m ahead of ours, 1 m to
-    // its right, must come out at (1, 0, 2).
+    // OpenEXR's camera has +x right, +y up, +z into the scene, and row vectors. A point 2 m in front of the
+    // camera and 1 m to its right must map to (1, 0, 2).
     const glm::dvec4 world = frame.header.world_from_camera * glm::dvec4(1, 0, -2, 1);
     Imath::V3f seen;
     Imf::worldToCamera(h).multVecMatrix(

@@ -1,5 +1,5 @@
-// What samplers are made of: hashes, permutations, cells of equal area, Poisson-disc patterns, Sobol's
-// sequence and its scramble, each against a slow and obvious form of itself.
+// The parts of samplers: hashes, permutations, cells of equal area, Poisson-disc patterns, the Sobol sequence
+// and its scramble, each compared with a slow and simple version.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -22,7 +22,8 @@ TEST(SampleHash, FloatsStayBelowOne) {
     EXPECT_EQ(unit_float(0x80000000U), 0.5F);
 }
 
-// Each input bit flips each output bit in half of all cases: standard error of a share of N, 1 / (2 sqrt N).
+// Each input bit flips each output bit in half of all cases. The standard error of a share of N cases is
+// 1 / (2 sqrt N).
 TEST(SampleHash, EveryBitMatters) {
     constexpr std::uint32_t tries = 20000;
     for (int in = 0; in < 64; ++in) {
@@ -34,7 +35,7 @@ TEST(SampleHash, EveryBitMatters) {
             for (unsigned out = 0; out < 32; ++out) narrow_flips[out] += static_cast<int>(narrow >> out & 1);
         }
         for (const int f : flips) EXPECT_NEAR(f, tries / 2.0, 5 * std::sqrt(tries) / 2) << in;
-        // The keyed word of 32 bits is a weaker hash: a share of one half within 0.03.
+        // The keyed 32-bit word is a weaker hash, with shares within 0.03 of one half.
         for (const int f : narrow_flips) EXPECT_NEAR(f / static_cast<double>(tries), 0.5, 0.03) << in;
     }
 }
@@ -67,7 +68,7 @@ TEST(Permutation, LanesAgreeWithOneAtATime) {
     }
 }
 
-// Small n: every one of n! permutations comes, with the same frequency. Chi-square with n! - 1 degrees of
+// For small n, all n! permutations are equally frequent. The test is a chi-square with n! - 1 degrees of
 // freedom.
 TEST(Permutation, AllComeEquallyOften) {
     for (const std::uint32_t n : {2U, 3U, 4U, 5U}) {
@@ -88,7 +89,7 @@ TEST(Permutation, AllComeEquallyOften) {
     }
 }
 
-// Larger n: where two elements go is uniform over ordered pairs of places.
+// For larger n, the positions of two elements are uniform over ordered pairs.
 TEST(Permutation, PairsOfPlacesAreUniform) {
     for (const std::uint32_t n : {16U, 23U, 32U}) {
         for (const std::uint32_t second : {1U, 2U, 8U, n - 1}) {
@@ -110,7 +111,7 @@ TEST(Permutation, PairsOfPlacesAreUniform) {
     }
 }
 
-// Cells by exact integers: the row that begins last at or before the cell, the column in it.
+// Finds the cell of each point with exact integers: its row, then its column.
 TEST(Strata, OnePointInEachCellOfEqualArea) {
     for (const int n : {1, 2, 3, 7, 16, 17, 64, 1000, 1021}) {
         const Strata strata(static_cast<std::uint32_t>(n));
@@ -121,7 +122,7 @@ TEST(Strata, OnePointInEachCellOfEqualArea) {
                 std::set<std::uint64_t> cells, intervals;
                 for (int i = 0; i < n; ++i) {
                     const glm::vec2 p = s.point_2d(31, set, i);
-                    // Points are exact multiples of 2^-24: cells are found with integers.
+                    // Points are exact multiples of 2^-24, so cells are found with integers.
                     const auto v = static_cast<std::uint64_t>(p.y * 0x1p24F) * static_cast<unsigned>(n);
                     std::uint32_t row = 0;
                     while (static_cast<std::uint64_t>(strata.row_begin(row + 1)) << 24 <= v) ++row;
@@ -133,7 +134,7 @@ TEST(Strata, OnePointInEachCellOfEqualArea) {
                         EXPECT_EQ(begin + column, static_cast<std::uint64_t>(i));
                     }
                     if (kind == SamplerKind::grid) {
-                        // Within a step of the format.
+                        // Centres are exact to one step of 2^-24.
                         EXPECT_NEAR(p.x * count, static_cast<double>(column) + 0.5, 0x1p-23 * count);
                         EXPECT_NEAR(p.y * static_cast<double>(n), begin + 0.5 * count, 0x1p-23 * n);
                     }
@@ -147,7 +148,7 @@ TEST(Strata, OnePointInEachCellOfEqualArea) {
     }
 }
 
-// So many cells that each is only 16 or 17 steps of the format wide in one dimension: sample i is still in
+// With so many cells that each is only 16 or 17 steps of 2^-24 wide in one dimension, sample i is still in
 // cell i.
 TEST(Strata, ManyCellsKeepTheirPoints) {
     for (const std::uint32_t n : {65537U, 999983U, 1U << 20}) {
@@ -176,7 +177,7 @@ TEST(Strata, CellsAreNearlySquare) {
         for (std::uint32_t r = 0; r < s.rows(); ++r) {
             const double count = s.row_begin(r + 1) - s.row_begin(r);
             const double aspect = count * count / n;  // height over width
-            // Worst: n = 3, one row of a single cell above one of two.
+            // The worst case is n = 3, with a row of one cell above a row of two cells.
             EXPECT_GE(aspect, 1.0 / 3) << n;
             EXPECT_LE(aspect, 2) << n;
         }
@@ -204,14 +205,14 @@ TEST(Poisson, PointsKeepTheirDistanceOnTheTorus) {
                 u.push_back(p.x), v.push_back(p.y), t.push_back(s.point_1d(pixel, time_set, i)),
                     zero.push_back(0);
             }
-            // Rounding to 2^-24 moves a point by less than sqrt(2) 2^-24, two of them towards each other.
+            // Rounding to 2^-24 moves each of two points by less than sqrt(2) 2^-24 towards the other.
             EXPECT_GE(least_distance(u, v), 0.7 * densest_distance(n) - 0x1p-22) << n;
             EXPECT_GE(least_distance(t, zero), 0.7 / n - 0x1p-23) << n;
         }
     }
 }
 
-// For every count there is room; the patterns differ.
+// A pattern is found for every number of points, and different seeds give different patterns.
 TEST(Poisson, EveryCountUpToABlockIsReached) {
     for (int n = 1; n <= PoissonPoints::max_block; n = n < 130 ? n + 1 : n * 5 / 4) {
         const PoissonPattern p = poisson_pattern(n, 17), q = poisson_pattern(n, 18);
@@ -223,7 +224,7 @@ TEST(Poisson, EveryCountUpToABlockIsReached) {
     }
 }
 
-// 2500 samples: blocks of 834, 833 and 833, each of which keeps its distance.
+// 2500 samples are divided into blocks of 834, 833 and 833, each of which keeps its minimum distance.
 TEST(Poisson, MoreThanABlockIsSeveral) {
     constexpr int n = 2500;
     const Sampler s(SamplerKind::poisson, n, 3);

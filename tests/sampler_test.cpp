@@ -1,6 +1,5 @@
-// Point sets of distributed rays: where the points may lie, how evenly they lie, and that nothing ties one
-// set, pixel or seed to another. Tolerances: 4.5 standard errors leave a chance of 7e-6 per look; seeds are
-// fixed.
+// Point sets of distributed rays: range and uniformity of points, and independence of sets, pixels and seeds.
+// The tolerances are 4.5 standard errors, which chance exceeds with a probability of 7e-6; seeds are fixed.
 #include "tracer/sampler.h"
 
 #include <algorithm>
@@ -45,7 +44,7 @@ TEST(Sampler, SetsMadeByHashingAreNoneOfTheEyeRay) {
             }
         }
     }
-    // 8192 words of 32 bits: 2^26 / 2 / 2^32 = 0.008 expected collisions.
+    // For 8192 words of 32 bits, 2^26 / 2 / 2^32 = 0.008 collisions are expected.
     EXPECT_EQ(ids.size(), 8192U);
 }
 
@@ -57,7 +56,7 @@ TEST_P(EverySampler, LiesInTheUnitInterval) {
     for (const int spp : {1, 2, 3, 7, 16, 17, 64, 1000, 1500, 1 << 20}) {
         const Sampler s(GetParam(), spp, 3);
         for (const SampleSet set : {pixel_set, lens_set, time_set, light_set}) {
-            // All of a few samples, the ends of many.
+            // Tests all samples if there are few, else the first and last 2000.
             for (int i = 0; i < spp; i = i == 1999 ? std::max(2000, spp - 2000) : i + 1) {
                 const glm::vec2 p = s.point_2d(9, set, i);
                 const float t = s.point_1d(9, set, i);
@@ -76,7 +75,7 @@ TEST_P(EverySampler, SameBitsHoweverAsked) {
                     const int count = std::min(wanted, spp - first);
                     Sampler::EyeSamples eye{};
                     s.fill_eye(pixel, first, count, eye);
-                    // One more, to see that nothing is written behind `count`.
+                    // One more element, to check that nothing is written beyond `count`.
                     float u[sample_lanes + 1], v[sample_lanes + 1], t[sample_lanes + 1];
                     for (const SampleSet set : {pixel_set, lens_set, time_set, light_set}) {
                         std::fill_n(u, sample_lanes + 1, -1.0F);
@@ -119,9 +118,9 @@ TEST_P(EverySampler, SameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(alone, together);
 }
 
-// The mean over pixels of a sample of given index is 1/2 within the error of a mean of uniform numbers, and
-// its variance 1/12: uniform variables have a fourth moment of 1/80, so their variance an error of sqrt(1/180
-// / N). grid: uniform over the centres of 12 cells, whose variance is less by (1/12) / cells^2.
+// Over pixels, a sample of given index has mean 1/2 and variance 1/12 within the errors of uniform numbers.
+// The fourth moment is 1/80, so the error of the variance is sqrt(1/180 / N). `grid` is uniform over the
+// centres of 12 cells, whose variance is less by (1/12) / cells^2.
 TEST_P(EverySampler, EverySampleIsUniformOverPixels) {
     constexpr int pixels = 20000, spp = 12;
     const Sampler s(GetParam(), spp, 77);
@@ -140,7 +139,7 @@ TEST_P(EverySampler, EverySampleIsUniformOverPixels) {
         for (std::size_t k = 0; k < (stays ? 6U : 7U); ++k) {
             EXPECT_NEAR(mean(x[k]), 0.5, 4.5 * std::sqrt(1.0 / 12 / pixels)) << index << ' ' << k;
             const double coarse = !cells ? 0 : k < 2 ? 1.0 / 144 : 1.0 / 9;
-            // 12 cells: three rows of four.
+            // The 12 cells form three rows of four.
             const double low = k == 3 || k == 5 ? 1.0 / 9 : k < 2 ? 1.0 / 144 : 1.0 / 16;
             EXPECT_NEAR(variance(x[k]), (1 - (coarse > 0 ? low : 0)) / 12,
                         4.5 * std::sqrt(1.0 / 180 / pixels))
@@ -149,14 +148,14 @@ TEST_P(EverySampler, EverySampleIsUniformOverPixels) {
     }
 }
 
-// Independent numbers of variance 1/12 have a correlation coefficient of standard error 1 / sqrt(N) over N
-// pixels, for a sample of given index as for those of neighbouring pixels, other seeds and other sets.
+// Samples of one index are uncorrelated with those of neighbouring pixels, other seeds and other sets. The
+// correlation coefficient of independent numbers has a standard error of 1 / sqrt(N) over N pixels.
 TEST_P(EverySampler, SetsPixelsAndSeedsAreUncorrelated) {
     constexpr int width = 128, pixels = width * width, spp = 16;
     const double limit = 4.5 / std::sqrt(static_cast<double>(pixels));
     const Sampler s(GetParam(), spp, 1), other(GetParam(), spp, 2);
-    // The first cell of the pixel set is the same everywhere where cells are not permuted; then only the
-    // place in it is random, which `grid` has not.
+    // Cells of the pixel set are not permuted, so only the position in a cell is random; `grid` has no such
+    // position.
     const bool has_pixel = GetParam() != SamplerKind::grid;
     for (const int index : {0, 5, 15}) {
         using Row = std::vector<double>;
@@ -175,7 +174,7 @@ TEST_P(EverySampler, SetsPixelsAndSeedsAreUncorrelated) {
             add([&](std::uint32_t p) { return from->point_1d(p, time_set, index); });
             add([&](std::uint32_t p) { return from->point_1d(p, light_set, index); });
         }
-        // Neighbours to the right, below and 2^16 and 2^31 away.
+        // Pixels to the right, below, and at distances of 2^16 and 2^31.
         for (const std::uint32_t step : {1U, static_cast<std::uint32_t>(width), 1U << 16, 1U << 31}) {
             add([&](std::uint32_t p) { return s.point_2d(p + step, lens_set, index).x; });
             add([&](std::uint32_t p) { return s.point_1d(p + step, time_set, index); });
@@ -183,15 +182,15 @@ TEST_P(EverySampler, SetsPixelsAndSeedsAreUncorrelated) {
         }
         for (std::size_t a = 0; a < x.size(); ++a) {
             for (std::size_t b = 0; b < a; ++b) {
-                // Two columns may hold the same pixels, a step apart: still other numbers.
+                // Two columns may hold the same pixels with an offset, but still different numbers.
                 EXPECT_LT(std::abs(correlation(x[a], x[b])), limit) << index << ' ' << a << ' ' << b;
             }
         }
     }
 }
 
-// Over all samples of many pixels the sets are uncorrelated too: samples of a pixel are at least not more
-// alike than independent ones, so the standard error is at most that of N independent pairs, 1 / sqrt(N).
+// Sets are also uncorrelated over all samples of many pixels. Samples of a pixel are stratified, so the
+// standard error is at most that of N independent pairs, 1 / sqrt(N).
 TEST_P(EverySampler, SetsOfAPixelArePairedEvenly) {
     constexpr int pixels = 4000, spp = 16;
     const Sampler s(GetParam(), spp, 9);
@@ -225,8 +224,9 @@ TEST_P(EverySampler, AnotherSeedSetOrPixelChangesEverything) {
         }
         return same;
     };
-    // Random permutations of 64 centres share one element on average, and k with a chance of 1 / (e k!): 9 in
-    // one or in both together would be one in 10^5. Other numbers have 24 bits each.
+    // Two random permutations of 64 centres agree in one element on average, and in k elements with
+    // probability 1 / (e k!), so that 9 agreements occur once in 10^5. The other samplers have numbers of 24
+    // bits.
     const int limit = grid ? 12 : 0;
     EXPECT_LE(equal(s, 3, lens_set, other, 3, lens_set), limit);
     EXPECT_LE(equal(s, 3, lens_set, s, 4, lens_set), limit);
@@ -238,8 +238,8 @@ TEST_P(EverySampler, AnotherSeedSetOrPixelChangesEverything) {
     }
 }
 
-// Cells of the pixel's own count: `random` must be uniform over 16 x 16 cells and over the low eight of its
-// 24 bits. Chi-square with 255 degrees of freedom has mean 255 and standard deviation 22.6.
+// `random` must be uniform over 16 x 16 cells and over the low eight of its 24 bits. A chi-square with 255
+// degrees of freedom has mean 255 and standard deviation 22.6.
 TEST(RandomSampler, UniformByChiSquare) {
     const Sampler s(SamplerKind::random, 4096, 5);
     std::vector<int> plane(256), low(256), pairs(256);
@@ -256,12 +256,11 @@ TEST(RandomSampler, UniformByChiSquare) {
     }
     for (const auto* counts : {&plane, &low, &pairs}) {
         EXPECT_LT(chi_square(*counts), 255 + 4.5 * 22.6);
-        EXPECT_GT(chi_square(*counts), 255 - 4.5 * 22.6);  // too even is not random either
+        EXPECT_GT(chi_square(*counts), 255 - 4.5 * 22.6);  // a too uniform distribution is not random
     }
 }
 
-// Mean squared errors over 32 scrambles ("seeds") times 64 pixels of a smooth function of all five
-// dimensions.
+// RMS error of the mean of a smooth function of all five dimensions, over 32 scrambles (seeds) and 64 pixels.
 double rmse(SamplerKind kind, int spp) {
     double sum = 0;
     constexpr int pixels = 64, seeds = 32;
@@ -282,9 +281,9 @@ double rmse(SamplerKind kind, int spp) {
     return std::sqrt(sum / (pixels * seeds));
 }
 
-// An RMSE from N = 2048 squared normal errors has a relative error of 1 / sqrt(2 N) = 0.016; a slope over a
-// factor of 64 in spp is the log of a ratio of two, divided by log 64 = 4.16: 0.0053, so 4.5 of these are
-// 0.024.
+// An RMSE from N = 2048 squared normal errors has a relative error of 1 / sqrt(2 N) = 0.016. The slope over a
+// factor of 64 in spp is the log of a ratio of two RMSEs divided by log 64 = 4.16, with an error of 0.0053.
+// The tolerance is 4.5 of these, 0.024.
 TEST(SamplerConvergence, SlopesOfTheError) {
     const auto slope = [](SamplerKind kind) {
         return std::log(rmse(kind, 16) / rmse(kind, 1024)) / std::log(64.0);
@@ -294,8 +293,8 @@ TEST(SamplerConvergence, SlopesOfTheError) {
     EXPECT_GT(sobol, 0.7 + 0.024);
     EXPECT_GT(jittered, 0.5 - 0.024);
     EXPECT_LT(jittered, sobol);
-    // The variance of independent points is known: of a product of five with mean square m^5, m = 1 + 0.8^2
-    // / 12.
+    // The variance for independent points is m^5 - 1 with m = 1 + 0.8^2 / 12, as for a product of five
+    // factors.
     const double sigma = std::sqrt(std::pow(1 + 0.64 / 12, 5) - 1);
     EXPECT_NEAR(rmse(SamplerKind::random, 64) / (sigma / 8), 1, 4.5 * 0.016);
     for (const int spp : {16, 256}) {

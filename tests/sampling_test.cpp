@@ -1,5 +1,5 @@
-// Corner sampling: each point once, subdivision where it must be, the SPD's published ray counts, and the
-// same file for any number of threads.
+// Corner sampling: each point is sampled once, subdivision where required, the published ray counts of the
+// Standard Procedural Databases, and equal files for any number of threads.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -28,7 +28,7 @@ std::string bytes_of(const fs::path& path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// Mirrors, glass, an edge in every direction, a thin thing and a light.
+// A scene with mirrors, glass, edges in all directions, a thin object and a light.
 SceneBuilder busy_scene() {
     SceneBuilder b;
     Material m = matte({0.6, 0.5, 0.4});
@@ -86,7 +86,7 @@ TEST(CornerSampler, WithoutSubdivisionOneSamplePerCorner) {
 
 TEST(CornerSampler, EachPointOnceAndIdsSplitToTheLastLevel) {
     SceneBuilder b = busy_scene();
-    b.scene.cameras[0].height = 200;  // several bands
+    b.scene.cameras[0].height = 200;  // makes several bands
     for (const int levels : {1, 3, 5}) {
         const Sampled s = sample(b.scene, {0, 64, 0, 200}, {.levels = levels, .threshold = 0.2});
         std::map<std::pair<float, float>, std::uint32_t> id;  // y, x
@@ -99,8 +99,8 @@ TEST(CornerSampler, EachPointOnceAndIdsSplitToTheLastLevel) {
         EXPECT_EQ(primaries, id.size());
         EXPECT_EQ(primaries, s.counts.eye);
         EXPECT_GT(s.bands.size(), 2U);
-        // A reader's quadtree: no leaf above the last level has corners of different ids, and every corner is
-        // there.
+        // Walks the quadtree as a reader does: no leaf above the last level has corners of different ids, and
+        // no corner is missing.
         const std::function<void(double, double, double)> visit = [&](double x, double y, double size) {
             const auto at = [&](double dx, double dy) {
                 const auto found = id.find({static_cast<float>(y + dy), static_cast<float>(x + dx)});
@@ -123,18 +123,18 @@ TEST(CornerSampler, EachPointOnceAndIdsSplitToTheLastLevel) {
 }
 
 TEST(CornerSampler, SubdivisionConvergesToTheAreaOfAThinThing) {
-    // A glowing strip 0.23 px wide: corners alone see none of it or far too much.
+    // An emitting strip of 0.23 px width: corners alone miss it or make it far too wide.
     SceneBuilder b;
     const double pitch = 36.0 / 64 / 50;  // tangent of a pixel
     const double z = 2, left = (10.4 - 32) * pitch * z, width = 0.23 * pitch * z;
     b.add(Rectangle{{left, -1, -z}, {width, 0, 0}, {0, 2, 0}}, glowing(glm::dvec3(1)));
     b.add(square({0, 0, -8}, {0, 0, 1}, 30), glowing(glm::dvec3(0)));
     const Sampled s = sample(b.scene, {0, 64, 0, 8}, {.levels = 8});
-    // Corners at x = 10 and 11 both miss it: nothing tells a corner sampler that it is there.
+    // The corners at x = 10 and 11 both miss the strip, so it is not found.
     std::vector<float> row(3);
     picture_row(s.all, 3, 10, 11, row);
     EXPECT_EQ(row[0], 0);
-    // Moved so that a corner sees it, its width is measured to 1/256 of a pixel on either side.
+    // After it is moved so that a corner hits it, its width is found to 1/256 px on each side.
     b.scene.objects[0].shape = Rectangle{{left - 0.5 * pitch * z, -1, -z}, {width, 0, 0}, {0, 2, 0}};
     const Sampled seen = sample(b.scene, {0, 64, 0, 8}, {.levels = 8});
     std::vector<float> both(6);
@@ -143,7 +143,7 @@ TEST(CornerSampler, SubdivisionConvergesToTheAreaOfAThinThing) {
 }
 
 TEST(CornerSampler, BandsDoNotShow) {
-    // The same rows come out whether the window begins above them or at them.
+    // Rows have the same records whether the window begins above them or at them.
     SceneBuilder b = busy_scene();
     b.scene.cameras[0].height = 200;
     const Sampled whole = sample(b.scene, {0, 64, 0, 200}, {.levels = 3});
@@ -201,8 +201,8 @@ TEST(Trace, OverscanAutoReachesAsFarAsNearThingsBlur) {
                     .for_f_number = 1.4,
                     .for_focus_m = 10};
     EXPECT_LE(trace_to_file(b.scene, t, folder.path() / "a.exr").overscan_px,
-              16);                                             // a step of the probe or two
-    b.add(Sphere{{0.9, 0, -2}, 0.3}, glowing(glm::dvec3(2)));  // just outside the right edge, 2 m away
+              16);                                             // one or two steps of the coarse trace
+    b.add(Sphere{{0.9, 0, -2}, 0.3}, glowing(glm::dvec3(2)));  // at 2 m, just outside of the right border
     const int near = trace_to_file(b.scene, t, folder.path() / "b.exr").overscan_px;
     const double coc_radius_px = 0.5 * 50 / (36.0 / 320) * (0.05 / 1.4) * (1 / 2.0 - 1 / 10.0);
     EXPECT_GE(near, coc_radius_px / 4);
@@ -236,7 +236,7 @@ TEST(Trace, RefusesWhatIsOutOfRange) {
     EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
-// The Standard Procedural Databases as published: 513 x 513 corner rays, depth 5.
+// The published settings of the Standard Procedural Databases: 513 x 513 corner rays, depth 5.
 class PublishedRayCounts : public testing::TestWithParam<std::string> {};
 
 TEST_P(PublishedRayCounts, AreMet) {

@@ -1,4 +1,4 @@
-// The scatter core on records in memory: kernels, depth levels, closed forms, fast forms against slow ones.
+// The scatter method on records in memory: kernels, depth levels, closed forms, fast against slow versions.
 #include "focus/scatter.h"
 
 #include <algorithm>
@@ -125,7 +125,7 @@ TEST(KernelTable, PacksKeysWithoutCollision) {
             }
         }
     }
-    // The same numbers stand for less in fine steps.
+    // In fine steps the same numbers stand for smaller values.
     for (const std::int32_t size : {0, 1, 2}) {
         const KernelKey key{.is_disc = false,
                             .is_fine = true,
@@ -136,7 +136,7 @@ TEST(KernelTable, PacksKeysWithoutCollision) {
                             .phase_y = -16};
         EXPECT_TRUE(seen.try_emplace(key.packed(), key).second);
     }
-    // Far apart: maps are told apart by their leading bits.
+    // Maps that are far apart differ in their leading bits.
     for (const double yy : {-100.0, -0.25, 0.0, 0.25, 100.0}) {
         for (const double xy : {-7.0, 0.0, 7.0}) {
             const KernelKey key = KernelKey::map({5, xy, -xy, yy});
@@ -165,7 +165,7 @@ TEST(KernelTable, MapsKeepTheirLeadingBits) {
     const KernelTable table({1.0}, far, round);
     const glm::dmat2 small{3.25, -0.5, 0.75, 1}, large{1000, -3, 500, 7};
     EXPECT_EQ(table.map_px(KernelKey::map(small)), small);
-    // 4000 quarters of a pixel have 12 bits, of which 6 stay: steps of 16 px.
+    // 4000 quarters of a pixel have 12 bits, of which 6 are kept, which makes steps of 16 px.
     EXPECT_EQ(table.map_px(KernelKey::map(large)), glm::dmat2(1008, 0, 496, 0));
     KernelKey key = KernelKey::map(small);
     key.cell_x = -3;
@@ -199,7 +199,7 @@ TEST(KernelTable, CoarsensEllipsesToFitItsMemory) {
     EXPECT_LT(bytes_with(all / 4), all / 4);
 }
 
-/// Tables that have been asked for small and large ellipses, far more of these than fit.
+/// Kernel tables from which many small and large ellipses are requested, far more than fit.
 struct ManySizes {
     explicit ManySizes(bool backwards) {
         for (int i = 0; i < 400; ++i) asked.push_back({200 + 2.0 * i, 150 + i / 4.0, 0.1});
@@ -227,7 +227,7 @@ TEST(KernelTable, CoarsenedEllipsesKeepTheirSizeWhateverOthersThereAre) {
         const Kernel& kernel = many.kernel(i);
         if (seen.try_emplace(&kernel, true).second)
             bytes += kernel.rows.size() * sizeof(KernelRow) + kernel.taps.size() * sizeof(float);
-        // Rows that are touched: up to one more on either side. Large ones give way first.
+        // A kernel touches up to one more row on each side. Large kernels are coarsened first.
         const double half_height = many.asked[i].half_height;
         EXPECT_NEAR(static_cast<double>(kernel.rows.size()) / 2, half_height,
                     half_height * (half_height < 20 ? 1.0 / 16 : 1.0 / 4) + 1)
@@ -237,7 +237,7 @@ TEST(KernelTable, CoarsenedEllipsesKeepTheirSizeWhateverOthersThereAre) {
     EXPECT_LT(seen.size(), many.asked.size());
 }
 
-// Threads ask in any order.
+// Threads request kernels in any order, which must not change the result.
 TEST(KernelTable, CoarsensTheSameInWhateverOrderShapesComeIn) {
     const ManySizes forwards(false), backwards(true);
     for (std::size_t i = 0; i < forwards.asked.size(); ++i) {
@@ -265,10 +265,10 @@ TEST(DepthLevels, OwnChoiceQuantisesTheCocByLessThanAQuarterOfAPixel) {
         const bool sharp = std::abs(lens_geometry.coc_diameter_px(inverse)) < 0.4;
         EXPECT_LT(diameter_error(levels, inverse), sharp ? 0.4 : 0.25) << inverse;
     }
-    // Also behind mirrors and glass, where inverse depths are negative.
+    // Inverse depths can be negative after reflection or refraction.
     for (double inverse = -20; inverse < 0; inverse += 1e-3)
         EXPECT_LT(diameter_error(levels, inverse), 0.25) << inverse;
-    // Small ones by a hundredth of themselves, or a sixteenth of a pixel.
+    // Small CoCs have an error of at most 1 % or 1/16 px.
     for (double inverse = 0; inverse < 1.2; inverse += 1e-4) {
         const double diameter_px = std::abs(lens_geometry.coc_diameter_px(inverse));
         if (diameter_px < 0.4) {
@@ -277,7 +277,7 @@ TEST(DepthLevels, OwnChoiceQuantisesTheCocByLessThanAQuarterOfAPixel) {
             EXPECT_LE(diameter_error(levels, inverse), std::max(0.0626, 0.0101 * diameter_px)) << inverse;
         }
     }
-    // Far beyond, a 500th at most.
+    // Very large CoCs have an error of at most 1/500.
     for (double inverse = 50; inverse < 4000; inverse *= 1.01) {
         EXPECT_LT(diameter_error(levels, inverse), 2e-3 * lens_geometry.coc_diameter_px(-inverse)) << inverse;
     }
@@ -348,7 +348,7 @@ TEST(DepthLevels, RefusesNumbersOutOfRange) {
 // --- closed forms
 // ------------------------------------------------------------------------------------------------
 
-/// A step edge at t under a disc of radius 1.
+/// A step edge blurred by a disc of radius 1, at distance t from the edge.
 double edge_response(double t) {
     if (t <= -1) return 0;
     if (t >= 1) return 1;
@@ -356,8 +356,8 @@ double edge_response(double t) {
 }
 
 TEST(Scatter, EdgeIsTheClosedForm) {
-    // Discs on whole coordinates from x0 on add up to the response at the right side of each pixel: the
-    // columns of a disc are the integral of its profile.
+    // Discs at integer coordinates from x0 on add up to the edge response at the right side of each pixel,
+    // because the columns of a disc are integrals of its profile.
     for (const double radius : {0.8, 3.3, 7.5, 21.0, 40.5}) {
         constexpr int x0 = 60;
         TableOptions options{.depths = 2};
@@ -374,7 +374,7 @@ TEST(Scatter, EdgeIsTheClosedForm) {
                 [&](int, int y) { return std::vector{corner(1 / radius, y >= x0 ? 1.0F : 0.0F, 0, 0)}; }),
             60, options);
         for (int i = 0; i < 120; ++i) {
-            // z' is a float: so is the radius that comes of it.
+            // z' is a float, so the radius has float rounding.
             const double wanted = edge_response((i + 1 - x0) / radius);
             EXPECT_NEAR(value(across, i, 10, 0), wanted, 1e-6) << radius << " " << i;
             EXPECT_NEAR(value(across, i, 10, 1), wanted / 2, 1e-6);
@@ -426,7 +426,7 @@ TEST(Scatter, PointInsideAPixelKeepsItsCentroid) {
             return corner(1 / radius, x == 30.5F && y == 32.5F ? 8.0F : 0.0F, 0, 0);
         });
         const Point p = point_of(scattered(band, 30, {.depths = 2}));
-        // Four leaves of a quarter touch it with a quarter each.
+        // The point has a quarter of each of four leaves.
         EXPECT_NEAR(p.energy, 2, 0.01) << radius;
         EXPECT_NEAR(p.x, 30.5, 0.01) << radius;
         EXPECT_NEAR(p.y, 32.5, 0.01) << radius;
@@ -456,7 +456,7 @@ TEST(Scatter, UniformStaysUniform) {
         const auto image = scattered(
             corner_band(150, 90, 0,
                         [&](int x, int y) {
-                            // Left: noise; right: runs.
+                            // Random radii on the left, runs of equal radii on the right.
                             const double r = x < 50 ? radius(random) : largest_radius * (y % 3 + 1) / 3;
                             return std::vector{corner(1 / r, 0.7F, 0.1F, 123.0F)};
                         }),
@@ -489,7 +489,7 @@ TEST(Scatter, RunsEqualTheReference) {
     std::mt19937 random(17);
     std::uniform_real_distribution<float> colour(0, 2);
     for (const double radius : {1e-3, 0.6, 1.4, 4.0, 9.5, 33.0, 90.0, 400.0}) {
-        // Runs of many lengths, some shorter than a strip, some longer than the picture; some without end.
+        // Runs of many lengths, some shorter than a strip.
         const RecordBand band = corner_band(170, 75, 3, [&](int x, int y) {
             const bool other = (x / 37 + y / 11) % 3 == 0;
             return std::vector{corner(other ? 1 / (radius * 0.8 + 0.3) : 1 / radius, colour(random),
@@ -524,9 +524,8 @@ TEST(Scatter, SplatsEqualTheReference) {
     }
 }
 
-/// Each point sample with its own CoC at its own place, laid out in full: what no table has touched. Where
-/// leaves of different sizes meet, each pulls its part of the sample by a sixth of its edge towards its
-/// middle.
+/// Scatters each point sample with its exact CoC and position, without tables. Where leaves of different
+/// sizes meet, each moves its part of a sample by a sixth of its edge towards its centre.
 Image exact_scatter(const RecordBand& band, const FocusGeometry& geometry) {
     PointSamples samples;
     find_point_samples(band, band.y_begin, band.y_end, band.y_begin, band.y_end - 1, samples);
@@ -569,8 +568,8 @@ Image exact_scatter(const RecordBand& band, const FocusGeometry& geometry) {
 TEST(Scatter, SubdividedPicturesEqualEachSampleAtItsOwnPlace) {
     std::mt19937 random(29);
     for (const double radius : {2.5, 6.0, 12.5}) {
-        // Leaves of a quarter of a pixel everywhere: positions that have kernels of their own. Only those on
-        // the raster's border, which have leaves on one side alone, lie between them.
+        // All leaves are 1/4 px wide, so kernels exist for the positions of all samples except those on the
+        // raster's border, which have leaves on one side only.
         RecordBand band = random_band(random, 0, 50, 0, 40, {.levels = 2, .probability = 1});
         for (Record& r : band.records) r.z = static_cast<float>(1 / radius);
         const Image got = scattered(band, 0, {.depths = 2}), exact = exact_scatter(band, unit_geometry);
@@ -587,8 +586,8 @@ struct BorderBlur {
     double place = 0, variance = 0;
 };
 
-/// Of the border at `edge_px` of one row of pixels divided into 16 x 16, among others that are not, between
-/// two colours; discs of radius_px.
+/// Blur of a border between two colours at `edge_px`, by discs of `radius_px`. One column of pixels is
+/// divided into 16 x 16 cells, the others are not.
 BorderBlur border_blur(double edge_px, double radius_px) {
     constexpr int width = 80, height = 40, parts = 16;
     const int divided = static_cast<int>(edge_px);
@@ -597,7 +596,7 @@ BorderBlur border_blur(double edge_px, double radius_px) {
     band.y_end = height + 1;
     for (int y = 0; y <= height; ++y) {
         for (int x = 0; x <= width; ++x) {
-            // Right borders of pixels belong to their neighbours, lower ones to the next row.
+            // The right border of a pixel belongs to its neighbour, the lower border to the next row.
             const int rows = (x == divided || x == divided + 1) && y < height ? parts : 1;
             const int columns = x == divided ? parts : 1;
             for (int j = 0; j < rows; ++j) {
@@ -623,13 +622,13 @@ BorderBlur border_blur(double edge_px, double radius_px) {
     return {mean, square - mean * mean};
 }
 
-// A disc has the variance r^2 / 4 along an axis, differences between pixels add that of a triangle, 1 / 6.
-// What the trapezoidal rule would add is another 1 / 6.
+// A disc has the variance r^2 / 4 along an axis. Differences between pixels add that of a triangle, 1 / 6;
+// the trapezoidal rule would add another 1 / 6.
 TEST(Scatter, BordersThatLeavesAreDividedForAreNoWiderThanTheirDisc) {
     for (const double radius : {3.3, 6.2, 12.7}) {
         for (const double edge : {40.22, 40.47, 40.78}) {
             const BorderBlur got = border_blur(edge, radius);
-            // Samples stand 1/16 px apart.
+            // Samples are 1/16 px apart.
             EXPECT_NEAR(got.place, edge, 1.0 / 32 + 0.01) << radius;
             EXPECT_NEAR(got.variance - radius * radius / 4 - 1.0 / 6, 0, 0.025) << radius << ", " << edge;
         }
@@ -641,7 +640,7 @@ TEST(Scatter, FinePositionsAreSharedOutToNeighbouringPhases) {
     for (const double radius : {2.5, 20.0, 300.0}) {
         RecordBand band = random_band(random, 0, 12, 0, 12, {.levels = 5, .probability = 0.35});
         for (Record& r : band.records) r.z = static_cast<float>(1 / radius);
-        // An edge is off by at most (step / radius)^2 / 8, and colours go up to 4.
+        // The error of an edge is at most (step / radius)^2 / 8, for colours of up to 4.
         EXPECT_LT(difference(scattered(band, 0, {.depths = 2}), exact_scatter(band, unit_geometry)), 1e-3)
             << radius;
     }
@@ -659,7 +658,7 @@ double psnr_db(const Image& a, const Image& b) {
     return -10 * std::log10(sum / static_cast<double>(a.rgb.size()));
 }
 
-/// Tiles at random depths from 0.6 to 40 m, as many near as far.
+/// Tiles at random depths from 0.6 to 40 m, uniform in inverse depth.
 RecordBand tiles(std::uint32_t seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> inverse_depth(1 / 40.0, 1 / 0.6),
@@ -672,7 +671,7 @@ RecordBand tiles(std::uint32_t seed) {
     for (int i = 0; i < 400; ++i) shade.push_back(colour(random));
     return corner_band(120, 90, 0, [&](int x, int y) {
         const std::size_t tile = static_cast<std::size_t>(x / 9 + 17 * (y / 9)) % 400;
-        // A checker of its own brightness on each tile.
+        // Each tile has a checker with its own brightness.
         const float v = shade[tile] * ((x / 3 + y / 3) % 2 == 0 ? 1.0F : 0.3F);
         return std::vector{corner(depth_m[tile], v, shade[(tile + 100) % 400], 1 - v)};
     });
@@ -692,7 +691,7 @@ TEST(DepthSpacing, InverseStepsAreTheBetterChoiceAtEqualCost) {
             EXPECT_GT(error_db(DepthSpacing::inverse, k), error_db(DepthSpacing::linear, k) + 5)
                 << seed << " " << k;
         }
-        // The default's quantisation is no error to speak of.
+        // The quantisation of the default has a negligible error.
         EXPECT_GT(error_db(DepthSpacing::inverse, std::nullopt), 58) << seed;
     }
 }
@@ -714,7 +713,7 @@ RecordBand mirrored_point(double primary_z_m, double node_z_m, const Mat2& w) {
     });
 }
 
-/// Half the extent of what is not black, px: along x and along y.
+/// Half of the extent of the pixels that are not black, px, along x and y.
 std::pair<int, int> extent(const Image& image) {
     int x_least = image.width, x_most = -1, y_least = image.height, y_most = -1;
     for (int y = 0; y < image.height; ++y) {
@@ -730,7 +729,7 @@ std::pair<int, int> extent(const Image& image) {
 }
 
 TEST(Scatter, EachDepthModelTakesItsOwnDepth) {
-    // Radii: primary 3, path 8, W 20.
+    // The radii are 3 px by the primary depth, 8 px by the path length and 20 px by W.
     const RecordBand band = mirrored_point(1.0 / 3, 1.0 / 8, Mat2::isotropic(20));
     const auto radius = [&](DepthModel model) { return extent(scattered(band, 0, {.model = model})).first; };
     EXPECT_NEAR(radius(DepthModel::first_hit), 3, 1);
@@ -744,7 +743,7 @@ TEST(Scatter, EachDepthModelTakesItsOwnDepth) {
 TEST(Scatter, MirrorSpreadsItsImageOverAnEllipse) {
     const Mat2 w{12, 4, 4, 24};
     const Image image = scattered(mirrored_point(1, 1, w), 0);
-    // The outline of M = -W: half extents are the lengths of its rows.
+    // The half extents of the ellipse of M = -W are the lengths of the rows of M.
     const auto [across, down] = extent(image);
     EXPECT_NEAR(across, std::hypot(12, 4), 1.01);
     EXPECT_NEAR(down, std::hypot(4, 24), 1.01);
@@ -752,7 +751,7 @@ TEST(Scatter, MirrorSpreadsItsImageOverAnEllipse) {
     EXPECT_NEAR(p.energy, 100, 0.01);
     EXPECT_NEAR(p.x, 40, 0.01);
     EXPECT_NEAR(p.y, 40, 0.01);
-    // Second moments of an even ellipse: M M^T / 4, and a pixel's own 1/12.
+    // The second moments of a uniform ellipse are M M^T / 4, plus 1/12 for a pixel.
     double xx = 0, xy = 0, yy = 0;
     for (int y = 0; y < 80; ++y) {
         for (int x = 0; x < 80; ++x) {
@@ -762,7 +761,7 @@ TEST(Scatter, MirrorSpreadsItsImageOverAnEllipse) {
             yy += v * dy * dy;
         }
     }
-    // An outline that is off by an eighth of a pixel moves them by a quarter of its semi-axis at most.
+    // An error of 1/8 px of the outline changes the moments by at most a quarter of the semi-axis.
     EXPECT_NEAR(xx - 1 / 12.0, (12 * 12 + 4 * 4) / 4.0, 0.8);
     EXPECT_NEAR(xy, (12 * 4 + 4 * 24) / 4.0, 1.0);
     EXPECT_NEAR(yy - 1 / 12.0, (4 * 4 + 24 * 24) / 4.0, 1.6);
@@ -845,7 +844,7 @@ TEST(Scatter, ExtremeDepthsAndFocusesAreFinite) {
 TEST(Scatter, CircleOfSeveralFramesIsTheMeanOfThePicture) {
     std::mt19937 random(47);
     std::uniform_real_distribution<float> colour(0, 1);
-    // Four frames, more than the largest radius, and anything a near caustic may have in W.
+    // CoCs of several image widths, of more than the largest radius, and extreme W as near a caustic.
     for (const double radius : {500.0, 2e5, 1e9}) {
         double sum = 0;
         const RecordBand band = corner_band(64, 48, 0, [&](int, int) {
@@ -855,7 +854,7 @@ TEST(Scatter, CircleOfSeveralFramesIsTheMeanOfThePicture) {
         });
         const Image image = scattered(band, 0);
         const double mean = sum / (65 * 49);
-        // Samples at the border weigh half.
+        // Samples at the border have half of the weight.
         for (const float v : image.rgb) ASSERT_NEAR(static_cast<double>(v), mean, 0.01) << radius;
     }
     const Image caustic = scattered(mirrored_point(1, 1, {1e20F, 3e12F, -1e7F, 1e-20F}), 0);

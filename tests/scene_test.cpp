@@ -1,4 +1,4 @@
-// What scene readers share: textures, transforms, polygons, boxes, words.
+// Common parts of scene readers: textures, transforms, polygons, boxes, words.
 #include "tracer/scene.h"
 
 #include <array>
@@ -25,7 +25,7 @@ constexpr double inf = std::numeric_limits<double>::infinity();
 
 TEST(Checker, BordersBelongToTheHigherCell) {
     for (int k = -5; k <= 5; ++k) {
-        // Sizes with exact multiples: the border itself, and the numbers next to it.
+        // For sizes with exact multiples, tests the border itself and the neighbouring numbers.
         for (const double size : {0.125, 1.0, 3.0}) {
             const double border = k * size;
             EXPECT_EQ(checker_cell(border, 0, size), k) << k << " " << size;
@@ -38,8 +38,8 @@ TEST(Checker, BordersBelongToTheHigherCell) {
 }
 
 TEST(Checker, CellIsTheFloorOfTheExactQuotient) {
-    // 80-bit arithmetic as the reference: c / size of doubles, tested where the double quotient rounds to a
-    // whole.
+    // The reference is c / size in 80-bit arithmetic, for cases in which the quotient in double rounds to an
+    // integer.
     int rounded_up = 0;
     for (int n = 1; n < 20000; ++n) {
         const double size = 0.1 * (1 + n % 7);
@@ -115,9 +115,9 @@ TEST(ImageTextures, NearestPicksTheTexelThatHoldsThePoint) {
     EXPECT_EQ(t.colour({}, {0.2, 0.2}), dvec3(0, 0, 1));
     EXPECT_EQ(t.colour({}, {0.8, 0.2}), dvec3(1, 1, 1));
     EXPECT_EQ(t.colour({}, {0.5, 0.2}), dvec3(1, 1, 1));
-    EXPECT_EQ(t.colour({}, {1.2, 0.2}), dvec3(0, 0, 1));   // u wraps
-    EXPECT_EQ(t.colour({}, {-0.2, 0.2}), dvec3(1, 1, 1));  // also below 0
-    EXPECT_EQ(t.colour({}, {0.2, 1.7}), dvec3(1, 0, 0));   // v stops
+    EXPECT_EQ(t.colour({}, {1.2, 0.2}), dvec3(0, 0, 1));   // u repeats
+    EXPECT_EQ(t.colour({}, {-0.2, 0.2}), dvec3(1, 1, 1));  // u also repeats below 0
+    EXPECT_EQ(t.colour({}, {0.2, 1.7}), dvec3(1, 0, 0));   // v is clamped
     EXPECT_EQ(t.colour({}, {0.2, -0.7}), dvec3(0, 0, 1));
 }
 
@@ -179,7 +179,7 @@ TEST(TransformAt, MeetsItsKeysAndStopsAtTheEnds) {
     EXPECT_EQ(transform_at(keys, 1), glm::dmat4(1));
     EXPECT_EQ(transform_at(keys, -7), glm::dmat4(1));
     EXPECT_EQ(transform_at(keys, 99), transform_at(keys, 3));
-    expect_near(moved(keys, 3, {1, 0, 0}), {4, 3, -2});  // scaled, turned, moved, in this order
+    expect_near(moved(keys, 3, {1, 0, 0}), {4, 3, -2});  // scaled, then rotated, then translated
 }
 
 TEST(TransformAt, MovesLinearlyAndTurnsEvenly) {
@@ -215,7 +215,7 @@ double area_of(const std::vector<dvec3>& p, const Triangulation& cut, const dvec
     double area = 0;
     for (const glm::uvec3& t : cut.triangles) {
         const double a = 0.5 * glm::dot(glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]), normal);
-        EXPECT_GT(a, 0);  // every triangle turns the polygon's way
+        EXPECT_GT(a, 0);  // every triangle has the polygon's winding
         area += a;
     }
     return area;
@@ -256,7 +256,7 @@ TEST(Triangulate, ConcavePolygonsKeepTheirArea) {
         for (const dvec2& q : shapes[i]) p.push_back(dvec3(100, -200, 300) + q.x * u + q.y * v);
         const Triangulation cut = triangulate(p);
         EXPECT_EQ(cut.fault, PolygonFault::none);
-        EXPECT_LE(cut.triangles.size(), p.size() - 2);  // what becomes straight on the way needs none
+        EXPECT_LE(cut.triangles.size(), p.size() - 2);  // corners that become collinear need no triangle
         EXPECT_NEAR(area_of(p, cut, glm::cross(u, v)), areas[i], 1e-9);
     }
 }
@@ -282,7 +282,7 @@ TEST(Triangulate, FaultsAreTold) {
     EXPECT_EQ(triangulate(star).fault, PolygonFault::crosses_itself);
 }
 
-// Every point of the surface lies in the box, and on every side some point comes near it.
+// Checks that all points of the surface lie in the box, and that points come close to all its sides.
 void expect_tight(const Bounds& box, const std::vector<dvec3>& points, const glm::dmat4& m,
                   double tolerance) {
     Bounds seen;

@@ -1,4 +1,4 @@
-// Shutter curves: closed forms, the inverse of the light that has come, and files of points.
+// Shutter curves: closed forms, the inverse of the accumulated light, and files of points.
 #include "lens/shutter_curve.h"
 
 #include <cmath>
@@ -31,7 +31,7 @@ TEST(ShutterCurves, ABoxIsExact) {
     EXPECT_EQ(box.density(1 + 1e-9), 0);
     EXPECT_EQ(box.light(-1e-9), 0);
     EXPECT_EQ(box.light(1 + 1e-9), 1);
-    // Half the height is the same picture, and so the same curve.
+    // Only the shape counts, so a curve of half the height is the same curve.
     const ShutterCurve low = ShutterCurve::points({{3, 0.5}, {7, 0.5}}, "low");
     EXPECT_TRUE(low.is_box());
     EXPECT_EQ(low.fingerprint(), box.fingerprint());
@@ -43,7 +43,8 @@ TEST(ShutterCurves, ATriangleHasItsClosedForm) {
     EXPECT_NE(triangle.fingerprint(), ShutterCurve::box().fingerprint());
     for (int i = 0; i <= 1000; ++i) {
         const double u = i / 1000.0;
-        // The light 2 t^2 has come by t <= 1/2. Near the ends a root turns a rounding of 2^-53 into 2^-26.
+        // The accumulated light at t <= 1/2 is 2 t^2. Near the ends, a root increases rounding from 2^-53 to
+        // 2^-26.
         const double t = u <= 0.5 ? std::sqrt(u / 2) : 1 - std::sqrt((1 - u) / 2);
         EXPECT_NEAR(triangle.time(u), t, i == 1000 ? 2e-8 : 1e-13);
         EXPECT_NEAR(triangle.density(u), u <= 0.5 ? 4 * u : 4 * (1 - u), 1e-14);
@@ -57,7 +58,7 @@ double light(const ShutterCurve& c, const std::vector<double>& kinks, double t) 
     for (std::size_t i = 0; i + 1 < kinks.size(); ++i) {
         const double a = kinks[i], b = std::min(kinks[i + 1], t);
         if (!(b > a)) break;
-        // By the middle: at a kink of height the density has two values.
+        // Uses the middle of the interval, because the density has two values at a jump.
         sum += (b - a) * c.density(0.5 * (a + b));
     }
     return sum;
@@ -67,10 +68,10 @@ TEST(ShutterCurves, TimeIsTheInverseOfTheLightThatHasCome) {
     const std::vector<std::vector<std::pair<double, double>>> all{
         {{0, 0}, {0.5, 1}, {1, 0}},
         {{-2, 0.1}, {-1, 3}, {0, 0.5}, {5, 0.7}},
-        {{0, 1}, {0.25, 0}, {0.75, 0}, {1, 2}},          // shut in between
-        {{0, 0}, {0.2, 0}, {0.4, 1}, {0.9, 0}, {1, 0}},  // shut at both ends
-        {{0, 0}, {1e-6, 1}, {1 - 1e-6, 1}, {1, 0}},      // steep blades
-        {{0, 1e-12}, {0.5, 1e12}, {1, 1e-12}},           // heights do not matter
+        {{0, 1}, {0.25, 0}, {0.75, 0}, {1, 2}},          // closed in between
+        {{0, 0}, {0.2, 0}, {0.4, 1}, {0.9, 0}, {1, 0}},  // closed at both ends
+        {{0, 0}, {1e-6, 1}, {1 - 1e-6, 1}, {1, 0}},      // steep flanks
+        {{0, 1e-12}, {0.5, 1e12}, {1, 1e-12}},           // extreme heights
         {{1e9, 1}, {1e9 + 1, 0.2}},
     };
     for (std::size_t which = 0; which < all.size(); ++which) {
@@ -85,8 +86,8 @@ TEST(ShutterCurves, TimeIsTheInverseOfTheLightThatHasCome) {
             const double u = i / 5000.0, t = c.time(u);
             ASSERT_TRUE(t >= before && t <= 1) << which << " " << u << " " << t;
             before = t;
-            // Back again: an error of t of 2^-52 costs the density times that; steps of the curve here are
-            // below 1e7 wide.
+            // The light at t must be u again. An error of 2^-52 in t changes it by the density times that;
+            // densities are below 1e7 here.
             EXPECT_NEAR(light(c, kinks, t), u, 1e-9) << which;
             EXPECT_NEAR(c.light(t), light(c, kinks, t), 1e-12) << which;
         }
@@ -94,7 +95,7 @@ TEST(ShutterCurves, TimeIsTheInverseOfTheLightThatHasCome) {
         EXPECT_EQ(c.light(0), 0);
         EXPECT_EQ(c.light(1), 1);
     }
-    // No instant falls where the shutter is shut.
+    // No instant is in an interval in which the shutter is closed.
     const ShutterCurve gap = ShutterCurve::points(all[2], "gap");
     for (int i = 0; i < 1000; ++i) {
         const double t = gap.time((i + 0.5) / 1000);
@@ -160,7 +161,7 @@ TEST_F(ShutterFile, WhatIsNoCurveIsRefused) {
     refused(file("0 1\n"), "too few points (got 1");
     refused(file(""), "too few points (got 0");
     refused(file("# nothing\n\n"), "too few points (got 0");
-    refused(file("-1e308 1\n1e308 1\n"), "expected");  // the open time itself overflows
+    refused(file("-1e308 1\n1e308 1\n"), "expected");  // the duration of the exposure overflows
     refused(folder_.path(), "cannot read");
     refused(folder_.path() / "missing.txt", "cannot read");
 }
@@ -170,7 +171,7 @@ TEST_F(ShutterFile, AMillionPointsAreTheMost) {
     text.reserve(16'000'000);
     for (int i = 0; i < 1'000'000; ++i) text.append(std::to_string(i)).append(" 1\n");
     const ShutterCurve c = ShutterCurve::read(file(text));
-    // A sum of a million terms of 1e-6, each rounded by 2^-53 of at most 1.
+    // Tolerance: a sum of a million terms of 1e-6, each with a rounding of up to 2^-53.
     for (const double u : {0.1, 0.5, 0.9}) EXPECT_NEAR(c.time(u), u, 1e6 * 0x1p-53);
     text.append("1000000 1\n");
     refused(file(text), ":1000001: too many points");

@@ -1,4 +1,4 @@
-// What is narrower than the distance of two corners is found all the same, and its light is right.
+// Objects narrower than the distance of two corners are found, and their light is correct.
 #include "tracer/small_things.h"
 
 #include <algorithm>
@@ -25,9 +25,9 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr int width = 64, height = 48;
-constexpr double depth_m = 10, pixel_m = 36.0 / width / 50 * depth_m;  // of a pixel at that depth
+constexpr double depth_m = 10, pixel_m = 36.0 / width / 50 * depth_m;  // width of a pixel at that depth
 
-// The point at that depth that the camera shows at raster position (x, y).
+// The point at depth_m that the camera sees at raster position `px`.
 dvec3 point_at(const dvec2& px) {
     return {(px.x - width / 2.0) * pixel_m, -(px.y - height / 2.0) * pixel_m, -depth_m};
 }
@@ -38,8 +38,8 @@ SmallThings things_of(const Scene& scene) {
 
 struct Sampled {
     RayCounts counts;
-    std::vector<double> light;          // a pixel each
-    std::map<std::uint32_t, int> hits;  // point samples by what they met
+    std::vector<double> light;          // per pixel
+    std::map<std::uint32_t, int> hits;  // number of point samples per object id
 };
 Sampled sample(const Scene& scene, const SmallThings& things, int levels = 2) {
     const RayScene rays(scene, scene.time_s);
@@ -78,7 +78,7 @@ double sum(const std::vector<double>& v) {
 }
 
 TEST(SmallThings, EveryLampIsFoundAndAsBrightAsItsAreaSays) {
-    // One to each block of 8 x 8 px, 0.2 to 1.4 px wide, anywhere within 5 px.
+    // Each block of 8 x 8 px has one light of 0.2 to 1.4 px width, at a random position within 5 px.
     std::mt19937 random(7);
     std::uniform_real_distribution<double> place(1.5, 6.5), wide(0.2, 1.4);
     SceneBuilder b;
@@ -88,7 +88,8 @@ TEST(SmallThings, EveryLampIsFoundAndAsBrightAsItsAreaSays) {
             const dvec3 at = point_at({8 * bx + place(random), 8 * by + place(random)});
             const double diameter_px = wide(random);
             b.add(Sphere{at, diameter_px / 2 * pixel_m}, glowing(dvec3(20)));
-            // A small sphere off the axis is an ellipse on the film, larger by the angle's cosine.
+            // A small sphere off the axis is an ellipse on the film, whose area is larger by 1 / cosine of
+            // the angle.
             expected.push_back(20 * std::numbers::pi / 4 * diameter_px * diameter_px * glm::length(at) /
                                depth_m);
         }
@@ -104,15 +105,15 @@ TEST(SmallThings, EveryLampIsFoundAndAsBrightAsItsAreaSays) {
         for (std::size_t y = 0; y < 8; ++y) {
             for (std::size_t x = 0; x < 8; ++x) light += with.light[(i / 8 * 8 + y) * width + i % 8 * 8 + x];
         }
-        // The points of a lattice in a circle of R cells vary by 0.6765 R [kendall1948]; R is at least 8
-        // here, or what the deepest level leaves.
+        // The number of lattice points in a circle with a radius of R cells has a variance of 0.6765 R
+        // [kendall1948]. R is at least 8 here, unless the deepest level limits it.
         const double diameter_px = std::sqrt(expected[i] / 20 * 4 / std::numbers::pi);
         const double cells = std::max(8.0, std::min(diameter_px / 2 * (1 << SmallThings::most_levels), 8.0));
         const double deviation = std::sqrt(0.6765 * cells) / (std::numbers::pi * cells * cells);
         EXPECT_NEAR(light / expected[i], 1, 4 * deviation) << i << ", " << diameter_px << " px";
         mean += light / expected[i] / static_cast<double>(expected.size());
     }
-    EXPECT_GT(missed, 5);         // or the scene shows nothing
+    EXPECT_GT(missed, 5);         // otherwise the scene tests nothing
     EXPECT_NEAR(mean, 1, 0.007);  // four standard deviations of the mean of 48
 }
 
@@ -121,7 +122,7 @@ TEST(SmallThings, AHairOfAFifthOfAPixelCoversWhatItShould) {
     const dvec3 from = point_at({-4, 7.3}), to = point_at({width + 4.0, 37.9});
     b.add(Cone{from, to, 0.1 * pixel_m, 0.1 * pixel_m}, glowing(dvec3(1)));
     const Sampled s = sample(b.scene, things_of(b.scene));
-    // Each column of pixels holds the same piece of it, seen a little obliquely towards the sides.
+    // Each column of pixels has the same length of the hair, seen slightly obliquely towards the sides.
     const dvec2 slope(width + 8, 37.9 - 7.3);
     const double across = 0.2 * glm::length(slope) / slope.x * width;
     EXPECT_NEAR(sum(s.light) / across, 1, 0.02);
@@ -132,7 +133,7 @@ TEST(SmallThings, AHairOfAFifthOfAPixelCoversWhatItShould) {
     }
 }
 
-// Away from the middle of the film it is the line of sight that counts, not the camera's axis.
+// Away from the centre of the film, the line of sight determines the projected width, not the optical axis.
 TEST(SmallThings, ADiscSeenFromItsEdgeCoversWhatItShould) {
     SceneBuilder b;
     const dvec3 centre = point_at({52.3, 37.8}), sight = glm::normalize(centre),
@@ -164,7 +165,7 @@ TEST(SmallThings, AConeIsFoundToItsTip) {
     b.add(Cone{point_at(base), point_at(apex), 0.7 * pixel_m, 0}, glowing(dvec3(1)));
     const Sampled s = sample(b.scene, things_of(b.scene));
     const dvec2 along = apex - base;
-    // Of the last 16 columns before its tip.
+    // Sums the last 16 columns before the tip.
     double light = 0;
     for (std::size_t x = 44; x < 60; ++x) {
         double column = 0;
@@ -202,7 +203,7 @@ TEST(SmallThings, OfTooManyTheBrightAndTheWiderComeFirst) {
     EXPECT_GT(things.lost(), 1000U);
     const Sampled s = sample(b.scene, things);
     EXPECT_TRUE(s.hits.contains(3001));
-    // A split costs five corners at most, and there are (4/3) splits for a smallest cell of four quarters.
+    // A split needs at most five corners, and there are 4/3 splits per smallest divided cell.
     EXPECT_LT(static_cast<double>(s.counts.eye),
               (1 + 5 * 4.0 / 3 * SmallThings::most_cells_per_pixel) * (width + 1) * (height + 1));
 }
@@ -218,7 +219,7 @@ TEST(SmallThings, BoxesDiscsAndMeshesAreFoundToo) {
               glm::scale(glm::dmat4(1), dvec3(0.15 * pixel_m)));
     const Sampled s = sample(b.scene, things_of(b.scene));
     for (const std::uint32_t id : {1U, 2U, 3U, 4U}) EXPECT_TRUE(s.hits.contains(id)) << id;
-    EXPECT_EQ(sample(b.scene, {}).hits.size(), 1U);  // none of them is met by chance
+    EXPECT_EQ(sample(b.scene, {}).hits.size(), 1U);  // none of them is hit by chance
 }
 
 TEST(SmallThings, WideAndInfiniteThingsAskForNothing) {
@@ -266,8 +267,8 @@ TEST(SmallThings, AreSoughtWhereTheyAreAtEachInstantOfAFile) {
 }
 
 TEST(SmallThings, OnlyTheyAreDividedFiner) {
-    // Stripes whose contrast asks for every level, and a lamp far from them that asks for more levels than
-    // they have.
+    // The contrast of stripes needs all levels of colours. A light far from them needs more levels, which
+    // must not apply to the stripes.
     SceneBuilder b;
     for (int i = 0; i < 8; ++i) {
         b.add(square(point_at({8 + 2.3 * i, 10}), {0, 0, 1}, 1.9 * pixel_m),
@@ -298,7 +299,7 @@ TEST(SmallThings, AFileWithoutSubdivisionStaysWithoutIt) {
     settings.subdivision.levels = 0;
     const TraceResult r = trace_to_file(b.scene, settings, folder.path() / "bare.exr");
     EXPECT_EQ(r.rays.eye, (width + 1U) * (height + 1U));
-    EXPECT_EQ(r.too_narrow_objects, 1U);  // and the command says so
+    EXPECT_EQ(r.too_narrow_objects, 1U);  // reported by the command
 }
 
 }  // namespace

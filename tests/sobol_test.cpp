@@ -1,5 +1,4 @@
-// Sobol's sequence and Owen's scramble, against slow and obvious forms of both and against what a net must
-// hold.
+// The Sobol sequence and Owen's scramble, against slow and simple versions, and the properties of nets.
 #include <bit>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -14,8 +13,9 @@
 namespace postlens::test {
 namespace {
 
-// Sobol's coordinates by the definition: digits of the index times a matrix that the recurrence of the
-// primitive polynomial x^s + a_1 x^(s-1) + ... + 1 makes: m_k = 2 a_1 m_(k-1) ^ ... ^ 2^s m_(k-s) ^ m_(k-s).
+// Sobol's coordinates by definition: the digits of the index times a matrix. The matrix follows from the
+// recurrence of the primitive polynomial x^s + a_1 x^(s-1) + ... + 1: m_k = 2 a_1 m_(k-1) ^ ... ^ 2^s m_(k-s)
+// ^ m_(k-s).
 double sobol_by_definition(int dimension, std::uint32_t index) {
     if (dimension == 0) {
         double x = 0;
@@ -49,7 +49,7 @@ TEST(Sobol, AgreesWithTheDefinition) {
 
 using Points = std::vector<std::pair<double, double>>;
 
-// Every elementary box of area 2^-m (2^a columns by 2^(m-a) rows) holds exactly one of 2^m points.
+// Checks that each elementary box of area 2^-m (2^a columns by 2^(m-a) rows) holds exactly one of 2^m points.
 void expect_net(const Points& p, const std::string& what) {
     const int m = std::bit_width(p.size()) - 1;
     ASSERT_EQ(p.size(), std::size_t{1} << m);
@@ -61,7 +61,8 @@ void expect_net(const Points& p, const std::string& what) {
     }
 }
 
-// The same of the unscrambled sequence, block after block: (0,2) for dimensions 0 and 1, (0,1) for each.
+// Each block of the unscrambled sequence is a (0,2) net in dimensions 0 and 1, and a (0,1) net in each
+// dimension.
 TEST(Sobol, IsANetInEveryBlock) {
     const auto x = [](int d, std::uint32_t i) { return reverse_bits(sobol_reversed(d, i)) * 0x1p-32; };
     for (const std::uint32_t n : {1U, 2U, 8U, 64U, 1024U}) {
@@ -100,8 +101,8 @@ TEST(Sobol, ScramblesAndShufflesKeepNets) {
     }
 }
 
-// A count that is no power of two: the first n of 2^k points in scrambled order, so no aligned block of 2^j
-// samples shares an interval of 2^-j.
+// If the number of samples is not a power of two, they are the first n of 2^k points in scrambled order. In
+// each aligned block of 2^j samples, no two are in the same interval of 2^-j.
 TEST(Sobol, AnyCountIsEvenInItsBlocks) {
     const Sampler s(SamplerKind::sobol, 100, 5);
     for (const SampleSet set : {time_set, sample_set(3, 1, 4)}) {
@@ -116,7 +117,7 @@ TEST(Sobol, AnyCountIsEvenInItsBlocks) {
     }
 }
 
-// Owen's scramble as he defines it: a random bit at every node of the binary tree flips what is below it.
+// Owen's scramble by definition: a random bit at each node of the binary tree flips the digit below it.
 std::uint32_t owen_by_tree(std::uint32_t reversed, std::uint64_t seed) {
     std::uint32_t out = 0;
     for (unsigned bit = 0; bit < 32; ++bit) {
@@ -133,15 +134,15 @@ TEST(OwenScramble, BitsDependOnlyOnThoseAbove) {
         for (unsigned bit = 0; bit < 32; ++bit) {
             const std::uint32_t change =
                 owen_scramble_reversed(x, seed) ^ owen_scramble_reversed(x ^ 1U << bit, seed);
-            // In the reversed word: this bit flips, none below it.
+            // In the reversed word, this bit is flipped and no lower bit.
             ASSERT_EQ(change & ((2ULL << bit) - 1), 1ULL << bit);
         }
     }
 }
 
-// Each of the top 24 bits is flipped in half of all scrambles, independently at neighbouring nodes and at
-// neighbouring bits. Shares of N = 20000 scrambles have a standard error of 0.0035; a hash of five
-// multiplications is not perfect, so that 0.02 is allowed beside 4.5 of these.
+// Each of the top 24 bits is flipped in half of all scrambles, independently at neighbouring nodes and bits.
+// The share of N = 20000 scrambles has a standard error of 0.0035. The hash of five multiplications is not
+// perfect, so the tolerance is 0.02 plus 4.5 standard errors.
 TEST(OwenScramble, FlipsAreLikeThoseOfATree) {
     constexpr int scrambles = 20000;
     const double limit = 0.02 + 4.5 * 0.5 / std::sqrt(static_cast<double>(scrambles));
@@ -167,8 +168,8 @@ TEST(OwenScramble, FlipsAreLikeThoseOfATree) {
     }
 }
 
-// The low eight of 24 bits of scrambled points are uniform over pixels: chi-square with 255 degrees of
-// freedom, standard deviation 22.6. (Within a pixel they may be more even than chance.)
+// The low eight of 24 bits of scrambled points are uniform over pixels, by a chi-square with 255 degrees of
+// freedom and a standard deviation of 22.6. (Within a pixel they may be more uniform than random.)
 TEST(OwenScramble, LowBitsAreUniform) {
     const Sampler s(SamplerKind::sobol, 64, 5);
     for (const int index : {0, 1, 37}) {
@@ -183,9 +184,9 @@ TEST(OwenScramble, LowBitsAreUniform) {
     }
 }
 
-// The mean squared error of the mean of exp over n scrambled points, over many scrambles: by the hash as by
-// the tree. Both are sums of N = 4000 squared errors that are nearly normal, a relative error of sqrt(2 / N)
-// each; a ratio of both 0.032, and 4.5 of these 0.14.
+// The mean squared error of the mean of exp over n scrambled points must be equal for the hash and the tree.
+// Each is a sum of N = 4000 nearly normal squared errors with a relative error of sqrt(2 / N). Their ratio
+// has an error of 0.032, and the tolerance is 4.5 of these, 0.14.
 TEST(OwenScramble, HasTheErrorOfATree) {
     constexpr int scrambles = 4000;
     for (const std::uint32_t n : {4U, 16U, 64U}) {
@@ -203,9 +204,9 @@ TEST(OwenScramble, HasTheErrorOfATree) {
                 by_tree += std::pow(tree_sum / n - std::expm1(1.0), 2);
             }
             EXPECT_NEAR(by_hash / by_tree, 1, 0.14) << n << ' ' << d;
-            // One point in every interval of 1/n, uniform and independent at the finest: the variance is that
-            // of exp inside the intervals, (e^2 - 1) / 24 / n^3 where it is nearly linear there; the next
-            // term is below 1/n^2 of it.
+            // With one uniform, independent point per interval of 1/n, the variance is that of exp in the
+            // intervals. There exp is nearly linear, which gives (e^2 - 1) / 24 / n^3; the next term is below
+            // 1/n^2 of it.
             EXPECT_NEAR(by_tree / scrambles * 24 * std::pow(n, 3) / std::expm1(2.0), 1, 0.1 + 1.0 / (n * n))
                 << n;
         }

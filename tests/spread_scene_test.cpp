@@ -1,4 +1,4 @@
-// What of a scene file only distributed rays use: lights with an extent, lobes of glossy materials.
+// Content of scene files that only distributed rays use: lights with an extent, lobes of glossy materials.
 #include <fstream>
 #include <gtest/gtest.h>
 #include <limits>
@@ -19,7 +19,7 @@ Scene read(const std::string& text, double metres_per_unit = 1) {
     return read_scene(path, {.metres_per_unit = metres_per_unit});
 }
 
-// The error after the file's name.
+// The error message after the file's name.
 std::string error(const std::string& text) {
     try {
         read(text);

@@ -1,4 +1,4 @@
-// Every case of tests/stability: the method on trial and its remedy, held to what the case file says.
+// All cases of tests/stability: the tested method and its remedy must meet the limits in the case file.
 #include <cctype>
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What a record holds of rough surfaces and of lights with an extent: means over lobes and sources, held
-// against closed forms and against `render`; and reflection by angle.
+// Records of rough surfaces and of surfaces under lights with an extent hold means over lobes and lights.
+// These are compared with closed forms and with `render`. Also tests reflection by angle.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -96,11 +96,11 @@ TEST(Fresnel, IsSchlicksByTheAngleInTheThinnerMedium) {
         const Continuation outside = continuation(m, facing(true), towards_surface(cosine));
         EXPECT_NEAR(outside.reflected.x, expected, 1e-12);
         EXPECT_NEAR(outside.transmitted.x, 0.96 * (1 - std::pow(1 - cosine, 5)), 1e-12);
-        // The same path backwards, from inside, loses as much: Snell's law gives its angle.
+        // The reverse path from inside, at the angle by Snell's law, has the same reflectance.
         const double inside = std::sqrt(1 - (1 - cosine * cosine) / (1.5 * 1.5));
         EXPECT_NEAR(continuation(m, facing(false), towards_surface(inside)).reflected.x, expected, 1e-12);
     }
-    // Beyond the critical angle, of cosine 0.745, all is reflected.
+    // Beyond the critical angle, whose cosine is 0.745, all light is reflected.
     const Continuation total = continuation(m, facing(false), towards_surface(0.7));
     EXPECT_FALSE(total.refracts);
     EXPECT_NEAR(total.reflected.x, 1, 1e-12);
@@ -124,7 +124,7 @@ TEST(LobeMeans, AreExactWhereAllAroundIsAlike) {
             const double share = r.id == 0 ? 1 : 0.5;
             EXPECT_NEAR(r.r, share * 0.25, 1e-6);
             EXPECT_NEAR(r.b, share, 1e-6);
-            EXPECT_EQ(r.path.depth(), 0);  // no record of a mirror image
+            EXPECT_EQ(r.path.depth(), 0);  // there is no record of a reflected node
         }
     }
 }
@@ -135,7 +135,7 @@ TEST(LobeMeans, NarrowerThanTheLensIsAMirror) {
     EXPECT_FALSE(lobe_is_wide(std::numeric_limits<double>::infinity(), 0, 1));
     SceneBuilder b;
     b.scene.background = dvec3(1);
-    b.add(square({0, 0, -4}, {0, 0, 1}, 8), rough(0.5, 100));  // 0.1 rad: a lens of 0.4 m from 4 m
+    b.add(square({0, 0, -4}, {0, 0, 1}, 8), rough(0.5, 100));  // lobe of 0.1 rad: a lens of 0.4 m at 4 m
     for (const double radius : {0.3, 0.6}) {
         const Traced t = traced(b.scene, {.lens_radius_m = radius});
         const bool mirrors = std::any_of(t.records.begin(), t.records.end(),
@@ -144,7 +144,8 @@ TEST(LobeMeans, NarrowerThanTheLensIsAMirror) {
     }
 }
 
-// The picture of a brushed floor by rays over the lobe, and by records. Red against white.
+// RMS difference, in the red channel and relative to white, of the images of a brushed floor by rays over the
+// lobe and by records.
 double rms_of_lobes(double reflection, double& reflected_per_hit) {
     Scene s = scene_of_file("brushed_floor.toml", 96, 54);
     for (Material& m : s.materials)
@@ -157,7 +158,7 @@ double rms_of_lobes(double reflection, double& reflected_per_hit) {
     const Image truth = render_picture(s, r).image, image = pinhole_picture(frame.file());
     double sum = 0;
     int count = 0;
-    for (int y = 45; y < image.height; ++y) {  // the floor alone, below the posts' feet
+    for (int y = 45; y < image.height; ++y) {  // only the floor, below the posts
         for (int x = 0; x < image.width; ++x, ++count) {
             const double d =
                 static_cast<double>(image.pixel(x, y)[0]) - static_cast<double>(truth.pixel(x, y)[0]);
@@ -169,9 +170,9 @@ double rms_of_lobes(double reflection, double& reflected_per_hit) {
 
 TEST(LobeMeans, AreThoseOfRenderAndCostRaysByTheirWeight) {
     double of_faint = 0, of_strong = 0;
-    // The deviation in the lobe is 0.35 or less. A faint lobe has 1/255, and a quarter more where the border
-    // of a batch cuts its neighbours off. Two rays a sample, weighed over 8 px, are 134 on the mean,
-    // in a corner of the batch 33: 0.75 * 0.35 / sqrt(33).
+    // The standard deviation in the lobe is at most 0.35. A faint lobe has an error of 1/255, and 25 % more
+    // where the border of a batch cuts off its neighbours. Two rays per sample, weighted over 8 px, are 134
+    // rays on average and 33 in a corner of the batch: 0.75 * 0.35 / sqrt(33).
     EXPECT_LT(rms_of_lobes(0.04, of_faint), 1.25 / 255);
     EXPECT_LT(rms_of_lobes(0.75, of_strong), 0.046);
     EXPECT_LT(of_faint, 0.15);
@@ -193,14 +194,14 @@ TEST(LobeMeans, SameBitsForAnyNumberOfThreads) {
 
 // Sources with an extent ------------------------------------------------------------------------------
 
-// A floor under a rectangle light, and half-way up a black half-plane whose edge is parallel to the light's
-// side: a floor point x sees the share of the light that lies left of -x.
+// A floor under a rectangular light, and halfway up a black half-plane whose edge is parallel to a side of
+// the light. A floor point x sees the part of the light left of -x.
 TEST(LightMeans, OfARectangleBehindAStraightEdgeIsItsVisibleShare) {
     constexpr double side = 0.8, height = 200;
     SceneBuilder b;
     b.add(Plane{{0, 0, 0}, {0, 1, 0}}, matte(dvec3(1)));
     b.add(Rectangle{{0, height / 2, -500}, {0, 0, 1000}, {500, 0, 0}}, matte(dvec3(0)));
-    // So high that the cosine is 1 within 1e-5.
+    // The light is so high that the cosine is 1 within 1e-5.
     Light& l = b.point_light({0, height, 0}, dvec3(1));
     l.kind = Light::Kind::rectangle;
     l.edge_u = {side, 0, 0};
@@ -234,12 +235,12 @@ TEST(LightMeans, OfARectangleBehindAStraightEdgeIsItsVisibleShare) {
     for (int i = 0; i < count; ++i) {
         const double share = std::clamp((-at(i).x + side / 2) / side, 0.0, 1.0);
         const double got = points[static_cast<std::size_t>(i)].radiance.x;
-        // Where all of the light or none is seen there is no noise at all.
+        // If the light is fully visible or fully hidden, there is no noise.
         if (share == 0 || share == 1) {
             EXPECT_NEAR(got, share, 1e-4) << at(i).x;
             continue;
         }
-        // k^2 cells, of which the edge crosses a row of k: each is wrong by less than 1 / k^2.
+        // Of k^2 cells the edge crosses a row of k cells, each with an error below 1 / k^2.
         EXPECT_NEAR(got, share, 1.0 / 4) << at(i).x;
         squares += (got - share) * (got - share);
         sum += got - share;
@@ -252,7 +253,8 @@ TEST(LightMeans, OfARectangleBehindAStraightEdgeIsItsVisibleShare) {
 
 TEST(LightMeans, TraceAgreesWithRender) {
     Scene s = scene_of_file("soft_shadows.toml", 96, 54);
-    for (Material& m : s.materials) m.colour_texture = nullptr;  // whose borders would be the error
+    for (Material& m : s.materials)
+        m.colour_texture = nullptr;  // borders of textures would dominate the error
     const TracedFrame frame(s);
     RenderSettings r;
     r.spp = 1024;

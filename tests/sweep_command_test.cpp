@@ -1,4 +1,4 @@
-// `sweep` as people type it: what it prints, writes and refuses.
+// The command `sweep`: output, files and rejected arguments.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -66,7 +66,7 @@ TEST_F(SweepCommand, PredictsEveryPictureIfAsked) {
         words.insert(words.end(), more.begin(), more.end());
         return sweep(words);
     };
-    // What was made without is made again.
+    // Images that were made without --predict are made again.
     for (const char* method : {"scatter", "lightfield"}) {
         const Outcome r = with({"--predict", "--resume", "--method", method});
         ASSERT_EQ(r.exit_code, 0) << r.err;

@@ -1,5 +1,5 @@
-// Sweeps: what their lists and ranges come to, that their pictures are those of single calls, what the table
-// says, and what is kept of an earlier run.
+// Sweeps: lists and ranges, equality with images of single calls, the table, and images kept from an earlier
+// run.
 #include "sweep/sweep.h"
 
 #include <chrono>
@@ -67,7 +67,7 @@ TEST(SweepValues, StopsAreExactPowersOfWhatTheyBeginWith) {
     ASSERT_EQ(n.size(), 15U);
     for (std::size_t i = 0; i < n.size(); ++i)
         EXPECT_DOUBLE_EQ(n[i], 1.4 * std::pow(2, static_cast<double>(i) / 4));
-    // f/11 stands for 11.31, a twelfth of a stop beyond it.
+    // f/11 stands for f/11.31, which is 1/12 stop beyond it.
     EXPECT_NEAR(f_number_list("--f-number", "2:11:1").back(), 8 * std::sqrt(2), 1e-12);
     EXPECT_EQ(f_number_list("--f-number", "2:10:1").back(), 8);
     EXPECT_EQ(f_number_list("--f-number", "4:4:1"), (std::vector<double>{4}));
@@ -156,7 +156,8 @@ TEST(SweepGrid, NumbersStandWhereThePatternSays) {
         EXPECT_FALSE(numbered_name(bad, 1)) << bad;
 }
 
-// The same, whatever was made before: lenses that take the light for a highlight, and that do not, by turns.
+// An image does not depend on the images made before. Lenses for which the light is a highlight, and others,
+// alternate.
 TEST(PictureMaker, SameBitsAsSingleCalls) {
     const TracedFrame frame(some_scene().scene, some_trace());
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
@@ -227,16 +228,16 @@ class SweepFolder : public testing::Test {
 TEST_F(SweepFolder, TellsOfEveryPictureWhatTheLensDoes) {
     SweepSettings s = two_by_two();
     s.picture.method = FocusMethod::scatter;
-    s.at = {{20.5, 24.5}, {2.5, 2.5}};  // the near board, the far ones
+    s.at = {{20.5, 24.5}, {2.5, 2.5}};  // the near board and the far boards
     const SweepResult r = run(s);
     ASSERT_EQ(r.table.rows.size(), 4U);
     EXPECT_EQ(r.made, 4U);
-    // d / pitch F / n |1/s - 1/z'|, with d = F = 50 mm.
+    // The CoC is d / pitch F / n |1/s - 1/z'|, with d = F = 50 mm.
     const double across = px_per_m * 0.05 / 1.4;
     EXPECT_NEAR(r.table.rows[0].coc_px[0], 0, 1e-9 * across);
     EXPECT_NEAR(r.table.rows[0].coc_px[1], across * (1 / 1.5 - 1 / 4.9), 0.02 * across);  // 4.9 or 5 m
     EXPECT_NEAR(r.table.rows[1].coc_px[0], across * (1 / 5.0 - 1 / 1.5), 1e-6);
-    // All between the light at 1.2 m and the wall; the mirror's image counts as its surface.
+    // The largest CoC is that of the light at 1.2 m. A mirror counts with the depth of its surface.
     EXPECT_NEAR(r.table.rows[1].largest_coc_px, across * (1 / 1.2 - 1 / 5.0), 1e-6);
     EXPECT_GT(r.table.rows[0].in_focus_share, 0.05);
     EXPECT_LT(r.table.rows[0].in_focus_share, 0.5);
@@ -263,7 +264,7 @@ TEST_F(SweepFolder, TellsOfEveryPictureWhatTheLensDoes) {
 TEST_F(SweepFolder, KeepsWhatIsStillAsItWasMade) {
     SweepSettings s = two_by_two();
     EXPECT_EQ(run(s).made, 4U);
-    EXPECT_EQ(run(s).made, 4U);  // not asked to go on
+    EXPECT_EQ(run(s).made, 4U);  // without `resume`, all images are made again
     s.resume = true;
     const std::string first = read_text_file(path_ / "out" / "contact.png", 10'000'000);
     const SweepResult again = run(s);
@@ -305,7 +306,7 @@ TEST_F(SweepFolder, AnInterruptedSweepGoesOn) {
     }
     canceller.join();
     EXPECT_FALSE(std::filesystem::exists(path_ / "out" / "sweep.csv"));
-    for (const auto& entry : std::filesystem::directory_iterator(path_ / "out")) {  // whole, or not there
+    for (const auto& entry : std::filesystem::directory_iterator(path_ / "out")) {  // all files are complete
         if (entry.path().extension() == ".exr") {
             EXPECT_EQ(read_image(entry.path()).width, 64);
         }
@@ -350,7 +351,7 @@ TEST_F(SweepFolder, NumbersFramesAndRefusesBeforeItWrites) {
     expect_refused([&] { static_cast<void>(run(s)); }, "--coc-limit");
     s.coc_limit_px = 1;
     s.picture.framing = Framing::breathing;
-    s.axes.focus_m = {5, 0.04};  // no film can be behind a lens focused nearer than its focal length
+    s.axes.focus_m = {5, 0.04};  // a focus distance below the focal length has no real image
     EXPECT_THROW(static_cast<void>(run(s)), Error);
     EXPECT_FALSE(std::filesystem::exists(path_ / "out"));
 }
@@ -363,7 +364,7 @@ TEST(ContactSheet, EveryPixelOfASmallerPictureIsTheMeanOfWhatItCovers) {
     const Image small = made_smaller(ramp, 4, 2);
     for (int y = 0; y < 2; ++y) {
         for (int x = 0; x < 4; ++x) {
-            // A step function: what [a, b) covers of each pixel.
+            // The mean of the piecewise constant function over [a, b).
             const auto mean = [](int i, int to, int from) {
                 const double a = static_cast<double>(i) * from / to,
                              b = static_cast<double>(i + 1) * from / to;
@@ -386,7 +387,7 @@ TEST(ContactSheet, RowsOfAGridStayRows) {
     EXPECT_LE(ContactSheet({5, 300}, {"f/1.4"}, 1).thumbnail().width, 5);
 }
 
-// A step of height h between two columns: h^2 for each of the rows.
+// A step of height h between two columns has an energy of h^2 per row.
 TEST(Figures, TheEnergyOfAStepIsItsSquareTimesItsLength) {
     Image step(8, 6);
     for (int y = 0; y < 6; ++y) {
@@ -394,7 +395,7 @@ TEST(Figures, TheEnergyOfAStepIsItsSquareTimesItsLength) {
             for (int c = 0; c < 3; ++c) step.pixel(x, y)[c] = x == 7 ? 40.0F : 0.5F;
         }
     }
-    // 0 to 0.5, then to 1, as what is brighter is taken for white.
+    // The steps are from 0 to 0.5 and to 1, because brighter values count as white.
     EXPECT_NEAR(gradient_energy(step), 6 * (0.25 + 0.25), 1e-6);
 }
 

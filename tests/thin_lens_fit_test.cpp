@@ -1,4 +1,4 @@
-// Thin lenses from circles of confusion and from what is to be sharp.
+// Thin lenses fitted to circles of confusion, and to a range that must be sharp.
 #include "lens/fits/thin_lens_fit.h"
 
 #include <cmath>
@@ -66,14 +66,14 @@ TEST(ThinLensFit, FocalLengthAndStopAreNotToldApart) {
     EXPECT_FALSE(fit.f_number.standard_error);
     ASSERT_TRUE(fit.focus_distance_m.standard_error);
     EXPECT_NEAR(fit.focus_distance_m.value, 2, 5 * *fit.focus_distance_m.standard_error);
-    // The example has the K of the lens: F^2 / (n (1 - F/s)).
+    // The example determines K = F^2 / (n (1 - F/s)) of the lens.
     const auto K = [](double F, double n) { return F * F / (n * (1 - F / 2000)); };
     EXPECT_NEAR(K(fit.focal_length_mm.value, fit.f_number.value) / K(85, 2.8), 1, 1e-3);
 }
 
 TEST(ThinLensFit, StandardErrorsAreThoseOfRepeatedMeasurements) {
-    // 400 sets of data: the scatter of what is found against the errors stated, both known to 1/sqrt(800) =
-    // 4% and the mean of the stated to less.
+    // Compares the scatter of 400 fits with their stated errors. The scatter has a relative error of
+    // 1/sqrt(800) = 4 %, the mean of the stated errors less.
     const ThinLens lens{50, 2};
     double sum_n = 0, sum_s = 0, stated_n = 0, stated_s = 0;
     constexpr int sets = 400;
@@ -86,8 +86,8 @@ TEST(ThinLensFit, StandardErrorsAreThoseOfRepeatedMeasurements) {
         stated_n += std::pow(fit.f_number.standard_error.value(), 2);
         stated_s += std::pow(fit.focus_distance_m.standard_error.value(), 2);
     }
-    // Four sigma of a ratio of variances, each of 8% (that of the stated: 400 sets of five degrees of
-    // freedom, 3%).
+    // Four sigma of a ratio of variances with 8 % (scatter) and 3 % (stated: 400 fits with five degrees of
+    // freedom).
     EXPECT_NEAR(sum_n / stated_n, 1, 0.35);
     EXPECT_NEAR(sum_s / stated_s, 1, 0.35);
 }
@@ -154,7 +154,7 @@ TEST(SharpRange, IsTheDepthOfFieldBackwards) {
             ASSERT_GT(lens.f_number, 0.7) << near_m;
             const DepthOfField dof = depth_of_field({F_mm, lens.f_number}, range.focus_distance_m, 0.03);
             EXPECT_NEAR(dof.near_m, near_m, 1e-9 * near_m);
-            // For far = infinity the focus lies at H to rounding.
+            // For an infinite far limit, the focus is at the hyperfocal distance, up to rounding.
             if (std::isinf(far_m)) {
                 EXPECT_GT(dof.far_m, 1e12);
             } else {
@@ -165,19 +165,20 @@ TEST(SharpRange, IsTheDepthOfFieldBackwards) {
 }
 
 TEST(SharpRange, SaysWhyNoneDoes) {
-    // 300 mm, sharp from 1 to 3 m: f/1000 and more, where the Airy disc is wider than any limit.
+    // A 300 mm lens that is sharp from 1 to 3 m would need f/1000 or more, where the Airy disc exceeds any
+    // limit.
     const SharpRange far_too_wide =
         sharp_range({.near_m = 1, .far_m = 3, .coc_limit_mm = 0.03, .focal_length_mm = 300});
     EXPECT_NE(far_too_wide.lenses[0].why_not.find("Airy"), std::string::npos);
     const SharpRange within =
         sharp_range({.near_m = 0.1, .far_m = 3, .coc_limit_mm = 0.03, .focal_length_mm = 105});
     EXPECT_NE(within.lenses[0].why_not.find("focal length"), std::string::npos);
-    // Where even the fastest lens has more in focus than asked for, it will do.
+    // If even the widest aperture has a larger sharp range than requested, it is accepted.
     const SharpRange easy =
         sharp_range({.near_m = 2, .far_m = 2.1, .coc_limit_mm = 0.03, .focal_length_mm = 14});
     EXPECT_EQ(easy.lenses[0].f_number, 0.7);
     EXPECT_TRUE(easy.lenses[0].why_not.empty());
-    // At the largest aperture number the Airy disc is as wide as the limit: 2.43934 lambda V/D.
+    // At the largest f-number the Airy disc, 2.43934 lambda V/D, is as wide as the limit.
     const double stretch = 1 / (1 - 0.014 / easy.focus_distance_m);
     EXPECT_NEAR(2.43934 * 550e-6 * easy.lenses[0].largest_f_number * stretch, 0.03, 1e-6);
     EXPECT_THROW((void)sharp_range({.near_m = 3, .far_m = 2}), Error);

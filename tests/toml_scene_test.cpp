@@ -1,4 +1,4 @@
-// postlens' own scene format: every key, every refusal, the samples.
+// The .toml scene format: all keys, all errors, the sample scenes.
 #include "tracer/toml_scene.h"
 
 #include <chrono>
@@ -30,7 +30,7 @@ class TomlText : public testing::Test {
         std::ofstream(path_, std::ios::binary) << text;
         return read_scene(path_, options);
     }
-    // The error from ":LINE:COLUMN: " on; the file's name before it is checked and taken off.
+    // The error message from "LINE:COLUMN: " on; the file's name before it is checked and removed.
     std::string error(const std::string& text) {
         try {
             std::ignore = read(text);
@@ -43,7 +43,7 @@ class TomlText : public testing::Test {
         }
         return "no error";
     }
-    // The same for a key of an object that is otherwise whole; the key stands in line 4.
+    // The error message for a key, in line 4, of an object that is otherwise valid.
     std::string ball_error(const std::string& line) { return error(ball + line + "\n"); }
     // The only object of a file with this table.
     Object object(const std::string& keys, const SceneReadOptions& options = {}) {
@@ -288,7 +288,7 @@ TEST_F(TomlText, TransformsScaleThenTurnThenMove) {
            {1, 0, 0}),
         {1, 4, 3});
     expect_near(at(m("scale = 3\n"), {1, 1, 1}), {3, 3, 3});
-    // Three angles: about x first, then y, then z.
+    // Three angles rotate about x first, then y, then z.
     expect_near(at(m("rotate_degrees = [90, 0, 90]\n"), {0, 1, 0}), {0, 0, 1});
     expect_near(at(m("rotate_degrees = [90, 90, 0]\n"), {0, 1, 0}), {1, 0, 0});
     expect_near(at(m("rotate_degrees = [0, 90, 90]\n"), {1, 0, 0}), {0, 0, -1});
@@ -353,7 +353,7 @@ TEST_F(TomlText, InstancesShowWhatTheyName) {
     EXPECT_EQ(s.objects[0].name, "knob");
     for (std::size_t i = 1; i <= 4; ++i) {
         EXPECT_EQ(s.objects[i].name, "garden");
-        EXPECT_EQ(s.objects[i].id, 2U);  // one thing, one id
+        EXPECT_EQ(s.objects[i].id, 2U);  // all parts of an instance share one id
     }
     expect_near(at(s.objects[3].world_from_object, {}), {4, 0, -5});
     expect_near(at(s.objects[4].world_from_object, {}), {0, 2, -5});
@@ -481,7 +481,7 @@ TEST_F(TomlText, WhatIsMissingIsMadeAndSaid) {
     ASSERT_EQ(s.notes.size(), 2U);
     EXPECT_EQ(s.notes[0].rfind("no camera in the scene: made one of 50 mm", 0), 0U);
     EXPECT_EQ(s.notes[1], "no light in the scene: made one of intensity 1 at the eye");
-    // Nothing that a light could change, or none wanted: none is made.
+    // No default light is added if lights have no effect, or if the file states that there are none.
     EXPECT_TRUE(read("[[material]]\nname = 'm'\ndiffuse = 0\n[[camera]]\n" + ball + "material = 'm'\n")
                     .lights.empty());
     EXPECT_TRUE(read("light = []\n[[camera]]\n" + ball).notes.empty());
@@ -520,7 +520,7 @@ TEST_F(TomlText, UnknownKeysNameTheNearestKnownOne) {
         "4:23: object 'sphere 1': key 1: unknown key (got 'tranlate_m'; nearest known key: 'translate_m')");
     EXPECT_EQ(ball_error("repeat = { cuont = 2 }"),
               "4:12: object 'sphere 1': repeat: unknown key (got 'cuont'; nearest known key: 'count')");
-    // The first in the file's order, not in the alphabet's.
+    // The first unknown key in the order of the file is reported.
     EXPECT_EQ(ball_error("zzz = 1\naaa = 2").rfind("4:1: object 'sphere 1': unknown key (got 'zzz'", 0), 0U);
 }
 
@@ -818,7 +818,8 @@ TEST_F(TomlText, LargeGarbageFailsAtOnce) {
     std::filesystem::resize_file(path_, 100'000'000);
     EXPECT_THROW(std::ignore = read_scene(path_), Error);
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
-    std::filesystem::resize_file(path_, largest_toml_bytes);  // small enough to be parsed, but zeros
+    std::filesystem::resize_file(path_,
+                                 largest_toml_bytes);  // small enough to be parsed, but filled with zeros
     EXPECT_THROW(std::ignore = read_scene(path_), Error);
 }
 

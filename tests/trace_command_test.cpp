@@ -1,5 +1,4 @@
-// `trace` for a shutter as people type it: key instants, hidden layers, and what `info` and `records` tell of
-// them.
+// The command `trace` for a shutter: key instants, hidden layers, and their output by `info` and `records`.
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -50,7 +49,7 @@ TEST_F(TraceCommand, KeysAreSaidAndFound) {
 
 TEST_F(TraceCommand, AutomaticKeysAreSaid) {
     const json t = traced({"--for-shutter", "0:1", "--keys", "auto", "--hidden-layers", "0"});
-    // The turning box: 65 degrees of its own and what its way adds.
+    // The sweep is that of the box: it rotates by 65 degrees, and its translation adds to this.
     EXPECT_EQ(t["keys"], 6);
     EXPECT_GT(t["keys_sweep_degrees"], 60);
     EXPECT_EQ(t["instants_s"].size(), 6U);
@@ -69,14 +68,14 @@ TEST_F(TraceCommand, WithoutAShutterNothingIsAdded) {
     EXPECT_EQ(i["layers"], 1);
     EXPECT_EQ(i["keys"], 1);
     EXPECT_TRUE(i["sufficient"]["shutter_s"].is_null());
-    // But layers may be had by number.
+    // A fixed number of layers is always allowed.
     EXPECT_GT(traced({"--hidden-layers", "2"})["rays"]["hidden"], 0);
     EXPECT_EQ(info()["layers"], 3);
 }
 
 TEST_F(TraceCommand, RecordsShowsHiddenNodesAndKeys) {
     (void)traced({"--for-shutter", "0:1", "--keys", "3"});
-    // The rolling ball, 10 px in radius, rolls from 16 px to 27 px along the row of pixels 15.
+    // The ball, 10 px in radius, rolls from 16 px to 27 px along row 15.
     const std::vector<std::string> at{"records", in("a.exr"), "--at", "9,15", "--json"};
     const json now = json::parse(run(at).out);
     EXPECT_EQ(now["time_s"], 0.0);
@@ -98,7 +97,8 @@ TEST_F(TraceCommand, RecordsShowsHiddenNodesAndKeys) {
 
 TEST_F(TraceCommand, TheVisiblePictureIsTheSame) {
     const std::string plain = in("plain.exr"), shuttered = in("shuttered.exr");
-    // Edges of hidden surfaces subdivide pixels, which makes the visible picture a little better: not here.
+    // Without subdivision, because edges of hidden surfaces would subdivide pixels and change the visible
+    // image.
     (void)traced({"--subdivide", "0"});
     EXPECT_EQ(run({"image", in("a.exr"), "-o", plain, "--quiet"}).exit_code, 0);
     const std::vector<std::string> lens{"--f-number", "2.8",     "--focus", "4",
@@ -127,14 +127,14 @@ TEST_F(TraceCommand, ALensBringsHiddenLayersAndFinerEdges) {
     EXPECT_GT(i["layers"], 1);
     EXPECT_EQ(i["sufficient"]["f_number"], 1.4);
     EXPECT_NE(run({"info", in("a.exr")}).out.find("suffices for f-numbers from 1.4 on"), std::string::npos);
-    // A smaller aperture looks past edges less far.
+    // A smaller aperture sees less far past edges.
     EXPECT_LT(traced({"--for-f-number", "5.6"})["records"], lens["records"]);
-    // Both may be said otherwise.
+    // Explicit options override both defaults.
     EXPECT_EQ(traced({"--for-f-number", "1.4", "--hidden-layers", "0"})["rays"]["hidden"], 0);
     EXPECT_EQ(info()["layers"], 1);
     EXPECT_LT(traced({"--for-f-number", "1.4", "--subdivide", "1"})["records"], lens["records"]);
-    EXPECT_EQ(info()["subdivide"], 2);  // for what is narrow
-    // With the shutter it is what either asks for.
+    EXPECT_EQ(info()["subdivide"], 2);  // for narrow objects
+    // With a shutter and a lens, hidden surfaces of both are recorded.
     const json shutter = traced({"--for-shutter", "0:1", "--subdivide", "2"});
     const json both = traced({"--for-shutter", "0:1", "--for-f-number", "1.4", "--subdivide", "2"});
     EXPECT_GT(both["records"], shutter["records"]);
@@ -157,7 +157,7 @@ TEST_F(TraceCommand, FocusSaysWhereTheFileDoesNotSuffice) {
     EXPECT_EQ(focused({"--f-number", "1.9", "--focus", "4"}, 6), 1);
     EXPECT_EQ(focused({"--f-number", "2", "--focus", "3"}, 6), 1);
     EXPECT_EQ(focused({"--f-number", "1.9", "--focus", "3"}, 6), 2);
-    // It is the aperture that counts: F / n.
+    // The diameter of the aperture, F / n, determines the warning.
     const double focal_length_mm = info()["focal_length_mm"];
     EXPECT_EQ(
         focused({"--focal-length", std::to_string(focal_length_mm / 2), "--f-number", "1", "--focus", "4"},
@@ -169,7 +169,7 @@ TEST_F(TraceCommand, FocusSaysWhereTheFileDoesNotSuffice) {
         1);
 }
 
-// Without --method, `focus` takes what is usual for what the file holds, and says so.
+// Without --method, `focus` selects the usual method for the content of the file, and reports it.
 TEST_F(TraceCommand, FocusTakesTheUsualMethodForTheFile) {
     const auto focused = [&](const std::vector<std::string>& more) {
         std::vector<std::string> words{"focus", in("a.exr"), "-o", in("f.exr"), "--json"};
@@ -194,7 +194,7 @@ TEST_F(TraceCommand, FocusTakesTheUsualMethodForTheFile) {
     EXPECT_EQ(j["method_reason"], "as the file has hidden surfaces");
     EXPECT_EQ(focused({"--f-number", "2", "--focus", "4", "--method", "scatter"})["method_reason"], nullptr);
     EXPECT_EQ(focused({"--f-number", "inf", "--focus", "4"})["method"], "pinhole");
-    // With a target it plans.
+    // With a target, `auto` plans the number of views.
     j = focused({"--f-number", "2", "--focus", "4", "--method", "auto", "--target-db", "20"});
     EXPECT_EQ(j["method"], "auto");
     EXPECT_TRUE(j.contains("plan"));
@@ -202,7 +202,7 @@ TEST_F(TraceCommand, FocusTakesTheUsualMethodForTheFile) {
     EXPECT_NE(text.out.find("layers, as the file has hidden surfaces"), std::string::npos) << text.out;
 }
 
-// One meaning for an option: the view is --film-distance, the lens --focal-length.
+// Options have the same meaning in all commands: --film-distance sets the view, --focal-length the lens.
 TEST_F(TraceCommand, TheFilmDistanceIsTheViewInTraceAndRender) {
     (void)traced({"--film-distance", "85"});
     EXPECT_EQ(info()["film_distance_mm"], 85);
@@ -242,7 +242,7 @@ TEST_F(TraceCommand, LayersInMirrorsDisturbNoReader) {
     EXPECT_EQ(run({"image", frame, "-o", in("p.exr"), "--quiet"}).exit_code, 0);
     const Outcome focused = run({"focus", frame, "-o", in("f.exr"), "--json"});
     EXPECT_EQ(focused.exit_code, 0);
-    // The mirror ball and the glass ball bend what they show.
+    // The mirror ball and the glass ball have nonlinear W.
     EXPECT_GT(json::parse(r.out)["rays"]["lens"], 0);
     EXPECT_EQ(info()["refocus_bends"], true);
     EXPECT_NE(focused.out.find("nonlinear"), std::string::npos) << focused.out;
@@ -257,12 +257,12 @@ TEST_F(TraceCommand, WritesOpenExrAlone) {
 }
 
 TEST_F(TraceCommand, TooLargeIsFiveAndSaysHowMuch) {
-    // The picture alone takes 12 bytes for each of 65536^2 pixels.
+    // The image alone takes 12 bytes for each of 65536^2 pixels.
     for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{
              {}, {"--force"}, {"--for-f-number", "2", "--for-focus", "4", "--plan"}}) {
         std::vector<std::string> words{"trace", scene(), "-o", in("a.exr"), "--size", "65536x65536"};
         words.insert(words.end(), options.begin(), options.end());
-        // Nothing near that is taken before.
+        // The error must come before any such memory is allocated.
         const Outcome r = run(words, ten_seconds_and_a_gibibyte());
         EXPECT_EQ(r.exit_code, static_cast<int>(ExitCode::out_of_memory)) << r.err;
         EXPECT_NE(r.err.find("a.exr: a trace of 65536x65536 px needs "), std::string::npos) << r.err;

@@ -1,4 +1,4 @@
-// Exact rays: CODE V's listing of real rays, closed forms of simple surfaces, and a lens set to a focus.
+// Exact rays through lenses: CODE V's listing of real rays, closed forms of simple surfaces, and focusing.
 #include "lens/prescription/traced_lens.h"
 
 #include <array>
@@ -30,13 +30,13 @@ double tangent(double deg) {
     return std::tan(deg * std::numbers::pi / 180);
 }
 
-/// One ray of the listing's ANA: the points on surfaces 1 to 11 and the tangents behind them.
+/// One ray of the listing's ANA: its points on surfaces 1 to 11 and its tangents after them.
 struct ListedRay {
     double object_tangent = 0;
     std::array<dvec3, 11> at{};
     std::array<dvec2, 11> tangent{};
 };
-/// A row "RELATIVE STOP COORDINATES - RAY ABERRATIONS".
+/// A row of the listing's "RELATIVE STOP COORDINATES - RAY ABERRATIONS".
 struct ListedAberration {
     double object_tangent = 0;
     dvec2 stop{0}, error_mm{0};
@@ -78,7 +78,8 @@ Listing read_listing() {
             }
             out.rays.push_back(ray);
         } else if (const auto v = numbers_of(line); v.size() == 5 || v.size() == 6) {
-            // The chief ray's row has two zeros for its stop point and its height for an aberration.
+            // The row of the chief ray has two zeros as its stop point, and its height instead of an
+            // aberration.
             if (v[0] != 0 || v[1] != 0) out.aberrations.push_back({field, {v[0], v[1]}, {v[2], v[3]}});
         }
     }
@@ -98,8 +99,8 @@ TEST(RealRays, PointsOfCodeVListing) {
         ASSERT_TRUE(stack.forward(ray, Apertures::ignored, hits).passes());
         for (std::size_t i = 0; i < 11; ++i) {
             const dvec3 local = hits[i] - dvec3(0, 0, stack.vertex_z_mm(i));
-            // Listed to six decimals, as is the point the ray begins at; the lens enlarges that by less
-            // than 2.
+            // Points and the ray's origin are listed to six decimals; the lens magnifies the rounding of the
+            // origin by less than 2.
             for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(local[axis], listed.at[i][axis], 2e-6) << i + 1;
         }
         EXPECT_NEAR(ray.direction.x / ray.direction.z, listed.tangent[10].x, 1e-6);
@@ -113,16 +114,16 @@ TEST(RealRays, TransverseErrorsOfCodeVListing) {
     EXPECT_NEAR(traced.film_distance_mm(), 61.4875364179821 - 0.4002686453541377, 1e-12);
     const Listing listing = read_listing();
     EXPECT_EQ(listing.aberrations.size(), 28U);
-    // Fractions of the pupil that the rows of a fan stand for, and how far the design's vignetting factors
-    // narrow the pupil: VUY 0.2 and VLY 0.25 at 10 degrees, 0.4 both at 14.
+    // Rows of a fan are at fractions of the pupil. The design's vignetting factors narrow the pupil: VUY 0.2
+    // and VLY 0.25 at 10 degrees, both 0.4 at 14 degrees.
     for (const ListedAberration& row : listing.aberrations) {
         const double deg = row.object_tangent == 0 ? 0 : row.object_tangent < 0.2 ? 10 : 14;
-        const dvec2 field(0, -tangent(deg));  // the listing's field points upwards from below the axis
+        const dvec2 field(0, -tangent(deg));  // rays of the listing's field come from below the axis
         const dvec2 aim = traced.aim_at_stop(HUGE_VAL, field).value();
         const bool along_x = row.stop.x != 0;
         const double reach = along_x ? row.stop.x : row.stop.y;
-        // The stop's coordinates are rounded to two decimals and bent by the pupil's aberration; the pupil's
-        // are the fifths next to them.
+        // The stop coordinates are rounded to two decimals and distorted by the pupil's aberration. The pupil
+        // coordinates are the nearest multiples of 1/5.
         const double edge = along_x || deg == 0 ? 1 : deg == 14 ? 0.6 : reach > 0 ? 0.8 : 0.75;
         const double fraction = std::round(reach / edge * 5) / 5 * edge;
         const dvec2 pupil = aim + 25.0 * (along_x ? dvec2(fraction, 0) : dvec2(0, fraction));
@@ -134,7 +135,7 @@ TEST(RealRays, TransverseErrorsOfCodeVListing) {
         EXPECT_NEAR(error.x, row.error_mm.x, 1.5e-6) << deg << " " << row.stop.x << " " << row.stop.y;
         EXPECT_NEAR(error.y, row.error_mm.y, 1.5e-6) << deg << " " << row.stop.x << " " << row.stop.y;
     }
-    // The chief rays' heights and distortions, which the listing has in words.
+    // Heights and distortions of the chief rays, from the text of the listing.
     const auto height = [&](double deg) {
         LensRay chief = traced.object_ray(HUGE_VAL, {0, -tangent(deg)},
                                           *traced.aim_at_stop(HUGE_VAL, {0, -tangent(deg)}));
@@ -145,7 +146,7 @@ TEST(RealRays, TransverseErrorsOfCodeVListing) {
     EXPECT_NEAR(height(14), 24.588739, 1e-6);
 }
 
-// A plane-parallel plate shifts a ray sideways by t sin(i) (1 - cos(i) / (n cos(i'))).
+// A plane-parallel plate displaces a ray sideways by t sin(i) (1 - cos(i) / (n cos(i'))).
 Prescription plate(double n, double thickness) {
     Prescription lens;
     lens.surfaces.resize(3);
@@ -166,8 +167,8 @@ TEST(RealRays, APlateShiftsARay) {
 }
 
 TEST(RealRays, ASurfaceIsMetFromAfar) {
-    // A ray along the axis at half the radius of a glass ball 10 000 km behind the lens's front: 0.5 is the
-    // sine of its angle with the normal, and it turns towards the axis by what Snell's law says.
+    // A ray parallel to the axis hits a glass ball, 10 000 km behind the lens's front, at half of its radius.
+    // The sine of the angle of incidence is 0.5, and Snell's law gives the refraction.
     const double radius = 0.02, n = 1.5;
     Prescription lens;
     lens.surfaces.resize(2);
@@ -184,8 +185,8 @@ TEST(RealRays, ASurfaceIsMetFromAfar) {
 }
 
 TEST(RealRays, ASurfaceSmallerThanRounding) {
-    // A radius of 1e-20 mm, 2.313 mm behind the first surface: less than what is lost of the way there where
-    // the direction's length is 1 but for rounding.
+    // A surface with a radius of 1e-20 mm, 2.313 mm behind the first surface. The radius is smaller than the
+    // error of this distance if the direction's length is 1 only up to rounding.
     Prescription lens;
     lens.surfaces.resize(2);
     lens.surfaces[0].thickness_mm = 2.313;
@@ -200,9 +201,8 @@ TEST(RealRays, ASurfaceSmallerThanRounding) {
 }
 
 TEST(RealRays, AConicWithoutSphericalAberration) {
-    // A glass rod's end shaped as the ellipsoid k = -1/n^2 brings parallel light to one point, n R / (n - 1)
-    // behind its vertex: here seen through a plane that the converging rays would meet far ahead of the
-    // focus.
+    // The end of a glass rod, shaped as the ellipsoid k = -1/n^2, focuses parallel light in one point at n R
+    // / (n - 1) behind its vertex. The rays pass a plane far in front of the focus.
     const double n = 1.5, radius = 20;
     Prescription lens;
     lens.surfaces.resize(2);
@@ -212,15 +212,14 @@ TEST(RealRays, AConicWithoutSphericalAberration) {
     lens.surfaces[0].clear_radius_mm = 12;
     lens.surfaces[0].is_stop = true;
     lens.surfaces[0].thickness_mm = 59;
-    lens.surfaces[1].glass = Glass::constant(n);  // no refraction: the film may stand in glass here
+    lens.surfaces[1].glass = Glass::constant(n);  // no refraction; the film is in glass
     const LensStack stack(lens, d_line_nm, HUGE_VAL);
     for (const double y : {0.5, 5.0, 11.9}) {
         LensRay ray{{0, y, 0}, {0, 0, 1}};
         ASSERT_TRUE(stack.forward(ray).passes());
         EXPECT_NEAR(ray.at_z(n * radius / (n - 1)).y, 0, 1e-13);
     }
-    // The same surface as even asphere: the ellipsoid's sag as the paraxial sphere's plus a polynomial, to
-    // r^20.
+    // A ray beyond the rim of the surface is vignetted.
     LensRay beyond{{0, 12.1, 0}, {0, 0, 1}};
     const RayEnd end = stack.forward(beyond);
     EXPECT_EQ(end.fate, RayFate::vignetted);
@@ -238,7 +237,7 @@ TEST(RealRays, AnAsphereIsMetWhereItsSagSays) {
             const dvec3 p = hits[i] - dvec3(0, 0, stack.vertex_z_mm(i));
             EXPECT_NEAR(p.z, lens.surfaces[i].sag_mm(glm::length(dvec2(p))), 2e-10) << i;
         }
-        // The way back is the way there.
+        // The reverse ray follows the same path.
         LensRay back{ray.origin + 50.0 * ray.direction, -ray.direction};
         std::array<dvec3, 12> again{};
         ASSERT_TRUE(stack.backward(back, Apertures::ignored, again).passes());
@@ -250,7 +249,7 @@ TEST(RealRays, SayWhatStoppedThem) {
     Prescription lens = plate(1.6, 7);
     lens.surfaces[1].curvature_per_mm = -0.05;
     const LensStack stack(lens, d_line_nm, HUGE_VAL);
-    LensRay steep{{0, 15, 0}, {0, 0, 1}};  // the sine inside is 15/20, more than 1/1.6
+    LensRay steep{{0, 15, 0}, {0, 0, 1}};  // the sine inside is 15/20, above the critical 1/1.6
     RayEnd end = stack.forward(steep);
     EXPECT_EQ(end.fate, RayFate::reflected);
     EXPECT_EQ(end.surface, 1U);
@@ -267,7 +266,7 @@ TEST(RealRays, SayWhatStoppedThem) {
     EXPECT_TRUE(LensStack(lens, d_line_nm, HUGE_VAL).forward(through, Apertures::ignored).passes());
 }
 
-// Close to the axis, exact rays do what the first-order numbers say.
+// Close to the axis, exact rays agree with the first-order values.
 TEST(RealRays, TendToTheParaxialOnes) {
     for (const char* name : {"rayoptics_ag_dblgauss.seq", "lentil_0015.toml", "deeplens_rf50mm_f1.8.toml",
                              "dgauss.22deg.50.0mm.dat"}) {
@@ -277,8 +276,8 @@ TEST(RealRays, TendToTheParaxialOnes) {
         const double y = 1e-4 * f.efl_mm;
         LensRay ray{{0, y, 0}, {0, 0, 1}};
         ASSERT_TRUE(stack.forward(ray).passes());
-        // Spherical aberration goes with y^2: some 1e-8 of the focal length, times what an f/1 lens has of
-        // it.
+        // Spherical aberration is proportional to y^2: about 1e-8 of the focal length times that of an f/1
+        // lens.
         EXPECT_NEAR(-y / (ray.direction.y / ray.direction.z), f.efl_mm, 1e-6 * f.efl_mm) << name;
         EXPECT_NEAR(ray.at_z(stack.last_vertex_z_mm() + f.bfl_mm).y, 0, 1e-6 * y) << name;
     }
@@ -289,7 +288,7 @@ TEST(TracedLensFocus, IsSharpWhereItWasSet) {
     for (const FocusMove move : {FocusMove::film, FocusMove::lens}) {
         for (const double s : {0.5, 2.0, infinite_m}) {
             const TracedLens traced(lens, {.focus_distance_m = s, .move = move});
-            // A ray close to the axis from the point in focus lands where the axis does.
+            // A ray close to the axis from the point in focus hits the film on the axis.
             const double y = 1e-3 * traced.first_order().entrance_pupil_diameter_mm;
             LensRay ray = traced.object_ray(s, dvec2(0), {0, y});
             ASSERT_TRUE(traced.stack().forward(ray).passes());
@@ -297,8 +296,7 @@ TEST(TracedLensFocus, IsSharpWhereItWasSet) {
             EXPECT_EQ(traced.extension_mm() > 0, move == FocusMove::lens && std::isfinite(s));
         }
     }
-    // With the film as it is the pinhole stands still: the object in focus is as far from the film as it was
-    // set, plus the way between film and pinhole at infinity.
+    // With FocusMove::lens, film and pinhole keep the distance that they have for a focus at infinity.
     const TracedLens infinite(lens, {.focus_distance_m = INFINITY}),
         near_lens(lens, {.focus_distance_m = 0.5, .move = FocusMove::lens});
     EXPECT_NEAR(near_lens.film_z_mm(), infinite.film_z_mm(), 1e-8);
@@ -321,14 +319,14 @@ double rms_mm(const TracedLens& lens, double depth_m) {
 }
 
 TEST(TracedLensFocus, TheBestSpotIsSmallerThanTheParaxialOne) {
-    // Two plain lenses at f/4: much spherical aberration, all of one sign.
+    // Two simple elements at f/4 have much spherical aberration of one sign.
     const Prescription lens = data("2el.XXdeg.100mm.dat");
     const TracedLens paraxial(lens, {.focus_distance_m = 2, .f_number = 4}),
         best(lens, {.focus_distance_m = 2, .f_number = 4, .criterion = FocusCriterion::rms_spot});
-    // Third-order spherical aberration y^3 against y^3 - d y over a disc, d = 2/3 at best: of the mean square
-    // 1/4 of the radius to the sixth, 1/36 is left, a third of the radius.
+    // Third-order spherical aberration is y^3, and y^3 - d y with defocus; the best d over a disc is 2/3. The
+    // mean square decreases from 1/4 to 1/36 of the radius to the sixth, the RMS to a third.
     EXPECT_LT(rms_mm(best, 2), 0.4 * rms_mm(paraxial, 2));
-    // A little off on either side is worse.
+    // The spot is larger for distances on both sides.
     EXPECT_LT(rms_mm(best, 2), rms_mm(best, 1.98));
     EXPECT_LT(rms_mm(best, 2), rms_mm(best, 2.02));
 }
@@ -345,7 +343,7 @@ TEST(TracedLensFilm, RaysGoBothWays) {
         ++passed;
         EXPECT_LT(out.direction.z, 0);
         EXPECT_NEAR(glm::length(out.direction), 1, 1e-14);
-        // Film and scene are upside down to each other.
+        // The image on the film is upside down.
         if (glm::length(film) > 1) {
             EXPECT_LT(glm::dot(film, dvec2(out.direction)), 0);
         }
@@ -359,7 +357,7 @@ TEST(TracedLensFilm, RaysGoBothWays) {
     EXPECT_TRUE(traced.scene_ray({0, 0}, {0.5, 0.5}, out));
 }
 
-// Irradiance over a uniform scene at a film point, relative to the centre's.
+// Irradiance at a film point for a uniform scene, relative to that at the centre.
 double irradiance(const TracedLens& lens, dvec2 film, int nodes = 200) {
     double sum = 0;
     for (int j = 0; j < nodes; ++j) {
@@ -375,31 +373,31 @@ TEST(TracedLensFilm, TheWeightsAreTheLightOfAUniformScene) {
     const Prescription lens = data("dgauss.22deg.50.0mm.dat");
     for (const double n : {2.8, 8.0}) {
         const TracedLens traced(lens, {.focus_distance_m = INFINITY, .f_number = n});
-        // A lens that obeys the sine condition has E0 = pi / (4 n^2) at infinity. This one's aberrations
-        // shift the edge of the pupil by about a percent, the steps of the sum cost 1 / 256.
+        // A lens that meets the sine condition has E0 = pi / (4 n^2) at infinity. Aberrations of this lens
+        // displace the edge of the pupil by about 1 %, and the steps of the sum have an error of 1 / 256.
         EXPECT_NEAR(traced.axial_irradiance_sr(), std::numbers::pi / (4 * n * n),
                     0.03 * traced.axial_irradiance_sr());
-        // Other steps than those the centre was normalised with: 1 / 200 at the edge of the disc.
+        // The steps differ from those of the normalisation: 1 / 200 at the edge of the disc.
         EXPECT_NEAR(irradiance(traced, dvec2(0)), 1, 0.01);
     }
-    // Stopped down to where no rim cuts, light falls off with cos^4 of the angle at the exit pupil, and the
-    // same in every direction.
+    // At a small aperture without vignetting, light falls off with cos^4 of the angle at the exit pupil,
+    // equally in all directions.
     const TracedLens small(lens, {.focus_distance_m = INFINITY, .f_number = 16});
     const double to_pupil = small.film_distance_mm() - small.first_order().exit_pupil_z_mm;
     for (const double r : {3.0, 6.0}) {
         const double expected = std::pow(1 + r * r / (to_pupil * to_pupil), -2.0);
-        // The pupil's own distortion, some (r/f)^2 of a few percent.
+        // The distortion of the pupil, (r/f)^2, is a few per cent.
         EXPECT_NEAR(irradiance(small, {r, 0}), expected, 0.03) << r;
         EXPECT_NEAR(irradiance(small, {0, -r}), irradiance(small, {r, 0}), 0.01);
         EXPECT_NEAR(irradiance(small, {r * 0.6, r * 0.8}), irradiance(small, {r, 0}), 0.01);
     }
-    // Wide open the rims cut.
+    // Wide open, the rims vignette.
     const TracedLens open(lens, {.focus_distance_m = INFINITY});
     EXPECT_LT(irradiance(open, {0, 10}), 0.8 * std::pow(1 + 100 / (to_pupil * to_pupil), -2.0));
 }
 
-// The rectangles that scene_ray samples hold all that gets through: the same light as from the whole rear
-// surface, at film points on and between the zones that they are kept for.
+// The rectangles that scene_ray samples contain all transmitted rays: the light equals that from the whole
+// rear surface, for film points at and between the zones for which rectangles are stored.
 TEST(TracedLensFilm, NoLightIsOutsideOfTheRectangles) {
     const Prescription lens = data("dgauss.22deg.50.0mm.dat");
     for (const double n : {2.04, 5.6}) {
@@ -419,7 +417,8 @@ TEST(TracedLensFilm, NoLightIsOutsideOfTheRectangles) {
                 if (traced.stack().backward(ray).passes()) sum += std::pow(cosine, 4);
             }
             const double expected = sum * step * step / (to_film * to_film) / traced.axial_irradiance_sr();
-            // Two grids of some 150 (f/2) and 50 (f/5.6) cells across: their edges differ by less than this.
+            // Two grids of about 150 (f/2) and 50 (f/5.6) cells across differ at their edges by less than
+            // this.
             EXPECT_NEAR(irradiance(traced, film), expected, n < 3 ? 0.006 : 0.012) << n << " " << r;
         }
     }
@@ -436,16 +435,16 @@ TEST(TracedLensImpulse, IsADiscOfTheCircleOfConfusionsSize) {
         double widest = 0;
         for (std::size_t k = 0; k < mesh.passes.size(); ++k)
             widest = std::max(widest, glm::length(mesh.film_mm[k]));
-        // Paraxially: q (1/s - 1/z') times the way from film to the conjugate of the pupil; here by the
-        // image's distance and the exit pupil.
+        // The paraxial radius is q (1/s - 1/z') times the distance of the film from the pupil's conjugate. It
+        // is computed here by the image's distance and the exit pupil.
         const FirstOrder& f = traced.first_order();
         const double image =
             paraxial_image_z_mm(lens, lens.wavelength_nm, f.entrance_pupil_z_mm - depth * 1000);
         const double radius = 0.5 * f.exit_pupil_diameter_mm * f.f_number / 16 *
                               std::abs(traced.film_distance_mm() - image) / (image - f.exit_pupil_z_mm);
-        // A step of the grid at the edge, and aberrations of f/16: 0.5 + 1 %.
+        // Tolerance: a step of the grid at the edge, 0.5 %, and aberrations at f/16, 1 %.
         EXPECT_NEAR(widest, radius, 0.015 * radius) << depth;
-        // The disc's area in the pupil.
+        // The passing area is that of the pupil's disc.
         const double area = std::numbers::pi / 4 * std::pow(f.efl_mm / 16, 2);
         EXPECT_NEAR(mesh.passing_area_mm2, area, 0.015 * area);
     }
@@ -460,7 +459,7 @@ TEST(TracedLensImpulse, TurnsWithTheField) {
     EXPECT_NEAR(glm::length(up.chief_film_mm), glm::length(aslant.chief_film_mm), 1e-9);
     EXPECT_LT(up.chief_film_mm.y, 0);
     EXPECT_NEAR(up.passing_area_mm2, aslant.passing_area_mm2, 0.01 * up.passing_area_mm2);
-    // Off the axis the rims cut the pupil: a cat's eye.
+    // Off the axis the rims vignette the pupil (a cat's eye).
     PupilMesh axis;
     ASSERT_TRUE(traced.impulse(3, dvec2(0), 301, axis));
     EXPECT_LT(up.passing_area_mm2, 0.9 * axis.passing_area_mm2);
@@ -471,10 +470,9 @@ TEST(TracedLensImpulse, ThroughTheFisheyeAndTheAspheres) {
     const TracedLens fisheye(data("lentil_0015.toml"), {.focus_distance_m = INFINITY, .film_radius_mm = 1.4});
     PupilMesh mesh;
     ASSERT_TRUE(fisheye.impulse(INFINITY, {0, tangent(60)}, 65, mesh));
-    // Equidistant rather than straight lines kept straight: f times the angle, well below f times its
-    // tangent.
+    // The projection is equidistant: the height is f times the angle, well below f times its tangent.
     EXPECT_NEAR(-mesh.chief_film_mm.y, std::numbers::pi / 3, 0.15);
-    // Followed to where the pupil has wandered by more than its own size.
+    // The chief ray is found even where the pupil has moved by more than its own size.
     const auto aim = fisheye.aim_at_stop(INFINITY, {0, tangent(75)});
     ASSERT_TRUE(aim.has_value());
     EXPECT_GT(glm::length(*aim), fisheye.first_order().entrance_pupil_diameter_mm);

@@ -1,5 +1,5 @@
-// Whitted shading against closed forms, hits against brute force, and rays that must not meet their own
-// surface.
+// Whitted shading against closed forms, hits against brute force, and rays that must not hit the surface that
+// they leave.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
@@ -49,7 +49,7 @@ TEST(Shading, LambertPhongAmbientAndEmissionAddUp) {
     b.add(square({0, 0, -4}, {0, 0, 1}, 2), m);
     b.scene.ambient_light = dvec3(0.5);
     b.point_light({3, 0, 0}, dvec3(2, 1, 1));
-    // The light stands at 4 / 5 of the normal; the mirror direction misses the eye by the same angle.
+    // The cosine between light and normal is 4 / 5, and so is that between mirrored direction and eye.
     const double n_l = 0.8, r_v = 0.8;
     const dvec3 expected = dvec3(1, 0, 0) + dvec3(0.1, 0.15, 0.2) +
                            dvec3(2, 1, 1) * (dvec3(0.5, 0.25, 0.1) * n_l + 0.7 * std::pow(r_v, 10));
@@ -70,7 +70,7 @@ TEST(Shading, AttenuationSpotAndDirectional) {
     l.cone_degrees = 60;
     l.cone_soft_degrees = 20;
     EXPECT_NEAR(colour(trace_at(b.scene, centre)).x, 1, 1e-6);
-    l.position = {3, 0, -1};  // 45 degrees off its own axis: outside the cone
+    l.position = {3, 0, -1};  // the surface is at 45 degrees to the light's axis, outside of its cone
     EXPECT_EQ(colour(trace_at(b.scene, centre)).x, 0);
     l.direction = glm::normalize(dvec3(-1, 0, -1) + dvec3(0.3, 0, 0));
     const double soft = colour(trace_at(b.scene, centre)).x;
@@ -105,11 +105,11 @@ TEST(Shadows, OpaqueStopsGlassColoursAndLampsLetPass) {
     filter.transmission = dvec3(0.5, 0.25, 1);
     Object& blocker = b.add(Sphere{{0, 1.5, -2.5}, 0.2}, filter);
     dvec3 got = colour(trace_at(b.scene, centre));
-    // Two crossings, in and out.
+    // The shadow ray crosses two surfaces, on entering and on leaving.
     EXPECT_NEAR(got.x, free * 0.25, 1e-6);
     EXPECT_NEAR(got.y, free * 0.0625, 1e-6);
     EXPECT_NEAR(got.z, free, 1e-6);
-    // The same through a sheet, a box and a mesh: one, two and two crossings.
+    // A sheet has one crossing, a box and a mesh have two.
     blocker.shape = square({0, 1.5, -2.5}, {0, 1, 1}, 0.5);
     EXPECT_NEAR(colour(trace_at(b.scene, centre)).x, free * 0.5, 1e-6);
     blocker.shape = Box{{-0.2, 1.3, -2.7}, {0.2, 1.7, -2.3}};
@@ -150,15 +150,15 @@ TEST(Tree, MirrorAndGlassWeighTheirChildren) {
 }
 
 TEST(Tree, SnellAndTotalReflection) {
-    // From inside a glass block, 30 degrees pass by Snell's law and 60 degrees are reflected with all that
-    // would pass.
+    // From inside a glass block, a ray at 30 degrees is refracted by Snell's law, and one at 60 degrees is
+    // totally reflected, with the transmission added.
     for (const double degrees : {30.0, 60.0}) {
         SceneBuilder b;
         const double a = degrees * std::numbers::pi / 180;
         Material m = glass(1.5, 0.8);
         m.reflection = dvec3(0.1);
         b.add(Plane{{0, 0, -2}, {0, std::sin(a), -std::cos(a)}},
-              m);  // outward is away from the camera: it stands in the glass
+              m);  // the normal points away from the camera, which is inside of the glass
         b.scene.background = dvec3(1);
         const auto records = trace_at(b.scene, centre);
         if (degrees < 41) {
@@ -181,8 +181,8 @@ TEST(Tree, DepthAndContributionEndIt) {
         EXPECT_EQ(trace_at(b.scene, centre, {.max_depth = depth, .min_contribution = 0}).size(),
                   static_cast<std::size_t>(depth));
     }
-    // With light 1 in the scene a node k bounces deep carries 0.5^k and what follows it 1 + 0.5 + ...: under
-    // 0.1 it ends.
+    // With radiance 1 in the scene, a node after k bounces has throughput 0.5^k, and its subtree a radiance
+    // of 1 + 0.5 + ... A subtree that contributes less than 0.1 is not traced.
     const auto pruned = trace_at(b.scene, centre, {.max_depth = 17, .min_contribution = 0.1});
     EXPECT_EQ(pruned.size(), 5U);  // 0.5^4 * 2 > 0.1 > 0.5^5 * 2
     EXPECT_EQ(trace_at(b.scene, centre, {.max_depth = 17, .min_contribution = 0}).size(), 17U);
@@ -194,14 +194,14 @@ TEST(RadianceBounds, LightsThatFallOffAreBoundedByTheirDistanceFromSurfaces) {
     b.add(std::make_shared<const Mesh>(Mesh{{{-9, 0, -5}, {9, 0, -5}, {0, 9, -5}}, {{0, 1, 2}}, {}, {}, {}}),
           matte(dvec3(0.5)));
     b.point_light({0, 1, 0}, dvec3(36)).attenuation = {0, 0, 1};
-    // 3 m above the plane, 5 m before the triangle.
+    // The light is 3 m above the plane and 5 m in front of the triangle.
     EXPECT_NEAR(radiance_bounds(b.scene, 1)[1], 0.5 * 36 / 9, 1e-12);
-    // A ball of 0.5 m that goes past at 2 m.
+    // A ball of radius 0.5 m moves past at a distance of 2 m.
     Object& ball = b.add(Sphere{{0, 0, 0}, 0.5}, matte(dvec3(0.5)));
     ball.keys = {{.time_s = 0, .translation = {-4, 1, 2}}, {.time_s = 1, .translation = {4, 1, 2}}};
-    const double reach = 0.5 * std::sqrt(3.0);  // of the box around it
+    const double reach = 0.5 * std::sqrt(3.0);  // half diagonal of the ball's bounding box
     EXPECT_NEAR(radiance_bounds(b.scene, 1)[1], 0.5 * 36 / ((2 - reach) * (2 - reach)), 1e-12);
-    // A box around the light: it may touch.
+    // A box around the light may touch it.
     b.add(Box{{-1, 0, -1}, {1, 2, 1}}, matte(dvec3(0.5)));
     EXPECT_GT(radiance_bounds(b.scene, 1)[1], 1e90);
 }
@@ -306,7 +306,7 @@ TEST(Hits, PacketsFindWhatBruteForceFinds) {
             if (!hit) continue;
             const SurfacePoint s =
                 rays.surface(batch.hit(i), origins[i], directions[i], static_cast<double>(batch.t[i]));
-            // Within float's reach of an outline either answer is right; all others must agree.
+            // Within float rounding of an outline both answers are valid; all others must agree.
             if (s.object != expected.object || std::abs(s.t - expected.t) > 1e-5 * expected.t) {
                 ++edges;
                 continue;
@@ -320,8 +320,8 @@ TEST(Hits, PacketsFindWhatBruteForceFinds) {
     }
 }
 
-// Embree comes upon surfaces in an order that depends on the processor; which of two that coincide is seen
-// must not.
+// Embree finds surfaces in an order that depends on the processor. The result for coincident surfaces must
+// not depend on it.
 TEST(Hits, OfSurfacesThatCoincideTheFirstIsSeen) {
     SceneBuilder b;
     const std::uint32_t count = 40;
@@ -368,7 +368,7 @@ TEST(Hits, OfSurfacesThatCoincideTheFirstIsSeen) {
     }
 }
 
-// A scene of every primitive, lit from above, scaled: light must reach all that it reaches at scale 1.
+// A scene of all primitives lit from above, at several scales: the same points must be lit as at scale 1.
 TEST(Hits, NoAcneAtAnyScale) {
     const auto lit_share = [](double scale) {
         SceneBuilder b = mixed_scene();
@@ -402,13 +402,12 @@ TEST(Hits, NoAcneAtAnyScale) {
         for (std::size_t i = 0; i < sums.size(); ++i) {
             if (glm::length(sums[i] - reference[i]) > 1e-3) ++wrong;
         }
-        // A handful of rays graze an outline or a shadow's edge, where rounding decides.
+        // A few rays graze an outline or a shadow's edge, where rounding decides.
         EXPECT_LE(wrong, 6) << "of " << sums.size() << " at scale " << scale;
     }
 }
 
-// Convex things under a light straight above the eye: every point that faces the light is lit, without
-// exception.
+// On convex objects under a light straight above the eye, every point that faces the light must be lit.
 TEST(Hits, ConvexSurfacesNeverShadowThemselves) {
     for (const double scale : {1e-3, 1.0, 1e6}) {
         const std::vector<Shape> shapes{Sphere{}, Box{}, Cone{{0, 0, -0.5}, {0, 0, 0.5}, 0.5, 0.3, true},
@@ -437,8 +436,7 @@ TEST(Hits, ConvexSurfacesNeverShadowThemselves) {
             TracedSamples unshadowed;
             WhittedTracer(bare_rays, camera, {}).trace(at, unshadowed, counts);
             int dark = 0;
-            // The open cone shadows its own inside; there only the outside counts, which the eye sees through
-            // z < centre.
+            // The open cone shadows its own inside, so only its outside counts.
             for (std::size_t i = 0; i < traced.records.size(); ++i) {
                 if (traced.records[i].r != unshadowed.records[i].r) ++dark;
             }

@@ -1,4 +1,5 @@
-// Rays where the records are not sure what a view sees: as right as a ray for every view, at few rays.
+// Rays replace unsure view samples: the result is as accurate as with a ray for every view sample, with few
+// rays.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -19,7 +20,7 @@ namespace {
 
 using glm::dvec3;
 
-/// Of encoded values.
+/// PSNR of encoded values, dB.
 double db(const Image& image, const Image& truth) {
     return pixel_errors(Picture(image), Picture(truth), PixelMask(image.rgb.size() / 3, 1)).psnr_db;
 }
@@ -92,8 +93,9 @@ INSTANTIATE_TEST_SUITE_P(Scenes, UnsureViews,
                                     std::to_string(std::lround(10 * p.param.f_number));
                          });
 
-// A rectangle brighter than white before a cone that comes through its depth; the rectangle has a lobe, whose
-// mean a record has in its own light, where rays go on. What is above white is spread by itself, once.
+// A rectangle brighter than white in front of a cone that passes through its depth. The rectangle has a lobe:
+// a record includes the lobe's mean, while rays sample it. The radiance above white is added as a highlight,
+// and only once.
 TEST(UnsureViews, LightAboveWhiteIsCountedOnce) {
     const TemporaryFolder folder;
     const std::filesystem::path path = folder.path() / "bright.toml";
@@ -144,7 +146,7 @@ base_radius_m = 0.0891971
         const Image got = hybrid_picture(frame.file(), s).focus.image;
         int bright = 0;
         for (std::size_t k = 0; k < truth.rgb.size(); k += 3) {
-            // Inside the rectangle, where all views see it, but two of 64 at its border.
+            // Inside of the rectangle all views see it, except two of 64 at its border.
             if (truth.rgb[k] < 1.0795F) continue;
             ++bright;
             EXPECT_NEAR(got.rgb[k], truth.rgb[k], 2 * 0.6F / 64) << k << " " << with_rays;
@@ -153,7 +155,7 @@ base_radius_m = 0.0891971
     }
 }
 
-// What is compared changes nothing, and what it finds is the difference to a ray for every view.
+// Check rays do not change the image, and their sum equals the difference from a ray for every view.
 TEST(UnsureViews, ChecksTellTheDifferenceToRays) {
     const Case c{"bars.toml", 1.4, 5};
     const Scene scene = small(c.scene);
@@ -177,7 +179,7 @@ TEST(UnsureViews, ChecksTellTheDifferenceToRays) {
     r.focus_m = c.focus_m;
     const RenderSetup setup(scene, r);
     const SceneRays rays(setup, {}, views);
-    // Pieces of 4 px take turns in 61 scrambles.
+    // Pieces of 4 px use 61 scrambles in turn.
     ASSERT_EQ(piece_px(96, 54), 4);
     std::array<std::vector<SightLine>, 61> ways;
     for (std::uint32_t scramble = 0; scramble < ways.size(); ++scramble) {
@@ -204,7 +206,7 @@ TEST(UnsureViews, ChecksTellTheDifferenceToRays) {
                 double mean = 0;
                 for (const auto& radiance : seen) mean += static_cast<double>(radiance[n]) / views;
                 const double off = checked.checks[k].sum[n] / views;
-                // Floats of colours of about one.
+                // Tolerance: float rounding of colours of about 1.
                 ASSERT_NEAR(static_cast<double>(plain.rgb[3 * k + n]) + off, mean, 1e-5) << x << ',' << y;
                 found += std::abs(off);
             }
@@ -213,7 +215,7 @@ TEST(UnsureViews, ChecksTellTheDifferenceToRays) {
     EXPECT_GT(found, 0);
 }
 
-// Beyond the border of the records nobody knows what there is: a bar that they cut goes on.
+// Nothing is recorded beyond the border of the records, where a bar that they cut continues.
 TEST(UnsureViews, KnowThatThingsGoOnBeyondTheBorder) {
     const Case c{"bars.toml", 1.4, 5};
     const Scene scene = small(c.scene);
@@ -239,7 +241,7 @@ TEST(UnsureViews, KnowThatThingsGoOnBeyondTheBorder) {
     EXPECT_LT(border_error(got), 1.25 * border_error(of_rays));
 }
 
-// The lens spreads a lamp by its exact response: a ray must not see it again.
+// A light is added to the image by its exact response, so rays must not see it again.
 TEST(UnsureViews, MeetNoHighlightTwice) {
     SceneBuilder b;
     b.add(Rectangle{dvec3(-0.02, -0.02, -4), dvec3(0.04, 0, 0), dvec3(0, 0.04, 0)}, glowing({60, 40, 20}));

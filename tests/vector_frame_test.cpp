@@ -1,4 +1,4 @@
-// Motion blur of flat pictures by their motion vectors.
+// Motion blur of flat images by their motion vectors.
 #include "motionblur/vector_frame.h"
 
 #include <OpenEXR/ImfChannelList.h>
@@ -29,7 +29,7 @@ struct Window {
     int x = 0, y = 0, width = 64, height = 48;
 };
 
-/// Writes a flat OpenEXR picture; `values` gives a pixel's channels at its place in the file.
+/// Writes a flat OpenEXR image; `values` returns the channels of a pixel by its position in the file.
 struct FlatPicture {
     std::vector<std::string> channels{"R", "G", "B", "Z", "forward.u", "forward.v"};
     Window data, display;
@@ -66,7 +66,7 @@ bool in_plate(int x, int y) {
     return x >= plate_x && x < plate_x + plate_width && y >= plate_y && y < plate_y + plate_height;
 }
 
-/// A plate at 2 that moves by (12, 5) px, v counted upwards, over ground at 5.
+/// A plate at depth 2 that moves by (12, 5) px, with v upwards, over a ground at depth 5.
 FlatPicture plate() {
     FlatPicture p;
     p.values = [](int x, int y) {
@@ -81,8 +81,8 @@ double ramp_mean(double a, double b) {  // of clamp(s, 0, 1) for s in [a, b]
     return (integral(b) - integral(a)) / (b - a);
 }
 
-/// Share of the light that comes from a bar [x0, x1) that moves by d > 0 while the shutter is open, in the
-/// pixel [x, x + 1): the part of the pixel right of an edge at e is clamp(x + 1 - e, 0, 1).
+/// The share of the light of pixel [x, x + 1) that comes from a bar [x0, x1), which moves by d > 0 while the
+/// shutter is open. The part of the pixel right of an edge at e is clamp(x + 1 - e, 0, 1).
 double bar_share(double x, double x0, double x1, double d) {
     return ramp_mean(x + 1 - x0 - d, x + 1 - x0) - ramp_mean(x + 1 - x1 - d, x + 1 - x1);
 }
@@ -95,7 +95,7 @@ class VectorFrameTest : public CommandTest {
         picture.write(path);
         return read_vector_frame(path, vectors, choice);
     }
-    // What the reader says against a picture; empty: nothing.
+    // The error message for an image; empty if there is none.
     std::string refusal(const FlatPicture& picture, ExitCode code = ExitCode::invalid_input) {
         try {
             (void)frame_of(picture);
@@ -108,8 +108,8 @@ class VectorFrameTest : public CommandTest {
 };
 
 TEST_F(VectorFrameTest, IdsPartAndJoinSurfaces) {
-    // Depths half a percent apart, vectors a pixel apart: by these one surface, by ids two. And the other way
-    // about where the depth jumps.
+    // With depths that differ by 0.5 % and vectors that differ by one pixel, pixels are one surface, but ids
+    // can separate them. Where the depth jumps, equal ids connect them.
     const auto two = [](std::uint32_t id, std::uint32_t other, float z) {
         return std::pair(VectorPixel{{}, 1, 10, 0, id}, VectorPixel{{}, 1 / z, 11, 0, other});
     };
@@ -120,14 +120,14 @@ TEST_F(VectorFrameTest, IdsPartAndJoinSurfaces) {
         const auto [a, b] = two(id, other, z);
         EXPECT_EQ(one_surface(a, b, true), joined) << id << " " << other << " " << static_cast<double>(z);
     }
-    // What moves alike must not tear, whatever it is; what moves apart is no one thing.
+    // Pixels with similar motion stay connected for any ids; pixels with very different motion are separated.
     EXPECT_TRUE(one_surface({{}, 1, 10, 0, 3}, {{}, 1, 10.2F, 0, 4}, true));
     EXPECT_FALSE(one_surface({{}, 1, 10, 0, 3}, {{}, 1, 20, 0, 3}, true));
 }
 
 TEST_F(VectorFrameTest, TilesOfOneDepthPartByTheirIds) {
-    // Two tiles side by side at one depth, one a pixel and a half faster: by depth alone the seam between
-    // them is dragged along by the mean of both.
+    // Two tiles side by side at one depth, one of which is 1.5 px faster. By depth alone, the seam between
+    // them would move with the mean of both.
     FlatPicture tiles;
     tiles.channels = {"R", "G", "B", "Z", "forward.u", "forward.v", "objectId"};
     const auto seam_px = [&](float id) {
@@ -138,7 +138,7 @@ TEST_F(VectorFrameTest, TilesOfOneDepthPartByTheirIds) {
         const VectorFrame frame = frame_of(tiles);
         EXPECT_EQ(frame.id_name, "objectId");
         const SheetMesh mesh = vector_sheets(frame);
-        std::vector<float> speeds;  // of the seam's pixels, at the side that they share
+        std::vector<float> speeds;  // of the pixels at the seam, at their common side
         for (const Sheet& s : mesh.sheets) {
             for (int k = 0; k < s.width * s.height; ++k) {
                 const int x = s.x + k % s.width;
@@ -163,16 +163,16 @@ TEST_F(VectorFrameTest, TilesOfOneDepthPartByTheirIds) {
 TEST_F(VectorFrameTest, PlateInMotionIsATrapezoid) {
     constexpr int views = 4096;
     const MotionBlurResult r = vector_blur(frame_of(plate()), {.exposure = {0, 1}, .views = views});
-    // The points (place across the edge, instant) are a (0, 12)-net with places of 6 bits: each box of 2^-k
-    // by 2^-(12-k) holds one point, and the error of a straight edge's share is at most the boxes that it
-    // crosses, 2^k + 2^(12-k)/d + 1 for a way of d px: 38 of 4096 (k = 4, d = 12) and 59 (k = 5, d = 5).
+    // The points (position across the edge, instant) form a (0, 12)-net with positions of 6 bits: each box of
+    // 2^-k by 2^-(12-k) holds one point. The error of a straight edge is at most the number of boxes that it
+    // crosses, 2^k + 2^(12-k)/d + 1 for a motion of d px: 38 of 4096 (k = 4, d = 12) and 59 (k = 5, d = 5).
     constexpr double contrast = static_cast<double>(plate_colour - ground_colour);
     const auto expect = [&](int x, int y, double share, double tolerance) {
         EXPECT_NEAR(static_cast<double>(r.image.pixel(x, y)[0]),
                     static_cast<double>(ground_colour) + contrast * share, contrast * tolerance + 1e-6)
             << x << "," << y;
     };
-    // Rows that the plate covers at all times, and columns.
+    // Tests rows, then columns, that the plate covers during the whole exposure.
     double largest = 0, smallest = 1;
     for (int x = 0; x < 64; ++x) {
         const double share = bar_share(x, plate_x, plate_x + plate_width, 12);
@@ -180,16 +180,16 @@ TEST_F(VectorFrameTest, PlateInMotionIsATrapezoid) {
         smallest = std::min(smallest, share);
         for (int y = plate_y + 5; y < plate_y + plate_height; ++y) expect(x, y, share, 38.0 / views);
     }
-    EXPECT_EQ(largest, 1);  // plateau and ground are in the rows looked at
+    EXPECT_EQ(largest, 1);  // the tested rows include the plateau and the ground
     EXPECT_EQ(smallest, 0);
     for (int y = 0; y < 48; ++y) {
         const double share = bar_share(y, plate_y, plate_y + plate_height, 5);
         for (int x = plate_x + 12; x < plate_x + plate_width; ++x) expect(x, y, share, 59.0 / views);
     }
-    // Always plate, always ground: exact, whatever the views.
+    // Pixels that always show the plate, or always the ground, are exact for any number of views.
     EXPECT_EQ(r.image.pixel(30, 25)[0], plate_colour);
     EXPECT_EQ(r.image.pixel(2, 2)[0], ground_colour);
-    // Behind the plate nothing is known: the pixels it leaves, of which it covered the upper left.
+    // Nothing is known behind the plate, so the pixels that it leaves are holes.
     ASSERT_EQ(r.warnings.size(), 1U);
     EXPECT_EQ(r.warnings[0].code, "uncovered");
     const double left = plate_width * plate_height - (plate_width - 12) * (plate_height - 5);
@@ -293,7 +293,7 @@ TEST_F(VectorFrameTest, PassesOfALayerBelongTogether) {
                   "Top.Combined.R", "Top.Combined.G", "Top.Combined.B", "Top.Depth.V",
                   "Top.Vector.X",   "Top.Vector.Y",   "Top.Vector.Z",   "Top.Vector.W"};
     p.values = [](int, int) { return std::vector<float>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}; };
-    // Low has no vectors, and those of Top are not its own.
+    // The layer Low has no vectors, and those of Top do not belong to it.
     const VectorFrame frame = frame_of(p);
     EXPECT_EQ(frame.u_name, "Top.Vector.Z");
     EXPECT_EQ(frame.v_name, "Top.Vector.W");
@@ -309,7 +309,7 @@ TEST_F(VectorFrameTest, PassesOfALayerBelongTogether) {
     }
 }
 
-// Stereo: the colours without a view's name are those of the hero view, and so must be the vectors.
+// In a stereo file, channels without a view's name belong to the hero view, for colours and vectors.
 TEST_F(VectorFrameTest, VectorsAreThoseOfTheColoursView) {
     for (const std::string hero : {"right", "left"}) {
         const std::string other = hero == "right" ? "left" : "right";
@@ -343,8 +343,9 @@ TEST_F(VectorFrameTest, VectorsAreThoseOfTheColoursView) {
 }
 
 TEST_F(VectorFrameTest, RotationFieldTurnsThePictureWithoutCracks) {
-    // Vectors w x (x - c) and colours linear in x and y. At t the vertices lie at c + (1 + t J)(x - c), which
-    // turns by atan(w t) and grows by sqrt(1 + w^2 t^2); the colour at a place is that of its origin.
+    // The vectors are w x (x - c), and colours are linear in x and y. At t the vertices are at c + (1 + t
+    // J)(x - c): a rotation by atan(w t) and a scale of sqrt(1 + w^2 t^2). The colour at a position is that
+    // of its origin.
     constexpr double w = 0.4, cx = 32, cy = 24;
     FlatPicture p;
     const auto ramp = [](double x, double y, double* rgb) {
@@ -355,7 +356,7 @@ TEST_F(VectorFrameTest, RotationFieldTurnsThePictureWithoutCracks) {
         double rgb[2];
         ramp(x + 0.5, y + 0.5, rgb);
         const double dx = x + 0.5 - cx, dy = y + 0.5 - cy;
-        // Right and up; w > 0 turns clockwise on the screen, y counted downwards.
+        // Vectors point right and up. w > 0 rotates clockwise on the screen, as y runs downwards.
         return std::vector<float>{static_cast<float>(rgb[0]),  static_cast<float>(rgb[1]), 0, 3,
                                   static_cast<float>(-w * dy), static_cast<float>(-w * dx)};
     };
@@ -366,14 +367,13 @@ TEST_F(VectorFrameTest, RotationFieldTurnsThePictureWithoutCracks) {
         for (int x = 0; x < 64; ++x) {
             const double dx = x + 0.5 - cx, dy = y + 0.5 - cy, s = 1 / (1 + w * w);
             const double from_x = cx + s * (dx + w * dy), from_y = cy + s * (dy - w * dx);
-            // Corners of the frame keep the mean of fewer vectors.
+            // Vertices at the frame's border have the mean of fewer vectors.
             if (from_x < 1.5 || from_x > 62.5 || from_y < 1.5 || from_y > 46.5) continue;
             ++looked_at;
             double rgb[2];
             ramp(from_x, from_y, rgb);
-            // A place sees the colour of a pixel's middle, half a pixel from its own origin at most along
-            // either axis, and triangles overlap by a thousandth; the mean of the places is the pixel's
-            // middle.
+            // A position gets the colour of a pixel's centre, which is at most 0.5 px from its origin along
+            // each axis. Triangles overlap by 0.001 px. The mean of the positions is the pixel's centre.
             constexpr double tolerance = 0.501 * 0.01 + 1e-5;
             EXPECT_NEAR(static_cast<double>(r.image.pixel(x, y)[0]), rgb[0], tolerance);
             EXPECT_NEAR(static_cast<double>(r.image.pixel(x, y)[1]), rgb[1], tolerance);
@@ -410,7 +410,7 @@ TEST_F(VectorFrameTest, DepthDecidesWhoHides) {
 TEST_F(VectorFrameTest, TransparentPixelsAreBackground) {
     FlatPicture p = plate();
     p.channels.emplace_back("A");
-    p.values = [](int x, int y) {  // depth 1 around the plate would hide it
+    p.values = [](int x, int y) {  // the surroundings at depth 1 would hide the plate
         return in_plate(x, y) ? std::vector<float>{plate_colour, 0, 0, 2, 12, 0, 1}
                               : std::vector<float>{0, 0, 0, 1, 0, 0, 0};
     };
@@ -420,7 +420,8 @@ TEST_F(VectorFrameTest, TransparentPixelsAreBackground) {
 }
 
 TEST_F(VectorFrameTest, WindowsMayDiffer) {
-    // Display at (100, 50); stored: the plate alone, and a pixel left of the display that moves in.
+    // The display window begins at (100, 50). The file stores only the plate, and a pixel left of the display
+    // window that moves into it.
     FlatPicture p;
     p.display = {100, 50, 64, 48};
     p.data = {97, 60, 20, 10};
@@ -503,7 +504,7 @@ TEST_F(VectorFrameTest, CommandBlursAndReports) {
     const Image image = read_image(in("out.exr"));
     const Image expected = vector_blur(read_vector_frame(in("plate.exr"), {}), {.exposure = {0, 1}}).image;
     EXPECT_EQ(image.rgb, expected.rgb);
-    // The other way round, by the user's word.
+    // The user's scale reverses the motion.
     ASSERT_EQ(run({"motionblur", in("plate.exr"), "-o", in("back.exr"), "--shutter", "1:1", "--vectors",
                    "forward.u,forward.v", "--vectors-scale", "-1,1"})
                   .exit_code,
@@ -533,7 +534,7 @@ TEST_F(VectorFrameTest, CommandRefusesInOneLine) {
     refused(with({"--shutter", "0:1", "--vectors", "u"}), ExitCode::wrong_arguments, "--vectors");
     refused(with({"--shutter", "0:1", "--vector-scale", "x"}), ExitCode::wrong_arguments, "--vector-scale");
     refused(with({"--shutter", "0:1", "--vectors", "a,b"}), ExitCode::invalid_input, "no channel a");
-    // A folder, nothing, and no permission.
+    // A folder, a missing file, and a file without permission.
     fs::create_directory(in("folder.exr"));
     refused({"motionblur", in("folder.exr"), "-o", out, "--shutter", "0:1"}, ExitCode::invalid_input,
             "folder.exr");
@@ -579,7 +580,7 @@ class Beachball : public VectorFrameTest {
         if (!fs::exists(frame(1)) || !fs::exists(frame(2)))
             GTEST_SKIP() << "no " << frame(1) << " and .0002: the beach ball is not tested";
     }
-    // Over the frames' common surroundings of the ball.
+    // RMS error around the ball, in the region that both frames show.
     static double rmse(const Image& a, const Image& b) {
         double sum = 0;
         std::size_t count = 0;
@@ -602,20 +603,20 @@ class Beachball : public VectorFrameTest {
 TEST_F(Beachball, MovesToTheRightAndDownAsTheNextFrameShows) {
     const Image first = read_image(frame(1)), second = read_image(frame(2));
     const VectorFrame f = read_vector_frame(frame(1), {});
-    EXPECT_EQ(f.u_name, "forward.right.u");  // the colours are the right eye's
+    EXPECT_EQ(f.u_name, "forward.right.u");  // the colours are those of the right view
     EXPECT_TRUE(f.has_z && f.has_alpha);
     EXPECT_GT(f.at(1000, 683).right_px, 40);
     EXPECT_GT(f.at(1000, 683).down_px, 40);
-    // The file's vectors are those of an exposure of about 0.4 frames (docs/motion_vectors.md), so the whole
-    // of them brings the ball 0.4 of the way to the next frame: an error linear in the way would fall to 0.6
-    // of the unmoved one's, edges that overlap no longer make it a little more. 2.43 and 2.75 of them are the
-    // way.
+    // The vectors are for an exposure of about 0.4 frames (docs/motion_vectors.md), so they move the ball by
+    // 0.4 of its motion to the next frame. An error proportional to the distance would decrease to 0.6 of
+    // that without motion; edges that no longer overlap make it slightly larger. 2.43 and 2.75 times the
+    // vectors are the whole motion.
     const double unmoved = rmse(first, second), by_names = rmse(moved({}), second),
                  downwards = rmse(moved({.scale = glm::dvec2(1, 1)}), second),
                  whole_way = rmse(moved({.scale = glm::dvec2(2.43, -2.75)}), second);
     fmt::print("rmse to frame 2: unmoved {:.4f}, by the vectors {:.4f}, v downwards {:.4f}, scaled {:.4f}\n",
                unmoved, by_names, downwards, whole_way);
-    EXPECT_GT(unmoved, 0.1);  // there is a difference to be explained
+    EXPECT_GT(unmoved, 0.1);  // the frames differ clearly
     EXPECT_LT(by_names, 0.9 * unmoved);
     EXPECT_LT(by_names, 0.9 * downwards);
     EXPECT_LT(whole_way, 0.5 * by_names);
@@ -624,7 +625,8 @@ TEST_F(Beachball, MovesToTheRightAndDownAsTheNextFrameShows) {
 TEST_F(Beachball, BlursWithinTheWayAndKeepsTheRest) {
     const VectorFrame f = read_vector_frame(frame(1), {});
     const Image still = f.picture(), blurred = vector_blur(f, {.exposure = {0, 1}, .views = 64}).image;
-    // Centre of the light: half the way of the vectors, weighted by light; black surroundings lose nothing.
+    // The centroid of the light moves by half of the vectors, weighted by light. No light is lost in the
+    // black surroundings.
     const auto centre = [](const Image& image) {
         glm::dvec3 sum(0);
         for (int y = 0; y < image.height; ++y) {
@@ -650,8 +652,8 @@ TEST_F(Beachball, BlursWithinTheWayAndKeepsTheRest) {
     }
     const glm::dvec3 before = centre(still), after = centre(blurred);
     const glm::dvec2 shift = glm::dvec2(after) / after.z - glm::dvec2(before) / before.z;
-    // The ball's vectors differ by 4 px from its front to its rim, so light may gather or thin by that share
-    // of its radius, 430 px: 1 %. That moves the centre by 1 % of the radius at most.
+    // The vectors differ by 4 px between the ball's front and its rim, so its area may change by 4 px of its
+    // radius of 430 px, 1 %. This moves the centroid by at most 1 % of the radius.
     EXPECT_NEAR(after.z / before.z, 1, 0.01);
     EXPECT_NEAR(shift.x, 0.5 * way.x / light, 4.3);
     EXPECT_NEAR(shift.y, 0.5 * way.y / light, 4.3);

@@ -1,5 +1,5 @@
-// Embree's callbacks for analytic shapes, still and moving, and its filters for triangles. Rays come as
-// structures of arrays of N = 1, 4, 8 or 16.
+// Embree's callbacks for analytic shapes, still and moving, and its filter functions for triangles. Embree
+// passes rays as structures of arrays of N = 1, 4, 8 or 16 rays.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -18,7 +18,7 @@ Crossings<float> item_crossings(const AnalyticSet::Item& item, const Rays& rays,
     return crossings<float>(item.shape, o, d);
 }
 
-// Leaving this very shape: the crossing nearest to the start is the start itself.
+// Removes the crossing nearest to t = 0. For a ray that leaves this shape, that crossing is the ray's origin.
 template <typename T>
 void drop_start(Crossings<T>& c) {
     int nearest = 0;
@@ -32,7 +32,7 @@ void drop_start(Crossings<T>& c) {
     }
 }
 
-// One item for every ray of a packet; `of(i)` are the crossings of ray i.
+// Intersects one primitive with every valid ray of a packet; `of(rays, i)` returns the crossings of ray i.
 template <typename Found>
 void intersect_item(const RTCIntersectFunctionNArguments* args, const Found& of) {
     const auto& context = context_of(args->context);
@@ -76,7 +76,8 @@ void occlude_item(const RTCOccludedFunctionNArguments* args, std::uint32_t objec
     }
 }
 
-// Everything is loaded before anything is stored: pointers into Embree's packet could otherwise alias.
+// All inputs are copied to local arrays before any result is stored: pointers into Embree's packet may
+// alias, which would keep the compiler from vectorising the loop.
 template <unsigned N>
 [[gnu::always_inline]] inline void take_nearest_of(const RTCIntersectFunctionNArguments* args,
                                                    const Rays& rays, const Hits& hits, const Pairs& pairs) {
@@ -116,7 +117,8 @@ POSTLENS_MULTIVERSION void take_nearest(const RTCIntersectFunctionNArguments* ar
     }
 }
 
-// The packets that Embree makes on processors with AVX and beyond; false for others.
+// Handles packets of 8 or 16 rays, which Embree makes on processors with AVX and beyond. Returns false for
+// other sizes.
 bool intersect_packet(const RTCIntersectFunctionNArguments* args, const AnalyticSet::Item& item) {
     const Rays rays(RTCRayHitN_RayN(args->rayhit, args->N), args->N);
     Pairs pairs;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
@@ -177,7 +179,8 @@ void occlude_moving(const RTCOccludedFunctionNArguments* args) {
                  [&](const Rays& rays, unsigned i) { return moving_crossings(set, args->primID, rays, i); });
 }
 
-// Embree takes no bounds beyond about 1.8e18; a flat box needs a little thickness for float rounding.
+// Embree rejects bounds beyond about 1.8e18. The padding gives a flat box some thickness, so that float
+// rounding does not make rays miss it.
 RTCBounds padded(glm::vec3 lo, glm::vec3 hi) {
     for (int c = 0; c < 3; ++c) {
         lo[c] = std::max(lo[c], -1e18F);

@@ -16,8 +16,9 @@ dmat4 frame(const dvec3& x, const dvec3& y, const dvec3& z, const dvec3& origin)
     return {glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(z, 0), glm::dvec4(origin, 1)};
 }
 
-// A right-handed frame about a unit axis that keeps the object's own +X (for +Z: the object's frame itself),
-// so that u = 0 lies where the documentation says.
+// A right-handed frame whose z is a given unit axis and whose x is the object's +X made perpendicular to it
+// (+Y where the axis is close to X). For the axis +Z it is the object's own frame. It fixes where u = 0
+// lies (docs/scene_format.md).
 dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
     const dvec3 hint = std::abs(axis.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - axis * glm::dot(hint, axis));
@@ -26,7 +27,7 @@ dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
 
 template <typename T>
 void quadratic(T a, T half_b, T c, T shift, int part, Crossings<T>& out) {
-    // Roots of a t^2 + 2 half_b t + c without cancellation.
+    // Computes the roots of a t^2 + 2 half_b t + c without cancellation.
     const T discriminant = half_b * half_b - a * c;
     if (!(discriminant >= 0)) return;
     const T q = -(half_b + std::copysign(std::sqrt(discriminant), half_b));
@@ -37,7 +38,8 @@ void quadratic(T a, T half_b, T c, T shift, int part, Crossings<T>& out) {
 
 template <typename T>
 void sphere_crossings(const glm::vec<3, T>& o, const glm::vec<3, T>& d, Crossings<T>& out) {
-    // Measured from the point of the line nearest to the centre: nothing large cancels, near or far.
+    // t is measured from the point of the line nearest to the centre, so that no large terms cancel at any
+    // distance of the origin.
     const T dd = glm::dot(d, d);
     const T tc = -glm::dot(o, d) / dd;
     const glm::vec<3, T> l = o + tc * d;
@@ -114,7 +116,7 @@ dmat3 tangential(const dvec3& n) {
     return dmat3(1) - glm::outerProduct(n, n);
 }
 
-double turn(double x, double y) {  // angle from +X towards +Y as a share of a full turn, in [0, 1)
+double turn(double x, double y) {  // angle from +X towards +Y as a fraction of a full turn, in [0, 1)
     const double u = std::atan2(y, x) / (2 * std::numbers::pi);
     return u < 0 ? u + 1 : u;
 }
@@ -230,7 +232,7 @@ LocalGeometry local_geometry(const AnalyticShape& shape, int part, const dvec3& 
             const double norm = std::sqrt(1 + k * k);
             const dvec2 e(p.x / rho, p.y / rho);
             out.normal = dvec3(e.x, e.y, -k) / norm;
-            // Only the turn about the axis changes the normal: d(e) = (I - e e^T) d(xy) / rho.
+            // Only a rotation about the axis changes the normal: d(e) = (I - e e^T) d(xy) / rho.
             const double s = 1 / (rho * norm);
             out.shape_operator =
                 dmat3(dvec3(e.y * e.y, -e.x * e.y, 0) * s, dvec3(-e.x * e.y, e.x * e.x, 0) * s, dvec3(0));

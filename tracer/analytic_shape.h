@@ -1,4 +1,4 @@
-// Shapes with a formula, each in a canonical frame of its own, so that one affine map does the rest.
+// Shapes with an analytic formula. Each has its own canonical frame, from which one affine map places it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -18,20 +18,22 @@ struct AnalyticShape {
     double inner = 0;
     double height = 1, radius0 = 1, radius1 = 1;
     bool capped = false;
-    /// In the plane z = 0.
+    /// True if the shape lies in the plane z = 0.
     [[nodiscard]] bool flat() const {
         return kind == Kind::disc || kind == Kind::rectangle || kind == Kind::plane;
     }
 };
 
-/// The canonical shape and where it lies in object space. Empty for a mesh.
+/// A shape in its canonical frame and the affine map from there to object space. `place_shape` returns
+/// nothing for a mesh.
 struct PlacedShape {
     AnalyticShape shape;
     glm::dmat4 object_from_local{1};
 };
 [[nodiscard]] std::optional<PlacedShape> place_shape(const Shape& shape);
 
-/// Where a line o + t d meets the shape: every crossing, unsorted; `part` tells faces and caps apart.
+/// All values of t at which a line o + t d crosses the shape, unsorted. `part` says which face or cap is
+/// crossed.
 template <typename T>
 struct Crossings {
     int count = 0;
@@ -42,20 +44,20 @@ struct Crossings {
         part[count++] = on;
     }
 };
-/// Parts of a cone; a box has parts 0..5: 2 * axis + (upper face).
+/// Parts of a cone. A box has parts 0 to 5: 2 * axis + (1 for the upper face, else 0).
 inline constexpr int part_lateral = 0, part_base = 1, part_apex = 2;
 
 template <typename T>
 [[nodiscard]] Crossings<T> crossings(const AnalyticShape& shape, const glm::vec<3, T>& o,
                                      const glm::vec<3, T>& d);
 
-/// Differential geometry at a point of the shape, local frame.
+/// Differential geometry at a point of the shape, in the local frame.
 struct LocalGeometry {
     glm::dvec3 normal{0, 0, 1};    ///< unit, outward
-    glm::dmat3 shape_operator{0};  ///< dN = shape_operator * dP for moves within the surface, 1/length
+    glm::dmat3 shape_operator{0};  ///< dN = shape_operator * dP for dP within the surface, 1/length
 };
 [[nodiscard]] LocalGeometry local_geometry(const AnalyticShape& shape, int part, const glm::dvec3& p);
-/// Surface coordinates there.
+/// Surface coordinates (u, v) of a point of the shape, in the local frame.
 [[nodiscard]] glm::dvec2 local_uv(const AnalyticShape& shape, int part, const glm::dvec3& p);
 
 }  // namespace postlens

@@ -1,4 +1,5 @@
-// What of a scene's shading a trace averages into the records of the surfaces.
+// Counts the materials and lights of a scene whose effect a trace averages over directions into the records'
+// radiance.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +9,8 @@
 namespace postlens {
 
 struct AveragedShading {
-    std::uint64_t materials = 0;  ///< whose mirrored or refracted rays spread (lobe_means.h)
-    std::uint64_t lights = 0;     ///< with an extent (light_means.h)
+    std::uint64_t materials = 0;  ///< materials that reflect or refract into a lobe (lobe_means.h)
+    std::uint64_t lights = 0;     ///< lights with an extent (light_means.h)
     [[nodiscard]] bool any() const { return materials > 0 || lights > 0; }
 };
 

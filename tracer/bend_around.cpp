@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Of the node that `layer` has at `path`, or else the first layer: a layer that begins behind a bounce has
-/// no nodes of its own before that. Null: neither has.
+/// The node of `layer` at `path`, or else the node of layer 0 there: a hidden layer that begins after a
+/// bounce has no nodes before it. Null if there is neither.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -28,11 +28,11 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// What one sample has that is seen by the same path in the same objects.
+/// The nodes of one sample that are seen by the same path through the same objects as a given node.
 struct Seen {
-    float greatest = 0;  ///< W.bend
-    bool any = false;
-    bool same = false;  ///< the same object at the end
+    float greatest = 0;  ///< greatest nonlinear W of these nodes, 1/m^2
+    bool any = false;    ///< there is such a node
+    bool same = false;   ///< one of these nodes lies on the same object as the given node
 };
 
 Seen seen_by(std::span<const Record> records, const ChainNode& node) {

@@ -1,4 +1,5 @@
-// Takes W.bend of a node from the samples around it where it is small there, which saves measuring it.
+// Estimates the nonlinear W (`w_bend`) of a node from the samples around it where these are small. That saves
+// the rays that would measure it.
 #pragma once
 
 #include <array>
@@ -13,18 +14,20 @@ namespace postlens {
 /// Records of four point samples, laid out as in TracedSamples.
 using SamplesAround = std::array<std::span<const Record>, 4>;
 
-/// The node in question and the ids of the objects at which its path bounces, from the eye on.
+/// A node, and the ids of the objects at which its path reflects or transmits, in order from the eye.
 struct ChainNode {
     NodePath path;
     std::uint32_t id = 0;
-    bool hidden = false;                 ///< of a layer but the first
-    std::span<const std::uint32_t> ids;  ///< as many as `path` has bounces
+    bool hidden = false;                 ///< the node's layer is not 0
+    std::span<const std::uint32_t> ids;  ///< one per bounce of `path`
 };
 
-/// Largest W.bend of the nodes in the four samples that have the same path by the same objects, 1/m^2. Empty
-/// if it may differ at the node in question, which is if a sample has no such node, if none of them lies on
-/// the same object, or if the value exceeds `little` and is not about equal all around (the same object in
-/// all four, values within a factor of two).
+/// Greatest `w_bend` of those nodes in the four samples that have the path of `node` through the same
+/// objects, 1/m^2. Empty if the value at `node` may differ, that is:
+/// - if a sample has no such node;
+/// - if no such node lies on the object of `node`;
+/// - if the value exceeds `little`, unless all four samples have a node on the object of `node` and their
+///   values agree within a factor of two.
 [[nodiscard]] std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node,
                                                float little);
 

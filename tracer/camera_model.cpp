@@ -24,7 +24,8 @@ double positive(double value, const char* option, const char* unit) {
     return value;
 }
 
-// d that makes `pixels` pixels, centre to centre or edge to edge, fill the angle.
+// The film distance, mm, at which `pixels` pixels subtend the angle `degrees`, measured between the centres
+// of the outermost pixels or between their outer edges.
 double film_distance(const Camera& c, double degrees, double pitch_mm, int pixels) {
     const double film_mm = pitch_mm * (c.fov_between_pixel_centres ? pixels - 1 : pixels);
     return film_mm / 2 / half_tangent(degrees);
@@ -105,7 +106,7 @@ CameraRay CameraModel::ray(double x, double y) const {
         const double metres_per_px = pixel_pitch_mm * 1e-3;
         return {position + (px * metres_per_px) * right + (py * metres_per_px) * down, forward, 1.0};
     }
-    // Divisions would cost as much as Embree's part of an eye ray: there is only one, under the root.
+    // Divisions would cost as much as Embree's part of an eye ray, so only one is left: that by the root.
     const double tx = px * tangent_per_px, ty = py * tangent_per_px;
     const double cosine = 1 / std::sqrt(1 + tx * tx + ty * ty);
     return {position, (forward + tx * right + ty * down) * cosine, cosine};

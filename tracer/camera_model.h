@@ -1,4 +1,4 @@
-// The pinhole (or orthographic) camera at one instant: raster positions to rays.
+// The pinhole (or orthographic) camera at one instant. Maps raster positions to rays.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,42 +8,44 @@
 
 namespace postlens {
 
-/// What the command line may set over the scene's camera.
+/// Settings of the command line that replace those of the scene's camera.
 struct CameraOverrides {
     std::optional<int> width, height;
-    std::optional<double> film_distance_mm;  ///< from pinhole to film: the view
+    std::optional<double> film_distance_mm;  ///< from pinhole to film
     std::optional<double> film_width_mm;
 };
 
-/// A ray of the camera. Tangents are in raster axes (x right, y down): direction = (tan_x, -tan_y, -1) in the
-/// camera frame, before it is made unit length.
+/// A ray of the camera. With tangents along the raster's axes (x right, y down), its direction in the camera
+/// frame is (tan_x, -tan_y, -1), normalised.
 struct CameraRay {
     glm::dvec3 origin{0}, direction{0, 0, -1};  ///< world, unit length
-    double cos_axis = 1;                        ///< cosine between direction and optical axis
+    double cos_axis = 1;                        ///< cosine of the angle between direction and optical axis
 };
 
 class CameraModel {
   public:
-    /// Throws Error(wrong_arguments) for overrides out of range, Error(invalid_input) for a camera without a
-    /// view.
+    /// Throws Error(wrong_arguments) for overrides out of range, Error(invalid_input) if position, look_at
+    /// and up of the camera do not span a view.
     CameraModel(const Camera& camera, double time_s, const CameraOverrides& overrides = {});
 
-    /// x, y in raster px; any real number, also outside the raster.
+    /// The ray through a raster position, px, which may lie outside the raster.
     [[nodiscard]] CameraRay ray(double x, double y) const;
-    /// The raster position of a point of the world, px; nothing where it is not in front of the pinhole.
+    /// The raster position of a world point, px. Empty if the point is not in front of the pinhole.
     [[nodiscard]] std::optional<glm::dvec2> place(const glm::dvec3& point) const;
-    /// The same of what lies infinitely far away in a direction; perspective only.
+    /// The raster position of a point at infinity in a world direction, px; perspective only. Empty if the
+    /// direction does not point forwards.
     [[nodiscard]] std::optional<glm::dvec2> place_at_infinity(const glm::dvec3& direction) const;
 
     int width = 0, height = 0;
     Camera::Projection projection = Camera::Projection::perspective;
-    double film_distance_mm = 0;  ///< d; perspective
+    double film_distance_mm = 0;  ///< perspective only
     double pixel_pitch_mm = 0;    ///< on the film; orthographic: in the scene
-    double tangent_per_px = 0;    ///< pitch / d; perspective
+    double tangent_per_px = 0;    ///< pixel pitch / film distance; perspective only
     glm::dmat4 world_from_camera{1};
-    glm::dmat4 rest_from_camera{1};  ///< the same before the camera's own motion
+    glm::dmat4 rest_from_camera{1};  ///< world_from_camera without the camera's motion
 
-    /// World directions of the raster axes: x right, y down; and of the optical axis. Unit length.
+    /// World directions of the raster axes (x right, y down) and of the optical axis, unit length; and the
+    /// position of the pinhole in the world, m.
     glm::dvec3 right{1, 0, 0}, down{0, -1, 0}, forward{0, 0, -1}, position{0};
 };
 

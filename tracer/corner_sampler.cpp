@@ -14,26 +14,27 @@
 namespace postlens {
 namespace {
 
-// Positions on the dyadic grid: px * 2^levels, offset so that the window starts at 0.
+// Position on the grid of all cell corners, in units of 2^-levels px from the window's upper left corner.
 using Key = std::uint64_t;  // y << 32 | x
 
-// What of a point sample decides about subdivision, and where its records lie.
+// The properties of a point sample that decide about subdivision, and where its records lie.
 struct Sample {
     std::uint32_t x = 0, y = 0;  // grid units
     std::uint32_t chunk = 0, first = 0, count = 0;
-    std::uint32_t visible = 0;  // of `count`, those of layer 0, which come first
-    std::uint32_t id = 0;
-    float z = 0;  // of the primary node
+    std::uint32_t visible = 0;  // number of records of layer 0, which come first
+    std::uint32_t id = 0;       // of the primary node
+    float z = 0;                // z' of the primary node, m
     float r = 0, g = 0, b = 0;
 };
 
 struct Cell {
     std::uint32_t x, y;                   // grid units, upper left
-    std::uint32_t size;                   // grid units; 1 cannot be split
-    std::array<std::uint32_t, 4> corner;  // samples: upper left, upper right, lower left, lower right
+    std::uint32_t size;                   // grid units; a cell of size 1 cannot be split
+    std::array<std::uint32_t, 4> corner;  // sample indices: upper left, upper right, lower left, lower right
 };
 
-// Rows of pixels traced together: enough tiles for any machine, little enough memory for any raster.
+// Rows of pixels that are traced together. 64 rows have enough tiles to occupy all threads, and need little
+// memory at any raster width.
 constexpr int band_rows = 64;
 constexpr int tile = 32;
 constexpr std::size_t batch_size = 256;
@@ -77,9 +78,9 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces `batches` batches and appends their samples in order. `fill(i, keys)` names the points of batch
-    // i, of which there are `sizes[i]`; `traced(index, sample)` is told each. Both are called from any
-    // thread, and so is `around(key)`: samples traced before that lie near.
+    // Traces batches of points and appends their samples in order. `fill(i, keys)` writes the `sizes[i]`
+    // points of batch i. `traced(index, sample)` is called for every sample. `around(key)` returns samples
+    // nearby that were traced before. All three are called from any thread.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(Key)>& around = {}) {
@@ -114,7 +115,8 @@ class BandSampler {
         for (const RayCounts& c : spent) counts += c;
     }
 
-    // A record's radiance without noise, by which cells split: noise would split them all.
+    // A record's radiance without its noisy part. Cells are split by its contrast, because noise would split
+    // every cell.
     [[nodiscard]] static glm::vec3 steady(const TracedSamples& chunk, std::size_t record) {
         const Record& r = chunk.records[record];
         const glm::vec3 all(r.r, r.g, r.b);
@@ -145,7 +147,8 @@ class BandSampler {
         return s;
     }
 
-    // All corners of the band; the first row was traced with the band above unless there is none.
+    // Traces all pixel corners of the band. The first row of corners was traced with the band above, if there
+    // is one.
     void start_band(int y_begin, int y_end, bool first) {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns_), 0);
@@ -166,7 +169,7 @@ class BandSampler {
         }
         const auto fill = [&](std::size_t i, std::vector<Key>& keys) {
             const Tile& t = tiles[i];
-            // Packets of 16 rays are blocks of 4 x 4 corners.
+            // A packet of 16 rays is a block of 4 x 4 corners.
             for (int by = t.y; by < t.y_end; by += 4) {
                 for (int bx = t.x; bx < t.x_end; bx += 4) {
                     for (int y = by; y < std::min(by + 4, t.y_end); ++y) {
@@ -183,7 +186,7 @@ class BandSampler {
         });
     }
 
-    // Makes a sample of the band above findable: corners by row and column, others by key.
+    // Indexes a sample of the band above: pixel corners by row and column, other samples by key.
     void place(std::uint32_t i, int y_begin) {
         const Sample& s = samples_[i];
         if (s.x % unit_ == 0 && s.y % unit_ == 0) {
@@ -194,7 +197,8 @@ class BandSampler {
         }
     }
 
-    // What decides of one layer of a sample; its nodes are `count` from `first` on, by path.
+    // The properties of one layer of a sample that decide about subdivision. The layer's nodes are the
+    // records [first, first + count) of `chunk`, sorted by path.
     struct Seen {
         std::uint32_t id = 0;
         std::array<float, 3> rgb{};
@@ -219,12 +223,13 @@ class BandSampler {
         return pattern_between(s, count);
     }
 
-    // 0.05 keeps dark noise from splitting; contrast as in [mitchell1987].
+    // Contrast as in [mitchell1987]. The term 0.05 keeps small differences of dark colours from splitting.
     [[nodiscard]] bool has_contrast(double lo, double hi) const {
         return (hi - lo) / (hi + lo + 0.05) > settings_.threshold;
     }
 
-    // Corners of one colour may lie on either side of a pattern, or in the shadows of different lights.
+    // True if a cell whose corners have similar colours still contains an edge: the texture between the
+    // corners has contrast, or different lights are shadowed at them.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const {
         if (s[0].chunk->sources.empty()) return false;
         for (std::uint32_t n = 0; n < s[0].count; ++n) {
@@ -234,8 +239,8 @@ class BandSampler {
         return false;
     }
 
-    // Notes which nodes of a leaf, as small as colours ask for, have a texture between them that has
-    // contrast.
+    // Lists the nodes at a leaf's corners between which the texture has contrast. Only leaves of the smallest
+    // size to which contrast subdivides are examined.
     void mark_leaf(const Cell& c, std::size_t row) {
         if (!tracer_.has_textures() ||
             c.size > std::max(1U, unit_ >> std::min(settings_.colour_levels, settings_.levels)))
@@ -261,8 +266,8 @@ class BandSampler {
         }
     }
 
-    // The n-th node of the first, and what all others have of the same path and id; nothing where one has
-    // none.
+    // The n-th node of the first corner, and the node of the same path and id at each other corner. Empty if
+    // a corner has none.
     [[nodiscard]] static std::optional<std::array<std::uint32_t, 4>> nodes_like(const Seen* s, int count,
                                                                                 std::uint32_t n) {
         std::array<std::uint32_t, 4> node{s[0].first + n};
@@ -274,7 +279,7 @@ class BandSampler {
         return node;
     }
 
-    // What has the same path and id.
+    // The node with the path and the id of `wanted`.
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in) {
         for (std::uint32_t n = in.first; n < in.first + in.count; ++n) {
             const Record& r = in.chunk->records[n];
@@ -293,7 +298,7 @@ class BandSampler {
         return false;
     }
 
-    // Whether the texture between the places that the corners look at has contrast, as it is lit there.
+    // Whether the lit texture has contrast between the texture positions of the corners.
     [[nodiscard]] bool texture_differs(const Seen* s, const std::array<std::uint32_t, 4>& node,
                                        int count) const {
         const Texture* texture = s[0].chunk->sources[node[0]].texture;
@@ -308,7 +313,7 @@ class BandSampler {
         const ColourRange range = texture->range(low, high);
         if (range.low == range.high) return false;
         for (int channel = 0; channel < 3; ++channel) {
-            // What is added to the texture's colour, and what that is multiplied by.
+            // Model of the radiance: plus + times * texel, where texel is the texture's colour.
             double times = 0, plus = HUGE_VAL;
             std::array<double, 4> texel{};
             for (int i = 0; i < count; ++i) {
@@ -330,7 +335,7 @@ class BandSampler {
         return false;
     }
 
-    // Moves `at`, an index into the sample's records, behind those of the layer that begins there.
+    // Reads the layer that begins at `at`, an index into the sample's records, and advances `at` to its end.
     [[nodiscard]] Seen take_layer(const Sample& s, std::uint32_t& at) const {
         const TracedSamples& chunk = chunks_[s.chunk];
         const Record* r = chunk.records.data() + s.first;
@@ -358,8 +363,8 @@ class BandSampler {
                (!things_.empty() && small_things_ask(c, hidden));
     }
 
-    // Corners tell nothing of what lies between them. Things behind all that is seen here are not sought
-    // unless something hidden is wanted as well.
+    // A cell's corners can all miss a narrow object, so such objects split cells by themselves. Objects
+    // behind the farthest visible node are ignored, unless a corner of the cell has hidden layers.
     [[nodiscard]] bool small_things_ask(const Cell& c, bool hidden) const {
         float farthest = 0;
         bool edge = false;
@@ -376,8 +381,9 @@ class BandSampler {
         return size > wanted.find_px || (edge && size > wanted.outline_px);
     }
 
-    // What comes to light is wanted as finely as what is seen. Corners that lack a layer say nothing of it.
-    // Layers without a primary node, which mirrors and glass show, are compared with those of the same path.
+    // Hidden layers split cells by the same criteria as visible ones. Corners that lack a layer are left out
+    // of its comparison. A hidden layer that begins after a bounce has no primary node, so layers are
+    // compared with those whose first node has the same path.
     [[nodiscard]] bool hidden_layers_differ(const Cell& c) const {
         std::array<std::uint32_t, 4> at{};
         for (std::size_t i = 0; i < 4; ++i) at[i] = samples_[c.corner[i]].visible;
@@ -396,13 +402,13 @@ class BandSampler {
         }
     }
 
-    // The path of the first node of the layer that begins at `at`; `none` behind the last.
+    // The path of the first node of the layer that begins at `at`; `none` after the last layer.
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const {
         const Sample& s = samples_[sample];
         return at < s.count ? chunks_[s.chunk].records[s.first + at].path.bits() : none;
     }
 
-    using CellRows = std::vector<std::vector<Cell>>;  // by row of pixels
+    using CellRows = std::vector<std::vector<Cell>>;  // one list of cells per row of pixels
 
     void refine(int y_begin, int y_end) {
         marks_.assign(static_cast<std::size_t>(y_end - y_begin), {});
@@ -445,10 +451,11 @@ class BandSampler {
         return cells;
     }
 
-    // The centre and the middles of the sides of every cell, unless a neighbour asked for them before: that
-    // one is as large and asks now, or lies in the band above.
+    // Traces the centre and the midpoints of the sides of every cell. Neighbouring cells share midpoints,
+    // which are traced once; those on the band's upper edge may have been traced with the band above.
     void trace_missing(const CellRows& cells, int y_begin, int y_end) {
-        // By row of pixels, those on its upper edge included; the last row has the band's lower edge.
+        // One list of points per row of pixels. A row includes its upper edge; the last list is the band's
+        // lower edge.
         std::vector<std::vector<Key>> inside(cells.size() + 1), below(cells.size() + 1);
         parallel_for(cells.size(), [&](std::size_t row) {
             const std::uint32_t end = grid_y(y_begin + static_cast<int>(row) + 1);
@@ -487,7 +494,7 @@ class BandSampler {
             [&](Key k) { return corners_around(k, y_begin, y_end); });
     }
 
-    // The sample at a point that a cell of this row of pixels asked for.
+    // The sample at a centre or midpoint of a cell in this row of pixels.
     [[nodiscard]] std::uint32_t sample_at(Key k, std::size_t row) const {
         for (const std::size_t r : {row, row + 1}) {
             const auto first = wanted_.begin() + static_cast<std::ptrdiff_t>(wanted_rows_[r]),
@@ -499,7 +506,7 @@ class BandSampler {
         return carried_over_.at(k);
     }
 
-    // Of a pixel that has the point inside or on its edge.
+    // The samples at the four corners of a pixel that contains the point, inside or on its edge.
     [[nodiscard]] SamplesAround corners_around(Key k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(to_pixels(static_cast<std::uint32_t>(k))), columns_ - 2),
                   row = std::min(
@@ -533,7 +540,7 @@ class BandSampler {
         }
     }
 
-    // The records of pixel rows [y_begin, y_end), pixel by pixel.
+    // Writes the records of pixel rows [y_begin, y_end), pixel by pixel.
     void emit(int y_begin, int y_end, RecordBand& out) {
         out.x_begin = window_.x_begin;
         out.x_end = window_.x_end + 1;
@@ -547,7 +554,8 @@ class BandSampler {
         };
         const std::size_t pixels =
             static_cast<std::size_t>(y_end - y_begin) * static_cast<std::size_t>(columns_);
-        // Samples sorted by pixel with a counting sort, then by (y, x) within each: the canonical order.
+        // A counting sort orders the samples by pixel. Within a pixel they are then sorted by (y, x), which
+        // is the canonical order of a sample file.
         std::vector<std::uint32_t>& first = first_;
         first.assign(pixels + 1, 0);
         out.offsets.assign(pixels + 1, 0);
@@ -592,8 +600,8 @@ class BandSampler {
             4096);
     }
 
-    // Keeps the samples on the lower edge: the next band's corners, and what its neighbours above traced
-    // there.
+    // Keeps the samples on the band's lower edge, which the next band shares: pixel corners and midpoints of
+    // cells.
     void carry(int y_end) {
         const std::uint32_t edge = grid_y(y_end);
         carried_.records.clear();
@@ -621,8 +629,8 @@ class BandSampler {
             samples_[kept++] = s;
         }
         samples_.resize(kept);
-        // Chunks are kept for their memory: giving it back to the system and asking again cost more than the
-        // tracing.
+        // Chunks are reused by the next band: freeing and allocating their memory again took longer than the
+        // tracing itself.
         std::swap(chunks_[0], carried_);
         used_chunks_ = 1;
     }
@@ -638,14 +646,15 @@ class BandSampler {
     TracedSamples carried_;
     std::vector<Sample> samples_;
     std::vector<std::uint32_t> corners_;
-    std::unordered_map<Key, std::uint32_t> carried_over_;  ///< from the band above: but for corners
-    // What was traced last for cells: sorted, by row of pixels, and the first one's sample.
+    std::unordered_map<Key, std::uint32_t>
+        carried_over_;  ///< samples of the band above, except pixel corners
+    // Points that the last call of trace_missing traced, sorted within each row of pixels.
     std::vector<Key> wanted_;
-    std::vector<std::size_t> wanted_rows_;
-    std::uint32_t first_wanted_ = 0;
-    /// By row of pixels: chunks and records that are to be marked.
+    std::vector<std::size_t> wanted_rows_;  // per row, the index of its first point in wanted_
+    std::uint32_t first_wanted_ = 0;        // the sample of wanted_[0]
+    /// Per row of pixels: (chunk, record) of the records that get the mark for fine texture.
     std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> marks_;
-    std::vector<std::uint32_t> first_, order_, next_;  // of emit, kept for their memory
+    std::vector<std::uint32_t> first_, order_, next_;  // buffers of emit, reused to save allocations
 };
 
 }  // namespace

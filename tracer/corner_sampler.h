@@ -1,5 +1,5 @@
-// Pixel-corner sampling with recursive 2x2 subdivision. Every point sample is traced once, although cells
-// share corners.
+// Samples pixel corners and subdivides cells recursively into 2x2. Cells share corners; each point sample is
+// traced once.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@ namespace postlens {
 
 struct SubdivisionSettings {
     int levels = 0;  ///< greatest depth of the subdivision, 0 to 8
-    /// Greatest depth to which edges alone subdivide, at most `levels`; deeper levels are for small objects
+    /// Greatest depth to which edges subdivide, at most `levels`; deeper levels are for narrow objects
     /// (SmallThings).
     int edge_levels = 8;
     double threshold =
-        0.1;  ///< contrast (max - min) / (max + min + 0.05), any channel, above which a cell splits
-    int colour_levels = 8;  ///< greatest depth to which contrast alone splits; edges go down to `edge_levels`
+        0.1;  ///< a cell splits if (max - min) / (max + min + 0.05) of a colour channel exceeds it
+    int colour_levels = 8;  ///< greatest depth to which contrast of colours subdivides
 };
 
 /// The pixels [x_begin, x_end) x [y_begin, y_end) to sample. Their records also cover the corners at column
@@ -30,12 +30,12 @@ struct SampledWindow {
 /// Traces the window in bands of rows and passes each complete band to `take`, from top to bottom. Subdivides
 /// a cell
 /// - if the primary ids of its corners differ, down to `edge_levels`;
-/// - if their colours, or those of the texture between them, differ by a contrast above `threshold`, down to
+/// - if the contrast of its corners' colours, or of the texture between them, exceeds `threshold`, down to
 ///   `colour_levels`;
-/// - if different lights are shadowed at its corners;
-/// - if `things` requires it, down to `levels`.
-/// The first three also apply to every hidden layer. Needs memory for one band only. Deterministic for any
-/// number of threads. Returns the number of rays.
+/// - if different lights are shadowed at its corners, down to `colour_levels`;
+/// - if the narrow objects in `things` require it, down to `levels`.
+/// The first three criteria also apply to every hidden layer. Needs memory for one band only. The result does
+/// not depend on the number of threads. Returns the number of rays.
 RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window,
                          const SubdivisionSettings& settings,
                          const std::function<void(const RecordBand&)>& take, const SmallThings& things = {});

@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-// What hashed sets of numbers are for.
+// Purposes of the random decisions at a node. Each has its own sample set (sample_set).
 enum class Purpose : std::uint32_t { light = 1, reflection = 2, transmission = 3, roulette = 4 };
 
 SampleSet set_for(Purpose purpose, NodePath path, std::size_t which) {
@@ -23,11 +23,11 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    std::uint32_t node = no_node;  ///< of those that are limited
+    std::uint32_t node = no_node;  ///< index of the LimitedNode that receives the light; no_node: the eye ray
     dvec3 radiance{0};
 };
 
-/// A node of which only so much is to be seen: all its light comes together before it counts.
+/// A node whose radiance is clamped (LightElsewhere). All its light is summed before the clamp.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
@@ -43,7 +43,7 @@ struct DistributedTracer::PathRay {
     std::uint32_t parent_id = 0;
 };
 
-// Buffers of one thread, kept from batch to batch.
+// Buffers of one thread, reused for every batch.
 struct DistributedTracer::Workspace {
     std::vector<PathRay> rays, next_rays;
     RayBatch batch, next_batch;
@@ -54,7 +54,8 @@ struct DistributedTracer::Workspace {
 
 dvec3 spread_direction(const dvec3& axis, double exponent, const glm::dvec2& uv) {
     if (exponent == std::numeric_limits<double>::infinity()) return axis;
-    // Density (n + 1) / (2 pi) cos^n: the cosine's distribution is c^(n + 1).
+    // The density of directions is (n + 1) / (2 pi) cos^n, so the cosine's cumulative distribution is
+    // c^(n + 1).
     const double cosine = std::pow(1 - uv.x, 1 / (exponent + 1));
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = 2 * std::numbers::pi * uv.y;
     const dvec3 hint = std::abs(axis.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
@@ -142,8 +143,8 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
             const glm::vec2 uv =
                 sampler_.point_2d(eye.pixel[sample], set_for(purpose, ray.path, 0), eye.index[sample]);
             direction = spread_direction(direction, exponent, glm::dvec2(uv));
-            // What the lobe sends to the wrong side of the surface comes back on the right one: no light is
-            // lost.
+            // A direction of the lobe that points to the wrong side of the surface is mirrored to the right
+            // side, so that no light is lost.
             const double through = glm::dot(direction, off);
             if (through < 0) direction -= 2 * through * off;
         }

@@ -1,5 +1,5 @@
-// Distributed ray tracing [cook1984]: every eye ray with its own point of the lens and its own instant;
-// shadow rays spread over lights, mirrored and refracted rays about their exact directions.
+// Distributed ray tracing [cook1984]. Every eye ray has its own lens point and its own instant. Shadow rays
+// sample the extent of lights; reflected and refracted rays sample the lobes of rough surfaces.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +16,24 @@
 namespace postlens {
 
 struct DistributedSettings {
-    int max_depth = 5;               ///< nodes along a path, as WhittedSettings
-    double min_contribution = 1e-3;  ///< radiance; as WhittedSettings
-    /// Russian roulette: a mirrored or refracted ray is followed with the probability of its share, and then
-    /// counts in full. The mean stays; there are fewer rays, and more noise.
+    int max_depth = 5;               ///< nodes along a path, as in WhittedSettings
+    double min_contribution = 1e-3;  ///< radiance, as in WhittedSettings
+    /// Russian roulette: a reflected or refracted ray is traced with a probability equal to its greatest
+    /// coefficient, by which its weight is divided. The expected radiance is the same, with fewer rays and
+    /// more noise.
     bool roulette = false;
 };
 
-/// Eye rays and what their numbers come from.
+/// Eye rays, the samples that they are made from, and their radiance.
 struct EyeRays {
     RayBatch rays;
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
-    std::vector<float> weight;         ///< how much of its light the lens lets through; empty: all
-    /// What the radiance of each ray is multiplied with in the end, for `min_contribution`; empty: 1.
+    std::vector<float> weight;         ///< transmittance of the lens for each ray; empty: 1
+    /// Weight of each ray in the result, by which `min_contribution` is judged; empty: 1.
     std::vector<double> importance;
-    const LightElsewhere* less = nullptr;  ///< what no ray is to see; null: all is seen
-    /// With that: where the pinhole sees what a ray meets after t, raster px.
+    const LightElsewhere* less = nullptr;  ///< radiance that rays must not count; null: all counts
+    /// Only with `less`: raster position, px, at which the pinhole sees the point at distance t on a ray.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
 };
@@ -42,24 +43,25 @@ class DistributedTracer {
     /// Keeps references to scene and sampler.
     DistributedTracer(const RayScene& scene, const Sampler& sampler, const DistributedSettings& settings);
 
-    /// Follows the rays to the end of their shading trees. Thread-safe; the same rays in the same groups give
-    /// the same bits.
+    /// Traces the shading trees of all rays and sets `eye.radiance`. Thread-safe. The same rays in the same
+    /// groups give the same bits.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
-    /// Whether eye rays go to Embree as coherent: with a lens it makes no difference, with a pinhole twice
-    /// the speed, and where geometry moves it costs nearly half (docs/performance.md).
+    /// Whether eye rays are passed to Embree with its coherent flag. The flag doubles the speed with a
+    /// pinhole, changes nothing with a lens, and nearly halves the speed of moving geometry
+    /// (docs/performance.md).
     [[nodiscard]] bool coherent() const { return !scene_.moves(); }
-    /// Whether rays need their times: something other than the camera moves.
+    /// Whether rays need their times: true if objects or lights move.
     [[nodiscard]] bool needs_times() const { return scene_.moves() || moving_lights_; }
 
   private:
     struct PathRay;
     struct Workspace;
-    // What a hit on an object asks for, from the least to all.
+    // How a hit on an object is shaded, from the cheapest to the most expensive.
     enum class Answer : std::uint8_t {
-        constant,  // the same radiance everywhere
-        texture,   // radiance by texture alone
-        full,      // lights, mirrors, glass
+        constant,  // the radiance is constant
+        texture,   // the radiance depends only on the texture
+        full,      // the object is lit, reflects or transmits
     };
     void shade(const PathRay& ray, const SurfacePoint& s, const HitKey& key, EyeRays& eye, Workspace& w,
                RayCounts& counts) const;
@@ -69,7 +71,7 @@ class DistributedTracer {
     void spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
                const Material& m, const EyeRays& eye, Workspace& w, RayCounts& counts) const;
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
-    /// Whether some of a node's light is not to be seen.
+    /// Whether a node's radiance is clamped.
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
 
     const RayScene& scene_;
@@ -79,13 +81,13 @@ class DistributedTracer {
     std::vector<Answer> answers_;          // per object
     std::vector<glm::dvec3> constant_;     // per object
     std::vector<PlacedLight> lights_;      // at the shutter's opening
-    std::vector<MotionPath> light_paths_;  // of lights that move while it is open; else empty
+    std::vector<MotionPath> light_paths_;  // per light
     std::vector<bool> light_moves_;
     bool moving_lights_ = false;
 };
 
-/// A direction spread about `axis` in a lobe cos^exponent [phong1975]; (u, v) in [0, 1)^2. Infinity: the axis
-/// itself.
+/// Samples a direction from the lobe cos^exponent about `axis` [phong1975]; (u, v) in [0, 1)^2. For an
+/// infinite exponent it is the axis itself.
 [[nodiscard]] glm::dvec3 spread_direction(const glm::dvec3& axis, double exponent, const glm::dvec2& uv);
 
 }  // namespace postlens

@@ -30,11 +30,11 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
     int looked_at = 0, picture_rows = 0;
     for (int i = 0; i < count; ++i) {
         throw_if_interrupted();
-        // Each in the middle of its share of the window.
+        // Each stripe lies in the middle of its part of the window.
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // The last row is the corners below the stripe, without what is sampled inside of their pixels.
+        // The band's last row holds only the stripe's lower corners, without subdivision, so it is left out.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {

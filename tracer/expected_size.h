@@ -1,4 +1,4 @@
-// How large a sample file will be, from a look at a few rows.
+// Predicts the size of a sample file from a preview pass over a few rows.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,12 @@
 
 namespace postlens {
 
-/// Rows that the look traces of a window of so many: 2 in about 100, at least 8 where there are as many.
+/// Number of rows that the preview pass traces in a window of `rows` rows: 2 of every 96, at least 8 and at
+/// most 64, but not more than `rows`.
 [[nodiscard]] int looked_at_rows(int rows);
 
-/// Bytes of a sample file of `instants` instants as dense as this one: of pairs of rows, evenly spread, that
-/// are traced and packed as the file's will be. The header does not count.
+/// Predicted size of a sample file, bytes, without its header. Pairs of rows, evenly spaced in the window,
+/// are traced and packed as those of the file. The result is scaled to all rows and to `instants` instants.
 [[nodiscard]] std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWindow& window,
                                                 const SubdivisionSettings& subdivision,
                                                 const SmallThings& things, const SampleHeader& header,

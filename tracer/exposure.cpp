@@ -13,7 +13,7 @@
 namespace postlens {
 namespace {
 
-constexpr int preview_px = 96;  ///< the longer side
+constexpr int preview_px = 96;  ///< length of the preview's longer side
 
 CameraModel preview_camera(const Camera& of, double time_s, CameraOverrides overrides) {
     const CameraModel whole(of, time_s, overrides);

@@ -1,4 +1,4 @@
-// A scene's exposure: how bright its light is relative to white (docs/exposure.md).
+// A scene's exposure: the scale of its light relative to white (docs/exposure.md).
 #pragma once
 
 #include <string>
@@ -8,14 +8,15 @@
 
 namespace postlens {
 
-/// Brings the colours of all light in the scene to 2^stops times those of its file; exactly those for 0.
+/// Sets the colours of all light in the scene to 2^stops times those of its file. 0 stops give exactly the
+/// file's.
 void expose(Scene& scene, double stops);
 
-/// The exposure of `--exposure auto`: auto_exposure_of (records/exposure.h) over the largest channels of a
-/// preview of the scene's own radiance, whatever the scene's exposure is. The preview is at the scene's
-/// default instant, 96 px along its longer side, one ray of Whitted's model through each pixel's centre,
-/// trees of up to 5 nodes along a path. It does not depend on the size of the picture, only on its
-/// proportions. The same bits for any number of threads. Throws as find_camera and CameraModel do.
+/// The exposure, stops, of `--exposure auto`: auto_exposure_of (records/exposure.h) of the largest channels
+/// in a preview of the scene. The preview shows the scene's default instant without its exposure, is 96 px
+/// along its longer side, and has one shading tree of at most 5 nodes along a path through each pixel's
+/// centre. The result depends on the aspect ratio of the image but not on its size, and has the same bits for
+/// any number of threads. Throws as find_camera and CameraModel do.
 [[nodiscard]] double auto_exposure_stops(const Scene& scene, const std::string& camera_name,
                                          const CameraOverrides& camera);
 

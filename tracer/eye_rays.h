@@ -1,4 +1,4 @@
-// The eye rays of some pixels, and pixels rendered one by one.
+// Makes the eye rays of given pixels, and renders given pixels.
 #pragma once
 
 #include <array>
@@ -11,13 +11,13 @@
 
 namespace postlens {
 
-/// Samples [first, first + count) of each of the pixels (y * width + x), pixel by pixel, into `eye`.
-/// `times`: whether rays need theirs.
+/// Writes the eye rays of samples [first, first + count) of each pixel (index y * width + x), pixel by pixel,
+/// to `eye`. `times`: whether the rays get times.
 void make_eye_rays(const RenderSetup& setup, const Sampler& sampler, bool times,
                    std::span<const std::uint32_t> pixels, int first, int count, EyeRays& eye);
 
-/// Colours of some pixels, as `render_picture` with these settings gives them but for rounding; `halves` and
-/// `resume` do not count. Same bits for any number of threads.
+/// Colours of the given pixels, equal to those of `render_picture` with the same settings except for
+/// rounding. `halves` and `resume` have no effect. The bits are the same for any number of threads.
 struct RenderedPixels {
     std::vector<std::array<float, 3>> rgb;
     RayCounts rays;

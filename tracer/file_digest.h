@@ -1,4 +1,4 @@
-// SHA-256 of what a scene was read from.
+// SHA-256 of the files that a scene is read from.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace postlens {
 
-/// A running SHA-256.
+/// SHA-256 of bytes that are added in parts.
 class Sha256 {
   public:
     Sha256();
@@ -29,7 +29,7 @@ class Sha256 {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Of the file's bytes. Throws Error(invalid_input).
+/// SHA-256 of a file, in hexadecimal digits. Throws Error(invalid_input) if the file cannot be read.
 [[nodiscard]] std::string sha256_of_file(const std::filesystem::path& path);
 
 }  // namespace postlens

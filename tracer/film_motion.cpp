@@ -13,10 +13,10 @@ using glm::dvec3;
 
 namespace {
 
-// More than so many balls to look at would cost more than the ray that they may save.
+// Testing more balls than this costs more than the ray that the test may save.
 constexpr std::size_t most_balls = 64;
 
-// Rounding of keys that are meant to turn about the pinhole, m per m.
+// Translation of the pinhole that counts as rounding of keys that only rotate it, m per m from the origin.
 constexpr double still = 1e-9;
 
 }  // namespace

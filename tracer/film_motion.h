@@ -26,12 +26,12 @@ class FilmMotion {
     /// `from_s`. Empty if it is then behind the camera.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// The same for a ray that hit nothing, that is for a point at infinity. With an orthographic camera the
-    /// result is the ray's own position `at`.
+    /// Raster position, px, at instant i, of the point at infinity in `direction`, for a ray that hit
+    /// nothing. With an orthographic camera it is the ray's own position `at`.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
-    /// True if an object or the camera is at another place at one of the instants.
+    /// True if the pose of an object or the camera at one of the instants differs from that at `from_s`.
     [[nodiscard]] bool anything_moves() const { return camera_moves_ || !moving_.empty(); }
     [[nodiscard]] bool moves(std::uint32_t id) const { return moving_.contains(id); }
     /// True if the camera's motion causes parallax between near and far points, which every motion does
@@ -48,7 +48,7 @@ class FilmMotion {
     std::vector<CameraModel> cameras_;  ///< per instant
     /// Per moving id and instant: maps a point at `from_s` to its position at that instant.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
-    std::vector<Ball> balls_;  ///< around the moving ids at `from_s`
+    std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;
 };
 

@@ -1,4 +1,4 @@
-// Numbers out of the buffers of a glTF document.
+// Reads numbers from the buffers of a glTF document.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,19 @@ namespace postlens {
 
 struct GltfValues {
     std::size_t count = 0;
-    std::size_t components = 1;  ///< of one element: 1 of a SCALAR, 3 of a VEC3, ...
-    std::vector<float> values;   ///< element by element; finite; of normalised integers in -1..1 or 0..1
+    std::size_t components = 1;  ///< of one element: 1 for a SCALAR, 3 for a VEC3, ...
+    std::vector<float> values;   ///< element by element, finite; normalised integers in [-1, 1] or [0, 1]
 };
 
-/// Reads accessors, with a bound on what they add up to: many may share a small buffer.
+/// Reads accessors and limits their total size, because many accessors may share one small buffer.
 class GltfAccessors {
   public:
     explicit GltfAccessors(const GltfDocument& document) : document_(document) {}
 
-    /// The elements of an accessor (its index is in range), which must have one of these numbers of
-    /// components, be within its buffer view and hold finite numbers only; sparse ones are filled in. `place`
-    /// is who asks. Throws Error(invalid_input).
+    /// The elements of an accessor, whose index must be in range. Sparse elements are filled in. `place` is
+    /// the JSON object that refers to the accessor, for error messages. Throws Error(invalid_input) if the
+    /// number of components is not one of `components`, if elements lie outside of the buffer view, or if a
+    /// number is not finite.
     [[nodiscard]] GltfValues floats(std::size_t index, std::initializer_list<std::size_t> components,
                                     const JsonPlace& place);
     /// Unsigned integers of a SCALAR accessor, each less than `limit`.

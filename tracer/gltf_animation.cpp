@@ -21,7 +21,7 @@ std::array<double, 4> parts_of(const glm::dquat& q) {
     return {q.x, q.y, q.z, q.w};
 }
 
-// A rotation of no length stands for none.
+// A quaternion of length 0 stands for the identity.
 std::array<double, 4> unit(const std::array<double, 4>& v) {
     const glm::dquat q = quaternion(v);
     return glm::length(q) > 1e-12 ? parts_of(glm::normalize(q)) : std::array<double, 4>{0, 0, 0, 1};
@@ -124,7 +124,8 @@ class AnimationReader {
 std::array<double, 4> GltfCurve::at(double time_s) const {
     const auto after = std::upper_bound(times_s.begin(), times_s.end(), time_s);
     const bool cubic = kind == Kind::cubic_spline;
-    // One of the three parts of key k; part 1 of the others is all they have.
+    // Part 0, 1 or 2 of key k: for cubic splines tangent in, value, tangent out. Other curves only have part
+    // 1, the value.
     const auto value = [&](std::size_t k, std::size_t part) {
         std::array<double, 4> v{};
         const std::size_t from = (cubic ? 3 * k + part : k) * components;
@@ -145,7 +146,7 @@ std::array<double, 4> GltfCurve::at(double time_s) const {
         for (std::size_t i = 0; i < components; ++i) v[i] = (1 - t) * a[i] + t * b[i];
         return v;
     }
-    // Hermite's form; tangents are per second [gltf2, appendix C.4].
+    // Cubic Hermite interpolation; tangents are per second [gltf2, appendix C.4].
     const auto leaving = value(k, 2), arriving = value(k + 1, 0);
     const double t2 = t * t, t3 = t2 * t;
     for (std::size_t i = 0; i < components; ++i) {

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view glb_magic = "glTF";
 constexpr std::uint32_t json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
 
-// Little-endian, as the format is and the machines that postlens is built for are.
+// Reads a little-endian word. The format and all machines that postlens is built for are little-endian.
 std::uint32_t word(std::string_view bytes, std::size_t at) {
     std::uint32_t value = 0;
     std::memcpy(&value, bytes.data() + at, sizeof value);
@@ -92,7 +92,7 @@ int hex_digit(char c) {
     return -1;
 }
 
-// %20 and the like.
+// Decodes the percent-encoding of a URI, such as %20.
 std::string without_percents(const std::string& uri) {
     std::string out;
     for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -122,7 +122,8 @@ void check_head(const GltfDocument& d) {
     if (!version.starts_with("2.")) {
         asset.fail_here("is of another version (got {}; expected 2.0)", excerpt(version));
     }
-    // Extensions of materials change what is seen, not what is there: unknown ones are noted, not refused.
+    // Extensions of materials change the appearance but not the geometry, so unknown ones cause a note
+    // instead of an error.
     constexpr std::array<std::string_view, 3> known{"KHR_lights_punctual", "KHR_texture_transform",
                                                     "KHR_mesh_quantization"};
     for (const std::string& name : root.texts("extensionsRequired")) {
@@ -158,7 +159,7 @@ void read_buffers(GltfDocument& d, const std::optional<std::string_view>& binary
     }
 }
 
-// That every view lies within its buffer.
+// Checks that every buffer view lies within its buffer.
 void check_views(const GltfDocument& d) {
     for (const JsonPlace& v : d.root().objects("bufferViews")) {
         const std::size_t buffer = v.required(v.index("buffer", d.buffers.size()), "buffer");

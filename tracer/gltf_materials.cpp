@@ -17,7 +17,7 @@ using glm::dvec3;
 
 constexpr std::size_t clamp_to_edge = 33071, mirrored_repeat = 33648, nearest_filter = 9728;
 
-// What the extensions that are read change; the others are noted.
+// Extensions that are read. Others cause a note.
 constexpr std::array<std::string_view, 7> known_extensions{
     "KHR_materials_transmission", "KHR_materials_volume",
     "KHR_materials_ior",          "KHR_materials_emissive_strength",
@@ -91,7 +91,7 @@ class MaterialReader {
                 out.emission_texture = std::move(texture);
             }
         }
-        // Unlit: the base colour is what glows.
+        // An unlit material emits its base colour.
         if (s.unlit) out.emission_texture = std::exchange(out.colour_texture, nullptr);
         return out;
     }
@@ -109,7 +109,7 @@ class MaterialReader {
     void read_extensions(const JsonPlace& m, MetallicRoughness& s) {
         if (const auto e = m.extension("KHR_materials_ior")) {
             s.ior = e->number("ior", 0, 100).value_or(1.5);
-            // 0 is the extension's way to ask for a mirror.
+            // The extension uses 0 for a Fresnel term of 1 at all angles (a mirror), which is not supported.
             if (s.ior < 1) {
                 notes_.add("an index of refraction below 1 is taken as 1.5");
                 s.ior = 1.5;
@@ -152,7 +152,7 @@ class MaterialReader {
         if (m.has("occlusionTexture")) notes_.add("an occlusionTexture is left out");
     }
 
-    // The picture of a texture, decoded; null where it cannot be had, with a note.
+    // The decoded image of a texture. Null, with a note, if it has no image of a known kind.
     const RawImage* image_of(const JsonPlace& info) {
         const std::size_t texture = info.required(info.index("index", d_.count("textures")), "index");
         const JsonPlace t = d_.item("textures", texture);

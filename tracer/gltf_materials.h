@@ -1,4 +1,4 @@
-// The materials and pictures of a glTF document.
+// The materials and textures of a glTF document.
 #pragma once
 
 #include <vector>
@@ -12,12 +12,12 @@ namespace postlens {
 
 struct GltfMaterials {
     std::vector<Material> materials;  ///< one per material of the document
-    std::vector<UvSource> uvs;        ///< where the pictures of each look
+    std::vector<UvSource> uvs;        ///< per material, the texture coordinates that its textures use
 };
 
-/// Every material as Whitted's model has it (metallic_roughness.h). Pictures stand for colour and emission;
-/// of those for metallic, roughness and transmission the mean counts. What is left out is noted. Throws
-/// Error(invalid_input).
+/// All materials, converted to Whitted's model (metallic_roughness.h). Textures are used for colour and
+/// emission; those of metallic, roughness and transmission are replaced by their means. Everything that is
+/// left out causes a note. Throws Error(invalid_input).
 [[nodiscard]] GltfMaterials read_gltf_materials(GltfDocument& document, SceneNotes& notes);
 
 }  // namespace postlens

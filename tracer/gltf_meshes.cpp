@@ -12,7 +12,7 @@ using glm::dvec3;
 
 enum Mode : std::size_t { triangles = 4, strip = 5, fan = 6 };
 
-// Corners of triangles from a list, a strip or a fan, in turning order.
+// Triangles from the corners of a list, a strip or a fan. All have the winding of the first.
 std::vector<glm::uvec3> assemble(std::size_t mode, const std::vector<std::uint32_t>& corners) {
     std::vector<glm::uvec3> out;
     if (mode == triangles) {
@@ -97,7 +97,7 @@ class PrimitiveReader {
             });
         const auto dropped = mesh_.triangles.end() - kept;
         mesh_.triangles.erase(kept, mesh_.triangles.end());
-        // Strips are stitched together by such triangles.
+        // Strips use triangles without area to join parts, so they cause no note.
         if (mode != strip) {
             for (auto i = dropped; i > 0; --i) notes_.add("a triangle without area is left out");
         }
@@ -121,7 +121,8 @@ class PrimitiveReader {
         mesh_.uvs.reserve(t->count);
         for (std::size_t i = 0; i < t->count; ++i) {
             const double u = source.scale.x * t->values[2 * i], v = source.scale.y * t->values[2 * i + 1];
-            // KHR_texture_transform: scale, rotation (clockwise for v downwards), offset. Ours has v upwards.
+            // KHR_texture_transform applies scale, rotation (clockwise with v downwards) and offset. The
+            // mesh's own v runs upwards.
             mesh_.uvs.emplace_back(c * u + s * v + source.offset.x, 1 - (-s * u + c * v + source.offset.y));
         }
     }

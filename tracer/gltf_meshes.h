@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Which (u, v) of its mesh a material reads, and how they are changed: KHR_texture_transform's matrix, with
-/// v running downwards.
+/// The set of texture coordinates that a material uses, and the transform of KHR_texture_transform that is
+/// applied to them, with v running downwards.
 struct UvSource {
     std::size_t set = 0;  ///< TEXCOORD_set
     glm::dvec2 offset{0}, scale{1};
@@ -23,12 +23,12 @@ struct UvSource {
 /// One primitive of a mesh.
 struct GltfPart {
     std::shared_ptr<const Mesh> mesh;
-    std::optional<std::size_t> material;  ///< index in the document
+    std::optional<std::size_t> material;  ///< index in the document; empty: the default material
 };
 
-/// The primitives of mesh `index` that have triangles, in metres. Points and lines, triangles without area,
-/// skins' weights and morph targets are left out with a note. `uvs`: by material of the document, where its
-/// textures look. Throws Error(invalid_input).
+/// The primitives of mesh `index` that have triangles, in metres. Points, lines, triangles without area and
+/// morph targets are left out with a note. `uvs`: per material of the document, the texture coordinates that
+/// its textures use. Throws Error(invalid_input).
 [[nodiscard]] std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
                                                    GltfAccessors& accessors, const std::vector<UvSource>& uvs,
                                                    double metres_per_unit, SceneNotes& notes);

@@ -54,7 +54,7 @@ Local local_of(const JsonPlace& node, double unit) {
     return out;
 }
 
-// The only node above each, or none.
+// The parent of each node; empty for roots. A node with two parents is an error.
 std::vector<std::optional<std::size_t>> parents_of(const GltfDocument& d) {
     std::vector<std::optional<std::size_t>> parents(d.count("nodes"));
     const auto nodes = d.root().objects("nodes");
@@ -81,9 +81,9 @@ GltfNodes::GltfNodes(const GltfDocument& document, std::map<std::size_t, GltfNod
     if (scenes > 1) notes_.add(fmt::format("of {} scenes number {} is shown", scenes, shown));
     const auto parents = parents_of(d_);
     const JsonPlace scene = d_.item("scenes", shown);
-    // With one node above each at most and none above the roots, what hangs below them has no rings.
+    // Every node has at most one parent and the roots have none, so the nodes below the roots form no cycles.
     std::vector<std::pair<std::size_t, std::optional<std::size_t>>>
-        open;  // node, place of its parent in nodes_
+        open;  // node, index of its parent in nodes_
     std::vector<bool> seen(parents.size(), false);
     for (const std::size_t root : scene.indices("nodes", parents.size())) {
         if (parents[root]) {

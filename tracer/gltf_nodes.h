@@ -1,4 +1,4 @@
-// The tree of nodes of a glTF document: where each stands, and how it moves.
+// The node tree of a glTF document, with the position and the motion of each node.
 #pragma once
 
 #include <map>
@@ -11,38 +11,38 @@
 
 namespace postlens {
 
-/// A node of the scene that is shown. `frame` is the nearest node that moves, this one or one above it.
+/// A node of the scene that is shown. Its `frame` is the nearest animated node: itself or an ancestor.
 struct GltfNode {
     std::size_t index = 0;             ///< in the document
-    glm::dmat4 world_from_node{1};     ///< at rest: without animations
-    std::optional<std::size_t> frame;  ///< index in the document; none: it stands still
-    glm::dmat4 frame_from_node{1};     ///< constant; 1 without a frame
+    glm::dmat4 world_from_node{1};     ///< at rest, that is without animations
+    std::optional<std::size_t> frame;  ///< index in the document; empty: the node does not move
+    glm::dmat4 frame_from_node{1};     ///< constant over time; the identity without a frame
 };
 
 class GltfNodes {
   public:
-    /// The nodes of the document's scene (its default, else the first), each after the one above it.
-    /// Translations are multiplied by `metres_per_unit`. Throws Error(invalid_input) where there is no scene,
-    /// where nodes do not form trees, or more than 256 that move stand above one another.
+    /// The nodes of the document's scene (the default scene, else the first), parents before children.
+    /// Translations are multiplied by `metres_per_unit`. Throws Error(invalid_input) if there is no scene, if
+    /// the nodes do not form trees, or if a chain of ancestors has more than 256 animated nodes.
     GltfNodes(const GltfDocument& document, std::map<std::size_t, GltfNodeCurves> curves,
               double metres_per_unit, SceneNotes& notes);
 
     [[nodiscard]] const std::vector<GltfNode>& nodes() const { return nodes_; }
-    /// Where a frame stands at an instant.
+    /// The placement of a frame in the world at an instant.
     [[nodiscard]] Placement frame_at(std::size_t frame, double time_s) const;
-    /// The instants at which the motion of a frame, or of one above it, has keys; growing.
+    /// The instants of the keys of a frame and of the frames above it, ascending.
     [[nodiscard]] std::vector<double> frame_times_s(std::size_t frame) const;
-    /// The greatest error that a frame has from shearing, as a share of its size, at the instants of its
-    /// keys.
+    /// The greatest error of a frame's placement at the instants of its keys, relative to its size. The error
+    /// arises because a placement cannot represent shear.
     [[nodiscard]] double frame_shear(std::size_t frame) const;
 
   private:
     struct Frame {
-        std::optional<std::size_t> above;  // the next frame upwards
-        Placement above_from_parent;       // what stands still between the two
-        double shear = 0;                  // of that
-        Placement own;
-        int depth = 0;
+        std::optional<std::size_t> above;  // the nearest animated ancestor
+        Placement above_from_parent;       // constant transform between this node's parent and `above`
+        double shear = 0;                  // error from shear in that transform and in the node's own
+        Placement own;                     // the node's placement relative to its parent, at rest
+        int depth = 0;                     // number of animated nodes from the root to this one
     };
     void add(std::size_t index, const GltfNode* parent, double unit);
     [[nodiscard]] Decomposed placed(std::size_t frame, double time_s) const;

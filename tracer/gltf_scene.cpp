@@ -20,7 +20,7 @@ namespace {
 using glm::dmat4;
 using glm::dvec3;
 
-// How far sampled motion may stray, as a share of the size of what moves.
+// Largest error of sampled motion, relative to the size of the moving objects.
 constexpr double motion_tolerance = 1e-4;
 
 class GltfReader {
@@ -41,8 +41,8 @@ class GltfReader {
         add_views(nodes);
         notes_.append_to(scene_.notes, d_.path);
         name_sources(d_.bytes.front(), d_.files, scene_);
-        // A file with lights says what is lit; else a little of the light from everywhere, as scenes of ours
-        // have it.
+        // A file with lights defines its lighting, so it gets no ambient light. A file without lights keeps
+        // the default ambient light.
         if (!scene_.lights.empty()) scene_.ambient_light = dvec3(0);
         complete_scene(scene_, d_.path, answers_to_lights(scene_), 1, open_side(scene_));
         return std::move(scene_);
@@ -59,7 +59,8 @@ class GltfReader {
         if (part.material) return *part.material;
         if (!default_material_) {
             default_material_ = scene_.materials.size();
-            // White and matt: glTF's own default is a rough white metal, which nobody means.
+            // The default material is white and diffuse. glTF's own default, a rough white metal, is rarely
+            // intended.
             scene_.materials.emplace_back().name = "default";
         }
         return *default_material_;
@@ -179,7 +180,7 @@ class GltfReader {
                     keys.clear();
                 }
             }
-            if (!keys.empty()) world = dmat4(1);  // the keys alone say where it stands
+            if (!keys.empty()) world = dmat4(1);  // the keys hold the whole placement
             if (camera) add_camera(*camera, world, keys);
             if (light) add_light(*light, world, keys);
         }
@@ -203,7 +204,7 @@ class GltfReader {
         scene_.lights.push_back(std::move(light));
     }
 
-    // --camera picks by name: no two have the same.
+    // --camera selects by name, so names must be unique.
     [[nodiscard]] std::string unused_name(const std::string& name) const {
         std::string out = name;
         for (int n = 2; std::any_of(scene_.cameras.begin(), scene_.cameras.end(),

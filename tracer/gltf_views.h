@@ -1,4 +1,4 @@
-// Cameras and lights of a glTF document, where a node has one; at the origin, looking along -z.
+// Reads the camera and the light of a glTF node. Both are at the node's origin and point along -z.
 #pragma once
 
 #include <optional>
@@ -9,12 +9,13 @@
 
 namespace postlens {
 
-/// The camera of a node. Throws Error(invalid_input).
+/// The camera of a node, if it has one. Throws Error(invalid_input).
 [[nodiscard]] std::optional<Camera> gltf_camera(const GltfDocument& document, const JsonPlace& node,
                                                 double metres_per_unit);
 
-/// The light of a node (KHR_lights_punctual). Its intensity is the file's, in lux or candela, over pi times
-/// lumens_per_watt: the radiance that a white matt surface shows of it. Throws Error(invalid_input).
+/// The light of a node (KHR_lights_punctual), if it has one. Its intensity is the file's, in lux or candela,
+/// divided by (pi lumens_per_watt): the radiance of a white diffuse surface lit by it. Throws
+/// Error(invalid_input).
 [[nodiscard]] std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& node,
                                               const SceneReadOptions& options, SceneNotes& notes);
 

@@ -13,10 +13,11 @@ using glm::dvec2;
 using glm::dvec3;
 using Places = std::vector<std::optional<dvec2>>;
 
-// On the film; less shows as nothing in a pixel's mean of at least four corners.
+// Smallest displacement on the film that reveals a surface, px. A pixel is the mean of at least four corners,
+// in which a smaller one is not visible.
 constexpr double same_place_px = 0.25;
 
-// Surfaces and exits that one ray may cross, so that a ray along a hedge comes to an end.
+// Limit of the surfaces that one ray enters or leaves, which bounds the cost of rays through foliage.
 constexpr int most_crossings = 256;
 
 bool is_flat(const Shape& shape) {
@@ -24,25 +25,25 @@ bool is_flat(const Shape& shape) {
            std::holds_alternative<Plane>(shape);
 }
 
-// One eye ray on its way.
+// The state of one ray that is continued through the surfaces that it hits.
 struct Chain {
     std::uint32_t ray = 0;
-    HitKey key;           // what it met last
-    double t = 0;         // where, m
-    double here_t = 0;    // where the run of coincident hits begins that it is in
-    bool beyond = false;  // go on behind t, not at t
+    HitKey key;           // last hit
+    double t = 0;         // distance of the last hit, m
+    double here_t = 0;    // distance of the first of the hits that coincide with the last one, m
+    bool beyond = false;  // the next ray starts behind t, not just before it
     int crossings = 0;
-    int layers = 0;  // surfaces met so far
-    int kept = 0;
-    bool still = false;                  // some surface so far does not move
+    int layers = 0;                      // number of surfaces hit so far
+    int kept = 0;                        // number of surfaces returned so far
+    bool still = false;                  // one of the surfaces so far does not move
     std::vector<std::uint32_t> entered;  // objects that the ray is inside of
     struct Met {
         std::uint32_t object;
         bool leaving;
     };
-    std::vector<Met> here;       // met at here_t
-    std::vector<Places> places;  // on the film, of the surfaces so far
-    LensReach::Covers covers;    // the surfaces so far, as a lens sees them
+    std::vector<Met> here;       // coincident hits at here_t
+    std::vector<Places> places;  // per surface so far, its raster positions at all instants
+    LensReach::Covers covers;    // inverse depths of the surfaces so far
 };
 
 class Follower {
@@ -61,14 +62,14 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Where the next ray of the chain begins, along the eye ray. Just before the last hit, so that what
-    // coincides with it is found (a box on a floor); the hit's own primitive is left out by its key.
+    // Distance along the ray, m, at which its next part starts. It is just before the last hit, so that
+    // coincident surfaces (a box on a floor) are found. The hit primitive itself is excluded by its key.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
     }
 
-    // False where the chain has come to its end.
+    // Adds the next hit. Returns false if the chain has ended.
     bool advance(Chain& c, const HitKey& key, double t) {
         if (++c.crossings == most_crossings) return false;
         const FirstHit& e = eye_[c.ray];
@@ -81,7 +82,7 @@ class Follower {
     }
 
   private:
-    // Takes in a hit: a surface, the exit from an object, or the same again.
+    // Adds a hit, which may be a new surface, the exit from an object, or a repetition of a coincident hit.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
@@ -109,12 +110,13 @@ class Follower {
         take(c, key, s);
     }
 
-    // The next layer, a surface or nothing: written down where it is wanted.
+    // Adds the next layer, which is a surface or the background, and returns it to the caller if it is
+    // wanted.
     void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const int layer = c.layers++;
         const bool visible = layer == 0;
         const bool seen_past = wanted_.lens != nullptr && lens_sees(c, key, s);
-        if (visible && !goes_on(c)) return;  // most rays of a picture in which little moves
+        if (visible && !goes_on(c)) return;  // ends most rays of a scene in which little moves
         const bool uncovered = by_motion(c) && comes_to_light(c, key, s);
         if (visible || !(wanted_.all() || seen_past || uncovered)) return;
         ++c.kept;
@@ -135,13 +137,14 @@ class Follower {
 
     [[nodiscard]] bool may_come_to_light(const Chain& c) const {
         if (!by_motion(c)) return false;
-        // What stands still never comes to light behind what stands still.
+        // Without parallax, motion never reveals a still surface behind a still surface.
         if (!c.still || wanted_.motion->parallax()) return true;
         const FirstHit& e = eye_[c.ray];
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
     }
 
-    // Whether some point of the lens sees it behind all before it. Remembers how far away it is.
+    // Whether some lens point sees the surface behind all surfaces in front. Adds its inverse depth to the
+    // chain.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -153,8 +156,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // What a mirror or glass shows lies elsewhere than itself, most often farther away, and comes to
-        // light farther from the edge.
+        // The image in a mirror or glass has another depth than the surface itself, most often a greater one,
+        // so it is visible farther behind an edge.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -170,7 +173,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // Whether all before it move away from it on the film at some instant. Remembers where it lies.
+    // Whether every surface in front moves away from this one on the film at some instant. Adds its raster
+    // positions to the chain.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

@@ -23,7 +23,7 @@ struct HiddenLayers {
     /// Limit with `lens` alone: a lens sees less far behind an edge than objects move.
     static constexpr int most_seen_past = 3;
 
-    int count = 0;  ///< number of surfaces looked at behind the first hit, 0 to `most`
+    int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
     /// Not null: returns only surfaces that motion may reveal, at most `most_uncovered`: at some instant,
     /// every surface in front has moved away from it on the film by more than a quarter of a pixel.
     const FilmMotion* motion = nullptr;
@@ -34,11 +34,11 @@ struct HiddenLayers {
     [[nodiscard]] bool all() const { return motion == nullptr && lens == nullptr; }
 };
 
-/// An eye ray, or a ray reflected or refracted on its way, and its first hit.
+/// An eye ray, or a reflected or refracted ray of its shading tree, and the first hit of that ray.
 struct FirstHit {
     glm::dvec3 origin{0}, direction{0};  ///< direction of unit length
     double cos_axis = 1;                 ///< between the eye ray and the optical axis
-    glm::dvec2 at{0};                    ///< raster, px
+    glm::dvec2 at{0};                    ///< raster position of the eye ray, px
     HitKey key;                          ///< `none`: the ray hit nothing
     SurfacePoint surface;
     NodePath path;                   ///< of the hit; after a bounce only `HiddenLayers::lens` applies
@@ -57,10 +57,10 @@ struct HiddenHit {
     SurfacePoint surface;     ///< t is measured from the ray's origin
 };
 
-/// Appends the hidden surfaces of every ray, sorted by layer within a ray. The point where a ray leaves a
-/// closed object that it has entered does not count as a surface; every hit of a flat object does. After the
-/// last one entry with the key `none` is added, unless the ray hit nothing at all. Adds the number of rays
-/// traced to `rays_spent`. Thread-safe and deterministic.
+/// Writes the hidden surfaces of every ray to `out`, sorted by layer within a ray. The point where a ray
+/// leaves a closed object that it has entered does not count as a surface; every hit of a flat object does.
+/// A ray that leaves the scene behind its last surface gets one entry with the key `none`, subject to the
+/// same criteria. Adds the number of rays traced to `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent);
 

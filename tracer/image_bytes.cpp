@@ -14,7 +14,8 @@
 namespace postlens {
 namespace {
 
-// The reader by the first bytes: names and types in scene files may be wrong, and some readers never say no.
+// Finds the format from the first bytes. Names and types in scene files may be wrong, and some readers accept
+// any bytes.
 const char* format_of(std::string_view bytes) {
     using namespace std::string_view_literals;
     struct Magic {

@@ -1,4 +1,4 @@
-// Pictures that stand in memory as the bytes of an image file.
+// Decodes image files that are held in memory.
 #pragma once
 
 #include <string>
@@ -9,27 +9,26 @@
 
 namespace postlens {
 
-/// The values of an image file, four to a pixel (red, green, blue, alpha), top row first, as the file has
-/// them: 0 to 1 of integer formats, without any transfer curve undone. A missing alpha is 1, grey counts for
-/// all three colours.
+/// The stored values of an image file, four per pixel (red, green, blue, alpha), top row first. Values of
+/// integer formats are scaled to 0 to 1; the transfer curve is not undone. A missing alpha is 1; grey is
+/// copied to all three colours.
 struct RawImage {
     int width = 0, height = 0;
     std::vector<float> rgba;
     bool has_alpha = false;
 };
 
-/// Largest picture that is decoded, pixels: 1 GiB of RawImage.
+/// Largest image that is decoded, pixels. Its RawImage takes 1 GiB.
 inline constexpr double most_image_pixels = 1 << 26;
 
-/// Decodes a file of any format that OpenImageIO reads from memory (PNG, JPEG, ...). `name` is for errors.
-/// Throws Error(invalid_input), also for a picture of more than most_image_pixels and for values that are not
-/// finite.
+/// Decodes a PNG, JPEG or OpenEXR file. `name` is for error messages. Throws Error(invalid_input), also for
+/// an image of more than most_image_pixels and for values that are not finite.
 [[nodiscard]] RawImage decode_image(std::string_view bytes, const std::string& name);
 
-/// As a texture whose colours are sRGB in the file, with scene-linear ones.
+/// A texture with scene-linear colours. The stored values are taken as sRGB.
 [[nodiscard]] ImageTexture colour_image(const RawImage& raw);
 
-/// The mean of one channel (0 to 3) as the file has it.
+/// The mean of the stored values of one channel (0 to 3).
 [[nodiscard]] double channel_mean(const RawImage& raw, std::size_t channel);
 
 }  // namespace postlens

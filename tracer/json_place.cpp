@@ -12,14 +12,14 @@ using nlohmann::json;
 constexpr int deepest = 128;
 constexpr std::size_t most_values = 4'000'000;
 
-// What an error shows of a value.
+// A short description of a value for error messages.
 std::string shown(const json& value) {
     if (value.is_string()) return excerpt(value.get_ref<const std::string&>());
     if (value.is_number() || value.is_boolean()) return value.dump();
     return std::string("an ") + (value.is_array() ? "array" : value.is_object() ? "object" : "empty value");
 }
 
-// The parser's own text without its number and position, which the end of this project's message has.
+// The parser's message without the error number in front, as printable ASCII of at most 200 characters.
 std::string one_line(const json::exception& error) {
     std::string text = error.what();
     const auto end = text.find("] ");
@@ -31,8 +31,8 @@ std::string one_line(const json::exception& error) {
     return text.substr(0, 200);
 }
 
-// Counts brackets, commas and colons outside of strings, before anything is built. The parser's own callback
-// would look at all members of an array for each of them.
+// Limits nesting depth and number of values before parsing, by counting brackets, commas and colons outside
+// of strings. With the parser's callback, every element of an array would cost a scan of the whole array.
 void check_extent(std::string_view text, const std::string& file) {
     int depth = 0;
     std::size_t values = 0;
@@ -63,7 +63,7 @@ json parse_json(std::string_view text, const std::string& file) {
     try {
         return json::parse(text.begin(), text.end());
     } catch (const json::exception& error) {
-        // Not a parse_error alone: a number beyond what a double holds is an out_of_range.
+        // Catches more than parse_error: a number beyond the range of double throws out_of_range.
         fail(ExitCode::invalid_input, "{}: is no JSON ({})", file, one_line(error));
     }
 }

@@ -1,4 +1,4 @@
-// JSON from a file that may be anything: every look at it is checked, and errors say where in the document.
+// Reads JSON from untrusted files. Every access is checked, and errors name the position in the document.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,14 @@
 
 namespace postlens {
 
-/// Parses a document. Throws Error(invalid_input) where it is no JSON, nests deeper than 128 levels or has
-/// more than 4 million values (a value takes some 100 bytes of memory).
+/// Parses a document. Throws Error(invalid_input) if it is no valid JSON, nests deeper than 128 levels or has
+/// more than 4 million values (a value takes about 100 bytes of memory).
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::string& file);
 
-/// A value and its place, e.g. "materials[2].emissiveFactor". Refers to the document and the file's name,
-/// which must outlive it. Everything that is not as asked throws Error(invalid_input) "FILE: PLACE what (got
-/// X; expected Y)".
+/// A JSON value and its position in the document, e.g. "materials[2].emissiveFactor". Keeps references to the
+/// document and the file's name. The accessors take a key of this object and return nothing if it is missing.
+/// They throw Error(invalid_input) "FILE: PLACE what (got X; expected Y)" if the value under it has another
+/// type or is out of range.
 class JsonPlace {
   public:
     JsonPlace(const std::string& file, const nlohmann::json& value, std::string where)
@@ -39,7 +40,7 @@ class JsonPlace {
     /// A whole number.
     [[nodiscard]] std::optional<std::size_t> whole(const char* key, std::size_t least,
                                                    std::size_t most) const;
-    /// An index into `count` things.
+    /// An index into an array of `count` elements.
     [[nodiscard]] std::optional<std::size_t> index(const char* key, std::size_t count) const;
     [[nodiscard]] std::vector<std::size_t> indices(const char* key, std::size_t count) const;
     [[nodiscard]] std::optional<std::vector<double>> numbers(const char* key, std::size_t count, double least,

@@ -15,19 +15,19 @@ namespace {
 
 using glm::dvec3;
 
-// Halfway between two keys a ball has turned by 7.5 degrees since the nearer one saw it: what neither saw is
-// 1 - cos 7.5 degrees, 0.9 %, of its half width.
+// Spacing of the keys. Halfway between two keys a ball has turned by 7.5 degrees since the nearer key; the
+// part of its silhouette that neither key shows is 1 - cos 7.5 degrees, 0.9 %, of its radius.
 constexpr double degrees_per_key = 15;
 
-// Steps over the shutter, besides the keys of the motion: between two of them a direction turns by less than
-// half a turn.
+// Number of steps over the shutter, in addition to the keys of the motion. Directions are assumed to turn by
+// less than 180 degrees between two steps.
 constexpr int steps = 512;
 
 double angle(const dvec3& a, const dvec3& b) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
-// Where the camera is at an instant.
+// Position and direction of the camera at an instant.
 struct View {
     double time_s = 0;
     dvec3 position{0}, backwards{0, 0, 1};
@@ -38,7 +38,7 @@ struct View {
     }
 };
 
-// `views` and those at the keys that lie between the first and the last.
+// `views`, and the views at those keys that lie between the first and the last of them.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;
@@ -102,7 +102,7 @@ double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSp
 }
 
 int keys_for_sweep(double sweep_degrees) {
-    // 60 degrees summed up from 512 steps are still 60.
+    // Tolerance for rounding in the sum over the steps, so that a sweep of 60 degrees needs no extra key.
     constexpr double rounding = 1e-6;
     if (sweep_degrees <= degrees_per_key * (1 + rounding)) return 1;
     const double keys = 1 + std::ceil(sweep_degrees / degrees_per_key - rounding);

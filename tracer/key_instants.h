@@ -1,4 +1,5 @@
-// Which instants of a shutter to record: as many as it takes to have seen what turns into view.
+// Chooses the instants of a shutter at which a scene is recorded: enough to record surfaces that turn into
+// view.
 #pragma once
 
 #include <vector>
@@ -9,17 +10,17 @@
 
 namespace postlens {
 
-/// The greatest angle, degrees, over which the camera goes round an object while the shutter is open: the sum
-/// of the turns of the direction from the object's middle to the camera, in the object's own frame. So much
-/// surface that could not be seen turns into view. A roll about the axis of view and a pan have none.
-/// Infinite planes are left out, and what the camera is in the box of (a room), as long as it is.
+/// The greatest angle, degrees, by which the camera moves around an object while the shutter is open: the
+/// total rotation of the direction from the object's centre to the camera, in the object's own frame. This
+/// measures how much hidden surface turns into view. It is 0 for a roll about the optical axis and for a pan.
+/// Infinite planes do not count, nor does an object (a room) while the camera is inside its bounding box.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
-/// 1 up to 15 degrees: one instant suffices; beyond, 1 + ceil(sweep / 15 degrees), at most 64.
+/// Number of keys for a sweep: 1 up to 15 degrees, else 1 + ceil(sweep / 15 degrees), at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees);
 
-/// `count` instants, 1 or more, that are spread evenly over the shutter, both ends included, without those
-/// that equal `frame_s` (to 1e-9 of the times and of the shutter): growing. None for one.
+/// `count` instants, evenly spaced over the shutter with both ends included, in ascending order. Instants
+/// that equal `frame_s`, to 1e-9 of the times and of the shutter, are left out. Empty if `count` is 1.
 [[nodiscard]] std::vector<double> key_instants(int count, const TimeSpan& shutter, double frame_s);
 
 }  // namespace postlens

@@ -49,7 +49,7 @@ LensCamera::Frame LensCamera::frame_at(double time_s) const {
             pose.direction(rest_.forward)};
 }
 
-// Everything in float: a tangent errs by 2^-24 of the half width of the raster, 1e-4 px.
+// Computes everything in float: the error of a tangent is 2^-24 of the raster's half width, at most 1e-4 px.
 POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Optics& optics, Local& out) {
     constexpr float quarter = std::numbers::pi_v<float> / 4;
     for (std::size_t i = 0; i < lanes; ++i) {
@@ -58,7 +58,7 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
         const float radius = first ? a : b, other = first ? b : a;
         const float safe = radius == 0 ? 1.0F : radius;
         const float angle = quarter * (other / safe), square = angle * angle;
-        // Taylor: within 45 degrees the next terms are below 4e-7 and 3e-8.
+        // Taylor series of sine and cosine. Within 45 degrees the next terms are below 4e-7 and 3e-8.
         const float sine =
             angle * (1 + square * (-1.0F / 6 + square * (1.0F / 120 + square * (-1.0F / 5040))));
         const float cosine =
@@ -67,7 +67,7 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
         const float qx = optics.aperture_radius_m * (first ? along : across);
         const float qy = optics.aperture_radius_m * (first ? across : along);
         const float px = s.x[i] - optics.half_width, py = s.y[i] - optics.half_height;
-        // From q towards the point of the focal plane that the pinhole sees in this direction.
+        // The ray goes from the lens point q towards the point that the pinhole sees in the plane in focus.
         out.tx[i] = px * optics.tangent_per_px - qx * optics.inverse_focus_per_m;
         out.ty[i] = py * optics.tangent_per_px - qy * optics.inverse_focus_per_m;
         out.qx[i] = qx + px * optics.metres_per_px;
@@ -75,7 +75,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
-// What Aperture counts directions in: the picture's corner as the pinhole sees it.
+// The field position that Aperture uses: the tangent of a direction divided by that of the image's corner, as
+// seen from the pinhole.
 dvec2 LensCamera::field_of(const dvec2& tangent) const {
     return tangent * lens_.gain_px / (0.5 * std::hypot(width_, height_));
 }
@@ -203,7 +204,7 @@ void LensCamera::add_local(const Local& local, std::array<float, lanes> time,
     weights.resize(first + lanes);
     for (std::size_t i = 0; i < lanes; ++i) {
         weights[first + i] = weight[i];
-        if (weight[i] == 0) batch.t_far[first + i] = 0;  // ends where it begins
+        if (weight[i] == 0) batch.t_far[first + i] = 0;  // a ray without weight hits nothing
     }
 }
 
@@ -251,8 +252,7 @@ double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     const Frame f = frame_at(time_s);
     const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
     if (!(depth > 0)) return 0;
-    // Close to the plane of the lens the scale has no bound, and what is there is out of the view but for its
-    // edge.
+    // The scale is unbounded close to the plane of the lens, where points lie far outside of the image.
     return lens_.gain_px / std::max(depth, 0.02 * distance);
 }
 

@@ -1,5 +1,5 @@
-// The camera with a lens and a shutter: numbers in [0, 1) to eye rays, each from its own point of the lens at
-// its own instant [cook1984].
+// The camera with a lens and a shutter. Maps sample values in [0, 1) to eye rays, each with its own lens
+// point and its own instant [cook1984].
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace postlens {
 
-/// Sixteen samples: positions on the raster, px; lens and time in [0, 1).
+/// Sixteen samples: raster positions, px, and sample values of lens and time in [0, 1).
 struct LensSamples {
     alignas(64) std::array<float, 16> x, y, lens_u, lens_v, time;
 };
@@ -28,31 +28,30 @@ class LensCamera {
         FocusGeometry lens;  ///< aperture radius 0: a pinhole; `gain_px` sets the field of view
         TimeSpan span;
         ShutterCurve curve = ShutterCurve::box();
-        std::shared_ptr<const Aperture> aperture = nullptr;  ///< none: the disc
-        std::shared_ptr<const LensView> view = nullptr;      ///< a real lens, whose geometry `lens` then is
+        std::shared_ptr<const Aperture> aperture = nullptr;  ///< null: a disc
+        std::shared_ptr<const LensView> view = nullptr;      ///< a real lens with the geometry `lens`
     };
-    /// `camera` gives raster, projection and the pose at rest. An orthographic camera must come with a
-    /// pinhole.
+    /// `model` gives raster, projection and the pose at rest; `camera` gives the motion. An orthographic
+    /// camera requires a pinhole.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
-    /// Sixteen samples whose points of the lens are known: in units of its radius, raster axes. Not for a
-    /// real lens.
+    /// Sixteen samples with given lens points, in lens radii along the raster's axes. Not for a real lens.
     struct PointSamples {
         alignas(64) std::array<float, 16> x, y;
         std::array<glm::dvec2, 16> lens;
         alignas(64) std::array<float, 16> time;
     };
-    /// As add_rays: of the same points of the lens the same rays, but for rounding.
+    /// Adds the rays of given lens points, which equal those of the other add_rays except for rounding.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
-    /// Adds one group of 16 rays to the batch: unit directions, times where the batch has them. `weights`, by
-    /// ray, gets the share of its light that each lets through, where not all do; rays without any reach
-    /// nothing.
+    /// Adds one group of 16 rays to the batch, with unit directions, and with times if the batch has them. If
+    /// `loses_rays()`, appends the lens's transmittance for each ray to `weights`; rays of transmittance 0
+    /// hit nothing.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
-    /// Whether some rays are lost on their way through the lens; else `weights` stays empty.
+    /// Whether the transmittance of some rays through the lens may be below 1. If not, `weights` stays empty.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
-    /// One of them in double: slow and obvious, for tests. `time`: share of the time span.
+    /// One ray, computed in double, as a simple reference for tests. `Ray::time`: fraction of the time span.
     struct Ray {
         glm::dvec3 origin{0}, direction{0, 0, -1};
         double time = 0;
@@ -60,18 +59,20 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Where the pinhole sees what a ray through a point of the lens (in units of its radius), which it would
-    /// see at (x, y) in the plane in focus, meets after `t` m; raster px. Not for a real lens.
+    /// The raster position, px, at which the pinhole sees a point of a ray. The ray goes through the lens
+    /// point `unit` (lens radii) and crosses the plane in focus where the pinhole sees it at (x, y); the
+    /// point is at distance `t` m from the lens. Not for a real lens.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
-    /// px per metre across the view for a point of the world; 0 behind the camera.
+    /// Scale of the image at a world point, px per metre across the view; 0 behind the camera.
     [[nodiscard]] double px_per_m(const glm::dvec3& world, double time_s) const;
     [[nodiscard]] bool moves() const { return moves_; }
     [[nodiscard]] int width() const { return width_; }
     [[nodiscard]] int height() const { return height_; }
 
   private:
-    // Metres on the lens and tangents of directions, in raster axes; what SIMD makes of samples.
+    // Sixteen rays in the camera's frame: lens points, m, and tangents of directions, along the raster's
+    // axes.
     struct Local {
         alignas(64) std::array<float, 16> qx, qy, tx, ty;
     };
@@ -82,9 +83,10 @@ class LensCamera {
         float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
-    /// Towards the point of the focal plane that the pinhole sees at (x, y). Whether it gets through.
+    /// Computes the ray from lens point `unit` towards the point of the plane in focus that the pinhole sees
+    /// at (x, y). Returns whether the aperture transmits it.
     bool local_ray(double x, double y, const glm::dvec2& unit, std::size_t lane, Local& out) const;
-    /// From rays in the camera's frame on.
+    /// Adds rays that are given in the camera's frame.
     void add_local(const Local& local, std::array<float, 16> time, const std::array<float, 16>& weight,
                    RayBatch& batch, std::vector<float>& weights) const;
     void local_rays_of_view(const LensSamples& samples, Local& out, std::array<float, 16>& weight) const;
@@ -96,13 +98,13 @@ class LensCamera {
     int width_, height_;
     bool orthographic_, moves_ = false;
     FocusGeometry lens_;
-    std::shared_ptr<const Aperture> aperture_;  ///< none: the disc
-    std::shared_ptr<const LensView> view_;      ///< none: a thin lens
+    std::shared_ptr<const Aperture> aperture_;  ///< null: a disc
+    std::shared_ptr<const LensView> view_;      ///< null: a thin lens
     Optics optics_{};
     TimeSpan span_;
     ShutterCurve curve_;
     bool even_time_;
-    Frame rest_, still_;  // before the camera's motion; at the shutter's opening
+    Frame rest_, still_;  // without the camera's motion; at the opening of the shutter
     MotionPath path_;
 };
 

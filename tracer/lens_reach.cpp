@@ -14,7 +14,8 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Where the last search of this thread among what may be this raster ended: samples come sorted by place.
+/// Position at which this thread's last search ended, probably in the same pyramid. Samples are sorted by
+/// position, so the next search often succeeds there.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid) {
     thread_local std::array<MinMaxPyramid::Hint, 64> hints;
     return hints[std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) % hints.size()];
@@ -43,7 +44,7 @@ LensReach::LensReach(const RayScene& scene, const CameraModel& camera, double ap
         thread_local std::vector<glm::dvec2> positions;
         thread_local TracedSamples traced;
         positions.clear();
-        // Packets of 16 rays are blocks of 4 x 4.
+        // A packet of 16 rays is a block of 4 x 4 pixels.
         for (int block = 0; block < tile * tile / 16; ++block) {
             for (int k = 0; k < 16; ++k) {
                 const int x = left + block % 4 * 4 + k % 4, y = top + block / 4 * 4 + k / 4;
@@ -112,14 +113,15 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
     if (view == views_.end()) return false;
     const MinMaxPyramid& seen = view->second;
     const double k = px_per_inverse_m_, least = same_place_px / k;
-    if (covers.farthest - std::max(behind, seen.least()) < least) return false;  // most often
+    if (covers.farthest - std::max(behind, seen.least()) < least) return false;  // the usual case
     const auto edge_for = [&](double nearest) {
         const double radius = k * (nearest - behind) + margin_px;
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
-    // A line of sight leaves from under the covers where they end, and is above them all by then. Where that
-    // happens behind something nearer still, it goes on under that, and what is seen beyond tells of the
-    // edge. Most often there is none, as far as anything around could make one look.
+    // An edge of the covers shows as a lower inverse depth nearby, within the displacement of the covers at
+    // the lens's rim. A surface nearer than the covers may hide that edge; the lower inverse depth then lies
+    // beyond it, within the larger displacement of that surface. The first test uses an upper bound of all
+    // displacements and rejects most cases.
     const double radius = k * (covers.nearest - behind) + margin_px;
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;

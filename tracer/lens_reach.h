@@ -1,5 +1,5 @@
-// Which hidden surfaces a lens can see: how far the points of a lens look behind an edge that hides a surface
-// from the lens's centre.
+// Decides which hidden surfaces a lens can see. The lens's centre does not see them, but points towards its
+// rim see a strip of them behind an edge.
 #pragma once
 
 #include <cstdint>
@@ -18,20 +18,21 @@ namespace postlens {
 
 /// Decides from depths whether some point of a lens may see a hidden surface. The inverse depth of a node is
 /// half the trace of W, which is 1/z' for surfaces seen directly. From the rim of a lens of radius R, two
-/// surfaces are displaced against each other by gain R |1/z1 - 1/z2| px, whatever the focus distance; that is
-/// how wide a strip of the farther one can appear behind an edge of the nearer one.
+/// surfaces are displaced against each other by gain R |1/z1 - 1/z2| px at any focus distance. This is the
+/// greatest width of the strip of the farther surface that appears behind an edge of the nearer one.
 class LensReach {
   public:
-    /// Surfaces displaced by less than this count as one: a pixel is the mean of at least four corners, in
-    /// which such a strip does not show.
+    /// Surfaces displaced by less than this are treated as one, px. A pixel is the mean of at least four
+    /// corners, in which a narrower strip is not visible.
     static constexpr double same_place_px = 0.25;
-    /// Added to the width of the strip: an edge is known to within the diagonal of a pixel, and the surface
-    /// is needed up to the far corners of the last pixel that shows it.
+    /// Margin that is added to the width of the strip, px. The position of an edge is known to within the
+    /// diagonal of a pixel, and the hidden surface is needed up to the far corners of the last pixel that
+    /// shows it.
     static constexpr double margin_px = 2.5;
     /// Least change of displacement per pixel that counts as an edge, px/px. A single plane reaches it only
     /// where it is so steep that no lens point looks behind it (slope z' / (8 R)).
     static constexpr double edge_slope = 0.125;
-    /// Nodes after more bounces have no hidden surfaces recorded: they are faint, and there are many of them.
+    /// No hidden surfaces are recorded after more bounces than this: such nodes are numerous and faint.
     static constexpr int most_bounces = 2;
 
     /// Traces one ray per pixel of [x_begin, x_end) x [y_begin, y_end) from the pinhole to find depths and
@@ -43,15 +44,15 @@ class LensReach {
     /// The surfaces that one ray has passed so far. They belong to one view of the scene: rays with the same
     /// path whose last bounce is at the same object.
     struct Covers {
-        glm::dvec2 at{0};          ///< raster, px
-        NodePath path;             ///< empty: hits of the eye ray
+        glm::dvec2 at{0};          ///< raster position of the eye ray, px
+        NodePath path;             ///< path of these surfaces; empty: hits of the eye ray
         std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0: none
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
         double limit = 0;  ///< inverse depth at infinite distance on the ray; not 0 after curved mirrors
     };
     /// True if some lens point may see a surface on this ray, behind all covers, at inverse depth `behind`.
-    /// May be true where none does, never the reverse.
+    /// The result may be true although no lens point sees it, but is never false if one does.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
     /// True if some lens point may see a surface behind all covers at any greater distance.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;

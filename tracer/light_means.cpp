@@ -12,9 +12,9 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr double target_noise = 2.0 / 255;  // of white, in one record
+constexpr double target_noise = 2.0 / 255;  // standard deviation in one record, relative to white
 constexpr int fewest_cells = 4;
-constexpr int first_points = 12;  // on the outline and in the quarters
+constexpr int first_points = 12;  // eight on the outline and one in each quarter
 constexpr double same_transmittance = 1e-3;
 
 dvec2 jitter(std::uint64_t seed, std::uint32_t index) {
@@ -22,14 +22,14 @@ dvec2 jitter(std::uint64_t seed, std::uint32_t index) {
             static_cast<double>(unit_float(random_word(seed, 2 * index + 1)))};
 }
 
-// In cell (i, j) of k x k.
+// A jittered point in cell (i, j) of k x k cells.
 dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
     return (dvec2(i, j) + jitter(seed, static_cast<std::uint32_t>(k * k + j * k + i))) /
            static_cast<double>(k);
 }
 
-// Eight points on the outline, then one in each quarter. Of a sphere the outline is turned at random, since
-// what lies between its points and the circle is left out.
+// Point i of the visibility test: eight points on the outline, then one in each quarter. The eight points of
+// a sphere's outline are rotated at random, because occluders between them are missed.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
     constexpr double inside = 1 - 1e-6;
@@ -44,7 +44,7 @@ Lit lit_at(const ExtentLit& p, const dvec2& uv) {
                   p.colour, p.direction);
 }
 
-// As seen from the surface, rad.
+// Angular diameter of the light source as seen from the surface, rad.
 double extent_angle(const ExtentLit& p) {
     const Light& l = *p.light->light;
     const double distance = glm::length(p.light->position - p.surface.position);
@@ -54,8 +54,8 @@ double extent_angle(const ExtentLit& p) {
     return 2 * std::atan2(size / 2, distance);
 }
 
-// The mean over the source without shadows, by cells that are halved until the mean settles, and no wider
-// than a highlight.
+// The mean over the light source without shadows. The cells are halved until the mean changes little and a
+// cell is narrower than the highlight.
 dvec3 unshadowed(const ExtentLit& p) {
     const double highlight = p.material->has_highlight() ? std::sqrt(p.material->shininess) : 0;
     const double needed = std::min(extent_angle(p) * highlight, static_cast<double>(LightMeans::most_cells));
@@ -79,7 +79,7 @@ int cells_for(const ExtentLit& p, const dvec3& radiance) {
         std::clamp(k, static_cast<double>(fewest_cells), static_cast<double>(LightMeans::most_cells)));
 }
 
-// A point that no light arrives from has no ray. Which have, is told by `sent`.
+// Adds the shadow ray to a point of the light source.
 void send(const ExtentLit& p, const Lit& lit, RayBatch& rays) {
     rays.add(lit.origin, lit.segment, lit.reach, p.key);
 }

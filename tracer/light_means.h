@@ -1,4 +1,4 @@
-// Radiance that a surface point reflects from an area light: the mean over the light. A penumbra does not
+// Radiance that a surface point reflects from an area light, as a mean over the light. A penumbra does not
 // depend on the lens, so a record can hold this mean.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace postlens {
 
-/// A surface point lit by one source with an extent.
+/// A surface point lit by one light source with an extent.
 struct ExtentLit {
     const PlacedLight* light = nullptr;
     const Material* material = nullptr;
@@ -19,11 +19,11 @@ struct ExtentLit {
     Facing facing;
     glm::dvec3 colour{1};      ///< surface_colour
     glm::dvec3 direction{0};   ///< of the ray that sees the surface
-    glm::dvec3 throughput{1};  ///< what the radiance is multiplied with later
+    glm::dvec3 throughput{1};  ///< factor of the radiance in the record
     HitKey key;
-    std::uint64_t seed = 0;  ///< of the points on the source
+    std::uint64_t seed = 0;  ///< of the sample points on the light source
 
-    glm::dvec3 radiance{0};  ///< result: with shadows
+    glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
     /// Noise-free result for decisions: the unshadowed radiance times 1 if the source is fully visible, 0 if
     /// it is hidden, and 1/2 otherwise.
     glm::dvec3 steady{0};
@@ -40,7 +40,8 @@ class LightMeans {
     static constexpr int most_cells = 16;
 
     explicit LightMeans(const RayScene& scene) : scene_(scene) {}
-    /// Fills in the results. `rays` is a buffer. Shadow rays are counted. Thread-safe.
+    /// Sets the results of all points. `rays` is a buffer. Adds the number of rays to `shadow_rays`.
+    /// Thread-safe.
     void average(std::vector<ExtentLit>& points, RayBatch& rays, std::uint64_t& shadow_rays) const;
 
   private:

@@ -15,25 +15,27 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double target_noise = 1.0 / 255;  // of white
-// Bounds the variance that a ray far out in another hit's lobe brings in.
+constexpr double target_noise = 1.0 / 255;  // standard deviation relative to white
+// Limit of the weight of another hit's ray. It bounds the variance from rays at the edge of that hit's lobe.
 constexpr double most_weight = 8;
 
-// Two hits share rays where their lobes overlap in good part.
+// Two hits share rays only if this is true: their axes differ by less than the width of the wider lobe.
 bool overlap(const LobeHit& a, const LobeHit& b) {
     const double width2 = 1 / std::max(1.0, std::min(a.exponent, b.exponent));
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Falls from 1 to 0 at the reach, so that no ray comes in all at once.
+// Weight of hit b's rays at hit a. It falls from 1 to 0 at `reach_px`, so that the mean is continuous over
+// the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
     return share > 0 ? share * share : 0;
 }
 
-// Along Morton's curve neighbours in the raster follow each other, so that the rays near a hit are stratified
-// among themselves. Quarters of a pixel; the low bits distinguish the hits of one batch.
+// Index of a raster position along the Morton curve, in steps of 1/4 px. Neighbours in the raster are close
+// on the curve, so that rays of neighbouring hits are stratified. The low 16 bits of each coordinate
+// distinguish the hits of one batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -50,7 +52,7 @@ std::uint64_t seed_of(const LobeHit& h) {
     return mix64(mix64(mix64(x) ^ y) ^ (static_cast<std::uint64_t>(h.object) << 32 | h.path.bits()));
 }
 
-// Consecutive indices are stratified over the lobe.
+// A scrambled Sobol point for sampling the lobe. Points of consecutive indices are stratified.
 glm::dvec2 lobe_point(std::uint64_t seed, std::uint32_t index) {
     const auto coordinate = [&](int dimension) {
         const auto key = static_cast<std::uint32_t>(mix64(seed + static_cast<std::uint64_t>(dimension)));
@@ -76,15 +78,15 @@ double folded_lobe(const LobeHit& h, const dvec3& direction) {
 }
 
 struct LobeMeans::Ray {
-    std::uint32_t hit = 0;  // whose lobe it is of
-    std::uint32_t pixel = 0, index = 0;
+    std::uint32_t hit = 0;               // the hit whose lobe was sampled
+    std::uint32_t pixel = 0, index = 0;  // of the sampler
     dvec3 direction{0};
-    double density = 0;  // folded_lobe, times exponent + 1
+    double density = 0;  // folded_lobe * (exponent + 1)
     dvec3 radiance{0};
-    double t = 0;  // to what it met; infinity: nothing
+    double t = 0;  // distance of the surface that the ray hits, m; infinity: none
 };
 
-// Hits [first, end) of the sorted order, and the rays that they share.
+// Hits [first, end) of the sorted order, which have one object and one path, and the rays that they share.
 struct LobeMeans::Group {
     std::size_t first = 0, end = 0;
     std::uint64_t seed = 0;
@@ -103,7 +105,7 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Rays [first, ...) of any groups; those with the same number of nodes left stand together.
+// Traces the rays from `first` on, of any groups. They are sorted by the number of nodes left.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;
@@ -206,7 +208,7 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             const LobeHit& h = hits[order[i]];
             const double relative = largest(h.weight) * g.deviation / target_noise;
             if (relative * relative <= piloted) continue;
-            // Hits that share its rays, estimated from some of them.
+            // Number of hits that share rays with this one, estimated from every `stride`-th hit.
             double within = 0;
             for (std::size_t k = g.first + (i - g.first) % stride; k < g.end; k += stride) {
                 const LobeHit& other = hits[order[k]];

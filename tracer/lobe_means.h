@@ -1,6 +1,6 @@
-// Mean radiance over wide lobes of reflection and transmission. Such a lobe looks nearly the same from every
-// point of the lens, so it needs no record of its own: its mean is added to the record of the surface. The
-// samples of a batch share their rays.
+// Mean radiance over wide lobes of reflection and transmission. The mean is nearly the same from every lens
+// point, so it needs no record of its own: it is added to the record of the surface. The samples of a batch
+// share their rays.
 #pragma once
 
 #include <cstdint>
@@ -17,19 +17,19 @@ namespace postlens {
 /// A point of a surface whose lobe is averaged.
 struct LobeHit {
     std::uint32_t object = 0;  ///< index into Scene::objects
-    NodePath path;             ///< of the node that a mirror's ray would make; names the kind of bounce
-    int nodes_left = 0;        ///< along a path that begins with the lobe's ray, >= 1
-    glm::dvec2 at{0};          ///< raster position of the sample, px
-    glm::dvec3 origin{0};      ///< on the surface
-    glm::dvec3 axis{0};        ///< unit; the exact mirrored or refracted direction
-    glm::dvec3 side{0};        ///< unit geometric normal on the side that the lobe leaves to
-    double exponent = 1;       ///< of the lobe cos^exponent
-    glm::dvec3 weight{0};      ///< what the mean is multiplied with: throughput and share
-    HitKey key;                ///< the surface that the rays leave
+    NodePath path;             ///< path of the node that an exact mirror's or glass's ray would create
+    int nodes_left = 0;    ///< greatest number of nodes along a path that begins with the lobe's ray, >= 1
+    glm::dvec2 at{0};      ///< raster position of the sample, px
+    glm::dvec3 origin{0};  ///< on the surface
+    glm::dvec3 axis{0};    ///< exact direction of reflection or refraction, unit length
+    glm::dvec3 side{0};    ///< geometric normal on the side of the lobe, unit length
+    double exponent = 1;   ///< of the lobe cos^exponent
+    glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
+    HitKey key;            ///< the surface that the rays leave
 };
 
-/// Means of incoming radiance over lobes cos^exponent, folded to the side they leave to, as `render` samples
-/// them [phong1975].
+/// Means of incoming radiance over lobes cos^exponent [phong1975], as `render` samples them: directions on
+/// the wrong side of the surface are mirrored to the right side.
 ///
 /// Hits of one object and one path share rays if they lie within `reach_px` of each other and their axes
 /// differ by less than the width of the lobe. Hit i weights a ray of hit j by the ratio of the two lobe
@@ -50,8 +50,8 @@ class LobeMeans {
     /// Keeps a reference to the scene.
     LobeMeans(const RayScene& scene, const WhittedSettings& settings);
 
-    /// means[i]: of hits[i], not yet times its weight. Rays are added to counts.reflect, .refract and
-    /// .shadow. Thread-safe.
+    /// Sets means[i] to the mean of hits[i], before its weight. Adds the numbers of rays to counts.reflect,
+    /// .refract and .shadow. Thread-safe.
     void average(std::span<const LobeHit> hits, std::vector<glm::dvec3>& means, RayCounts& counts) const;
 
   private:
@@ -61,10 +61,11 @@ class LobeMeans {
                RayCounts& counts) const;
 
     Sampler sampler_;
-    std::vector<DistributedTracer> tracers_;  ///< by nodes left, from 1 on
+    std::vector<DistributedTracer> tracers_;  ///< one per number of nodes left, from 1 on
 };
 
-/// Density of the lobe, over its value at the axis, towards a unit direction on its side.
+/// Density of the lobe in a unit direction, relative to cos^exponent at its axis, with the part on the wrong
+/// side of the surface mirrored to the right side. 0 for directions on the wrong side.
 [[nodiscard]] double folded_lobe(const LobeHit& hit, const glm::dvec3& direction);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// The files that assimp may see: the scene's own and, beside it, what it names.
+// The files that assimp may read: the scene file and files in its folder that it refers to.
 #pragma once
 
 #include <assimp/IOStream.hpp>
@@ -11,12 +11,12 @@
 
 namespace postlens {
 
-/// Hands out whole files from memory, as UTF-8: of UTF-16 and UTF-8 a byte order mark says what they are.
-/// Nothing outside of the scene's folder is opened, and nothing is written. What was asked for and is not
-/// there, or leads out, is kept.
+/// Gives assimp whole files from memory, as UTF-8. UTF-16 is recognised by its byte order mark. Nothing
+/// outside of the scene's folder is opened, and nothing is written. The names of requested files that are
+/// missing, or that lead out of the folder, are listed.
 class MeshFiles : public Assimp::IOSystem {
   public:
-    /// `text`: of the scene file itself.
+    /// `text`: content of the scene file.
     MeshFiles(std::filesystem::path scene_path, std::string text)
         : scene_path_(std::move(scene_path)), text_(std::move(text)) {}
 
@@ -38,11 +38,11 @@ class MeshFiles : public Assimp::IOSystem {
     std::vector<std::string> missing_, outside_;
 };
 
-/// Largest file that is given to assimp, bytes: it takes about ten times as much memory.
+/// Largest file that assimp may read, bytes. Assimp needs about ten times as much memory.
 inline constexpr std::uintmax_t largest_mesh_file_bytes = std::uintmax_t{1} << 30;
 
-/// UTF-16 text with a byte order mark as UTF-8; other text as it is, without its mark. What is no character
-/// becomes '?'.
+/// Converts UTF-16 text with a byte order mark to UTF-8, with '?' for surrogates. Removes the byte order mark
+/// of UTF-8 text; returns other text unchanged.
 [[nodiscard]] std::string as_utf8(std::string text);
 
 }  // namespace postlens

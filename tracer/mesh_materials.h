@@ -1,4 +1,4 @@
-// Materials that assimp read from MTL, and pictures that OBJ and PLY name, as Whitted's model has them.
+// Converts materials that assimp read from MTL, and textures of OBJ and PLY files, to Whitted's model.
 #pragma once
 
 #include <assimp/material.h>
@@ -14,7 +14,8 @@
 
 namespace postlens {
 
-/// The ambient light of scenes from OBJ and PLY, with which Ka counts: exporters write Ka 1 for everything.
+/// The ambient light of scenes from OBJ and PLY, by which Ka is multiplied. It is low because exporters write
+/// Ka 1 for every material.
 inline constexpr double mesh_ambient_light = 0.1;
 
 class MeshMaterials {
@@ -22,12 +23,13 @@ class MeshMaterials {
     MeshMaterials(std::filesystem::path scene_path, std::vector<ReferredFile>& files, SceneNotes& notes)
         : scene_path_(std::move(scene_path)), files_(files), notes_(notes) {}
 
-    /// Throws Error(invalid_input) where a picture leads out of the scene's folder.
+    /// Converts a material. Throws Error(invalid_input) if the path of a texture leads out of the scene's
+    /// folder.
     [[nodiscard]] Material read(const aiMaterial& from);
-    /// White and matt.
+    /// The default material: white and diffuse.
     [[nodiscard]] static Material plain();
-    /// Null, with a note, where it cannot be read. Throws Error(invalid_input) where it leads out of the
-    /// scene's folder.
+    /// Reads a texture. Null, with a note, if it cannot be read. Throws Error(invalid_input) if its path
+    /// leads out of the scene's folder.
     [[nodiscard]] std::shared_ptr<const Texture> picture(std::string file);
 
   private:

@@ -58,7 +58,7 @@ class MeshReader {
 
   private:
     void add_obj(const std::string& bytes, std::vector<ReferredFile>& referred) {
-        // The importer deletes it.
+        // The importer takes ownership.
         auto* const files = new MeshFiles(path_, as_utf8(bytes));
         Assimp::Importer importer;
         importer.SetIOHandler(files);
@@ -100,8 +100,7 @@ class MeshReader {
     Mesh ply_mesh(const PlyFile& from) {
         Mesh out;
         std::vector<bool> usable;
-        // Where corners have texture coordinates of their own, each corner of a face is a position of its
-        // own.
+        // If faces have texture coordinates per corner, every corner becomes a separate position.
         const bool is_unrolled = !from.corner_uvs.empty();
         const std::size_t count = is_unrolled ? from.corners.size() : from.positions.size();
         std::vector<unsigned> face;
@@ -156,7 +155,8 @@ class MeshReader {
         return colour;
     }
 
-    // A scanner's bytes are what a screen showed; an OBJ's numbers are like those of Kd.
+    // Colours of PLY files are taken as sRGB, as scanners write them. Colours of OBJ files are linear, like
+    // Kd.
     static glm::vec3 screen_colour(const glm::vec3& colour) {
         glm::vec3 out = bounded_colour(colour);
         for (int k = 0; k < 3; ++k) out[k] = linear_from_srgb(out[k]);
@@ -171,13 +171,13 @@ class MeshReader {
             why = importer.GetErrorString();
         } catch (const std::bad_alloc&) {
             throw;
-        } catch (const std::exception& e) {  // assimp catches most of its own
+        } catch (const std::exception& e) {  // assimp catches most of its own exceptions, but not all
             why = e.what();
         }
         fail(ExitCode::invalid_input, "{}: cannot be read ({})", path_.string(), one_line(why));
     }
 
-    // Trees of OBJ are two levels deep.
+    // The recursion is safe: node trees of OBJ files are two levels deep.
     void add_node(const aiScene& from, const aiNode& node, MeshMaterials& materials) {
         if (node.mNumMeshes > 0) {
             const std::string name = node.mName.C_Str();

@@ -5,9 +5,9 @@
 
 namespace postlens {
 
-/// Reads a .obj or .ply. How it becomes a scene and what is left out (with a note) stands in
-/// docs/mesh_scenes.md. Every object or group of an OBJ is an object with an id of its own. Throws
-/// Error(invalid_input) "FILE: ...".
+/// Reads a .obj or .ply. docs/mesh_scenes.md describes the conversion and what is left out (with a note).
+/// Every object or group of an OBJ becomes an object with its own id. Throws Error(invalid_input)
+/// "FILE: ...".
 [[nodiscard]] Scene read_mesh_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 
 }  // namespace postlens

@@ -17,7 +17,7 @@ Material whitted_material(const MetallicRoughness& from) {
         m.transmission = dvec3(through);
         return m;
     }
-    // Below this the lobes are narrower than pixels, and the exponents lose their meaning.
+    // Below this roughness the lobes are narrower than pixels, so reflection and refraction are exact.
     constexpr double smoothest = 0.02, largest_exponent = 1e6;
     const double a = from.roughness * from.roughness, q = (1 - from.roughness) * (1 - from.roughness);
     const double ratio = (from.ior - 1) / (from.ior + 1);
@@ -43,7 +43,7 @@ Material whitted_material(const MetallicRoughness& from) {
     m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
     if (from.roughness > smoothest) {
         if (m.reflects()) m.reflection_exponent = m.shininess;
-        // What passes because it is not there does so straight on.
+        // Light that passes because alpha is below 1 is not spread.
         if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
     }
     return m;

@@ -1,4 +1,4 @@
-// A raster of numbers that tells quickly whether something lower than a cone lies near a place.
+// A raster of values that can be searched quickly for values below a cone around a position.
 #pragma once
 
 #include <cstdint>
@@ -7,35 +7,37 @@
 
 namespace postlens {
 
-/// Values on whole coordinates, and over them squares of 2, 4, 8, ... with the least and the greatest inside.
+/// Values at integer positions, and the least and the greatest value in squares of 2, 4, 8, ... positions a
+/// side.
 class MinMaxPyramid {
   public:
-    /// Value (x, y) of the raster is values[(y - y_begin) * width + x - x_begin]; NaN: nothing is there.
+    /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]; NaN: none.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// Values at a distance d <= `radius` of `at` that lie under `top` by at least `least` and by `slope` d.
+    /// Selects the values v at a distance d <= `radius` from `at` for which top - v >= least and
+    /// top - v >= slope d.
     struct Cone {
         glm::dvec2 at{0};
-        double radius = 0, top = 0, least = 0, slope = 0;  ///< 0 or more but for `top`
+        double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// A square, or a single value, that some cone had: most likely the next one nearby has it as well, which
-    /// is seen without a search. Of this pyramid or of any other.
+    /// The square or value that an earlier search found. A search tests it first, as it is likely to be found
+    /// again by a cone nearby. It may come from another pyramid.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };
-    /// Whether there is any.
+    /// Whether the cone selects any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// The same several times faster for wide cones; true also for some values that miss by an eighth of
-    /// the radius. Whatever the hint.
+    /// Like any_in, but several times faster for wide cones. It may also be true because of a value that is
+    /// outside of the cone by up to an eighth of the radius. The result does not depend on the hint.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
-    /// Of all values; infinity where there is none.
+    /// The least of all values; infinity if there is none.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// The greatest value within `radius` of `at`, or a greater one within nine eighths of it; `floor` where
-    /// none is greater.
+    /// The greatest value within `radius` of `at`, or a greater one within 9/8 of the radius; `floor` if all
+    /// are less.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
-    /// No less than that, told by a few squares.
+    /// An upper bound of greatest(at, radius, floor), from a few squares.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;
 
   private:
@@ -50,18 +52,22 @@ class MinMaxPyramid {
         int x_first, x_last, y_first, y_last;
     };
     [[nodiscard]] int coarse_level(double radius) const;
-    /// The lowest whose squares are at least `px` wide, or else the highest.
+    /// The lowest level whose squares are at least `px` wide, or else the highest level.
     [[nodiscard]] int level_of_width(double px) const;
-    /// Of a level, those that the box around a circle meets, or else the nearest.
+    /// The squares of a level that overlap the bounding box of a circle, or else the nearest squares.
     [[nodiscard]] Squares squares_around(const glm::dvec2& at, double radius, int level) const;
     [[nodiscard]] bool any_in(const Cone& cone, int level, Hint& hint) const;
-    enum class Next : std::uint8_t { into, past, end };  ///< of a square: look inside, do not, or stop
+    enum class Next : std::uint8_t {
+        into,
+        past,
+        end
+    };  ///< descend into a square, skip it, or end the search
     template <typename Visit, typename Promise, typename Keeps>
     void descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
                  const Keeps& keeps) const;
 
     int x_begin_, y_begin_;
-    std::vector<Level> levels_;  ///< from the values up to a single square
+    std::vector<Level> levels_;  ///< from the single values up to one square over all
 };
 
 }  // namespace postlens

@@ -27,7 +27,8 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// The difference of two affine maps is affine, its length convex: over a box it is greatest at a corner.
+// Largest error over the box, px. The difference of two affine maps is affine and its length is convex, so it
+// is greatest at a corner.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;
@@ -67,7 +68,7 @@ MotionSteps motion_steps(const MotionPath& path, const dmat4& base, const Bounds
 
 std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, const dmat4& base,
                                   double begin_s, double end_s, int steps) {
-    // Embree takes no bounds beyond about 1.8e18, and differences must stay finite.
+    // Embree rejects bounds beyond about 1.8e18, and differences must stay finite.
     constexpr double farthest = 1e18;
     const auto at = [&](double time_s) {
         Bounds b = shape_bounds(shape, path.at(time_s).matrix() * base);
@@ -77,11 +78,11 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // How far the true box reaches out of the one between steps. Within a step and between two keys, at which
-    // the motion may have a kink, the excess is smooth but for bends where another corner takes over, which
-    // only bend away from the box: between places a distance h apart it rises above both by h^2/8 of its
-    // second derivative at most. That is taken from second differences, twice as much as they say, since it
-    // changes from place to place.
+    // `excess` is the distance by which the true box exceeds the interpolated one, sampled at positions h
+    // apart. Within a step and between two keys (where the motion may have a kink) it is smooth, except for
+    // kinks where another corner becomes the extreme one; these do not raise it between the samples. Between
+    // two samples it therefore exceeds both by at most h^2/8 of its second derivative. The derivative is
+    // estimated by second differences, and doubled because it varies.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-// The longest line of published files has 60 characters. A file without line ends is refused after this many.
+// Greatest length of a line, characters; a longer line is an error. Lines of published files have at most 60.
 constexpr std::size_t longest_line = std::size_t{1} << 16;
 constexpr std::size_t chunk_bytes = std::size_t{1} << 16;
 constexpr std::string_view blanks = " \t\r\v\f";
@@ -75,7 +75,7 @@ std::optional<std::string_view> NffTokens::next() {
 
 std::vector<std::string> NffTokens::rest_of_line() {
     std::vector<std::string> rest;
-    // After a peek the words may belong to a later line than the last one taken.
+    // `peek` may have read a later line than that of the last word taken.
     while (line_ == taken_line_ && word_at_ < words_.size()) rest.emplace_back(words_[word_at_++]);
     return rest;
 }

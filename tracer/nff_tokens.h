@@ -1,4 +1,4 @@
-// The words of an NFF file, read in bounded memory whatever the file holds.
+// Splits an NFF file into words, in bounded memory for any content.
 #pragma once
 
 #include <filesystem>
@@ -14,28 +14,28 @@
 
 namespace postlens {
 
-/// Words of the file line by line, without comments. The file's SHA-256 is taken on the way.
+/// The words of a file, without comments. Computes the file's SHA-256 while reading.
 class NffTokens {
   public:
-    /// Throws Error(invalid_input) where the path is no readable file.
+    /// Throws Error(invalid_input) if the path is no readable file.
     explicit NffTokens(const std::filesystem::path& path);
 
     /// The next word, on this line or a later one; empty at the end of the file. Valid until the next line is
     /// read.
     [[nodiscard]] std::optional<std::string_view> next();
-    /// As `next`, without taking it.
+    /// Like `next`, but the word is not taken.
     [[nodiscard]] std::optional<std::string_view> peek();
-    /// Takes what is left on the line of the last word taken.
+    /// Takes the remaining words on the line of the last word taken.
     [[nodiscard]] std::vector<std::string> rest_of_line();
 
-    /// The next word as a finite number of at most `largest` in magnitude; `what` names it in the error.
+    /// Takes the next word as a finite number of at most `largest` in magnitude. `what` names it in errors.
     [[nodiscard]] double number(std::string_view what, double largest);
-    /// As `number` for a word already taken.
+    /// Converts a word that was already taken.
     [[nodiscard]] double number(std::string_view word, std::string_view what, double largest) const;
 
-    /// Of the last word taken, from 1.
+    /// Line of the last word taken, from 1.
     [[nodiscard]] int line() const { return taken_line_; }
-    /// Of the whole file; call at its end.
+    /// SHA-256 of the whole file. Call once, at the end of the file.
     [[nodiscard]] std::string sha256() { return digest_.hex(); }
 
     /// Throws Error(invalid_input) "FILE:LINE: ..." for the line of the last word taken.
@@ -55,7 +55,7 @@ class NffTokens {
     std::string chunk_;
     std::size_t chunk_at_ = 0;
     std::string text_;
-    std::vector<std::string_view> words_;  ///< of text_
+    std::vector<std::string_view> words_;  ///< words of the current line, in text_
     std::size_t word_at_ = 0;
     int line_ = 0, taken_line_ = 1;
 };

@@ -30,10 +30,11 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// Whether something seen there comes to the frame, or so near that what lies up to the next sample does.
+// Whether a surface seen at a position outside of the frame moves into the frame, or so close to it that a
+// surface up to the next sample does.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
-    constexpr double stays_px = 0.25;  // what moves less does not show
+    constexpr double stays_px = 0.25;  // a smaller displacement is not visible
     const CameraRay eye = camera.ray(at.x, at.y);
     const double outside = outside_px(camera, at);
     for (const Record& r : records) {

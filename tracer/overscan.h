@@ -1,4 +1,4 @@
-// How far around the frame records are needed: as far as something there blurs or moves back into it.
+// Finds the overscan: the distance around the frame from which light blurs or moves into the frame.
 #pragma once
 
 #include <optional>
@@ -10,10 +10,10 @@
 
 namespace postlens {
 
-/// In px, from a coarse trace around the frame: as far as the circle of confusion of `lens` reaches back into
-/// the frame, or what is seen there, hidden surfaces of `tracer` included, comes to the frame at an instant
-/// of `motion`; the wider of both, to the samples' distance of 8 px upwards. At most half of the frame's
-/// longer side, and 4096. `motion` may be null.
+/// The overscan, px, from a coarse trace around the frame with one sample per 8 px. It includes every sample
+/// whose circle of confusion by `lens` reaches the frame, and every sample with a surface, visible or hidden,
+/// that moves into the frame at an instant of `motion`. It is at most half of the frame's longer side and
+/// 4096 px. `motion` may be null.
 [[nodiscard]] int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                                 const std::optional<FocusGeometry>& lens, const FilmMotion* motion);
 

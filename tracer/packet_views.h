@@ -1,5 +1,5 @@
-// Embree's packets as the callbacks for user geometry see them. Only *_packets.cpp and packet_pairs include
-// this.
+// Access to Embree's ray packets for the callbacks of user geometry. Only *_packets.cpp and packet_pairs
+// include this.
 #pragma once
 
 #include <limits>
@@ -31,8 +31,8 @@ struct Hits {
     }
 };
 
-/// Whether a surface takes the place of one that a ray has met just as far away. Embree finds the two in an
-/// order that depends on the processor; what wins must not.
+/// Whether a new hit replaces an old one at the same distance. Embree finds the two in an order that depends
+/// on the processor, but the result must not depend on it.
 inline bool precedes(unsigned instance, unsigned geometry, unsigned primitive, unsigned old_instance,
                      unsigned old_geometry, unsigned old_primitive) {
     const bool in_geometry =
@@ -41,6 +41,7 @@ inline bool precedes(unsigned instance, unsigned geometry, unsigned primitive, u
            ((instance < old_instance) | ((instance == old_instance) & in_geometry));
 }
 
+/// Whether the ray starts on this primitive.
 inline bool leaves(const RayContext& context, unsigned ray_id, unsigned geometry, unsigned primitive) {
     if (context.sources == nullptr) return false;
     const HitKey& from = context.sources[ray_id];

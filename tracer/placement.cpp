@@ -11,7 +11,7 @@ using glm::dvec3;
 
 namespace {
 
-// Columns that are too short to have a direction get one across the others.
+// Replaces columns that are too short to have a direction by one perpendicular to the others.
 void mend_columns(dmat3& m, const dvec3& length, double longest) {
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 1e-12 * longest) continue;
@@ -45,8 +45,8 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // Without their lengths: the polar factor is then that of the directions, and exact where they are
-    // square.
+    // Normalises the columns, so that the polar factor depends on their directions only. It is exact if they
+    // are perpendicular.
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];
@@ -58,7 +58,7 @@ Decomposed decompose(const dmat4& m) {
         const dmat3 next = 0.5 * (r + glm::transpose(glm::inverse(r)));
         double change = 0;
         for (int i = 0; i < 3; ++i) change = std::max(change, glm::length(next[i] - r[i]));
-        if (!std::isfinite(change)) break;  // directions in one plane: the best so far
+        if (!std::isfinite(change)) break;  // the columns lie in one plane; r is the best result
         r = next;
         if (change < 1e-15) break;
     }

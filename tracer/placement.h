@@ -1,4 +1,4 @@
-// Translation, rotation and scale: what nodes of scene files are placed by.
+// Translation, rotation and scale of nodes in scene files.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -6,7 +6,7 @@
 
 namespace postlens {
 
-/// A point p goes to translation + rotation (scale p).
+/// Maps a point p to translation + rotation (scale p).
 struct Placement {
     glm::dvec3 translation{0};
     glm::dquat rotation{1, 0, 0, 0};
@@ -15,18 +15,18 @@ struct Placement {
 
 [[nodiscard]] glm::dmat4 matrix_of(const Placement& p);
 
-/// The placement that a matrix stands for, and how far from it the matrix is: the largest distance between
-/// the images of a unit axis, as a share of the longest. It is above rounding where the matrix shears. The
-/// rotation is the orthogonal factor of the polar decomposition [higham1986]; a matrix that mirrors has a
-/// negative scale along x, one that flattens a scale of 0.
+/// The placement that approximates a matrix, and its error: the largest distance between the images of a unit
+/// axis by both, relative to the longest image. The error exceeds rounding only if the matrix shears. The
+/// rotation is the orthogonal factor of the polar decomposition [higham1986]. A mirroring matrix gives a
+/// negative scale along x, a singular one a scale of 0.
 struct Decomposed {
     Placement placement;
     double error = 0;
 };
 [[nodiscard]] Decomposed decompose(const glm::dmat4& m);
 
-/// `inner` seen through `outer`: matrix_of(outer) * matrix_of(inner). Exact where the outer scale is the same
-/// along all axes or the inner rotation is none; else, as scaling then shears, by `decompose`.
+/// The product matrix_of(outer) * matrix_of(inner) as a placement. It is exact if the outer scale is uniform
+/// or the inner rotation is the identity. Otherwise the product may shear, and `decompose` approximates it.
 [[nodiscard]] Decomposed compose(const Placement& outer, const Placement& inner);
 
 }  // namespace postlens

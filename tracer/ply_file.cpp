@@ -17,7 +17,7 @@
 namespace postlens {
 namespace {
 
-// Where a property of an element stands among its properties.
+// Index of an element's property with one of the given names; empty if there is none.
 std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<std::string_view> names,
                                     bool is_list) {
     for (const std::string_view name : names) {
@@ -29,7 +29,7 @@ std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<s
     return std::nullopt;
 }
 
-// Where all of `names`, each with its alternatives, stand; empty where one is missing.
+// Indices of several properties, each given by its alternative names; empty if one is missing.
 template <std::size_t count>
 std::optional<std::array<std::size_t, count>> places_of(
     const PlyElement& e, const std::array<std::initializer_list<std::string_view>, count>& names) {
@@ -42,7 +42,8 @@ std::optional<std::array<std::size_t, count>> places_of(
     return out;
 }
 
-// What stands for 1 in a colour. Whole numbers of 32 bits are bytes that a writer stored in its widest type.
+// The stored value of a colour that stands for 1. 32-bit integers are taken as bytes that were stored in a
+// wider type.
 double white(PlyType type) {
     if (type == PlyType::float32 || type == PlyType::float64) return 1;
     return type == PlyType::int16 || type == PlyType::uint16 ? 65535 : 255;
@@ -129,13 +130,14 @@ class PlyReader {
                 "corners)",
                 uvs.size(), corners.size());
         }
-        // The corners of faces without them, before this one, stay at (0, 0).
+        // Earlier corners of faces without texture coordinates get (0, 0).
         out_.corner_uvs.resize(out_.corners.size() - corners.size(), glm::dvec2(0));
         for (std::size_t i = 0; i < corners.size(); ++i)
             out_.corner_uvs.emplace_back(uvs[2 * i], uvs[2 * i + 1]);
     }
 
-    // Every second triangle of a strip turns the other way; -1 ends a strip. Repeated corners join strips.
+    // Adds the triangles of strips. Every second triangle of a strip has the opposite winding. An index of -1
+    // ends a strip. Triangles with repeated corners only join strips and are left out.
     void add_strips() {
         const auto& corners = lists_[0];
         std::size_t from = 0;
@@ -160,7 +162,7 @@ class PlyReader {
         return static_cast<std::uint32_t>(value);
     }
 
-    // One of the element's instances: scalars by their property's place, and the lists that are kept.
+    // Reads one instance of an element: its scalars by index of their property, and the lists that are kept.
     void read_instance(const PlyElement& e) {
         scalars_.resize(e.properties.size());
         for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -246,7 +248,7 @@ class PlyReader {
         return static_cast<T>(out);
     }
 
-    // The next word of ASCII data; comments are lines of their own.
+    // The next word of ASCII data. Lines that begin with a comment word are skipped.
     std::string_view word(const PlyElement& e) {
         for (;;) {
             const std::size_t from = rest_.find_first_not_of(" \t\r\n");
@@ -270,7 +272,8 @@ class PlyReader {
     PlyFormat format_ = PlyFormat::ascii;
     PlyFile out_;
     std::vector<double> scalars_;
-    // Corners and texture coordinates of a face: which property each is, and its entries.
+    // The lists of a face that are kept, first the corners, then the texture coordinates: indices of their
+    // properties, and their entries.
     std::array<std::optional<std::size_t>, 2> kept_lists_;
     std::array<std::vector<double>, 2> lists_;
     bool is_line_start_ = true;

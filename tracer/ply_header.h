@@ -1,4 +1,4 @@
-// The header of a PLY file: which elements follow it, and how their values are stored.
+// Reads the header of a PLY file: its elements, and how their values are stored.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ enum class PlyFormat { ascii, little_endian, big_endian };
 struct PlyProperty {
     std::string name;
     PlyType type = PlyType::none;        ///< of a value, or of an entry of a list
-    PlyType count_type = PlyType::none;  ///< of the number of entries; none: no list
+    PlyType count_type = PlyType::none;  ///< of the number of a list's entries; none: not a list
 };
 
 struct PlyElement {
@@ -28,12 +28,11 @@ struct PlyElement {
 struct PlyHeader {
     PlyFormat format = PlyFormat::ascii;
     std::vector<PlyElement> elements;
-    std::string texture_file;  ///< named in a comment, as MeshLab and VCGlib do; may be empty
+    std::string texture_file;  ///< from a "TextureFile" comment, as MeshLab and VCGlib write it; or empty
 };
 
-/// Takes the header off the front of `bytes`; the first byte of data remains first, whatever it is. Lines end
-/// as the first one does: with CR alone, else with LF, before which a CR is dropped. Throws
-/// Error(invalid_input) "FILE: ...".
+/// Removes the header from the front of `bytes`, which then begin with the data. All lines end like the first
+/// one: with CR alone, or with LF, before which a CR is dropped. Throws Error(invalid_input) "FILE: ...".
 [[nodiscard]] PlyHeader take_ply_header(std::string_view& bytes, const std::string& file);
 
 }  // namespace postlens

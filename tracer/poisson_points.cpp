@@ -18,7 +18,7 @@ std::uint64_t squared_distance(std::uint32_t au, std::uint32_t av, std::uint32_t
     return static_cast<std::uint64_t>(du * du) + static_cast<std::uint64_t>(dv * dv);
 }
 
-/// Which points lie where: cells so small that each holds one point at most.
+/// A grid that finds points by position. Its cells are so small that each holds at most one point.
 class DartGrid {
   public:
     explicit DartGrid(double distance)
@@ -27,8 +27,9 @@ class DartGrid {
           point_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), -1) {}
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
-        // The distance is at most sqrt(2) cells and a bit: below two where it is below 2 - sqrt(2) = 0.586,
-        // as it is for two points or more.
+        // Points closer than `distance` are at most two cells away: `distance` is less than sqrt(2) +
+        // distance cells, which is at most 2 for distances up to 0.586. Two or more points always have such a
+        // distance.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];
@@ -55,7 +56,7 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // Ten times the darts that the last point needs on average.
+    // Limit of the number of darts: ten times the average number that the last point needs.
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
     DartGrid grid(poisson_distance_share * densest_distance(n));
@@ -70,10 +71,10 @@ std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
     return std::nullopt;
 }
 
-/// One run of samples inside a block.
+/// Consecutive samples inside a block.
 struct PatternTask {
-    const std::uint32_t *u, *v;  ///< v null: one dimension
-    std::uint32_t size, first;   ///< of the block, from the block's begin
+    const std::uint32_t *u, *v;  ///< the block's points; v is null in one dimension
+    std::uint32_t size, first;   ///< number of points of the block; first sample, from the block's begin
     std::uint32_t shift_u, shift_v;
     std::uint64_t key;
     bool permuted;
@@ -96,7 +97,7 @@ POSTLENS_MULTIVERSION void pattern_points_16(const PatternTask& t, float* u, flo
     pattern_points<sample_lanes>(t, u, v);
 }
 
-/// Lanes of one block; `u` and `v` may have room for `count` only.
+/// Writes `count` samples of one block. `u` and `v` need room for `count` values only.
 void fill_run(const PatternTask& t, int count, float* u, float* v) {
     if (count == 1) return pattern_points<1>(t, u, v);
     if (count == sample_lanes) return pattern_points_16(t, u, v);
@@ -138,7 +139,7 @@ PoissonPoints::PoissonPoints(std::uint32_t n, std::uint64_t seed)
     assert(n >= 1 && n <= 1U << 20);
     const std::uint32_t least = n / blocks_;
     for (std::uint32_t more = 0; more < 2; ++more) {
-        if (more == 1 && n % blocks_ == 0) break;  // all blocks are of the same size
+        if (more == 1 && n % blocks_ == 0) break;  // all blocks have the same size
         for (std::size_t k = 0; k < patterns; ++k) {
             const SetKey key{mix64(seed) + 2 * k + more};
             sizes_[more].plane[k] = poisson_pattern(static_cast<int>(least + more), key.stream(0));
@@ -148,7 +149,7 @@ PoissonPoints::PoissonPoints(std::uint32_t n, std::uint64_t seed)
 }
 
 PoissonPoints::Block PoissonPoints::block_of(std::uint32_t sample) const {
-    // The first n % blocks blocks have one point more.
+    // The first n % blocks_ blocks have one more point than the others.
     const std::uint32_t least = n_ / blocks_, large = n_ % blocks_, in_large = large * (least + 1);
     if (sample < in_large) {
         const std::uint32_t k = sample / (least + 1);

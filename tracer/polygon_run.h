@@ -1,4 +1,4 @@
-// Polygons that become one mesh.
+// Collects polygons into one mesh.
 #pragma once
 
 #include <glm/glm.hpp>

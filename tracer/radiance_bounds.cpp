@@ -25,7 +25,8 @@ double distance_to_segment(const dvec3& a, const dvec3& b, const dvec3& p) {
     return glm::length(p - a - share * along);
 }
 
-// Between keys the origin goes straight, and nothing is farther from it than the scaled shape.
+// Lower bound of the distance of a moving object, m. Its origin moves along straight lines between keys, and
+// its surface stays within a ball about the origin.
 double distance_to_moving(const Object& o, const dvec3& p) {
     const Bounds rest = shape_bounds(o.shape, o.motion_base);
     const double reach = glm::length(glm::max(glm::abs(rest.min), glm::abs(rest.max)));
@@ -38,7 +39,7 @@ double distance_to_moving(const Object& o, const dvec3& p) {
     return rest.empty() ? std::numeric_limits<double>::infinity() : std::max(0.0, path - scale * reach);
 }
 
-// No more than the true distance of the surface, m.
+// Lower bound of the distance from p to an object's surface, m.
 double distance_to(const Object& o, const dvec3& p) {
     if (!o.keys.empty()) return distance_to_moving(o, p);
     const dmat4& m = o.world_from_object;
@@ -57,7 +58,7 @@ double distance_to(const Object& o, const dvec3& p) {
     return least;
 }
 
-// The light's intensity where it is greatest on a surface.
+// Upper bound of a light's attenuated intensity on any surface.
 dvec3 greatest_irradiance(const Scene& scene, const Light& l) {
     if (l.kind == Light::Kind::directional) return l.intensity;
     double distance = 0;
@@ -69,7 +70,7 @@ dvec3 greatest_irradiance(const Scene& scene, const Light& l) {
     }
     const double attenuation =
         l.attenuation.x + (distance > 0 ? distance * (l.attenuation.y + distance * l.attenuation.z) : 0);
-    constexpr double unbounded = 1e100;  // finite, so that 0 times it is 0
+    constexpr double unbounded = 1e100;  // finite, so that its product with 0 is 0
     return attenuation > 0 ? l.intensity / attenuation : l.intensity * unbounded;
 }
 

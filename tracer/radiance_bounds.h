@@ -1,4 +1,4 @@
-// The most radiance that a ray can find, so that what cannot add anything visible need not be traced.
+// Upper bounds of the radiance along a ray, so that rays that cannot contribute visibly are not traced.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace postlens {
 
-/// By the number of nodes left below, 0 to max_depth: the most radiance that a subtree can have. 1e100
-/// and more where a light with attenuation by distance alone may touch a surface, by boxes around the
-/// surfaces and around their ways.
+/// Element k is an upper bound of the radiance of a subtree with k nodes along a path, k = 0 to max_depth. It
+/// is 1e100 or more if a light whose attenuation vanishes at distance 0 may touch a surface, judged by the
+/// surfaces' bounding volumes.
 [[nodiscard]] std::vector<double> radiance_bounds(const Scene& scene, int max_depth);
 
 }  // namespace postlens

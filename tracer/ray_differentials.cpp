@@ -8,11 +8,12 @@ namespace {
 
 using glm::dvec3;
 
-// W with A W = B in the least-squares sense; A and B have their columns in one plane, so the fit is exact.
+// Solves A W = B by least squares. The columns of A and B lie in one plane, so the fit is exact.
 Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
     const double m00 = glm::dot(a0, a0), m01 = glm::dot(a0, a1), m11 = glm::dot(a1, a1);
     const double det = m00 * m11 - m01 * m01;
-    // At a fold the raster stands still while the hit moves: W has no bound. 1e30 keeps it finite in float.
+    // At a fold of the image dX/dp has no inverse and W is unbounded. The limit 1e30 keeps it finite in
+    // float.
     const double inverse = det > 0 ? 1 / det : 1e300;
     const auto clamped = [](double v) {
         return static_cast<float>(std::isfinite(v) ? std::clamp(v, -1e30, 1e30) : 1e30);

@@ -48,20 +48,21 @@ void* RayScene::native_handle() const {
 }
 
 double RayScene::offset(const dvec3& p) {
-    // 2^-18 of the coordinates: 64 float roundings, enough for Embree's triangle test on a neighbour.
+    // 2^-18 of the largest coordinate is 64 times the rounding of floats, which is enough for Embree's test
+    // of a neighbouring triangle.
     return 0x1p-18 *
            std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }
 
 namespace {
 
-// Copies 16 rays into Embree's packet; lanes past the end stay off.
+// Copies 16 rays into Embree's packet. Lanes beyond the end of the batch are disabled.
 template <typename Packet>
 void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     constexpr std::size_t n = RayBatch::group;
     const std::size_t left = std::min(n, static_cast<std::size_t>(rays.count) - first);
     const auto copy = [&](float* to, const std::vector<float>& from) {
-        // Capacity is a multiple of 16, so a whole group may always be read.
+        // The capacity is a multiple of 16, so a whole group can be read.
         std::memcpy(to, from.data() + first, n * sizeof(float));
     };
     copy(p.org_x, rays.ox);
@@ -78,7 +79,7 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
         p.mask[i] = 0xFFFFFFFFU;
         p.flags[i] = 0;
         p.id[i] = static_cast<unsigned>(first + i);
-        // Embree stops the program on a ray that is not finite: such a ray hits nothing instead.
+        // Embree aborts the program on a ray that is not finite, so such rays are disabled and hit nothing.
         const float most = std::max({std::abs(p.org_x[i]), std::abs(p.org_y[i]), std::abs(p.org_z[i]),
                                      std::abs(p.dir_x[i]), std::abs(p.dir_y[i]), std::abs(p.dir_z[i])});
         const float sum = p.org_x[i] + p.org_y[i] + p.org_z[i] + p.dir_x[i] + p.dir_y[i] + p.dir_z[i];
@@ -86,10 +87,10 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// Embree 3.13 cuts time up on its way down, and asks a packet for occlusion with all its rays wherever one of
-// them belongs: a ray meets instances that are not there at its own time (left out here), and the same thing
-// once for every stretch of time that has it (which matters where light is coloured at each crossing: see
-// `one_by_one`).
+// Embree 3.13 splits time in its hierarchy, and tests all rays of a packet for occlusion wherever one of them
+// belongs. A ray may therefore meet instances that do not exist at its time, which this filter rejects. It
+// may also meet a surface once for each time interval; that matters if every crossing filters light, and
+// `one_by_one` avoids it.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {
@@ -102,7 +103,7 @@ void filter_absent(const RTCFilterFunctionNArguments* args) {
     context.log_transmission == nullptr ? filter_source(args) : filter_shadow(args);
 }
 
-// A ray alone meets everything once: its own time leads it down.
+// Tests the rays one by one. A single ray meets every surface once, because its own time selects the nodes.
 void occlude_singly(RTCRay16& p, const int* valid, RTCScene scene, RayContext& context) {
     for (unsigned i = 0; i < RayBatch::group; ++i) {
         if (valid[i] == 0) continue;
@@ -133,7 +134,7 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
             p.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         rtcIntersect16(valid.data(), impl_->top, &context.base, &p);
-        // Capacity is a multiple of 16: a whole group may always be written.
+        // The capacity is a multiple of 16, so a whole group can be written.
         std::memcpy(rays.hit_geometry.data() + first, p.hit.geomID, sizeof p.hit.geomID);
         std::memcpy(rays.hit_primitive.data() + first, p.hit.primID, sizeof p.hit.primID);
         std::memcpy(rays.hit_instance.data() + first, p.hit.instID[0], sizeof p.hit.instID[0]);
@@ -143,8 +144,8 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
 
 void RayScene::occlude(RayBatch& rays) const {
     RayContext context;
-    // Always as incoherent: Embree 3.13's coherent occlusion of packets whose directions differ in sign never
-    // ends.
+    // Rays are always passed as incoherent: Embree 3.13's coherent occlusion test does not terminate for
+    // packets whose directions differ in sign.
     rtcInitIntersectContext(&context.base);
     context.shadows = impl_->shadows.data();
     context.object_of_geometry = impl_->object_of_geometry.data();

@@ -37,12 +37,12 @@ class RayBatch {
     std::vector<float> ox, oy, oz, dx, dy, dz, t_far;
     bool has_sources = false;    ///< false: no ray of the batch leaves a surface
     std::vector<HitKey> source;  ///< the surface each ray leaves
-    bool has_times = false;      ///< false: all rays travel at the shutter's opening
-    std::vector<float> time;     ///< share of the time span, 0 to 1
+    bool has_times = false;      ///< false: the time of all rays is the opening of the shutter
+    std::vector<float> time;     ///< fraction of the time span, 0 to 1
     // Results.
     std::vector<std::uint32_t> hit_geometry, hit_primitive, hit_instance;
-    std::vector<float> t;  ///< in units of the direction's length
-    // Results of `occlude`: what share of the light passes, per channel.
+    std::vector<float> t;  ///< distance in units of the direction's length
+    // Result of `occlude`: transmittance per channel.
     std::vector<glm::dvec3> transmittance;
 
     /// Key of the hit of ray i; `none` if it hit nothing.
@@ -92,9 +92,9 @@ struct SurfacePoint {
     glm::dvec3 normal{0, 0, 1};            ///< unit, outward; interpolated on smooth meshes
     glm::dvec3 object_position{0};         ///< in the object's own space, for textures
     glm::dvec2 uv{0};
-    glm::vec3 colour{1};       ///< of the mesh's corners, interpolated; 1 without
+    glm::vec3 colour{1};       ///< interpolated from the mesh's vertex colours; 1 if there are none
     std::uint32_t object = 0;  ///< index into Scene::objects
-    int part = 0;              ///< of an analytic shape: face or cap
+    int part = 0;              ///< face or cap of an analytic shape
 };
 
 class RayScene {
@@ -113,11 +113,11 @@ class RayScene {
 
     /// Finds the nearest hit of every ray. `coherent`: the rays of each group are nearly parallel.
     void intersect(RayBatch& rays, bool coherent) const;
-    /// Finds the share of light that passes along each ray's segment. Opaque surfaces block it; transmitting
-    /// ones multiply it by their colour at each crossing (straight shadow rays as in [whitted1980]).
+    /// Finds the transmittance along each ray's segment. Opaque surfaces block light; transmitting surfaces
+    /// multiply it by their colour at each crossing (straight shadow rays as in [whitted1980]).
     void occlude(RayBatch& rays) const;
     /// Computes the hit of the ray o + t d, |d| = 1, in double precision, starting from the t that
-    /// `intersect` found. `time`: of the ray, 0 to 1.
+    /// `intersect` found. `time`: time of the ray, 0 to 1.
     [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t,
                                        double time = 0) const;
     /// Computes only the object, texture position and distance of the hit, which is cheaper.

@@ -1,4 +1,4 @@
-// Making a RayScene: what stands still, what moves, and Embree's acceleration structures.
+// Builds a RayScene: still and moving geometry, and Embree's acceleration structures.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -67,7 +67,7 @@ void RayScene::Impl::attach(RTCGeometry geometry, const Entry& entry, std::uint3
 
 void RayScene::Impl::commit(RTCScene s) const {
     rtcSetSceneBuildQuality(s, RTC_BUILD_QUALITY_MEDIUM);
-    // Without this flag Embree never calls a query's own filter.
+    // Without this flag Embree does not call the filter of a query's context.
     rtcSetSceneFlags(s, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     rtcSetSceneProgressMonitorFunction(
         s, [](void* job, double) { return !static_cast<const Job*>(job)->cancelled(); }, &Job::current());
@@ -150,8 +150,8 @@ void RayScene::Impl::add_instance(InstanceGeometry instance, float begin, float 
     any_cut = any_cut || begin > 0 || end < 1;
 }
 
-// One instance for each stretch between two keys: at a key the motion may have a kink, which equal time steps
-// over all of the span would cut off.
+// Adds one instance per interval between two keys. The motion may have a kink at a key, which equal time
+// steps over the whole span would smooth out.
 void RayScene::Impl::add_moving_mesh(const std::shared_ptr<const Mesh>& mesh, const MotionPath& path,
                                      std::uint32_t object, const MotionAccuracy& accuracy) {
     Bounds box;
@@ -189,7 +189,8 @@ void RayScene::Impl::add_moving(const MotionPath& path, std::uint32_t object,
 
 void RayScene::Impl::bound_moving() {
     moving.span = span;
-    // Steps that are short beside the shape keep its boxes tight; more of them only make a bigger tree.
+    // Steps that are short relative to the shape keep its bounding boxes tight. More steps only enlarge the
+    // hierarchy.
     constexpr int most_steps = 32;
     int steps = 1;
     for (const MovingSet::Item& item : moving.items) {
@@ -205,7 +206,7 @@ void RayScene::Impl::bound_moving() {
             before = middle;
             size = std::max(size, glm::length(b.max - b.min));
         }
-        const double wanted = way / size;  // not a number for what is infinite
+        const double wanted = way / size;  // NaN for infinite shapes
         steps = std::max(steps, wanted < most_steps    ? static_cast<int>(std::ceil(wanted))
                                 : wanted >= most_steps ? most_steps
                                                        : 1);
@@ -257,8 +258,8 @@ void RayScene::Impl::add_objects(const MotionAccuracy& accuracy) {
             continue;
         }
         const auto& mesh = std::get<std::shared_ptr<const Mesh>>(object.shape);
-        // Sharing saves memory from a few hundred triangles on; below that one flat structure is faster to
-        // walk.
+        // Sharing a mesh saves memory if it has some hundred triangles. For smaller meshes, copies in one
+        // common structure are faster to traverse.
         constexpr std::size_t smallest_shared = 256;
         if (uses[mesh.get()] > 1 && mesh->triangles.size() >= smallest_shared) {
             add_instance({i, shared_mesh(mesh, i), {world_from_object}, 0, 0}, 0, 1);

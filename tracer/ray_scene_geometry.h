@@ -1,5 +1,5 @@
-// What Embree's callbacks see: the sets of analytic shapes, and what travels with a batch of rays. Only
-// ray_scene*.cpp and analytic_packets.cpp include this.
+// Data of Embree's callbacks: the sets of analytic shapes, and the context of a batch of rays. Only
+// ray_scene*.cpp and the files of packets include this.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@
 
 namespace postlens {
 
-/// How an object treats light that is on its way to a surface. Transmission is kept as -log2 in fixed point:
-/// sums of integers are the same in any order, and Embree promises none.
+/// How an object affects shadow rays. Its transmittance is stored as -log2 in fixed point, because sums of
+/// integers do not depend on the order, and Embree calls filters in any order.
 struct ObjectShadow {
     bool casts = true;
     bool transmits = false;
@@ -26,24 +26,24 @@ inline constexpr std::int64_t log_opaque = std::int64_t{1} << 50;
 [[nodiscard]] std::int64_t fixed_log(double transmission);
 [[nodiscard]] double from_fixed_log(std::int64_t sum);
 
-/// When an instance is there: shares of the time span, from `begin` on until just before `end`.
+/// The interval [begin, end) in which an instance exists, as fractions of the time span.
 struct Lifetime {
     float begin = 0, end = std::numeric_limits<float>::infinity();
 };
 
-/// Travels with every ray query. `base` must stay first: Embree hands its address to the callbacks.
+/// Context of a ray query. `base` must be the first member: Embree passes its address to the callbacks.
 struct RayContext {
     RTCIntersectContext base{};
-    const HitKey* sources = nullptr;        ///< by ray id; null: no ray leaves a surface
-    const ObjectShadow* shadows = nullptr;  ///< by object
+    const HitKey* sources = nullptr;        ///< per ray id; null: no ray starts on a surface
+    const ObjectShadow* shadows = nullptr;  ///< per object
     const std::uint32_t* object_of_geometry =
-        nullptr;  ///< by geometry id of the top scene; meshes, instances
-    std::array<std::int64_t, 3>* log_transmission = nullptr;  ///< by ray id; sums
+        nullptr;  ///< per geometry id of the top scene; valid for meshes and instances
+    std::array<std::int64_t, 3>* log_transmission = nullptr;  ///< per ray id: sum over its crossings
     const Lifetime* lifetimes =
-        nullptr;  ///< by geometry id of the top scene; null: all are there all the time
+        nullptr;  ///< per geometry id of the top scene; null: all exist during the whole time span
 };
 
-/// Spheres that a similarity placed: structure of arrays for packets of rays.
+/// Spheres that are still spheres in world space, as a structure of arrays for packets of rays.
 struct SphereSet {
     std::vector<glm::vec3> centre;
     std::vector<float> radius;
@@ -60,15 +60,15 @@ struct SphereSet {
     }
 };
 
-/// Every other analytic shape, each behind an affine map.
+/// All other analytic shapes that do not move, each with an affine map to its local frame.
 struct AnalyticSet {
     struct Item {
         AnalyticShape shape;
         glm::dmat4 local_from_world{1};
         glm::dmat4 object_from_local{1};
         std::uint32_t object = 0;
-        // The same map for float rays: local = linear * (p - pivot) + shift, so that far from the origin the
-        // difference is taken before the rounding matters.
+        // local_from_world for float rays: local = linear * (p - pivot) + shift. Subtracting the pivot first
+        // avoids cancellation far from the origin.
         glm::mat3 linear{1};
         glm::vec3 pivot{0}, shift{0};
     };
@@ -76,7 +76,7 @@ struct AnalyticSet {
     std::vector<glm::vec3> lower, upper;  ///< world bounds
 };
 
-/// Analytic shapes in motion. A ray is taken back to where the shape stood before it moved, in double.
+/// Moving analytic shapes. A ray is transformed, in double, into the space in which the shape does not move.
 struct MovingSet {
     struct Item {
         AnalyticShape shape;
@@ -88,10 +88,10 @@ struct MovingSet {
     std::vector<MotionPath> paths;
     std::vector<Item> items;
     TimeSpan span;
-    int steps = 1;                        ///< boxes are given at steps + 1 equal times
-    std::vector<glm::vec3> lower, upper;  ///< by item * (steps + 1) + step
+    int steps = 1;                        ///< boxes are given at steps + 1 evenly spaced instants
+    std::vector<glm::vec3> lower, upper;  ///< index: item * (steps + 1) + step
 
-    /// The ray of that instant in the item's own frame.
+    /// A ray in the item's local frame.
     struct LocalRay {
         glm::dvec3 o, d;
     };
@@ -108,12 +108,12 @@ struct MovingSet {
 [[nodiscard]] RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set);
 [[nodiscard]] RTCGeometry moving_geometry(RTCDevice device, MovingSet& set);
 
-/// Filters for triangles: leave out the ray's own source; let light through what transmits or casts no
-/// shadow.
+/// Filters for triangles. `filter_source` rejects the primitive on which a ray starts. `filter_shadow` also
+/// rejects surfaces that transmit or cast no shadow.
 void filter_source(const RTCFilterFunctionNArguments* args);
 void filter_shadow(const RTCFilterFunctionNArguments* args);
 
-/// One crossing of light with an object: true where it stops there.
+/// Counts `crossed` crossings of a shadow ray with an object. Returns true if the object blocks the ray.
 [[nodiscard]] inline bool stops_light(const RayContext& context, std::uint32_t object, unsigned ray_id,
                                       int crossed) {
     const ObjectShadow& s = context.shadows[object];

@@ -1,4 +1,4 @@
-// What a RayScene is made of. Only ray_scene*.cpp include this.
+// The implementation of RayScene. Only ray_scene*.cpp include this.
 #pragma once
 
 #include <array>
@@ -14,32 +14,34 @@
 
 namespace postlens {
 
-// The triangle a ray met: what `surface` needs, from the mesh as Embree has it.
+// A copy of the mesh data that Embree uses, from which `surface` computes hits.
 struct MeshGeometry {
     std::shared_ptr<const Mesh> mesh;
-    std::vector<glm::vec3> positions;  // as Embree has them: world space if baked, else object space
+    std::vector<glm::vec3> positions;  // in world space if baked, else in object space
     std::vector<glm::uvec3> triangles;
-    std::uint32_t object = 0;  // of a baked mesh
-    RTCScene scene = nullptr;  // of a shared one
+    std::uint32_t object = 0;  // only for a baked mesh
+    RTCScene scene = nullptr;  // only for a shared mesh
 };
 
-// One triangle in world space, with the gradients of its barycentric coordinates b1 and b2 over its plane.
+// A triangle in world space, with the gradients of its barycentric coordinates b1 and b2 in its plane.
 struct TriangleFrame {
     const MeshGeometry* mesh;
     std::uint32_t object;
     glm::uvec3 corners;
     glm::dvec3 a, cross, gradient1, gradient2;
     double area2;
-    glm::dmat4 object_from_world;  // only where `surface` needs it: see Impl::triangle
+    glm::dmat4 object_from_world;  // at the ray's time only if `surface` needs it: see Impl::triangle
 };
 
-// A mesh that is shared or moves. Where it moves, it exists from `begin` on until the next one's `begin`.
+// An instance of a mesh that is shared or moves. A moving mesh has several instances, each of which exists
+// from its `begin` until the `begin` of the next.
 struct InstanceGeometry {
     std::uint32_t object = 0;
     std::size_t mesh = 0;
     std::vector<glm::dmat4> world_from_object;  // one, or one per time step
-    double begin = 0, per_step = 0;             // shares of the time span
-    // As Embree interpolates: what leaves a surface must start on the surface that Embree sees.
+    double begin = 0, per_step = 0;             // fractions of the time span
+    // The transform at a ray's time, interpolated as by Embree: a ray that leaves the surface must start on
+    // the surface that Embree sees.
     [[nodiscard]] glm::dmat4 at(double time) const;
 };
 
@@ -67,7 +69,7 @@ struct RayScene::Impl {
     std::vector<glm::dmat4> object_from_world;  // per object, at the beginning of the time span
     std::vector<bool> mirrored;                 // per object
     std::vector<ObjectShadow> shadows;          // per object
-    bool all_opaque = true;                     // no object lets light through
+    bool all_opaque = true;                     // every object blocks shadow rays
     enum class TextureUse : std::uint8_t { none, position, uv };
     std::vector<TextureUse> texture_uses;  // per object
     [[nodiscard]] static TextureUse texture_use(const Material& m);
@@ -77,10 +79,10 @@ struct RayScene::Impl {
         Kind kind = Kind::spheres;
         std::size_t index = 0;
     };
-    std::vector<Entry> entries;                     // by geometry id of the top scene
-    std::vector<std::uint32_t> object_of_geometry;  // the same; meshes and instances
-    std::vector<Lifetime> lifetimes;                // the same; instances
-    bool any_cut = false;                           // some instance is there for a part of the time only
+    std::vector<Entry> entries;                     // per geometry id of the top scene
+    std::vector<std::uint32_t> object_of_geometry;  // per geometry id; valid for meshes and instances
+    std::vector<Lifetime> lifetimes;                // per geometry id; valid for instances
+    bool any_cut = false;                           // an instance exists during a part of the span only
 
     // Building: ray_scene_build.cpp.
     void attach(RTCGeometry geometry, const Entry& entry, std::uint32_t object);
@@ -98,10 +100,10 @@ struct RayScene::Impl {
     void add_objects(const MotionAccuracy& accuracy);
     std::map<const Mesh*, std::size_t> shared_meshes;
 
-    // Solving hits: ray_scene_surface.cpp.
+    // Computing hits in double: ray_scene_surface.cpp.
     [[nodiscard]] SurfacePoint sphere_surface(std::uint32_t primitive, const glm::dvec3& o,
                                               const glm::dvec3& d, double t) const;
-    // A hit on a shape with a formula in the shape's own frame.
+    // A hit on an analytic shape, in the shape's local frame.
     struct LocalHit {
         glm::dvec3 o, d;  // the ray
         double t = 0;

@@ -1,4 +1,4 @@
-// Hits solved again in double.
+// Computes hits again in double precision.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -47,7 +47,7 @@ void RayScene::Impl::solve(const AnalyticShape& shape, LocalHit& hit) {
         return;
     }
     const Crossings<double> found = crossings<double>(shape, hit.o, hit.d);
-    const double t = hit.t;  // kept where float saw a silhouette that double just misses
+    const double t = hit.t;  // kept if the ray misses the silhouette in double but not in float
     double best = std::numeric_limits<double>::infinity();
     for (int k = 0; k < found.count; ++k) {
         if (std::abs(found.t[k] - t) >= best) continue;
@@ -85,7 +85,7 @@ SurfacePoint RayScene::Impl::analytic_surface(const AnalyticSet::Item& item, con
                                               double t, bool normals) const {
     const dmat3 linear(item.local_from_world);
     const LocalHit hit{dvec3(item.local_from_world * glm::dvec4(o, 1)), linear * d, t};
-    // Normals go over as covectors.
+    // Normals transform as covectors.
     return solved_surface(item, hit, o, d, normals, [&](const dvec3& n) { return n * linear; });
 }
 
@@ -96,7 +96,7 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const dmat3 base(item.local_from_base);
     const LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
                        base * pose.unmoved_direction(d), t};
-    // As a covector back through both maps; the motion's is scale, then rotation.
+    // The normal transforms as a covector by both maps; the motion is a scale followed by a rotation.
     return solved_surface(item, hit, o, d, normals,
                           [&](const dvec3& n) { return pose.rotation * ((n * base) / pose.scale); });
 }
@@ -145,7 +145,7 @@ SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, con
     s.position = o + s.t * d;
     const dvec3 from_a = s.position - f.a;
     const double b1 = glm::dot(from_a, f.gradient1), b2 = glm::dot(from_a, f.gradient2), b0 = 1 - b1 - b2;
-    // A mirroring transform turns the winding over; the outside stays where the mesh has it.
+    // A mirroring transform reverses the winding, but not the outer side of the mesh.
     s.geometric_normal = s.normal = (mirrored[f.object] ? -1 : 1) / std::sqrt(f.area2) * f.cross;
     if (!f.mesh->mesh->normals.empty()) {
         const auto n = vertex_normals(f);
@@ -153,7 +153,7 @@ SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, con
         const double length = glm::length(sum);
         if (length > 0) {
             s.normal = sum / length;
-            // Vertex normals say which side is out only as far as the winding agrees.
+            // Vertex normals define the outer side if the winding disagrees with them.
             if (glm::dot(s.normal, s.geometric_normal) < 0) s.geometric_normal = -s.geometric_normal;
         }
     }
@@ -178,7 +178,7 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
     const Entry& entry = entries[key.instance == HitKey::none ? key.geometry : key.instance];
     if (entry.kind == Kind::spheres) return across / spheres.exact_radius[key.primitive];
     if (entry.kind == Kind::analytic) {
-        // d(normalised covector) along moves in the world.
+        // Derivative of the normalised covector by the position in the world.
         const AnalyticSet::Item& item = analytic.items[key.primitive];
         const dmat3 linear(item.local_from_world);
         const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));

@@ -1,12 +1,12 @@
-// The scene moved so that a point becomes the origin.
+// Translates a scene so that a given point becomes the origin.
 #pragma once
 
 #include "tracer/scene.h"
 
 namespace postlens {
 
-/// Every placement, motion, light and camera moved by -origin. Rays are floats: far from the origin a lens of
-/// a few centimetres would be lost in their rounding.
+/// The scene with all objects, motions, lights and cameras translated by -origin. Rays are floats: far from
+/// the origin, their rounding would exceed the size of a lens of a few centimetres.
 [[nodiscard]] Scene recentred(Scene scene, const glm::dvec3& origin);
 
 }  // namespace postlens

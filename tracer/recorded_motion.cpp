@@ -8,7 +8,7 @@
 namespace postlens {
 namespace {
 
-// A sphere around a box, m; finite also for infinite planes.
+// Sets the bounding sphere of a box, m. It is finite for infinite planes, too.
 void bound(const Bounds& box, ObjectMotion& motion) {
     constexpr double farthest_m = 1e9;
     const glm::dvec3 low = glm::max(box.min, glm::dvec3(-farthest_m)),

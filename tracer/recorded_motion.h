@@ -1,4 +1,4 @@
-// What of a scene's motion a sample file records.
+// The part of a scene's motion that a sample file records.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace postlens {
 
-/// What moves, with a sphere around each moving id, and the lights whose shadows may. Where shapes of one id
-/// move differently, the first that moves stands for all.
+/// The moving objects with their bounding spheres, the camera's motion, and the lights that move or whose
+/// shadows may move. If shapes of one id move differently, the first moving shape stands for all.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
-/// The ids, growing, that several shapes share which do not all have the same keys.
+/// The ids, ascending, whose shapes have different keys.
 [[nodiscard]] std::vector<std::uint32_t> ids_that_move_apart(const Scene& scene);
 
 }  // namespace postlens

@@ -7,7 +7,7 @@ namespace postlens {
 namespace fs = std::filesystem;
 
 std::optional<fs::path> inside_scene_folder(const fs::path& scene_path, const std::string& as_written) {
-    // A NUL would end the name for the system, not for what is judged here.
+    // The system would read a name only up to a NUL, while the checks below see all of it.
     if (as_written.empty() || as_written.find('\0') != std::string::npos) return std::nullopt;
     if (fs::path(as_written).is_absolute()) return std::nullopt;
     std::error_code error;

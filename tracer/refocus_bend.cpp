@@ -15,34 +15,35 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Newton's method with derivatives that stay those of the pinhole gains a digit or so each time; near
-// caustics it goes to and fro. A ray that is not found in so many steps counts with what may still be
-// missing, and where the steps grow it is bent beyond use.
+// Limit of the Newton steps. The derivatives stay those of the pinhole, so each step gains about one digit;
+// near caustics the steps oscillate. If a ray is not settled after the last step, the estimated residual is
+// added to its error; if its steps grow, its error is infinite.
 constexpr int most_steps = 5;
-// The last step may leave so much of the departure unsettled; and where it is of so few px, it was right to a
-// share of itself, whichever step it was.
+// A ray is settled if the estimated residual is at most 5 % of its departure, or its last step at most 0.1
+// px.
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// The first step leaves less than so much of itself; later ones what they are of the step before.
+// Assumed residual after the first step, relative to that step. Later residuals are estimated from the ratio
+// of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Of settled_px: what departs by less on one side of the lens is not looked at on the other.
+// Fraction of settled_px. If the departures on one side of the lens are smaller, the other side is skipped.
 constexpr double straight_share = 0.5;
 
-// Of a ray behind surfaces that are not part of the chain.
+// Limit of the surfaces that a ray may pass that are not part of the node's path.
 constexpr int most_passed = 16;
 
-// A ray from a point of the lens on its way to see a node.
+// A ray from a lens point that is adjusted until it reaches a node.
 struct Probe {
     std::uint32_t node = 0;
     dvec2 q{0}, predicted{0}, tangent{0};
     double last_step = infinity;
-    double departure = 0, unsettled = 0;  // from the prediction, and what may be wrong with that
+    double departure = 0, unsettled = 0;  // distance of `tangent` from `predicted`, and its residual error
     bool converges = false;
-    // The ray as it is now.
+    // The current part of the ray.
     dvec3 origin{0}, direction{0}, off{0};
-    double start = 0;  // from the origin, where surfaces are passed by
+    double start = 0;  // distance from the origin at which the ray starts, behind passed surfaces
     HitKey from;
     int bounces = 0, passed = 0;
-    // How it ended before its last bounce: something else was met, or it is bent away.
+    // The ray ended before its last bounce: another object blocks it, or it cannot follow the path.
     bool hidden = false, lost = false;
     [[nodiscard]] bool ended() const { return hidden || lost; }
 };
@@ -64,7 +65,7 @@ class Prober {
     [[nodiscard]] bool on_its_way(const Probe& p) const {
         return !p.ended() && p.bounces < nodes_[p.node].path.depth();
     }
-    // Takes the hit of the current ray: bounces where the chain bounced.
+    // Processes a hit of the current ray: reflects or refracts the ray if the node's path does so there.
     void meet(Probe& p, const HitKey& key, double t) const {
         const BentNode& n = nodes_[p.node];
         p.hidden = true;
@@ -97,11 +98,12 @@ class Prober {
         ++p.bounces;
         p.lost = false;
     }
-    // How the tangent has to change for the ray to see the target, as the pinhole's derivatives say.
+    // The change of the tangent by which the ray reaches the target, computed with the derivatives at the
+    // pinhole.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
-        // Across the ray: along it, nothing is missed.
+        // Only the component of the miss perpendicular to the ray counts.
         const auto across = [](const dvec3& v, const dvec3& d) { return v - d * glm::dot(v, d); };
         const dvec3 r = across(miss, p.direction);
         const dvec3 a = across(n.by_tangent[0], n.direction), b = across(n.by_tangent[1], n.direction);
@@ -116,7 +118,7 @@ class Prober {
     std::span<const BentNode> nodes_;
 };
 
-// Follows all probes that are not lost up to their last bounce.
+// Traces all open probes up to their last bounce.
 void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& probes,
             const std::vector<std::uint32_t>& open, std::uint64_t& rays_spent) {
     thread_local RayBatch batch;
@@ -146,21 +148,21 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 
 namespace {
 
-/// Beyond this a tangent is no picture's: W is that of a fold, or the steps run away.
+/// Greatest tangent of a ray. Beyond it, W is that of a fold, or the steps diverge.
 constexpr double widest_tangent = 1e3;
 
 bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Rays that see nodes, and how far from where W has them they start.
+/// Finds the rays from lens points that reach nodes, and their departures from the prediction by W.
 struct Search {
     std::vector<Probe> probes;
-    std::vector<std::uint32_t> open;  ///< of the probes: those that have not settled
-    // By node:
+    std::vector<std::uint32_t> open;  ///< probes that have not settled
+    // Per node:
     std::vector<bool> ended;       ///< one of its rays is lost
-    std::vector<double> greatest;  ///< departure of those that have settled
-    std::vector<double> at_least;  ///< of all of them
+    std::vector<double> greatest;  ///< greatest departure of its settled rays
+    std::vector<double> at_least;  ///< lower bound of the greatest departure of all its rays
 
     void begin(std::span<const BentNode> nodes) {
         probes.clear();
@@ -181,7 +183,7 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Of one that is not hidden, as a tangent; infinite where it was not found.
+    /// Departure of a ray that is not hidden, as a tangent; infinite if the ray was not found.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -194,7 +196,7 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // One ray that is lost decides for its node.
+        // One lost ray makes the error of its node infinite.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -218,7 +220,7 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Only the greatest departure counts.
+            // A ray whose departure cannot be the greatest of its node is dropped.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -244,9 +246,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // Departures are of second order, the same on both sides of the lens but for what is of third: where two
-    // rays at right angles see the node all but where it should be, the two across from them would as well.
-    // That is most nodes.
+    // Departures are of second order and equal on both sides of the lens up to third order. If two rays at
+    // right angles have small departures, the opposite two have as well. This holds for most nodes.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -259,11 +260,11 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
     out.assign(nodes.size(), -1);
     for (const Probe& p : search.probes) {
         if (p.hidden) continue;
-        // Converted from float: what is too large for a half is infinite.
+        // The conversion from float rounds values that are too large for a half to infinity.
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // Of those that nothing is known of, none was found.
+    // Nodes of which all rays were hidden have an infinite error.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

@@ -23,21 +23,22 @@ struct Bounces {
 
 /// A node after at least one bounce, and the target that a ray from another lens point must reach.
 struct BentNode {
-    std::uint32_t node = 0;  ///< for the caller
+    std::uint32_t node = 0;  ///< index for the caller's use
     NodePath path;
     Bounces bounces;
-    int hidden_bounce = -1;    ///< the bounce that may be met behind other surfaces; -1: none
+    int hidden_bounce = -1;    ///< the bounce that may lie behind other surfaces; -1: none
     bool at_infinity = false;  ///< `target` is a direction, not a point
-    glm::dvec3 target{0};      ///< where the chain ends, world
-    glm::dvec3 direction{0};   ///< the chain's last, of unit length
-    glm::dvec2 tangent{0};     ///< of the eye ray, raster axes
+    glm::dvec3 target{0};      ///< end of the path, world
+    glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
+    glm::dvec2 tangent{0};     ///< of the eye ray, along the raster's axes
     /// Derivative of the target by the tangent of the eye ray, world.
     std::array<glm::dvec3, 2> by_tangent{};
     Mat2 w;
 };
 
-/// W.bend of each node, 1/m^2. For a lens point q, let e be the difference between the tangent of the ray
-/// that reaches the target and its first-order prediction p - W q; the result is the largest |e| / |q|^2.
+/// Nonlinear W (`w_bend`) of each node, 1/m^2. For a lens point q, let e be the difference between the
+/// tangent of the ray that reaches the target and its first-order prediction p - W q; the result is the
+/// largest |e| / |q|^2.
 ///
 /// Lens points: four at `radius_m` on the raster axes; only two at right angles if both have an error below
 /// 0.05 px. The ray from a lens point is found by Newton's method, with the derivatives at the pinhole, along

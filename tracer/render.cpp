@@ -28,8 +28,8 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Tiles times rounds of a few samples. What a tile traces together is the same however rounds are scheduled,
-// and its sums grow sample by sample: so neither threads nor interruptions change a bit.
+// Renders each tile in rounds of a few samples. A round traces the same rays together in any schedule, and
+// sums are added sample by sample, so threads and interruptions do not change the bits of the result.
 class Renderer {
   public:
     Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)
@@ -47,7 +47,8 @@ class Renderer {
             if (!settings.crop || settings.crop->meets(x, y, tile_px, tile_px)) tiles_.push_back(i);
         }
         for (int h = 0; h < halves_; ++h) {
-            // Halves differ by their seeds alone. Mixed, so that neighbouring seeds share no half.
+            // Halves differ only in their seeds. The seeds are hashed, so that neighbouring values of --seed
+            // share no half.
             const std::uint64_t seed = settings.halves
                                            ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1)
                                            : settings.seed;
@@ -61,13 +62,14 @@ class Renderer {
     [[nodiscard]] std::size_t tiles() const { return tiles_.size(); }
     [[nodiscard]] const RayCounts& counts() const { return counts_; }
 
-    // Samples a pixel that the tile has behind it in all halves, from its first pixel.
+    // Number of samples per pixel of a tile that are done, over all halves, read from its first pixel.
     [[nodiscard]] std::uint32_t samples_done(std::size_t tile) const {
         const std::size_t pixel = first_pixel(tile);
         return state_.samples[0][pixel] + (halves_ == 2 ? state_.samples[1][pixel] : 0);
     }
 
-    // Rounds that a tile has behind it, likewise. Tiles are counted among those that are wanted.
+    // Number of rounds of a tile that are done, read from its first pixel. `tile` is an index into the wanted
+    // tiles.
     [[nodiscard]] int rounds_done(std::size_t tile) const {
         const std::size_t pixel = first_pixel(tile);
         int done = 0;
@@ -100,7 +102,7 @@ class Renderer {
         return index(x, y);
     }
 
-    // Of a tile of the whole picture.
+    // Upper left pixel of a tile; `tile` is its index in the whole image.
     [[nodiscard]] std::pair<int, int> corner(std::size_t tile) const {
         return {static_cast<int>(tile % static_cast<std::size_t>(columns_)) * tile_px,
                 static_cast<int>(tile / static_cast<std::size_t>(columns_)) * tile_px};
@@ -143,13 +145,13 @@ class Renderer {
     const RenderSetup& setup_;
     RenderState& state_;
     int halves_, spp_, group_, groups_, columns_;
-    std::vector<std::size_t> tiles_;  ///< those that are wanted, of the whole picture's
+    std::vector<std::size_t> tiles_;  ///< the wanted tiles, as indices in the whole image
     std::vector<std::unique_ptr<Sampler>> samplers_;
     std::vector<std::unique_ptr<DistributedTracer>> tracers_;
     RayCounts counts_;
 };
 
-// Traces all that is missing; `pause` is called several times a second, between parallel loops.
+// Traces all rounds that are not done. Calls `pause` several times a second, between parallel loops.
 void trace_all(Renderer& renderer, const std::function<void()>& pause) {
     std::uint64_t left = 0;
     int first = renderer.rounds();
@@ -168,8 +170,8 @@ void trace_all(Renderer& renderer, const std::function<void()>& pause) {
             renderer.trace(round, begin, end);
             const double took_s = seconds_since(start);
             progress.advance(end - begin);
-            // Long enough that starting and ending a loop costs nothing, short enough to stop and save at
-            // once.
+            // A slice takes 0.1 to 0.4 s: long enough to make the cost of starting a loop negligible, short
+            // enough to stop and save promptly.
             if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
             if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);
             begin = end;
@@ -247,7 +249,7 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
         const auto began = Clock::now();
         write_state(partial, state, fingerprint);
         saved = Clock::now();
-        // Saving may take a twentieth of the time, not more.
+        // Saving takes at most a twentieth of the time.
         interval_s = std::max(settings.checkpoint_interval_s, 20 * seconds_since(began));
     };
     try {

@@ -1,5 +1,5 @@
-// `render`: the picture by distributed rays over lens and time, the reference that post-processed pictures
-// are held against.
+// `render`: makes an image by distributed rays over lens and time. It is the reference for post-processed
+// images.
 #pragma once
 
 #include <array>
@@ -26,32 +26,33 @@ namespace postlens {
 struct RenderSettings {
     CameraOverrides camera;
     std::string camera_name;       ///< empty: the scene's first
-    std::optional<double> time_s;  ///< the instant without a shutter; absent: the scene's own
+    std::optional<double> time_s;  ///< instant if there is no shutter; empty: the scene's
 
-    std::optional<double> focal_length_mm;              ///< F; absent: the film distance of the camera
-    std::optional<double> f_number;                     ///< absent: the camera's; a pinhole where it has none
-    std::optional<double> focus_m;                      ///< absent: the camera's
-    std::optional<std::pair<double, double>> focus_at;  ///< raster px; instead of focus_m
+    std::optional<double> focal_length_mm;  ///< F; empty: the film distance of the camera
+    std::optional<double> f_number;         ///< empty: the camera's, or a pinhole if it has none
+    std::optional<double> focus_m;          ///< empty: the camera's
+    std::optional<std::pair<double, double>>
+        focus_at;  ///< focuses on a raster position, px; replaces focus_m
     Framing framing = Framing::keep;
-    std::shared_ptr<const Aperture> aperture;  ///< none: the disc
-    /// A real lens instead of the thin one: `focal_length_mm` must be absent, `f_number` absent is wide open.
+    std::shared_ptr<const Aperture> aperture;  ///< null: a disc
+    /// A real lens instead of the thin lens. `focal_length_mm` must be empty; without `f_number` the lens is
+    /// wide open.
     std::shared_ptr<const Prescription> prescription;
 
-    std::optional<TimeSpan> shutter;  ///< absent: open for an instant only
+    std::optional<TimeSpan> shutter;  ///< empty: the exposure is an instant
     ShutterCurve curve = ShutterCurve::box();
 
     SamplerKind sampler = SamplerKind::sobol;
-    int spp = 64;  ///< samples per pixel; with `halves` even
+    int spp = 64;  ///< samples per pixel; must be even with `halves`
     std::uint64_t seed = 0;
-    bool halves = false;  ///< two independent halves of the samples, each a picture of its own
-    bool resume = false;  ///< go on from what an interrupted run left
+    bool halves = false;  ///< also makes two images from independent halves of the samples
+    bool resume = false;  ///< continues an interrupted run
     DistributedSettings tracing;
 
-    double metres_per_unit = 1;        ///< as the scene was read; only recorded
-    double checkpoint_interval_s = 5;  ///< how often the picture so far is written
-    /// What of the picture is wanted: tiles of 8 px that have nothing of it stay black. The others have the
-    /// same bits as without; files hold the crop alone (see write_image). A run may go on from what one with
-    /// another crop has left.
+    double metres_per_unit = 1;        ///< with which the scene was read; only recorded
+    double checkpoint_interval_s = 5;  ///< interval at which the unfinished image is saved
+    /// The wanted part of the image. Tiles of 8 px outside of it stay black; the others have the same bits as
+    /// without a crop. Files hold the crop alone (see write_image). A run may be resumed with another crop.
     std::optional<Crop> crop;
 };
 
@@ -59,27 +60,26 @@ struct RenderResult {
     Image image;
     std::array<Image, 2> halves;  ///< empty without `halves`
     RayCounts rays;               ///< of this run
-    bool resumed = false;         ///< went on from what an interrupted run left
-    int spp_resumed = 0;          ///< samples per pixel (at least) that were there from the run before
-    double seconds_render = 0;    ///< tracing alone
-    double focal_length_mm = 0, f_number = 0, focus_m = 0;  ///< as resolved
-    double motion_error_px = 0;  ///< how far Embree's steps stray from the true motion of meshes
+    bool resumed = false;         ///< the run continued an interrupted one
+    int spp_resumed = 0;          ///< least number of samples per pixel that the interrupted run had done
+    double seconds_render = 0;    ///< time of tracing alone, s
+    double focal_length_mm = 0, f_number = 0, focus_m = 0;  ///< values used
+    double motion_error_px = 0;  ///< greatest error of Embree's linear steps of moving meshes
 };
 
-/// The two files of `halves`: NAME.a.EXT and NAME.b.EXT.
+/// Paths of the two files of `halves`: NAME.a.EXT and NAME.b.EXT.
 [[nodiscard]] std::array<std::filesystem::path, 2> half_paths(const std::filesystem::path& path);
-/// Where an unfinished picture waits: NAME.partial.exr, a picture for any viewer with the sums in further
-/// channels.
+/// Path of an unfinished image: NAME.partial.exr. Any viewer can show it; further channels hold the sums.
 [[nodiscard]] std::filesystem::path partial_path(const std::filesystem::path& path);
 
-/// Renders to `path` (and half_paths). Deterministic: the same bits for any number of threads, and for a run
-/// that was interrupted and resumed. Throws Error(wrong_arguments) for settings out of range,
-/// Error(interrupted) after writing partial_path, Error(invalid_input) where that file is damaged or of other
-/// settings, Error(out_of_memory), Error(cannot_write).
+/// Renders to `path` (and half_paths). The bits are the same for any number of threads, and for a run that
+/// was interrupted and resumed. Throws Error(wrong_arguments) for settings out of range, Error(interrupted)
+/// after writing partial_path, Error(invalid_input) if that file is damaged or has other settings,
+/// Error(out_of_memory), Error(cannot_write).
 RenderResult render_to_file(const Scene& scene, const RenderSettings& settings,
                             const std::filesystem::path& path);
 
-/// The same without files, interruption or resuming; for tests and benchmarks.
+/// Renders without files and without resuming; for tests and benchmarks.
 RenderResult render_picture(const Scene& scene, const RenderSettings& settings);
 
 }  // namespace postlens

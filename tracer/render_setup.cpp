@@ -12,7 +12,7 @@ namespace postlens {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Of a real lens until it has been read: any number but that of a pinhole.
+/// Placeholder f-number of a real lens before its own is known; any value but that of a pinhole.
 constexpr double wide_open = 1;
 
 void check(const RenderSettings& s) {
@@ -53,7 +53,7 @@ void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, co
     lens_.focal_length_mm = s.focal_length_mm.value_or(
         model.projection == Camera::Projection::perspective ? model.film_distance_mm : 50);
     if (model.projection == Camera::Projection::orthographic) {
-        // Parallel rays meet no lens: there is neither a film distance nor an aperture that they would pass.
+        // An orthographic camera has parallel rays, and so neither a film distance nor an aperture.
         if (s.f_number && std::isfinite(*s.f_number)) {
             fail(ExitCode::wrong_arguments,
                  "--f-number: out of range for an orthographic camera, which has no lens (got {}; expected "
@@ -92,7 +92,7 @@ void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, co
         fail(ExitCode::wrong_arguments,
              "--focus: missing (got nothing; expected a value, as the scene names none)");
     } else {
-        focus_m_ = infinity;  // a pinhole needs none
+        focus_m_ = infinity;  // a pinhole needs no focus distance
     }
     if (s.prescription) {
         look_through(s, model);
@@ -133,7 +133,7 @@ double RenderSetup::depth_at(double x, double y, const CameraModel& model, doubl
 std::string RenderSetup::fingerprint(const RenderSettings& s) const {
     const auto exact = [](double v) {
         return fmt::format("{}", v);
-    };  // shortest text that reads back the same
+    };  // shortest text from which the same number is read
     const nlohmann::ordered_json json = {
         {"scene", scene_.sha256},
         {"metres_per_unit", exact(s.metres_per_unit)},

@@ -1,4 +1,4 @@
-// What a render needs, made from its settings: the scene about the camera, lens, shutter, ray structures.
+// The state of a render that follows from its settings: recentred scene, lens, shutter, ray structures.
 #pragma once
 
 #include <optional>
@@ -25,7 +25,7 @@ class RenderSetup {
     [[nodiscard]] const TimeSpan& span() const { return span_; }
     [[nodiscard]] const ThinLens& lens() const { return lens_; }
     [[nodiscard]] double focus_m() const { return focus_m_; }
-    /// Everything that the picture depends on, as one line of JSON.
+    /// All inputs on which the image depends, as one line of JSON.
     [[nodiscard]] std::string fingerprint(const RenderSettings& settings) const;
 
   private:
@@ -39,7 +39,7 @@ class RenderSetup {
     ThinLens lens_;
     double focus_m_ = 0;
     FocusGeometry geometry_;
-    std::shared_ptr<const LensView> view_;  ///< none: the thin lens
+    std::shared_ptr<const LensView> view_;  ///< null: a thin lens
     std::optional<RayScene> rays_;
     std::optional<LensCamera> camera_;
 };

@@ -25,12 +25,13 @@ namespace {
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
 
-// One 32-bit word per channel: three floats, then per half a count and the two words of three doubles.
+// Number of 32-bit words, one per channel: three floats of colour, then for each half a sample count and
+// three doubles of two words each.
 std::size_t words_per_pixel(int halves) {
     return 3 + 7 * static_cast<std::size_t>(halves);
 }
 
-/// Their first word in `words`, which may be null.
+/// The channels of the file. Each refers to its first word in `words`, which may be null.
 std::vector<FlatExr::Channel> channels(int halves, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {
@@ -105,7 +106,7 @@ RenderState::RenderState(int w, int h, int count, double stops)
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves) {
-    // The sums, the words of a file of them and two pictures.
+    // Memory of the sums and counts, of the words of their file, and of two images.
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     return pixels * (28 * static_cast<std::uint64_t>(halves) + 4 * words_per_pixel(halves) + 24);
 }
@@ -146,7 +147,7 @@ void write_state(const std::filesystem::path& path, const RenderState& state, co
     exr.channels = channels(state.halves, words.data());
     exr.pixel_bytes = sizeof(std::uint32_t) * words_per_pixel(state.halves);
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(state.width);
-    exr.compression = ChunkCompression::none;  // sums are noise to any compression
+    exr.compression = ChunkCompression::none;  // the low bits of the sums do not compress
     exr.texts = {{settings_attribute, settings}, {checksum_attribute, checksum(words)}};
     write_flat_exr(file.temporary_path(), path.string(), exr);
     file.commit();

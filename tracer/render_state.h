@@ -1,4 +1,4 @@
-// What of a render in progress must be kept to go on with it, and its file.
+// The state of an unfinished render from which it can be resumed, and its file.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Sums of exposed radiance by pixel (3 doubles each, row-major), of one or two halves, and how many samples
-/// are in them.
+/// Sums of radiance, with exposure, per pixel (3 doubles each, row-major), and their numbers of samples, for
+/// one or two halves.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     double exposure_stops = 0;  ///< of the sums
@@ -22,17 +22,17 @@ struct RenderState {
     RenderState() = default;
     RenderState(int w, int h, int count, double stops = 0);
     [[nodiscard]] static std::uint64_t bytes(int width, int height, int halves);
-    /// The mean over all samples so far; black where there are none.
+    /// The mean over all samples so far. Pixels without samples are black.
     [[nodiscard]] Image picture() const;
     [[nodiscard]] Image half(int which) const;
 };
 
-/// Writes an OpenEXR file: R, G, B of the radiance as far as they are, and every sum and count bit by bit in
-/// further channels. `settings` identifies what is rendered. Throws Error(cannot_write).
+/// Writes an OpenEXR file: R, G, B hold the radiance so far, and further channels hold the exact bits of all
+/// sums and counts. `settings` identifies the render. Throws Error(cannot_write).
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings);
 
 /// Fills `state`, whose size and halves are set, from a file of the same settings. Throws
-/// Error(invalid_input) where the file is not one of ours, damaged, or of other settings.
+/// Error(invalid_input) if the file was not written by write_state, is damaged or has other settings.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 
 }  // namespace postlens

@@ -10,7 +10,7 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-constexpr int looks = 8;  // parts of a gap, between which it is looked at
+constexpr int looks = 8;  // number of parts of a gap; the error is measured at the 7 instants between them
 
 struct Sampler {
     const std::function<Placement(double)>& at;
@@ -41,7 +41,7 @@ struct Sampler {
         return worst;
     }
 
-    // Adds what is needed between a, which is there, and b, and then b.
+    // Adds the keys needed between a and b, then b. Key a has been added before.
     void add(const TransformKey& a, const TransformKey& b, int halvings) {
         const double gap = b.time_s - a.time_s;
         const bool may_divide = gap > 2 * shortest_key_gap_s && halvings < most_halvings;

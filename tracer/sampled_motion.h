@@ -1,4 +1,4 @@
-// Motion of any kind as keys between which everything goes evenly.
+// Approximates any motion by keys with linear interpolation.
 #pragma once
 
 #include <functional>
@@ -13,19 +13,20 @@ namespace postlens {
 
 struct SampledMotion {
     std::vector<TransformKey> keys;
-    double error_m = 0;  ///< how far a point strays at the instants that were looked at
+    double error_m = 0;  ///< greatest error of a point at the instants that were tested
 };
 
-/// Keys at the growing `times_s` (at least one), and as many between as keep `points` within `tolerance_m` of
-/// where `at` takes them: each gap is halved, up to 2^12 parts and down to 1 microsecond, until seven
-/// instants in it agree. A turn of more than 170 degrees is divided as well, since it says nothing about its
-/// direction. Scales of 0 become smallest_key_scale: nothing can be seen from inside a point.
+/// Keys at the ascending `times_s` (at least one), and as many between them as keep `points` within
+/// `tolerance_m` of their positions by `at`. Each gap is halved, into at most 2^12 parts of at least 1
+/// microsecond, until the error is within the tolerance at seven instants in it. A rotation of more than 170
+/// degrees is divided as well, since two keys do not determine its direction. Scales of 0 become
+/// smallest_key_scale, so that transforms stay invertible.
 [[nodiscard]] SampledMotion sampled_motion(const std::function<Placement(double time_s)>& at,
                                            std::span<const double> times_s,
                                            std::span<const glm::dvec3> points, double tolerance_m);
 
 inline constexpr double smallest_key_scale = 1e-6;
-/// Shortest gap that is divided, s; also how long before its key a motion in steps begins to jump.
+/// Shortest gap between keys, s. It is also the time before its key at which a step of motion begins.
 inline constexpr double shortest_key_gap_s = 1e-6;
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// The point sets of distributed rays: where in the pixel, on the lens and in the shutter's time each ray
-// goes.
+// Point sets for distributed rays: the positions of each ray in the pixel, on the lens and in the shutter
+// interval.
 #pragma once
 
 #include <cstdint>
@@ -13,48 +13,49 @@
 
 namespace postlens {
 
-/// How the points of a pixel are placed. Sets of a pixel are paired at random in all but `random`, where
-/// there is nothing to pair, and in the eye-ray sets of `sobol`.
+/// Distribution of the points of a pixel. The points of different sets are paired at random, except in
+/// `random`, whose points are independent, and in the eye-ray sets of `sobol`, which are jointly distributed.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
     random,    ///< independent points
-    poisson,   ///< points that keep a distance from each other [cook1986]
+    poisson,   ///< points with a minimum distance from each other [cook1986]
     sobol,     ///< Owen-scrambled Sobol points [owen1995, burley2020]
 };
 
-/// Which independent set of numbers is asked for. The first three are the jointly well distributed dimensions
-/// of an eye ray; `sample_set` makes others.
+/// Identifies an independent point set. The first three are the dimensions of an eye ray, which are jointly
+/// well distributed; `sample_set` makes others.
 struct SampleSet {
     std::uint32_t id;
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
-/// The set for a purpose (an area light, a glossy bounce ...) at (a, b), such as the path of bounces and the
-/// light. Never one of the three above. Distinct arguments give distinct sets, but for a chance of 2^-32.
+/// The set for a purpose (an area light, a glossy bounce ...) and two further numbers, such as the path and
+/// the index of the light. Never one of the three above. Distinct arguments give distinct sets, except with
+/// a probability of 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
     const std::uint32_t id = high_word(word);
     return {id > time_set.id ? id : id + time_set.id + 1};
 }
 
-/// Numbers in [0, 1), multiples of 2^-24, as a pure function of (kind, spp, seed, pixel, set, index): all
-/// calls agree bit for bit, on every instruction set and in every order. A set has numbers in one and in two
-/// dimensions, which are independent. Every sample of a pixel has to be used; the first few of them need not
-/// be well distributed.
+/// Numbers in [0, 1), multiples of 2^-24, as a pure function of (kind, spp, seed, pixel, set, index). All
+/// calls give the same bits, on every instruction set and in every order. The one-dimensional and the
+/// two-dimensional points of a set are independent. All samples of a pixel must be used: a subset of them
+/// need not be well distributed.
 class Sampler {
   public:
     static constexpr int max_spp = 1 << 20;
 
     /// spp: samples per pixel, 1 .. max_spp. Fails with wrong_arguments outside.
-    /// `poisson` makes its patterns here, in up to a few tenths of a second.
+    /// `poisson` makes its patterns here, which takes up to a few tenths of a second.
     Sampler(SamplerKind kind, int spp, std::uint64_t seed);
 
     [[nodiscard]] SamplerKind kind() const { return kind_; }
     [[nodiscard]] int spp() const { return spp_; }
 
-    /// Samples [first, first + count) of a pixel, count 1 .. 16, first + count <= spp. pixel: any 32-bit
-    /// number. Fastest for count = 16 and `first` a multiple of 16.
+    /// Writes samples [first, first + count) of a pixel, count 1 .. 16, first + count <= spp. `pixel`: any
+    /// 32-bit number. Fastest for count = 16 and `first` a multiple of 16.
     void fill_2d(std::uint32_t pixel, SampleSet set, int first, int count, float* u, float* v) const;
     void fill_1d(std::uint32_t pixel, SampleSet set, int first, int count, float* u) const;
 
@@ -62,14 +63,15 @@ class Sampler {
         alignas(64) float pixel_u[sample_lanes], pixel_v[sample_lanes], lens_u[sample_lanes],
             lens_v[sample_lanes], time_u[sample_lanes];
     };
-    /// pixel_set and lens_set in 2-D and time_set in 1-D in one call; entries from `count` on are arbitrary.
+    /// Writes the points of pixel_set and lens_set in 2-D and of time_set in 1-D. Entries from `count` on are
+    /// arbitrary.
     void fill_eye(std::uint32_t pixel, int first, int count, EyeSamples& out) const;
 
     [[nodiscard]] glm::vec2 point_2d(std::uint32_t pixel, SampleSet set, int index) const;
     [[nodiscard]] float point_1d(std::uint32_t pixel, SampleSet set, int index) const;
 
   private:
-    /// lanes: 16 or 1; all lanes are written.
+    /// Writes 16 lanes or 1 lane. All lanes are written, even beyond the last sample.
     void lanes_2d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u, float* v) const;
     void lanes_1d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u) const;
 

@@ -1,5 +1,5 @@
-// The scene as the tracer sees it: metres, scene-linear colours, every default resolved. Readers make one of
-// these (read_toml_scene, read_nff_scene); build_scene turns it into something rays can hit.
+// The scene as the tracer uses it: lengths in metres, scene-linear colours, all defaults resolved. Readers of
+// scene files (read_scene) make it; RayScene prepares it for ray tracing.
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,7 @@
 
 namespace postlens {
 
-/// Whitted's model, every coefficient a colour:
+/// Whitted's model with a colour for each coefficient:
 /// I = emission + ambient Ia + sum over lights (diffuse N.L + diffuse_transmission (-N.L) + specular (R.V)^n)
 ///     + reflection R + transmission T.
 struct Material {
@@ -32,40 +32,40 @@ struct Material {
     glm::dvec3 reflection{0};
     glm::dvec3 transmission{0};
     double ior = 1;  ///< index of refraction inside; 1 outside
-    /// True: `reflection`, `specular` and `transmission` hold at normal incidence and go over into the
-    /// grazing values below by Schlick's (1 - cos)^5 [schlick1994].
+    /// True: `reflection`, `specular` and `transmission` hold at normal incidence. Towards grazing incidence
+    /// they change to the values below with Schlick's weight (1 - cos)^5 [schlick1994].
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
-    /// Exponents of the lobes cos^n in which mirrored and refracted rays spread about their exact direction;
-    /// infinity: no spread. A trace averages lobes that are wider than the lens (lobe_means.h) and takes the
+    /// Exponents of the lobes cos^n about the exact directions of reflection and refraction; infinity: exact
+    /// directions only. A trace averages over lobes that are wider than the lens (lobe_means.h), and uses the
     /// exact direction for the others.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
-    /// Multiplies ambient, diffuse, diffuse_transmission; null: white.
+    /// Multiplies `ambient`, `diffuse` and `diffuse_transmission`; null: white.
     std::shared_ptr<const Texture> colour_texture;
-    /// Multiplies emission; null: white.
+    /// Multiplies `emission`; null: white.
     std::shared_ptr<const Texture> emission_texture;
-    /// Whether mirrored rays carry light, at some angle.
+    /// Whether the material reflects rays at any angle.
     [[nodiscard]] bool reflects() const {
         return reflection != glm::dvec3(0) || (fresnel && reflection_grazing != glm::dvec3(0));
     }
-    /// Whether lights make highlights, at some angle.
+    /// Whether the material has a specular highlight at any angle.
     [[nodiscard]] bool has_highlight() const {
         return specular != glm::dvec3(0) || (fresnel && specular_grazing != glm::dvec3(0));
     }
-    /// Whether lights change its radiance.
+    /// Whether the material's radiance depends on lights.
     [[nodiscard]] bool answers_lights() const {
         return diffuse != glm::dvec3(0) || has_highlight() || diffuse_transmission != glm::dvec3(0);
     }
-    /// Whether it reflects or transmits into a lobe of directions.
+    /// Whether the material reflects or transmits into a lobe of directions.
     [[nodiscard]] bool has_lobe() const {
         return (reflects() && std::isfinite(reflection_exponent)) ||
                (transmission != glm::dvec3(0) && std::isfinite(transmission_exponent));
     }
 };
 
-// Shapes in object space. Outward normals decide which side is inside for refraction.
+// Shapes in object space. For refraction, the outward normal defines which side is inside.
 struct Sphere {
     glm::dvec3 centre{0};
     double radius = 1;
@@ -73,7 +73,7 @@ struct Sphere {
 struct Box {
     glm::dvec3 min{-0.5}, max{0.5};
 };
-struct Disc {  // in the plane through centre
+struct Disc {  // in the plane through `centre` with normal `normal`
     glm::dvec3 centre{0}, normal{0, 0, 1};
     double radius = 1, inner_radius = 0;
 };
@@ -83,8 +83,8 @@ struct Rectangle {  // corner + a * edge_u + b * edge_v, 0 <= a, b <= 1; normal 
 struct Plane {  // infinite
     glm::dvec3 point{0}, normal{0, 0, 1};
 };
-/// Cylinder and cone are one: radius changes linearly from base to apex; u from +X about the axis towards +Y,
-/// v from base to apex (the object's own axes; see docs/scene_format.md for an axis that is not +Z).
+/// Cone or cylinder, whose radius changes linearly from base to apex. u runs from the object's +X about the
+/// axis towards +Y, v from base to apex (docs/scene_format.md: axes other than +Z).
 struct Cone {
     glm::dvec3 base{0}, apex{0, 0, 1};
     double base_radius = 1, apex_radius = 1;
@@ -96,21 +96,20 @@ struct Mesh {
     std::vector<glm::vec3> normals;  ///< per position, or empty for flat shading
     std::vector<glm::vec2> uvs;      ///< per position, or empty
     std::vector<glm::vec3>
-        colours;  ///< per position, or empty: multiply the material's colour_texture; 0 to 1
+        colours;  ///< per position, or empty; factors of the material's colour_texture, 0 to 1
 };
 using Shape = std::variant<Sphere, Box, Disc, Rectangle, Plane, Cone, std::shared_ptr<const Mesh>>;
 
 struct Object {
     std::string name;
-    std::uint32_t id = 0;  ///< >= 1; several shapes may share one (the six planes of a compound, an NFF file)
+    std::uint32_t id = 0;  ///< >= 1; the shapes of a compound object share one id
     std::size_t material = 0;
     Shape shape;
     glm::dmat4 world_from_object{1};  ///< at rest; affine
-    /// Keyframed motion applied after world_from_object is replaced: world = key(t) * motion_base. Empty:
-    /// still.
+    /// Keys of the motion. If there are any, key(t) * motion_base replaces world_from_object at time t.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
-    bool casts_shadows = true;  ///< false: light passes, e.g. for the glowing ball around a point light
+    bool casts_shadows = true;  ///< false: light passes, e.g. through an emitting ball around a point light
 };
 
 struct Light {
@@ -118,18 +117,18 @@ struct Light {
     Kind kind = Kind::point;
     std::string name;
     glm::dvec3 position{0};          ///< point, spot; centre of a sphere or rectangle
-    glm::dvec3 direction{0, 0, -1};  ///< directional, spot: the way the light travels, unit length
-    glm::dvec3 intensity{1};         ///< radiance factor at N.L = 1
+    glm::dvec3 direction{0, 0, -1};  ///< directional, spot: direction in which light travels, unit length
+    glm::dvec3 intensity{1};         ///< radiance of a surface of diffuse coefficient 1 at N.L = 1
     double cone_degrees = 30;        ///< spot: full angle of the lit cone
     double cone_soft_degrees =
-        0;  ///< spot: full angle at which the fall-off begins; = cone_degrees: hard edge
+        0;  ///< spot: full angle at which the fall-off begins; equal to cone_degrees: hard edge
     glm::dvec3 attenuation{1, 0, 0};  ///< 1 / (a0 + a1 r + a2 r^2), r in m
-    /// Lights with an extent give penumbrae.
+    /// Size of lights with an extent, which cast penumbrae; m.
     double radius = 0;                ///< sphere
     glm::dvec3 edge_u{0}, edge_v{0};  ///< rectangle
     [[nodiscard]] bool has_extent() const { return kind == Kind::sphere || kind == Kind::rectangle; }
     bool casts_shadows = true;
-    std::vector<TransformKey> keys;  ///< moves position and direction; empty: still
+    std::vector<TransformKey> keys;  ///< motion of position and direction; empty: still
 };
 
 struct Camera {
@@ -140,49 +139,50 @@ struct Camera {
     glm::dvec3 look_at{0, 0, -1};
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
-    /// Perspective, one of: film distance (d, = focal length of the pinhole picture), or an angle.
+    /// At most one is set, for perspective: the film distance d (the focal length focused at infinity), or a
+    /// field of view.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
     std::optional<double> vertical_fov_degrees;
-    /// True: the angle runs between the centres of the first and the last row (column) of pixels, as NFF has
-    /// it.
+    /// True: the field of view is measured between the centres of the outermost rows (columns) of pixels, as
+    /// in NFF.
     bool fov_between_pixel_centres = false;
     double orthographic_width_m = 1;
     int width = 960, height = 540;   ///< raster, px
-    std::optional<double> f_number;  ///< defaults for the lens, carried into the sample file
+    std::optional<double> f_number;  ///< this and the next two: defaults, copied to the sample file
     std::optional<double> focus_m;
     std::optional<double> exposure_s;
     std::vector<TransformKey> keys;  ///< rigid motion; empty: still
 };
 
-/// In memory 1 is white: colours of light (intensities, emission, background, ambient_light) are the file's
-/// times 2^exposure_stops (tracer/exposure.h).
+/// A scene in memory. Radiance 1 is white: all colours of light (intensities, emission, background,
+/// ambient_light) are those of the file times 2^exposure_stops (tracer/exposure.h).
 struct Scene {
     std::string name;
-    std::string sha256;                           ///< of the file and of everything it refers to
-    std::vector<std::filesystem::path> referred;  ///< the files that it refers to, where they are
+    std::string sha256;                           ///< of the file and of all files that it refers to
+    std::vector<std::filesystem::path> referred;  ///< paths of the files that it refers to
     std::vector<Material> materials;
     std::vector<Object> objects;
     std::vector<Light> lights;
     std::vector<Camera> cameras;  ///< the first is the default
     glm::dvec3 background{0};
     glm::dvec3 ambient_light{1};  ///< Ia
-    double exposure_stops = 0;    ///< as `expose` has set it
-    /// By which photometric lights were divided; absent: the file has no such lights.
+    double exposure_stops = 0;    ///< set by `expose`
+    /// Divisor of the intensities of photometric lights; empty: the file has no such lights.
     std::optional<double> lumens_per_watt;
     double time_s = 0;               ///< default instant
-    std::vector<std::string> notes;  ///< what the reader made up or skipped; shown to the user as warnings
+    std::vector<std::string> notes;  ///< warnings of the reader about defaults and skipped content
 };
 
 struct SceneReadOptions {
     double metres_per_unit = 1;    ///< > 0 finite; lengths in the file are multiplied by it
-    double lumens_per_watt = 683;  ///< > 0 finite; glTF's lux and candelas are divided by it
+    double lumens_per_watt = 683;  ///< > 0 finite; lux and candelas of glTF are divided by it
 };
 
-/// Whether `read_scene` knows the file's ending.
+/// Whether `read_scene` supports the file's extension.
 [[nodiscard]] bool is_scene_file(const std::filesystem::path& path);
 
-/// By the file's ending: .toml, .nff, .gltf, .glb, .obj, .ply. Throws Error(invalid_input)
+/// Reads a scene by the file's extension: .toml, .nff, .gltf, .glb, .obj or .ply. Throws Error(invalid_input)
 /// "FILE:LINE[:COLUMN]: ...".
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
 

@@ -1,4 +1,4 @@
-// What a reader made up, changed or left out: said once for each kind, with a count.
+// Notes of scene readers about defaults, changes and skipped content. Equal notes are merged, with a count.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace postlens {
 class SceneNotes {
   public:
     void add(const std::string& text);
-    /// In the order of the first of each kind: "FILE: text", "FILE: text (N times)".
+    /// Appends all notes, in the order of their first occurrence: "FILE: text" or "FILE: text (N times)".
     void append_to(std::vector<std::string>& out, const std::filesystem::path& file) const;
 
   private:
@@ -24,8 +24,8 @@ class SceneNotes {
     std::vector<Note> notes_;
 };
 
-/// A name from a file as names of scenes are: printable (other bytes become '?'), at most 255 bytes;
-/// `fallback` for an empty one.
+/// A valid name for a scene: control characters become '?', and at most 255 bytes are kept. `fallback` if
+/// `name` is empty.
 [[nodiscard]] std::string printable_name(const std::string& name, const std::string& fallback);
 
 }  // namespace postlens

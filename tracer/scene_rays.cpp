@@ -18,7 +18,7 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        // A ray takes one direction of a lobe; a record has the lobe's mean.
+        // A ray samples one direction of a lobe, while a record holds the mean over the lobe.
         if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
         if (m.has_lobe()) steady_mirrors_ = false;
     }
@@ -46,7 +46,7 @@ void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& le
     for (std::size_t first = 0; first < lines.size(); first += lanes) {
         const std::size_t count = std::min(lanes, lines.size() - first);
         for (std::size_t i = 0; i < lanes; ++i) {
-            // The last group's other lanes are made from its last line and dropped.
+            // The last group is filled up with copies of its last line, whose rays are dropped.
             const SightLine& line = lines[first + std::min(i, count - 1)];
             samples.x[i] = static_cast<float>(line.x + line.place.x);
             samples.y[i] = static_cast<float>(line.y + line.place.y);

@@ -14,8 +14,8 @@ namespace postlens {
 /// The surface with its normals on the side of the incoming ray.
 struct Facing {
     glm::dvec3 normal{0}, geometric_normal{0};
-    double sign = 1;      ///< of the turn
-    bool smooth = false;  ///< false: the facet's own normal stands in for the interpolated one
+    double sign = 1;      ///< -1: the normals were reversed
+    bool smooth = false;  ///< false: the geometric normal replaces the interpolated one
     [[nodiscard]] bool entering() const { return sign > 0; }
 };
 [[nodiscard]] Facing face(const SurfacePoint& s, const glm::dvec3& direction);
@@ -33,7 +33,7 @@ struct PlacedLight {
     double cos_outer = 0, cos_inner = 0;
 };
 [[nodiscard]] PlacedLight place_light(const Light& light, double time_s);
-/// Moves a light by the matrix of its keys at that instant.
+/// Moves a light by `motion`, the matrix of its keys at an instant.
 [[nodiscard]] PlacedLight place_light(const Light& light, const glm::dmat4& motion);
 
 /// Sample point on a light source for (u, v) in [0, 1)^2, as seen from `from`. Uniform in solid angle for
@@ -43,13 +43,14 @@ struct PlacedLight {
 /// Contribution of one light without occlusion.
 struct Lit {
     glm::dvec3 radiance{0};  ///< 0: no light arrives
-    glm::dvec3 to_light{0};  ///< unit
+    glm::dvec3 to_light{0};  ///< direction to the light, unit length
     bool casts_shadow = true;
     /// The shadow ray: origin + t * segment, t < reach.
     glm::dvec3 origin{0}, segment{0};
     float reach = 0;
 };
-/// `at`: light_point. `direction`: of the ray that sees the surface.
+/// Contribution of the light at its sample point `at` (light_point). `direction`: of the ray that sees the
+/// surface.
 [[nodiscard]] Lit lit_by(const PlacedLight& placed, const glm::dvec3& at, const SurfacePoint& s,
                          const Facing& f, const Material& m, const glm::dvec3& colour,
                          const glm::dvec3& direction);
@@ -58,15 +59,17 @@ struct Lit {
 /// [schlick1994, eq. 24].
 [[nodiscard]] double schlick_weight(double cosine);
 
-/// Directions of the reflected and refracted rays, and the share of their radiance that reaches the viewer.
+/// Coefficients of the reflected and refracted rays at a hit, and the terms from which their directions
+/// follow.
 struct Continuation {
-    glm::dvec3 reflected{0}, transmitted{0};  ///< shares; total internal reflection adds to `reflected`
-    double d_n = 0, eta = 1, root = 0;  ///< direction . normal; index ratio; cosine of the refracted ray
+    /// Factors of their radiance. With total internal reflection, `reflected` includes the transmitted part.
+    glm::dvec3 reflected{0}, transmitted{0};
+    double d_n = 0, eta = 1, root = 0;  ///< direction . normal; ratio of indices; cosine of the refracted ray
     bool refracts = false;
 };
 [[nodiscard]] Continuation continuation(const Material& m, const Facing& f, const glm::dvec3& direction);
-/// Unit directions. `inwards`: the interpolated normal would have reflected the ray into the surface, so the
-/// geometric normal was used.
+/// Direction of the reflected ray, unit length. `inwards` is set to true if the interpolated normal would
+/// reflect the ray into the surface; the geometric normal is used then.
 [[nodiscard]] glm::dvec3 mirrored_direction(const Continuation& c, const Facing& f,
                                             const glm::dvec3& direction, bool& inwards);
 [[nodiscard]] glm::dvec3 refracted_direction(const Continuation& c, const Facing& f,

@@ -1,4 +1,4 @@
-// Boxes around shapes.
+// Bounding boxes of shapes.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -23,8 +23,8 @@ struct Bounds {
     }
 };
 
-/// Axis-aligned box around the shape in the world, m; tight but for a turned mesh's rounding. A plane's box
-/// is infinite on all axes, an empty mesh's is empty.
+/// Axis-aligned bounding box of the shape in the world, m. It is tight except for rounding. The box of a
+/// plane is infinite on all axes, that of an empty mesh is empty.
 [[nodiscard]] Bounds shape_bounds(const Shape& shape, const glm::dmat4& world_from_object);
 
 }  // namespace postlens

@@ -15,16 +15,17 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr int tile_px = 16;
-// Axes are cut so that each piece has one width and one depth.
+// Long objects are divided into this many pieces along their axis, each treated as having one width and
+// depth.
 constexpr int pieces = 16;
-// What is narrower than the smallest cells is found by chance at best.
+// Objects narrower than the smallest cells can only be hit by chance.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 
-// A thing in the world: its centre and three half axes.
+// The ellipsoid that approximates an object in the world: its centre and three half axes.
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // How wide it is at either end of the first, in half[1] and half[2].
+    // Width at both ends of the first axis, relative to half[1] and half[2].
     dvec2 ends{1};
 };
 
@@ -37,7 +38,7 @@ struct AxesOf {
         const dvec3 h = (high - low) / 2.0;
         return {point((low + high) / 2.0), {vector({h.x, 0, 0}), vector({0, h.y, 0}), vector({0, 0, h.z})}};
     }
-    /// Two unit vectors across `axis`.
+    /// Two unit vectors that are perpendicular to `axis` and to each other.
     [[nodiscard]] static std::array<dvec3, 2> across(const dvec3& axis) {
         const dvec3 other = std::abs(axis.x) < 0.9 * glm::length(axis) ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
         const dvec3 u = glm::normalize(glm::cross(axis, other));
@@ -75,7 +76,7 @@ double cross(const dvec2& a, const dvec2& b) {
     return a.x * b.y - a.y * b.x;
 }
 
-// How the camera sees what is small, along its line of sight to a point.
+// Linear approximation of the camera's projection near a point, for small objects.
 struct Sight {
     Sight(const CameraModel& of, const dvec3& point)
         : camera(of), perspective(of.projection == Camera::Projection::perspective) {
@@ -95,8 +96,9 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Other half axes of the same ellipsoid: the first is seen longest, the second across it, the third not at
-// all. By how much the first is seen longer than the second; 0 where nothing is seen.
+// Replaces the half axes of an ellipsoid by conjugate ones. The image of the first is the longest, that of
+// the second is perpendicular to it, that of the third is a point. Returns the ratio of the lengths of the
+// first two images, or 0 if the ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
     std::array<dvec2, 3> seen{};
@@ -111,7 +113,7 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     if (!(sight.depth_m > 0 && longest > 0)) return 0;
     const double angle = std::atan2(2 * xy, xx - yy) / 2;
     const dvec2 along(std::cos(angle), std::sin(angle)), across(-along.y, along.x);
-    // Unit vectors in the space of the half axes.
+    // Computes unit vectors in the space in which the half axes are the coordinate axes.
     const auto weights = [&](const dvec2& direction) {
         return dvec3(glm::dot(seen[0], direction), glm::dot(seen[1], direction),
                      glm::dot(seen[2], direction));
@@ -170,7 +172,7 @@ void SmallThings::add(const Object& object, std::uint32_t index, double brightne
     }
     if (!tapers && glm::length(axes->half[0]) <= 4 * glm::length(axes->half[1])) {
         const double narrower = turn_to_sight(camera, *axes);
-        // What is seen about as wide as long is one piece without an axis: one width holds for all of it.
+        // An object whose image is at most four times as long as wide is one piece without an axis.
         if (!(narrower > 4)) {
             add_piece(axes->centre, axes->centre, axes->half, brightness, index, camera);
             return;
@@ -196,7 +198,7 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         seen[k] = sight.px_of(half[k]);
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
-    // Exact for an ellipsoid of these half axes, less than the width of a box.
+    // The width is exact for the ellipsoid of these half axes, and less than that of the box.
     const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
         return glm::length(p) < glm::length(q);
     });
@@ -222,13 +224,14 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // Along a line the errors of one cell and the next even out.
+    // Only compact objects need fine outlines: along a line, the errors of neighbouring cells cancel.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
 }
 
 double SmallThings::Piece::cells() const {
-    // A strip as long as the axis, as wide as the thing and a cell on either side; and the outline.
+    // Cells cover a strip along the axis, as wide as the object plus one cell on either side, and the
+    // outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);
@@ -306,7 +309,7 @@ SmallThings::Wanted SmallThings::wanted(double x, double y, double size, double 
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // Half a diagonal: no cell that the thing touches is missed.
+        // 0.7072 of the size is half of the cell's diagonal, so no cell that the object touches is missed.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

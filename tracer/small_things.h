@@ -1,6 +1,6 @@
 // Objects so narrow on the film that all corners of pixels may miss them, such as hairs, wires and distant
-// lamps. Their positions are known from the scene, so cells there are subdivided until a corner must hit
-// them.
+// light sources. Their positions are known from the scene, so cells there are subdivided until a corner must
+// hit them.
 #pragma once
 
 #include <array>
@@ -18,18 +18,19 @@ namespace postlens {
 /// part, are not included.
 class SmallThings {
   public:
-    /// Objects wider than this are hit by the corners of undivided pixels, px.
+    /// Width in px above which an object is not narrow, because corners of undivided pixels hit it.
     static constexpr double widest_px = 1.5;
-    /// Largest cell near a narrow object, as a share of its width: small enough that a corner hits it
-    /// wherever it lies.
+    /// Largest cell near a narrow object, relative to the object's width. It is so small that a corner hits
+    /// the object at any position.
     static constexpr double find_share = 0.5;
-    /// The same along the outline of compact objects brighter than white. The area of a disc is then known to
-    /// 1.2 % (Kendall 1948), and so is the brightness of its circle of confusion.
+    /// Largest cell along the outline of a compact object brighter than white, relative to its width. The
+    /// area of a disc then has an error of 1.2 % (Kendall 1948), and so has the brightness of its circle of
+    /// confusion.
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
-    /// Limit of the number of cells, per pixel of the raster. Bright objects are served first, then wide
-    /// ones.
+    /// Limit of the number of cells, per pixel of the raster. If it is exceeded, bright objects are kept
+    /// first, then wide ones.
     static constexpr double most_cells_per_pixel = 4;
 
     /// No narrow objects, for sampling without a scene.
@@ -51,8 +52,8 @@ class SmallThings {
 
     /// Largest size of a cell, px.
     struct Wanted {
-        double find_px;     ///< wherever it lies near a thing
-        double outline_px;  ///< where its corners differ
+        double find_px;     ///< for every cell near a narrow object
+        double outline_px;  ///< for cells whose corners have different ids
     };
     /// Limits for the square of `size` px with its upper left corner at (x, y) that shows nothing farther
     /// away than `farthest_m`.
@@ -62,9 +63,9 @@ class SmallThings {
     /// A straight piece of a narrow object, projected to the film.
     struct Piece {
         glm::dvec2 from{0}, to{0};  ///< its axis, px
-        double width = 0;           ///< where it is narrowest, px
-        double reach = 0;           ///< all of it lies within so many px of the axis
-        double nearest_m = 0;       ///< z'
+        double width = 0;           ///< perpendicular to its longest direction, px
+        double reach = 0;           ///< greatest distance of its points from the axis, px
+        double nearest_m = 0;       ///< least z' of its points, m
         double find_px = 1, outline_px = 1;
         double brightness = 0;
         std::uint32_t object = 0;

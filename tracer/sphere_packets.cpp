@@ -1,4 +1,4 @@
-// Embree's callbacks for spheres. Rays come as structures of arrays of N = 1, 4, 8 or 16.
+// Embree's callbacks for spheres. Embree passes rays as structures of arrays of N = 1, 4, 8 or 16 rays.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,8 +13,8 @@ struct SphereF {
     float x, y, z, r2;
 };
 
-/// Both crossings of N rays with a sphere, measured from the point of each ray nearest to the centre, where
-/// nothing large cancels. near > far where the sphere is missed.
+/// Both crossings of N rays with a sphere. They are computed from the point of each ray nearest to the
+/// centre, so that no large terms cancel. near > far if the ray misses the sphere.
 template <int N>
 [[gnu::always_inline]] inline void sphere_packet(const Rays& rays, const SphereF& s, float* near,
                                                  float* far) {
@@ -53,7 +53,8 @@ template <int N>
             if (args->valid[i] == 0) continue;
             const HitKey& from = context.sources[rays.id[i]];
             if (from.geometry != args->geomID || from.primitive != args->primID) continue;
-            // Leaving this very sphere: of the two crossings one is the start, the other may be the exit.
+            // The ray starts on this sphere: the crossing nearest to t = 0 is its origin, and only the other
+            // one counts.
             const float other = std::abs(near[i]) < std::abs(far[i]) ? far[i] : near[i];
             const bool hit = near[i] <= far[i] && other > rays.tnear[i] && other <= rays.tfar[i];
             t[i] = hit ? other : std::numeric_limits<float>::infinity();
@@ -105,7 +106,7 @@ template <int N>
     }
 }
 
-// Everything above is inlined here, so that it is compiled for each instruction set.
+// The functions above are inlined into these, so that they are compiled for each instruction set.
 POSTLENS_MULTIVERSION void intersect_spheres_8(const RTCIntersectFunctionNArguments* a) {
     intersect_spheres<8>(a);
 }
@@ -156,7 +157,7 @@ void occlude_spheres_n(const RTCOccludedFunctionNArguments* args) {
 void sphere_bounds(const RTCBoundsFunctionArguments* args) {
     const auto& set = *static_cast<const SphereSet*>(args->geometryUserPtr);
     const glm::vec3 c = set.centre[args->primID];
-    // A little wider than exact: the packet's own rounding must not reach outside its box.
+    // The box is slightly larger than the sphere, so that hits with rounding errors still lie inside.
     const float grown = set.radius[args->primID] * 1.000001F +
                         4e-7F * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
     *args->bounds_o = {c.x - grown, c.y - grown, c.z - grown, 0, c.x + grown, c.y + grown, c.z + grown, 0};

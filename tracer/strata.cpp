@@ -16,9 +16,9 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// A divisor up to 2^20 with its reciprocal, for quotients of integers rounded down or up. Half a unit added
-/// to the dividend keeps them 2^-21 or more away from an integer; as they are at most 2^24, their error is
-/// below 2^-27.
+/// A divisor up to 2^20 with its reciprocal, for exact quotients of integers, rounded down or up. Adding half
+/// a unit to the dividend keeps the quotient at least 2^-21 away from an integer. Quotients are at most 2^24,
+/// so their rounding error is below 2^-27.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
@@ -45,7 +45,7 @@ template <int lanes>
     if (t.permuted) Permutation(t.n, t.key.stream(0)).permute<lanes>(cell);
 }
 
-/// Where in its cell a point lies, in [0, 1), of 24 bits.
+/// Positions of points in their cells, in [0, 1), with 24 bits.
 template <int lanes>
 [[gnu::always_inline]] inline void shares(const StrataTask& t, std::uint32_t purpose, double* share) {
     const std::uint64_t key = t.key.stream(purpose);
@@ -63,7 +63,7 @@ template <int lanes>
     shares<lanes>(t, 1, share_u);
     shares<lanes>(t, 2, share_v);
     const Divisor n(t.n), rows(t.rows);
-    const std::uint32_t few = t.n / t.rows;  // cells of a row, or one more
+    const std::uint32_t few = t.n / t.rows;  // a row has this number of cells, or one more
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
@@ -78,7 +78,7 @@ template <int lanes>
         cells_of_row.value = is_few ? few_cells.value : more_cells.value;
         cells_of_row.inverse = is_few ? few_cells.inverse : more_cells.inverse;
         u[i] = unit_float_24(between(cells_of_row.edge(column), cells_of_row.edge(column + 1), share_u[i]));
-        // The row's height is its share of the cells.
+        // The height of a row is proportional to its number of cells.
         v[i] = unit_float_24(between(n.edge(begin), n.edge(end), share_v[i]));
     }
 }

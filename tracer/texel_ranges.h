@@ -1,4 +1,4 @@
-// What colours a rectangle of a picture has, without looking at all of it.
+// Finds the range of colours in a rectangle of an image without reading all its texels.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// As made, of nothing.
+/// Least and greatest value of each channel. A new range is empty.
 struct ColourRange {
     glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
     void add(const glm::dvec3& colour) {
@@ -22,12 +22,12 @@ struct ColourRange {
 class TexelRanges {
   public:
     TexelRanges() = default;
-    /// Of `rgb`, `width` times `height` texels, which is not kept.
+    /// Computes the ranges of `rgb`, an image of `width` x `height` texels. Keeps no reference to `rgb`.
     TexelRanges(std::span<const float> rgb, int width, int height);
 
-    /// Of texels [x_first, x_last] x [y_first, y_last] of the same `rgb`, which may lie outside: there the
-    /// picture repeats, or goes on as its border. Of a rectangle longer than 9 texels that of some more
-    /// around it: less than two fifths of its greater length on each side.
+    /// The range of texels [x_first, x_last] x [y_first, y_last] of the same `rgb`. Outside of the image,
+    /// texels repeat (`wrap_x`, `wrap_y`) or continue the border. If the rectangle is longer than 9 texels,
+    /// the range includes texels around it, up to two fifths of its greater length on each side.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

@@ -10,14 +10,15 @@
 namespace postlens {
 namespace {
 
-// Compiled where it is used: floor, round and fma are instructions there, calls here.
+// Inlined, so that floor, round and fma compile to instructions in multiversioned callers, instead of calls.
 [[gnu::always_inline]] inline double exact_cell(double c, double offset, double size) {
     if (std::isinf(size)) return 0;
     const double d = c - offset;
     const double quotient = d / size;
     const double cell = std::floor(quotient);
-    // Rounding can carry the quotient over a border only from very near it; there the remainder decides. Its
-    // sign is exact: fma rounds once, and what the subtraction lost comes back as `lost` (Knuth's two-sum).
+    // Rounding can move the quotient across a border only very near to it; there the sign of the remainder
+    // decides. This sign is exact: fma rounds once, and `lost` restores the rounding error of the subtraction
+    // (Knuth's two-sum).
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;
@@ -43,13 +44,13 @@ glm::dvec3 texel(const ImageTexture& image, int column, int row) {
     return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
 }
 
-// Share of a tile in [0, 1]; the comparison also catches NaN.
+// Fractional part of a coordinate, in [0, 1]; 0 for NaN.
 double tile_share(double c) {
     const double share = c - std::floor(c);
     return share >= 0 ? std::min(share, 1.0) : 0.0;
 }
 
-// A coordinate as a share of the picture.
+// Maps a coordinate to [0, 1], by repeating or by clamping.
 double wrapped_or_stopped(double c, bool wraps) {
     if (wraps) return tile_share(c);
     return c >= 0 ? std::min(c, 1.0) : 0.0;
@@ -69,7 +70,7 @@ glm::dvec3 image_colour(const ImageTexture& image, const glm::dvec2& uv) {
         return texel(image, std::min(static_cast<int>(x), image.width - 1),
                      std::min(static_cast<int>(y), image.height - 1));
     }
-    // Texel centres lie at halves.
+    // Centres of texels lie at half-integer positions.
     const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
     const double a = x - 0.5 - left, b = y - 0.5 - top;
     const int column = static_cast<int>(left), row = static_cast<int>(top);
@@ -119,7 +120,8 @@ ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const 
         out.add(colour_at(high));
         return out;
     }
-    // Texels from the upper left one on, whose centres lie at halves. As many as bilinear looks at.
+    // Selects all texels that bilinear interpolation reads, counted from the upper left; their centres lie at
+    // half-integer positions.
     const double x = repeat.x * low.x * image_.width, y = (1 - repeat.y * high.y) * image_.height;
     const double x_end = x + across.x * image_.width, y_end = y + across.y * image_.height;
     const double reach = image_.nearest ? 0 : 0.5;

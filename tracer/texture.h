@@ -1,4 +1,5 @@
-// Textures: colours over a surface, looked up in object space (checkers) or by (u, v) (images).
+// Textures: colours over a surface, as functions of the object-space position (checkers) or of (u, v)
+// (images).
 #pragma once
 
 #include <cstdint>
@@ -11,8 +12,8 @@
 
 namespace postlens {
 
-/// A checker in object space, exact at cell borders: the cell of coordinate c is floor((c - offset) / size),
-/// borders belong to the higher cell. The cells whose coordinates add up to an even number are `even`.
+/// A checker pattern, exact at cell borders: the cell of coordinate c is floor((c - offset) / size), so a
+/// border belongs to the higher cell. Cells whose coordinates have an even sum get the colour `even`.
 struct Checker {
     int dimensions = 3;  ///< 3: object-space x, y, z; 2: u, v
     glm::dvec3 size{1};  ///< cell edge; object-space metres, or (u, v); infinite: no borders along that axis
@@ -20,15 +21,15 @@ struct Checker {
     glm::dvec3 even{1}, odd{0};
 };
 
-/// A picture over the unit square of (u, v): u to the right, v upwards. u wraps round unless `clamp_u`; v
-/// wraps round where `wrap_v` is set or `repeat.y` is not 1, and stops at the first and last row otherwise (a
-/// sphere's poles must not mix).
+/// An image over the unit square of (u, v), with u to the right and v upwards. u repeats unless `clamp_u` is
+/// set. v repeats if `wrap_v` is set or `repeat.y` is not 1; otherwise it is clamped to the first and last
+/// row, so that the poles of a sphere do not mix.
 struct ImageTexture {
     int width = 0, height = 0;
     std::vector<float> rgb;  ///< scene-linear, top row first
-    glm::dvec2 repeat{1};    ///< times over the unit square
-    bool nearest = false;    ///< false: bilinear
-    bool clamp_u = false;    ///< stop at the first and last column instead
+    glm::dvec2 repeat{1};    ///< number of repetitions in the unit square
+    bool nearest = false;    ///< false: bilinear interpolation
+    bool clamp_u = false;    ///< clamps u to the first and last column
     bool wrap_v = false;
 };
 
@@ -39,22 +40,24 @@ class Texture {
   public:
     explicit Texture(Checker checker);
     explicit Texture(ImageTexture image);
-    /// object: the hit in object space, m. uv: of the hit. A pure function.
+    /// The colour at a hit: `object` is its position in object space, m; `uv` its texture coordinates. A pure
+    /// function.
     [[nodiscard]] glm::dvec3 colour(const glm::dvec3& object, const glm::dvec2& uv) const;
-    /// Whether `colour` looks at uv; else at the object position.
+    /// Whether `colour` depends on uv; else it depends on the object position.
     [[nodiscard]] bool uses_uv() const { return is_image_ || checker_.dimensions == 2; }
-    /// The greatest channel value that `colour` can return; bounds what a surface can add.
+    /// The greatest channel value that `colour` can return.
     [[nodiscard]] double maximum() const { return maximum_; }
-    /// What `colour` looks at: uv, or the object position.
+    /// The texture position on which `colour` depends: uv, or the object position.
     [[nodiscard]] glm::dvec3 place(const glm::dvec3& object, const glm::dvec2& uv) const {
         return uses_uv() ? glm::dvec3(uv, 0) : object;
     }
-    /// The same by `place`.
+    /// The colour at a texture position.
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// What `colour` may be between two places, at least: that of all cells or texels that a box around them
-    /// meets. Half a picture apart they are on either side of a seam, and nothing lies between them.
+    /// The range of colours between two texture positions: of all cells or texels that overlap their bounding
+    /// box. For positions half an image or more apart, a seam is assumed between them, and only the colours
+    /// at the two positions count.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

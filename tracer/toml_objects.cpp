@@ -19,7 +19,7 @@ using Name = std::string_view;
 constexpr std::array<Name, 7> common_keys{"name",          "shape", "material", "hidden",
                                           "casts_shadows", "keys",  "repeat"};
 
-// A shape as an instance of its object would show it.
+// A shape of an object that instances can copy.
 struct Part {
     Shape shape;
     std::size_t material = 0;
@@ -27,16 +27,16 @@ struct Part {
     dmat4 placement{1};  // world_from_object at rest
 };
 
-// What the name of an object stands for.
+// The content of a named object, for instances of it.
 struct Template {
     std::vector<Part> parts;
     bool moves = false;
 };
 
-// One copy that a repetition makes.
+// One copy of a repeated object.
 struct Copy {
     dvec3 shift{0};
-    std::string suffix;  // of the object's name
+    std::string suffix;  // appended to the object's name
 };
 
 dmat4 shifted(const dvec3& by, const dmat4& m) {
@@ -76,7 +76,7 @@ class ObjectReader {
     }
 
   private:
-    // Without a shape nothing tells which keys belong; a misspelt "shape" is the likely fault.
+    // For a table without a shape, accepts the keys of all shapes, so that a misspelt "shape" is reported.
     static void refuse_unknown_of_any_shape(const TomlTable& t) {
         std::vector<Name> all;
         for (std::size_t kind = 0; kind < shape_kinds.size(); ++kind) {

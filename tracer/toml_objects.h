@@ -6,11 +6,11 @@
 
 namespace postlens {
 
-/// A scene with more shapes than this is refused: instances of repeated instances grow without bound.
+/// Greatest number of shapes in a scene. Without a limit, instances of repeated instances grow exponentially.
 inline constexpr std::size_t largest_shape_count = 1'000'000;
 
-/// Appends to scene.objects what the file's objects make; scene.materials and scene.time_s must be set. An
-/// object without a material gets one of all defaults, which is appended to scene.materials.
+/// Appends the objects of the file to scene.objects; scene.materials and scene.time_s must be set. An object
+/// without a material gets a default material, which is appended to scene.materials.
 void read_objects(const TomlTable& root, double metres_per_unit, Scene& scene);
 
 }  // namespace postlens

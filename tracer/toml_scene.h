@@ -1,4 +1,4 @@
-// Scenes in postlens' own format, described in docs/scene_format.md.
+// Scenes in postlens' own format (docs/scene_format.md).
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,12 @@
 
 namespace postlens {
 
-/// A .toml scene larger than this is refused before it is read: parsed numbers take about fifty times their
-/// text.
+/// Largest .toml scene that is read, bytes. Parsed numbers take about fifty times the memory of their text.
 inline constexpr std::uintmax_t largest_toml_bytes = 8'000'000;
 
-/// Reads a .toml scene with all its defaults resolved; lengths are multiplied by `options.metres_per_unit`.
-/// Scene::sha256 is that of the file; where it refers to others, of the file's bytes followed by, for each of
-/// them in the file's order, a line "name sha256" with the name as written. Throws Error(invalid_input)
+/// Reads a .toml scene and resolves all defaults; lengths are multiplied by `options.metres_per_unit`.
+/// Scene::sha256 is that of the file's bytes, followed by a line "name sha256" for each file that it refers
+/// to, in the file's order and with the name as written. Throws Error(invalid_input)
 /// "FILE:LINE:COLUMN: ...".
 [[nodiscard]] Scene read_toml_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 

@@ -15,7 +15,8 @@ using glm::dvec3;
 using Name = std::string_view;
 
 constexpr int largest_raster_px = 1 << 16;
-// Far beyond any lens and any film; keeps quotients of the two finite.
+// Range of film sizes and focal lengths, mm. It is far wider than real ones, and keeps their quotients
+// finite.
 constexpr NumberRange film_range{.min = 1e-6, .max = 1e6};
 
 void read_projection(const TomlTable& t, double unit, Camera& camera) {
@@ -139,7 +140,7 @@ Light read_light(const TomlTable& t, double unit) {
         light.attenuation = t.vec3("attenuation", {.min = 0, .max = 1e12}).value_or(light.attenuation);
         if (light.attenuation == dvec3(0))
             t.fail_at("attenuation", "'attenuation' is 0 everywhere (expected one term above)");
-        // a1 per unit and a2 per unit squared become per metre.
+        // Converts a1 from 1/unit to 1/m, and a2 from 1/unit^2 to 1/m^2.
         light.attenuation /= dvec3(1, unit, unit * unit);
     }
     if (has_aim) light.direction = t.required(read_direction(t, "direction"), "direction");
@@ -157,7 +158,7 @@ Light read_light(const TomlTable& t, double unit) {
     return light;
 }
 
-// Reads every table of a kind, names it in errors, gives the nameless a number and refuses a name twice.
+// Reads all tables of a kind. Tables without a name are numbered; a repeated name is an error.
 template <typename Read>
 auto read_named(const TomlTable& root, const std::string& key, const Read& read) {
     std::vector<decltype(read(root))> out;

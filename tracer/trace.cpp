@@ -22,7 +22,8 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// What is seen past edges that lie outside of the records matters only at their border, where few look.
+// Margin around the records in which edges are searched. Surfaces seen past farther edges only affect the
+// border of the records, px.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -71,7 +72,7 @@ void check(const TraceSettings& s) {
     }
 }
 
-// One instant of a trace: the scene as it stands, and what of it is wanted.
+// One instant of a trace: the scene and the camera at that instant, and the hidden surfaces to record.
 class Instant {
   public:
     Instant(const Scene& scene, const TraceSettings& settings, const Camera& of, const SceneMotion& motion,
@@ -84,7 +85,7 @@ class Instant {
         }
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
-    // From here on hidden surfaces are also those that a lens sees past edges in the window.
+    // From this call on, hidden surfaces that a lens sees past edges in the window are also recorded.
     void look_through_lens(const TraceSettings& settings, const SampledWindow& w) {
         if (!settings.for_f_number || settings.hidden_layers ||
             camera_.projection == Camera::Projection::orthographic)
@@ -127,7 +128,7 @@ class Instant {
     bool hidden_ = false;
 };
 
-// Records of an exposed scene as the file has them.
+// Removes the scene's exposure from records, as files hold radiance.
 class Radiance {
   public:
     explicit Radiance(double exposure_stops) : gain_(exposure_gain(-exposure_stops)) {}
@@ -145,7 +146,8 @@ class Radiance {
     RecordBand band_;
 };
 
-// Of the widest lens that the file is for; else of the camera's, else at f/1.4.
+// Radius of the widest lens that the file is for, m: of `for_f_number`, else of the camera's f-number, else
+// of f/1.4.
 double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     const Camera& of = find_camera(scene, settings.camera_name);
     const CameraModel camera(of, scene.time_s, settings.camera);
@@ -154,7 +156,7 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
-// The widest that lens and shutter ask for.
+// The overscan, px, that lens and shutter need.
 int overscan_for(const TraceSettings& s, const Instant& instant) {
     const CameraModel& camera = instant.camera();
     std::optional<FocusGeometry> lens;
@@ -171,11 +173,12 @@ int overscan_for(const TraceSettings& s, const Instant& instant) {
     return find_overscan(instant.tracer(), camera, lens, instant.motion());
 }
 
-// Of what grows with the raster: less than is taken in the end, but what is refused cannot be traced.
+// Lower bound of the memory of a trace, from the buffers that grow with the raster. A trace may need more,
+// but cannot run with less.
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 64;
-    // LensReach: one inverse depth, and the pyramid of ranges over it.
+    // LensReach stores one inverse depth per pixel and a pyramid of ranges over them.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);
@@ -303,7 +306,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
-    // Of all instants, since a file has one grid.
+    // The levels must suffice for the narrow objects of all instants, because a file has one grid.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
     settings.subdivision.colour_levels =
@@ -337,7 +340,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     Radiance radiance(scene.exposure_stops);
     for (std::size_t i = 0; i < result.instants_s.size(); ++i) {
         if (i > 0) {
-            instant.reset();  // its memory before the next one's
+            instant.reset();  // frees its memory before the next instant is built
             instant = instant_at(result.instants_s[i]);
             instant->look_through_lens(settings, window);
             writer.next_instant();

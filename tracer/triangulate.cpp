@@ -17,7 +17,7 @@ double turn(const dvec2& a, const dvec2& b, const dvec2& c) {
 }
 
 dvec3 newell_normal(std::span<const dvec3> polygon) {
-    // About the first corner, so that a polygon far from the origin keeps its digits.
+    // Relative to the first corner, so that a polygon far from the origin loses no precision.
     dvec3 normal(0);
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
         normal += glm::cross(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);
@@ -25,7 +25,7 @@ dvec3 newell_normal(std::span<const dvec3> polygon) {
     return normal;
 }
 
-// Seen along the normal's largest axis, turning left.
+// Projects the polygon along the normal's largest axis, such that it runs counterclockwise.
 std::vector<dvec2> flattened(std::span<const dvec3> polygon, const dvec3& normal) {
     int axis = 0;
     for (int i = 1; i < 3; ++i) {
@@ -41,14 +41,15 @@ std::vector<dvec2> flattened(std::span<const dvec3> polygon, const dvec3& normal
     return out;
 }
 
-// How the outline turns: 2 pi in all for every simple polygon, 0 for a bow tie, 4 pi for a five-pointed star.
+// Total turning angle of an outline: 2 pi for a simple polygon, 0 for a bow tie, 4 pi for a five-pointed
+// star.
 struct Turning {
     double total = 0;
     bool only_left = true;
 };
 
 Turning turning(const std::vector<dvec2>& corners, double no_turn) {
-    std::vector<dvec2> p;  // a repeated corner has no direction of its own
+    std::vector<dvec2> p;  // without repeated corners, which have no direction
     for (const dvec2& q : corners) {
         if (p.empty() || p.back() != q) p.push_back(q);
     }
@@ -64,7 +65,7 @@ Turning turning(const std::vector<dvec2>& corners, double no_turn) {
 }
 
 bool covers(const dvec2& a, const dvec2& b, const dvec2& c, const dvec2& p) {
-    if (p == a || p == b || p == c) return false;  // a corner met again, as where a bridge leads to a hole
+    if (p == a || p == b || p == c) return false;  // a repeated corner, as at a bridge to a hole
     return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
 }
 
@@ -85,7 +86,7 @@ Triangulation triangulate(std::span<const dvec3> polygon) {
     const dvec3 normal = newell_normal(polygon);
     double longest2 = 0;
     for (const dvec3& p : polygon) longest2 = std::max(longest2, glm::dot(p - polygon[0], p - polygon[0]));
-    // Below this share of its extent squared, an area is the rounding of the coordinates.
+    // Areas below 1e-14 of the squared extent are rounding errors of the coordinates.
     const double no_turn = 1e-14 * longest2;
     if (!(glm::length(normal) > no_turn)) {
         out.fault = PolygonFault::no_area;
@@ -117,7 +118,7 @@ Triangulation triangulate(std::span<const dvec3> polygon) {
             if (!straight) add(a, b, c);
             left.erase(left.begin() + static_cast<std::ptrdiff_t>(at));
             tried = 0;
-            // Going on behind the next corner spreads the cuts; clipping beside the last one makes slivers.
+            // Skipping a corner spreads the ears over the polygon; adjacent ears would be slivers.
             ++at;
         } else {
             ++at;

@@ -23,20 +23,20 @@ namespace {
 
 using glm::dvec3;
 
-// A ray of the current generation. `origin` is exact; the packet's origin is moved off the surface.
+// A ray of the current generation. `origin` is exact; the origin in the packet is offset from the surface.
 struct PathRay {
     dvec3 origin{0}, direction{0}, throughput{0};
     double length = 0;    // of the path so far, m
-    double cos_axis = 1;  // between the eye ray and the optical axis
+    double cos_axis = 1;  // cosine of the angle between the eye ray and the optical axis
     std::uint32_t sample = 0;
-    std::uint32_t differentials = 0;  // index; unused where W is not asked for
+    std::uint32_t differentials = 0;  // index; unused if W is not computed
     std::uint32_t layer = 0;
-    std::uint32_t parent = 0;  // id of the object that sends it on
+    std::uint32_t parent = 0;  // id of the object that reflected or transmitted the ray
     NodePath path;
-    int root_depth = 0;  // of the node that its layer begins with
+    int root_depth = 0;  // depth of the first node of its layer
 };
 
-// A light's contribution to a node, before what stands in between is known.
+// A light's contribution to a node, before occlusion.
 struct Shadow {
     std::uint32_t node = 0;
     dvec3 radiance{0};
@@ -45,20 +45,20 @@ struct Shadow {
 struct Node {
     Record record;
     dvec3 radiance{0};
-    dvec3 noisy{0};  // of the radiance, see TracedSamples::noisy
+    dvec3 noisy{0};  // noisy part of the radiance (TracedSamples::noisy)
     dvec3 throughput{0};
     std::uint32_t sample = 0;
     ColourSource source;
 };
 
-// Where a lobe's mean goes: to a node, times a share.
+// The node to which a lobe's mean is added, and the factor of the mean.
 struct LobeTarget {
     std::uint32_t node = 0;
     dvec3 share{0};
 };
 
-// Items that are filled in place, field by field, and kept for reuse: building them elsewhere and copying
-// them in cost more than the shading.
+// Items that are filled in place, field by field, and reused. Building items elsewhere and copying them took
+// longer than the shading.
 template <typename T>
 struct Pool {
     std::vector<T> items;
@@ -70,7 +70,7 @@ struct Pool {
     [[nodiscard]] T& operator[](std::size_t i) { return items[i]; }
 };
 
-// Buffers of one thread, kept from batch to batch.
+// Buffers of one thread, reused for every batch.
 struct Workspace {
     std::span<const glm::dvec2> positions;
     Pool<PathRay> rays, next_rays;
@@ -81,18 +81,18 @@ struct Workspace {
     std::vector<RayBatch> shadow_rays;  // per light
     RayBatch batch, next_batch;
     std::vector<std::uint32_t> order;
-    std::vector<FirstHit> eye_hits;  // where hidden layers are asked for
+    std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
     std::vector<HiddenHit> hidden;
-    // What mirrors and glass show and a lens may see behind; and the rays that met it.
+    // Hits after a bounce behind which a lens may see hidden surfaces, and the rays of these hits.
     std::vector<FirstHit> chain_hits;
     std::vector<PathRay> chain_rays;
-    std::vector<Bounces> chain_bounces;     // where W.bend is asked for
+    std::vector<Bounces> chain_bounces;     // only if nonlinear W is measured
     std::vector<std::uint32_t> next_layer;  // of each sample
-    // Where W.bend is asked for: by the index of the differentials; and the nodes that it is measured of.
+    // Only if nonlinear W is measured: bounces by index of the differentials, and the nodes to measure.
     Pool<Bounces> bounces, next_bounces;
     std::vector<BentNode> bent;
     std::vector<float> bends;
-    // Means over lobes and over sources with an extent, of all generations.
+    // Means over lobes and over lights with an extent, of all generations.
     std::vector<LobeHit> lobes;
     std::vector<LobeTarget> lobe_targets;
     std::vector<dvec3> lobe_means;
@@ -101,7 +101,7 @@ struct Workspace {
     RayBatch extent_rays;
 };
 
-// Nodes come generation by generation; records go sample by sample, by layer and path.
+// Converts nodes, which are ordered by generation, to records, ordered by sample, layer and path.
 void collect(Workspace& w, bool noisy, bool sources, TracedSamples& out) {
     out.offsets.assign(w.positions.size() + 1, 0);
     for (std::size_t i = 0; i < w.nodes.count; ++i) ++out.offsets[w.nodes[i].sample + 1];
@@ -167,12 +167,12 @@ struct WhittedTracer::Impl {
     WhittedSettings settings;
     HiddenLayers hidden;
     std::vector<PlacedLight> lights;
-    std::unique_ptr<LobeMeans> lobe_means;  // null: no lobe is averaged
+    std::unique_ptr<LobeMeans> lobe_means;  // null: no lobes are averaged
     bool has_extents = false;
     bool deeper_nodes = false;
     bool refocus = false;
     bool has_sources = false, has_textures = false;
-    std::vector<double> bound;  // by nodes left below: the most radiance that a subtree can have
+    std::vector<double> bound;  // per number of nodes left: upper bound of a subtree's radiance
 
     void start(Workspace& w) const;
     void generation(Workspace& w, RayCounts& counts) const;
@@ -234,7 +234,7 @@ void WhittedTracer::Impl::start(Workspace& w) const {
     w.chain_bounces.clear();
 }
 
-// The next node, all but its depth, id, W and radiance.
+// Adds a node and sets all of it but its depth, id, W and radiance.
 Node& WhittedTracer::Impl::add_node(const PathRay& ray, Workspace& w) {
     Node& n = w.nodes.add();
     n.record.path = ray.path;
@@ -386,7 +386,7 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
         }
     }
     if (refracts) {
-        bounces.flat = false;  // even behind a pane W changes with the angle
+        bounces.flat = false;  // W depends on the angle behind flat glass, too
         if (measures_bends()) w.next_bounces.add() = bounces;
         const dvec3 direction = refracted_direction(c, f, ray.direction);
         ++counts.refract;
@@ -434,7 +434,7 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
             const Shadow& shadow = w.shadows[i][k];
             Node& node = w.nodes[shadow.node];
             node.radiance += shadow.radiance * batch.transmittance[k];
-            // A light that adds little makes no shadow to speak of.
+            // The shadow of a light that contributes less than this is not visible.
             constexpr double little = 0.005;
             if (largest(shadow.radiance * (1.0 - dvec3(batch.transmittance[k])) * node.throughput) > little)
                 node.source.shadows |= 1U << (i % 32U);
@@ -485,8 +485,8 @@ void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
     end_generation(w);
 }
 
-// Notes what a ray behind a bounce meets, where a lens may see behind that. The way out of glass hides
-// nothing: what is behind it is seen by the ray that the glass sends on.
+// Stores the hit of a ray after a bounce if a lens may see hidden surfaces behind it. The exit from a glass
+// object is left out, because the transmitted ray sees the surfaces behind it.
 void WhittedTracer::Impl::keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key,
                                      Workspace& w) const {
     if (!refocus || ray.path.depth() > LensReach::most_bounces) return;
@@ -506,7 +506,7 @@ void WhittedTracer::Impl::keep_chain(const PathRay& ray, const SurfacePoint& s, 
     if (measures_bends()) w.chain_bounces.push_back(w.bounces[ray.differentials]);
 }
 
-// A node that is met as if nothing stood before it: the root of a shading tree of its own.
+// Adds a hidden node as if nothing were in front of it: it is the root of its own shading tree.
 void WhittedTracer::Impl::root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w,
                                RayCounts& counts) const {
     if (ray.path.bits() != 0) {
@@ -550,7 +550,7 @@ void WhittedTracer::Impl::trace_hidden(Workspace& w, RayCounts& counts) const {
     if (!w.chain_hits.empty()) trace_hidden_in_chains(w, counts);
 }
 
-// The same behind what mirrors and glass show. Each surface is a layer of its own, of which a sample has no
+// Traces hidden surfaces after a bounce. Each surface becomes a separate layer of its sample, without a
 // primary node.
 void WhittedTracer::Impl::trace_hidden_in_chains(Workspace& w, RayCounts& counts) const {
     find_hidden_surfaces(rays, hidden, w.chain_hits, w.hidden, counts.hidden);
@@ -572,7 +572,7 @@ void WhittedTracer::Impl::trace_hidden_in_chains(Workspace& w, RayCounts& counts
     while (w.rays.count > 0) generation(w, counts);
 }
 
-// Notes a node that W may not be exact for. `s`: null where nothing was hit.
+// Stores a node for which W may not be exact. `s` is null if the ray hit nothing.
 void WhittedTracer::Impl::keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const {
     const Bounces& bounces = w.bounces[ray.differentials];
     if (bounces.flat) return;
@@ -599,7 +599,7 @@ void WhittedTracer::Impl::trace_bends(Workspace& w, RayCounts& counts) const {
     for (std::size_t i = 0; i < w.bent.size(); ++i) w.nodes[w.bent[i].node].record.w_bend = w.bends[i];
 }
 
-// Leaves in w.bent what must be measured.
+// Takes nonlinear W from samples nearby where possible. The nodes that must be measured stay in w.bent.
 void WhittedTracer::Impl::take_bends_around(Workspace& w,
                                             const std::function<SamplesAround(std::size_t)>& around) const {
     const auto little = static_cast<float>(little_bend_px * camera.tangent_per_px /

@@ -19,16 +19,16 @@ namespace postlens {
 
 struct WhittedSettings {
     int max_depth = 5;  ///< nodes along a path, the primary node counts 1; 1 to NodePath::max_bounces + 1
-    double min_contribution = 1e-3;  ///< radiance; subtrees that cannot add as much are not traced
-    bool refocus_matrices = true;    ///< compute W of deeper nodes (perspective cameras only)
-    double bend_radius_m = 0;        ///< of a lens for which W.bend is measured; 0: for none
-    /// Of the lens that decides which lobes of rough surfaces are averaged (lobe_is_wide); 0: all of them.
+    double min_contribution = 1e-3;  ///< radiance; subtrees that cannot contribute as much are not traced
+    bool refocus_matrices = true;    ///< computes W of nodes after a bounce (perspective cameras only)
+    double bend_radius_m = 0;        ///< lens radius for which nonlinear W is measured; 0: not measured
+    /// Lens radius that decides which lobes of rough surfaces are averaged (lobe_is_wide); 0: all of them.
     double lens_radius_m = 0;
-    bool lit = true;  ///< false: lights are left out, as only places are asked for
+    bool lit = true;  ///< false: ignores lights, for callers that only need positions
 };
 
-/// Number of rays traced, by the categories of the Standard Procedural Databases. `hidden`: rays continued
-/// behind a surface. `lens`: rays from lens points, which measure W.bend.
+/// Number of rays traced, in the categories of the Standard Procedural Databases. `hidden`: rays continued
+/// behind a surface. `lens`: rays from lens points, which measure nonlinear W (`w_bend`).
 struct RayCounts {
     std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0, lens = 0;
     RayCounts& operator+=(const RayCounts& o) {
@@ -43,12 +43,12 @@ struct RayCounts {
     }
 };
 
-/// How the colour of a record came about. Two records of equal colour can still lie on both sides of an edge
-/// in a texture or of a shadow.
+/// The texture and the shadows that determine a record's colour. With these, cells are subdivided at edges of
+/// textures and shadows even if the colours at their corners are equal.
 struct ColourSource {
-    const Texture* texture = nullptr;  ///< that most of the colour comes from; null: none
-    glm::vec3 place{0};                ///< where that was looked at (Texture::place)
-    std::uint32_t shadows = 0;         ///< a bit for each light, modulo 32, that something keeps away
+    const Texture* texture = nullptr;  ///< colour texture, else emission texture; null: none
+    glm::vec3 place{0};                ///< texture position of the node (Texture::place)
+    std::uint32_t shadows = 0;         ///< bit i: a light of index i modulo 32 is occluded
 };
 
 /// Records of a batch: sample i has records [offsets[i], offsets[i + 1]), sorted by layer, then path, the
@@ -76,17 +76,17 @@ class WhittedTracer {
     WhittedTracer& operator=(WhittedTracer&&) = delete;
 
     /// Traces point samples at raster positions, px; fastest if groups of 16 lie close together. Thread-safe.
-    /// `around(i)`, if given, returns samples within a pixel of positions[i] that were traced before. W.bend
-    /// of a node is taken from them where `bend_around` can tell that it is small (little_bend_px), and
+    /// `around(i)`, if given, returns samples within a pixel of positions[i] that were traced before. The
+    /// nonlinear W of a node is taken from them if `bend_around` finds that it is small (little_bend_px), and
     /// measured otherwise.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// Error at the rim of the lens, px, below which W.bend counts as small.
+    /// Error at the rim of the lens, px, below which nonlinear W counts as small.
     static constexpr double little_bend_px = 0.125;
 
     /// True if a material reflects or transmits, so that there can be nodes after a bounce.
     [[nodiscard]] bool has_deeper_nodes() const;
-    /// True if W.bend is measured.
+    /// True if nonlinear W is measured.
     [[nodiscard]] bool measures_bends() const;
     /// True if a material has a texture.
     [[nodiscard]] bool has_textures() const;
