@@ -25,15 +25,13 @@ struct AperturePicture {
 /// - Shape: the unit disc, a polygon inscribed in it, or an image.
 /// - squeeze: divides x, which makes bokeh taller than wide as with an anamorphic lens.
 /// - cats_eye X (mechanical vignetting): a second rim in front of the lens, a disc of the same size and
-/// squeeze.
-///   Light through lens point q from direction t (in units of the image corner) passes if |q + X t| <= 1.
-///   Blocked light is lost, for points in focus too. For a point at field position f and depth z, t = f - q
-///   (L/X)/z, where L = X R gain/half diagonal is the distance of the rim; hence the condition |k q + X f| <=
-///   1 with `rim_scale` k = 1 - L/z, which is close to 1 except for very near points.
+///   squeeze. Light through lens point q from direction t (in units of the image corner) passes if
+///   |q + X t| <= 1. Blocked light is lost, for points in focus too. For a point at field position f and
+///   depth z, t = f - q (L/X)/z, where L = X R gain/half diagonal is the distance of the rim. The condition
+///   becomes |k q + X f| <= 1 with `rim_scale` k = 1 - L/z, which is close to 1 except for very near points.
 /// - spherical X, 1/m (primary spherical aberration, X > 0 undercorrected): the lens zone of radius rho is
-/// focused
-///   at the inverse distance 1/s + X rho^2. On one side of the focus the impulse response has a bright rim,
-///   on the other a soft edge.
+///   focused at the inverse distance 1/s + X rho^2. On one side of the focus the impulse response has a
+///   bright rim, on the other a soft edge.
 class Aperture {
   public:
     /// Makes a disc, a polygon, or the aperture of the given image. Throws Error(wrong_arguments) for
@@ -62,8 +60,7 @@ class Aperture {
     /// True if light through a point of the aperture also passes the second rim.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
     /// Share of the aperture's light that passes the second rim; 1 without one. Exact for the disc. Other
-    /// shapes use a table, accurate to 1e-3 for a rim_scale of 1; other scales change it in proportion to the
-    /// disc.
+    /// shapes interpolate a table over field and rim_scale, accurate to 1e-3 for a rim_scale of 1.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture (ignoring the second rim), in proportion to the
@@ -80,18 +77,18 @@ class Aperture {
     [[nodiscard]] bool is_plain_disc() const { return impulse_.kind == ImpulseKind::disc; }
     void lay_transmission_table();
 
-    /// Steps of the table per axis of the field, over [-1, 1]. Interpolation gives slightly too little: for a
-    /// hexagon, 32 steps lose 0.05 % of the light against 128 steps, 64 steps 0.025 %.
+    /// Steps of the transmission table per axis of the field, over [-1, 1]. Interpolated values are slightly
+    /// too small: for a hexagon, 32 steps lose 0.05 % of the light and 64 steps 0.025 %, against 128 steps.
     [[nodiscard]] int table_steps() const { return picture_ ? 32 : 64; }
-    static constexpr int table_slices = 9;  ///< rim_scale 1, 0.9375, ... 0.5; at 0 nothing is lost
+    static constexpr int table_slices = 9;  ///< rim_scale 1, 0.9375, ... 0.5; at 0 the rim blocks nothing
     Impulse impulse_;
     std::optional<AperturePicture> picture_;
     glm::dvec2 half_extent_{1};
     double farthest_ = 1;
-    Outline rim_;                                 ///< fine, for samples
-    std::vector<double> rim_light_;               ///< running share of the fan of triangles from the middle
-    std::vector<double> row_light_, cell_light_;  ///< running shares of the picture's rows and in each row
-    std::vector<float> transmission_;             ///< by rows; empty where all passes
+    Outline rim_;                                 ///< finely divided; sample() draws from it
+    std::vector<double> rim_light_;               ///< running areas of the triangles (centre, rim side)
+    std::vector<double> row_light_, cell_light_;  ///< running shares of rows, and of cells in each row
+    std::vector<float> transmission_;             ///< slices of rows; empty if the rim blocks nothing
 };
 
 }  // namespace postlens

@@ -17,7 +17,7 @@ dvec2 image_of(const ApertureImage& image, const dmat2& map, const dvec2& q) {
     return image.centre_px + map * q + image.spherical_px * glm::dot(q, q) * q;
 }
 
-/// Largest stretch of the map: its first singular value.
+/// Largest singular value of the map.
 double stretch(const dmat2& m) {
     const double xx = glm::dot(m[0], m[0]), yy = glm::dot(m[1], m[1]), xy = glm::dot(m[0], m[1]);
     return std::sqrt((xx + yy) / 2 + std::hypot((xx - yy) / 2, xy));
@@ -32,7 +32,7 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
         return static_cast<int>(
             std::clamp(std::ceil(centre + reach), static_cast<double>(low), static_cast<double>(high)));
     };
-    // A little more than the reach: a corner on a whole coordinate must not fall out by rounding.
+    // The reach is enlarged slightly, so that rounding excludes no corner that lies on a pixel border.
     const double reach = reach_px * (1 + 1e-9) + 1e-9;
     const int x_begin = begin(image.centre_px.x, reach, window.x_begin, window.x_end),
               x_end = end(image.centre_px.x, reach, x_begin, window.x_end),
@@ -41,21 +41,23 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Into how many parts to divide a straight line of `length` on the aperture, so that the image of each is
-/// straight within 0.02 px: the second derivative of q |q|^2 is at most 6 |q|, and q at most sqrt(2).
+/// Number of parts into which a straight line of `length` on the aperture is divided, so that the image of
+/// each part deviates from a straight line by less than 0.02 px. The second derivative of q |q|^2 is at most
+/// 6 |q|, and |q| is at most sqrt(2).
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
     return static_cast<int>(std::clamp(std::ceil(length / longest), 1.0, most));
 }
 
-/// A picture with `step` x `step` of its cells in one.
+/// An aperture image in which `step` x `step` cells are combined into one.
 struct CoarsePicture {
     int step = 1, width = 0, height = 0;
     std::vector<double> light;
 };
 
-/// No finer than half a pixel of the response.
+/// Combines cells of the aperture image up to half a pixel of the response, where `cell_px` is the size of
+/// one cell in the response.
 CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     const int longest = std::max(from.width, from.height);
     const int step =
@@ -73,14 +75,14 @@ CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     return out;
 }
 
-/// Gives back how much light was spread.
+/// Deposits an aperture given as an image. Returns the energy that it deposited.
 double deposit_picture(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                        CellDeposit& deposit) {
     const AperturePicture& whole = *aperture.picture();
     const double cell = 2.0 / std::max(whole.width, whole.height);
     const double narrower = aperture.half_extent().x / (whole.width * cell / 2);
     const CoarsePicture p = coarse_enough(whole, cell * scale * std::max(1.0, narrower));
-    // What the last column and row of averaged cells have beyond the picture is not there.
+    // The combined cells of the last column and row are cut off at the image's border.
     const auto corner = [&](int x, int y) {
         return dvec2((std::min(x * p.step, whole.width) - whole.width / 2.0) * cell * narrower,
                      (std::min(y * p.step, whole.height) - whole.height / 2.0) * cell);
@@ -119,8 +121,8 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     return sum;
 }
 
-/// Rings around the middle of the rim, each cell in two triangles: its image may be folded, but a triangle
-/// has one orientation.
+/// Deposits rings around the centre of the rim. Each cell of a ring is added as two triangles, because the
+/// image of a quadrilateral may be folded, but a triangle has one orientation.
 void deposit_rings(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                    CellDeposit& deposit) {
     constexpr double within_px = 0.02, ring_px = 1.5;
@@ -146,7 +148,7 @@ void deposit_rings(const Aperture& aperture, const ApertureImage& image, const d
             const std::size_t next = (i + 1) % rim.size();
             const dvec2 a = rim[i] - middle, b = rim[next] - middle;
             const double energy = (a.x * b.y - a.y * b.x) / 2 / total * (t * t - before * before);
-            const double inner_share = before / (before + t);  // of the triangle that has the inner side
+            const double inner_share = before / (before + t);  // share of the triangle with the inner side
             deposit.add(std::array<dvec2, 3>{inner[i], outer[i], outer[next]}, energy * (1 - inner_share));
             if (ring > 1)
                 deposit.add(std::array<dvec2, 3>{inner[i], outer[next], inner[next]}, energy * inner_share);
@@ -181,7 +183,8 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // Where the second rim moves from place to place, nothing is known to better than it has moved.
+    // With cats_eye the second rim moves over the field. The response is no more accurate than that movement,
+    // so chords within 0.02 px suffice.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

@@ -18,7 +18,7 @@ void CellDeposit::add_point(const dvec2& p, double energy) {
 void CellDeposit::add(std::span<const dvec2> corners, double energy) {
     double twice = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        // From the first corner, so that a small cell far from the anchor keeps its digits.
+        // Coordinates relative to the first corner keep the precision of a small cell far from the anchor.
         const dvec2 a = corners[i] - corners[0], b = corners[(i + 1) % corners.size()] - corners[0];
         twice += a.x * b.y - a.y * b.x;
     }
@@ -38,13 +38,13 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
         add_side(corners[i], corners[(i + 1) % corners.size()], density);
 }
 
-// A side adds what lies to its right, upwards with the density's sign, downwards against it: what two sides
-// of a polygon have both to their left cancels.
+// A side adds the area to its right, with the sign of the density if the side runs upwards and with the
+// opposite sign if it runs downwards. To the right of the whole polygon these contributions cancel.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;
     const dvec2 top = a.y < b.y ? a : b, bottom = a.y < b.y ? b : a;
-    // Level sides, and those that are so next to the rounding of the grid's coordinates.
+    // The side is horizontal, at least after rounding of its coordinates.
     if (!(bottom.y > top.y)) return;
     const double slope = (bottom.x - top.x) / (bottom.y - top.y);
     const double x_low = std::min(a.x, b.x), x_high = std::max(a.x, b.x);
@@ -64,7 +64,7 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // What lies right of the side before the first pixel's column counts there in full.
+        // The part of the side to the left of the first column covers that column's pixel in full.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;
@@ -91,7 +91,7 @@ void CellDeposit::finish() {
         double sum = 0;
         for (std::size_t x = 0; x < static_cast<std::size_t>(grid_.width); ++x) {
             sum += after_[row + x];
-            // What cancels leaves the last bits of what it was.
+            // Contributions that cancel leave rounding errors, which may be negative.
             grid_.share[row + x] = std::max(0.0, grid_.share[row + x] + sum);
         }
     }

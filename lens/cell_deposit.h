@@ -1,4 +1,4 @@
-// Adds many small polygons, each with evenly spread energy, to the pixel grid.
+// Adds many small polygons, each with uniformly distributed energy, to the pixel grid.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,11 +8,11 @@
 
 namespace postlens {
 
-/// Adds exact area coverages, for either orientation of a polygon; the grid is written in one pass at the
-/// end.
+/// Adds exact area coverages of polygons of either orientation. finish() writes the sums to the grid in one
+/// pass.
 class CellDeposit {
   public:
-    /// Adds to `grid`, which must outlive this.
+    /// Energy is added to `grid`, which must outlive this object.
     explicit CellDeposit(ResponseGrid& grid);
     /// Adds a convex polygon, px relative to the grid's anchor. A polygon below 1e-5 px^2 gives its energy to
     /// the pixels of its centre and of the midpoints of its sides.
@@ -25,7 +25,7 @@ class CellDeposit {
     void add_point(const glm::dvec2& p, double energy);
 
     ResponseGrid& grid_;
-    std::vector<double> after_;  ///< what all pixels of the row from here on have
+    std::vector<double> after_;  ///< added to this pixel and to all pixels right of it in its row
 };
 
 }  // namespace postlens

@@ -10,12 +10,13 @@
 namespace postlens {
 
 Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
-    // The outline's quadratic form M M^T; its eigenvalues are the squared semi-axes.
+    // Elements of M M^T, the quadratic form of the outline; its eigenvalues are the squared semi-axes.
     double xx = m[0].x * m[0].x + m[1].x * m[1].x;
     double xy = m[0].x * m[0].y + m[1].x * m[1].y;
     double yy = m[0].y * m[0].y + m[1].y * m[1].y;
     const double mean = (xx + yy) / 2;
-    // Squares of px: far from where std::hypot, which takes five times as long, would be needed.
+    // These squares of px neither overflow nor underflow, so std::hypot, which takes five times as long, is
+    // not needed.
     const double spread = std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
     const double det = m[0].x * m[1].y - m[0].y * m[1].x;
     const double smallest_squared = smallest_px * smallest_px;
@@ -23,7 +24,8 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // Rebuilt about the major axis: M M^T = minor I + (major - minor) a a^T, a = the major axis.
+        // Widens the minor axis only: M M^T = minor I + (major - minor) a a^T, where a is the unit vector of
+        // the major axis.
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
         const double a_xy = spread > 0 ? xy / 2 / spread : 0;
@@ -44,10 +46,10 @@ double Ellipse::half_width() const {
     return std::sqrt(half_chord * half_chord + sheared * sheared);
 }
 
-/// Part of the ellipse in one pixel row: heights [t0, t1] from the centre, with what does not depend on x.
+/// Part of the ellipse in one pixel row: heights [t0, t1] from the centre, and values independent of x.
 struct EllipseRows::Strip {
     double t0, t1;
-    double segment0, segment1;  ///< antiderivative of sqrt(1 - (t / H)^2) at the ends
+    double segment0, segment1;  ///< antiderivative of sqrt(1 - (t / H)^2) at t0 and t1
     double height;
 };
 
@@ -58,7 +60,7 @@ double root_at(const Ellipse& e, double t) {
     return std::sqrt(std::max(0.0, (1 - u) * (1 + u)));
 }
 
-/// Integral of sqrt(1 - (t / H)^2).
+/// Antiderivative of sqrt(1 - (t / H)^2) at t, where H is the half height.
 double segment_at(const Ellipse& e, double t) {
     const double u = std::clamp(t / e.half_height, -1.0, 1.0);
     return (t * root_at(e, t) + e.half_height * std::asin(u)) / 2;
@@ -74,7 +76,7 @@ EllipseRows::EllipseRows(const Ellipse& ellipse, double cx, double cy)
       y_begin_(static_cast<int>(std::floor(cy - ellipse.half_height))),
       y_end_(static_cast<int>(std::ceil(cy + ellipse.half_height))) {
     assert(ellipse.half_height > 0 && ellipse.half_chord > 0);
-    // A half height lost in the rounding of cy still belongs to one row.
+    // An ellipse whose half height is lost in the rounding of cy + half_height still touches one row.
     if (y_end_ == y_begin_) ++y_end_;
 }
 
@@ -86,13 +88,13 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// The strip's area left of x (from the centre): the integral over t of min(right(t), x) - min(left(t), x).
-/// Where an edge crosses x is the root of a quadratic; between the roots each integrand has an
+/// Area of the strip left of x, which is relative to the centre: the integral over t of min(right(t), x) -
+/// min(left(t), x). An edge crosses x at a root of a quadratic; between the roots each integrand has an
 /// antiderivative.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
-    // (x - k t)^2 = s^2 (1 - (t / H)^2), that is a t^2 - 2 k x t + x^2 - s^2 = 0.
+    // An edge crosses x where (x - k t)^2 = s^2 (1 - (t / H)^2), that is, a t^2 - 2 k x t + x^2 - s^2 = 0.
     const double a = k * k + s * s / (e_.half_height * e_.half_height);
     const double quarter_discriminant = s * s * (a - x * x / (e_.half_height * e_.half_height));
     std::array<double, 4> t{strip.t0, strip.t0, strip.t1, strip.t1};
@@ -140,8 +142,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     strip.segment1 = segment_at(e_, strip.t1);
     const double total = e_.half_chord * 2 * std::max(0.0, strip.segment1 - strip.segment0);
 
-    // The right edge is concave, the left one convex: widest where the tangent is vertical or at an end,
-    // narrowest at an end.
+    // The right edge is concave and the left edge convex, so each reaches farthest from the centre at its
+    // vertical tangent or at an end of the strip.
     const double widest = e_.half_width();
     const double t_widest = widest > 0 ? e_.half_height * (e_.shear * e_.half_height / widest) : 0;
     double x_max = std::max(right_edge(strip.t0), right_edge(strip.t1));
@@ -164,7 +166,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     }
 
     out.edge_share.clear();
-    // Differences of running areas: the shares of a row add up to its area whatever each one's rounding.
+    // Shares are differences of running areas, so the shares of a row add up to the row's area despite
+    // rounding.
     const auto add_edge = [&](int begin, int end, double area_at_begin, double area_at_end) {
         double before = area_at_begin;
         for (int x = begin; x < end; ++x) {

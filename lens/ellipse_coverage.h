@@ -7,15 +7,16 @@
 
 namespace postlens {
 
-/// An ellipse { centre + M u : |u| <= 1 }, the image of the unit disc under a 2x2 matrix, px. Stored by its
-/// chords: at height y above the centre the chord is centre.x + shear * y +- half_chord * sqrt(1 - (y /
-/// half_height)^2).
+/// An ellipse { centre + M u : |u| <= 1 }, the image of the unit disc under a 2x2 matrix M, px. Stored by its
+/// horizontal chords: at y from the centre, the chord's ends are at centre.x + shear * y +- half_chord *
+/// sqrt(1 - (y / half_height)^2).
 struct Ellipse {
     double half_height = 0;  ///< > 0
     double half_chord = 0;   ///< > 0, half the chord through the centre row
     double shear = 0;
     [[nodiscard]] static Ellipse disc(double radius_px) { return {radius_px, radius_px, 0}; }
-    /// From the columns of M; semi-axes below `smallest_px` are raised to it, so that it has an area.
+    /// Makes the ellipse of matrix M. Semi-axes below `smallest_px` are raised to it, so that the ellipse has
+    /// an area.
     [[nodiscard]] static Ellipse from_map(const glm::dmat2& m, double smallest_px);
 
     [[nodiscard]] double area_px2() const;
@@ -38,9 +39,9 @@ struct CoverageRow {
 [[nodiscard]] double ellipse_coverage_reference(const Ellipse& ellipse, double cx, double cy, int x, int y,
                                                 int n);
 
-/// One row with its inner pixels as an interval: pixels [inner_begin, inner_end) are completely covered and
-/// have the same value, so the cost is that of the outline. Pixels outside [x_begin, x_end) are not covered;
-/// x_begin <= inner_begin <= inner_end <= x_end.
+/// Coverage of one row, with its inner pixels as an interval. Pixels [inner_begin, inner_end) are completely
+/// covered and have the same value, so the cost is that of the outline. Pixels outside [x_begin, x_end) are
+/// not covered; x_begin <= inner_begin <= inner_end <= x_end.
 struct CoverageSpan {
     int x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     /// Shares of [x_begin, inner_begin), then of [inner_end, x_end).

@@ -9,36 +9,37 @@
 namespace postlens {
 
 enum class Framing {
-    keep,       ///< F changes the aperture only; the view stays as traced
-    lens,       ///< the film sits at F: the picture is cropped or zoomed
-    breathing,  ///< the film sits at V = F s / (s - F), as in the 1981 paper
+    keep,       ///< F changes the aperture only; the field of view stays as traced
+    lens,       ///< film distance F: the image is cropped or magnified
+    breathing,  ///< film distance V = F s / (s - F) [potmesil1981]
 };
 
 /// The film of a trace.
 struct Film {
-    double distance_mm = 0;     ///< d
+    double distance_mm = 0;     ///< d, from the lens; > 0
     double pixel_pitch_mm = 0;  ///< > 0
 };
 
 /// Throws Error(wrong_arguments) unless both lengths are positive and finite.
 void check_film(const Film& film);
 
-/// A lens focused at distance s in front of a film that was traced through a pinhole. Seen from the lens
+/// A lens focused at distance s, for a frame that was traced through a pinhole. Seen from the lens
 /// point q (m, raster axes), a point of inverse depth 1/z' is displaced by `gain_px * (1/s - 1/z') * q` px.
 struct FocusGeometry {
     double aperture_radius_m = 0;    ///< F / (2 n); 0 is a pinhole
     double inverse_focus_per_m = 0;  ///< 1/s; 0 when focused at infinity
     double gain_px = 0;              ///< d / pitch after framing, px
-    double zoom = 1;  ///< raster magnification about the picture's centre that framing asks for
+    double zoom = 1;                 ///< magnification of the raster about the image centre, from the framing
 
-    /// Signed diameter, px: positive behind the focus. Finite for every inverse depth.
+    /// Signed diameter of the circle of confusion, px: positive behind the focus. Finite for every inverse
+    /// depth.
     [[nodiscard]] double coc_diameter_px(double inverse_depth_per_m) const {
         return 2 * aperture_radius_m * gain_px * (inverse_focus_per_m - inverse_depth_per_m);
     }
 };
 
-/// Throws Error(wrong_arguments), with the reason, for F, n, s out of range: F > 0 finite, n > 0 (infinity:
-/// pinhole), s > 0 (infinity allowed), and s > F unless framing is `keep`.
+/// Needs F > 0 and finite, n > 0 (infinity: pinhole), s > 0 (infinity allowed), and s > F unless framing is
+/// `keep`. Throws Error(wrong_arguments), with the reason, for values out of range.
 [[nodiscard]] FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
                                            const Film& film);
 

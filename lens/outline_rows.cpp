@@ -10,20 +10,21 @@ namespace {
 
 /// Part of a side within one row of pixels.
 struct Piece {
-    double x_low, x_high;  ///< its ends, the smaller first
-    double height;         ///< > 0, times the side's sign
+    double x_low, x_high;  ///< x of its two ends
+    double height;         ///< height (> 0) times the side's sign
 };
 
-/// Mean over the piece's height of how much of the pixel [x, x + 1) lies to the right of it, 0..1.
+/// Part of the pixel [x, x + 1) that lies to the right of the piece, averaged over the piece's height, 0..1.
 double right_of(const Piece& p, double x) {
-    // The antiderivative of clamp(x + 1 - at, 0, 1) over `at`.
+    // Antiderivative of clamp(x + 1 - at, 0, 1) with respect to `at`.
     const auto integral = [x](double at) {
         if (at <= x) return at - x;
         const double into = std::min(at - x, 1.0);
         return into - into * into / 2;
     };
     const double width = p.x_high - p.x_low;
-    // Next to upright: the mean is the value in the middle, whose error is of second order.
+    // The piece is almost vertical, so the mean is taken as the value at its midpoint; the error is of second
+    // order.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }
@@ -43,7 +44,8 @@ OutlineRows::OutlineRows(Outline outline) {
         const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()];
         low = std::min(low, a.y);
         high = std::max(high, a.y);
-        // With angles growing from x to y (down) a side that runs upwards has the inside on its right.
+        // Corners are in order of growing angle from x to y (down), so a side that runs upwards has the
+        // polygon's inside on its right.
         if (a.y == b.y) continue;
         sides_.push_back(a.y < b.y ? Side{a, b, -1} : Side{b, a, 1});
     }
@@ -91,7 +93,7 @@ void OutlineRows::row(int y, CoverageSpan& out) const {
         }
     }
     out.edge_share.clear();
-    if (pieces.empty()) {  // a row that is touched in a point or along a level side
+    if (pieces.empty()) {  // the polygon touches this row only in a point or along a horizontal side
         out.x_begin = out.inner_begin = out.inner_end = out.x_end = 0;
         return;
     }
@@ -107,8 +109,8 @@ void OutlineRows::row(int y, CoverageSpan& out) const {
             out.inner_end = end;
         }
     }
-    // Edge pixels in one array, the inside left out: each side adds what lies to its right, a part in the
-    // pixels it passes through and its whole height in all after them.
+    // One array holds the edge pixels without the inner pixels. Each side adds the area to its right: a part
+    // in the pixels that it crosses, and its whole height in all pixels right of them.
     const int gap = out.inner_end - out.inner_begin;
     const auto count = static_cast<std::size_t>(out.x_end - out.x_begin - gap);
     const auto place = [&](int x) {
@@ -121,7 +123,7 @@ void OutlineRows::row(int y, CoverageSpan& out) const {
         const int first = std::clamp(static_cast<int>(std::floor(p.x_low)), out.x_begin, out.x_end - 1);
         const int last = std::clamp(static_cast<int>(std::floor(p.x_high)), first, out.x_end - 1);
         for (int x = first; x <= last; ++x) {
-            if (x >= out.inner_begin && x < out.inner_end) continue;  // touched in its last column's border
+            if (x >= out.inner_begin && x < out.inner_end) continue;  // p only touches the pixel's border
             out.edge_share[place(x)] += p.height * right_of(p, x);
         }
         const int next = last + 1;

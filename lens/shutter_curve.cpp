@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t most_points = 1'000'000;
 
-// Two numbers and nothing else; false for a line without any.
+// Reads a line of exactly two numbers. Returns false for a line that is empty or only a comment.
 bool parse_line(std::string_view line, const std::string& where, std::pair<double, double>& out) {
     line = line.substr(0, line.find('#'));
     double values[2] = {};
@@ -116,8 +116,8 @@ double ShutterCurve::time(double u) const {
     const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                         [](double light, const Knot& k) { return light < k.light; });
     const Knot &a = *(after - 1), &b = *after;
-    // a.density x + (b.density - a.density) x^2 / (2 width) = light missing at a, for the root that grows
-    // with it.
+    // Solves a.density x + (b.density - a.density) x^2 / (2 width) = missing for the x that grows with
+    // `missing`, which is the light that arrives from knot a until the share u has arrived.
     const double width = b.time - a.time, missing = std::max(0.0, u - a.light);
     const double slope = (b.density - a.density) / width;
     const double root = std::sqrt(std::max(0.0, a.density * a.density + 2 * slope * missing));
@@ -132,7 +132,7 @@ double ShutterCurve::light(double time) const {
                                         [](double t, const Knot& k) { return t < k.time; });
     const Knot &a = *(after - 1), &b = *after;
     const double x = time - a.time, slope = (b.density - a.density) / (b.time - a.time);
-    // Rounding must not take it past the end of its stretch: light never falls.
+    // The limit b.light keeps the curve monotonic, because rounding could exceed it.
     return std::min(a.light + x * (a.density + 0.5 * slope * x), b.light);
 }
 

@@ -17,12 +17,13 @@ class ShutterCurve {
     [[nodiscard]] static ShutterCurve box();
     /// Linear rise to the middle of the exposure, then linear fall.
     [[nodiscard]] static ShutterCurve triangle();
-    /// Linear between points (time, transmission). At least two points, times finite and growing (the first
-    /// is the opening, the last the closing), transmissions finite, not negative and not all 0: else
-    /// Error(invalid_input) that begins with `source`.
+    /// Linear interpolation between points (time, transmission). Needs at least two points; finite, growing
+    /// times, of which the first is the opening and the last the closing; and finite transmissions that are
+    /// not negative and not all 0. Throws Error(invalid_input) otherwise, whose message begins with `source`.
     [[nodiscard]] static ShutterCurve points(std::vector<std::pair<double, double>> points,
                                              const std::string& source);
-    /// A text file of such points, two numbers a line; # begins a comment. Throws Error(invalid_input).
+    /// Reads the points of `points` from a text file, two numbers per line; # begins a comment. Throws
+    /// Error(invalid_input).
     [[nodiscard]] static ShutterCurve read(const std::filesystem::path& path);
 
     /// Time at which the share u of the light has arrived, 0 <= u <= 1. Maps uniformly distributed numbers to

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double metres_per_mm = 1e-3;
 
-/// 1/s - 1/z without cancellation where s and z are close, and defined where either is infinite; 1/m.
+/// 1/s - 1/z, 1/m: without cancellation if s and z are close, and defined if either is infinite.
 double inverse_difference_per_m(double s_m, double z_m) {
     if (std::isfinite(s_m) && std::isfinite(z_m)) return (z_m - s_m) / z_m / s_m;
     return 1 / s_m - 1 / z_m;
@@ -20,7 +20,8 @@ double image_distance_mm(const ThinLens& lens, double focus_distance_m) {
 }
 
 double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m) {
-    // F^2 (z - s) / (n z (s - F)), divided through by z s so that both may be infinite [potmesil1981, eq. 3].
+    // F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3]. Numerator and denominator are divided by z s, so
+    // that z and s may be infinite.
     return image_distance_mm(lens, focus_distance_m) * lens.aperture_diameter_mm() * metres_per_mm *
            inverse_difference_per_m(focus_distance_m, depth_m);
 }
@@ -28,8 +29,8 @@ double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double dep
 DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
     const double focal_m = lens.focal_length_mm * metres_per_mm;
     const double s = focus_distance_m;
-    // q = H - F. Dividing near and far by q keeps them defined for q infinite (a limit of 0: s alone is
-    // sharp).
+    // q = H - F, where H is the hyperfocal distance. The formulas divide by q, so they are defined for the
+    // infinite q of a coc_limit_mm of 0, where only the distance s is sharp.
     const double q =
         lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
     DepthOfField out;

@@ -30,9 +30,9 @@ inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward",
 /// of the pass and of the view, the rest is the layer.
 struct ChannelGroup {
     std::size_t part = 0;
-    std::string view;                ///< of the part or in the name; else the hero of `multiView`; else empty
-    std::vector<std::string> layer;  ///< sorted, small letters; none: of the whole picture
-    bool has_pass = false;           ///< whether a word of the pass was among the names
+    std::string view;  ///< from the part or the name, else the first view of `multiView`, else empty
+    std::vector<std::string> layer;  ///< words, sorted, lower case; empty: the whole image
+    bool has_pass = false;           ///< the names contain a word of the pass
 };
 
 /// View and layer of the channels of a part whose names begin with `prefix` (including its dot; empty: no
@@ -46,13 +46,13 @@ struct ChannelGroup {
 /// A channel that may belong to the colours.
 struct GroupCandidate {
     ChannelGroup group;
-    std::string name;  ///< what messages call it
-    int rank = 0;      ///< lower is better where the layer decides nothing
+    std::string name;  ///< name for messages
+    int rank = 0;      ///< lower is better; decides between equal layers
 };
 
 struct GroupMatch {
     std::size_t candidate = 0;
-    bool surmised = false;  ///< it is nobody's by its name, or that of the layer above, which has colours
+    bool surmised = false;  ///< the names do not prove that it belongs to these colours
 };
 
 /// Selects the channel that belongs to the colours of the group `own`. It has the same view, and the same

@@ -8,17 +8,19 @@
 namespace postlens {
 namespace {
 
-/// The quickest. Level 2 packs scanlines of three nodes a pixel 17 % smaller in 1.4 times the time, those of
-/// one node no smaller; levels above 2 gain no more (bench/sample_file_bench.cpp's frame).
+/// The fastest level. Level 2 makes scanlines with three nodes per pixel 17 % smaller in 1.4 times the time,
+/// but does not reduce those with one node. Levels above 2 gain nothing more (frame of
+/// bench/sample_file_bench.cpp).
 constexpr int deflate_level = 1;
 
-// A run is its length - 1 (2..127) and the byte; a literal stretch is minus its length (1..127) and the
-// bytes.
+// A run is stored as its length - 1 (2..127) and the byte. Other bytes are stored as minus their number
+// (1..127) and the bytes.
 constexpr std::size_t shortest_run = 3;
 constexpr std::size_t longest_run = 128;
 constexpr std::size_t longest_literal = 127;
 
-/// Even bytes, then odd bytes, then each as its difference to the one before, plus 128.
+/// Places the bytes of even positions before those of odd positions, then replaces each byte by its
+/// difference to the previous one plus 128.
 void predict(ByteView raw, Bytes& apart, Bytes& out) {
     apart.resize(raw.size());
     out.resize(raw.size());
@@ -40,11 +42,12 @@ void predict(ByteView raw, Bytes& apart, Bytes& out) {
     }
 }
 
-/// Running sums of bytes[i] - 128 (the first byte stands as it is), in place.
+/// Replaces the bytes by running sums of bytes[i] - 128; the first byte stays unchanged.
 void sum_differences(std::span<std::uint8_t> bytes) {
     std::size_t i = 0;
     std::uint8_t sum = 128;
-    // Eight at a time: sums of 1, 2, 4 and then 8 neighbours, in bytes that do not carry into each other.
+    // Handles eight bytes per step: sums of 1, 2, 4 and 8 neighbours in one word, without carries between
+    // bytes.
     constexpr std::uint64_t low_bits = 0x7F7F7F7F7F7F7F7FU;
     constexpr std::uint64_t every_byte = 0x0101010101010101U;
     const auto add = [](std::uint64_t a, std::uint64_t b) {
@@ -53,7 +56,7 @@ void sum_differences(std::span<std::uint8_t> bytes) {
     for (; i + 8 <= bytes.size(); i += 8) {
         std::uint64_t v{};
         std::memcpy(&v, bytes.data() + i, 8);
-        v ^= 128 * every_byte;  // minus 128
+        v ^= 128 * every_byte;  // subtracts 128 from each byte
         v = add(v, v << 8U);
         v = add(v, v << 16U);
         v = add(v, v << 32U);
@@ -78,7 +81,7 @@ void unpredict(Bytes& predicted, std::span<std::uint8_t> raw) {
     if (even_count > pairs) to[2 * pairs] = even[pairs];
 }
 
-/// Length of the packed form, or 0 where it would not be shorter than `in`.
+/// Returns the length of the packed data, or 0 if it is not shorter than `in`.
 std::size_t run_length_encode(ByteView in, Bytes& out) {
     out.resize(in.size() + 2);
     const std::size_t limit = in.size();
@@ -152,7 +155,7 @@ int rows_per_chunk(ChunkCompression compression) {
 bool inflate_zlib(ByteView packed, std::span<std::uint8_t> raw) {
     libdeflate_decompressor* d = libdeflate_alloc_decompressor();
     if (d == nullptr) throw std::bad_alloc();
-    // Without a place for the actual size, libdeflate demands that the output be filled exactly.
+    // With a null pointer for the actual size, libdeflate requires that the output is filled exactly.
     const auto result =
         libdeflate_zlib_decompress(d, packed.data(), packed.size(), raw.data(), raw.size(), nullptr);
     libdeflate_free_decompressor(d);
@@ -169,7 +172,7 @@ ByteView ChunkCodec::compress(ChunkCompression compression, ByteView raw, Bytes&
         if (!compressor_) compressor_.reset(libdeflate_alloc_compressor(deflate_level));
         if (!compressor_) throw std::bad_alloc();
         packed.resize(raw.size());
-        // One byte less than raw: what does not fit is not worth packing.
+        // The buffer is one byte smaller than raw, because compression that does not fit saves nothing.
         size = libdeflate_zlib_compress(compressor_.get(), scratch_.data(), scratch_.size(), packed.data(),
                                         raw.size() - 1);
     }
@@ -188,7 +191,7 @@ bool ChunkCodec::decompress(ChunkCompression compression, ByteView packed, std::
     } else {
         if (!decompressor_) decompressor_.reset(libdeflate_alloc_decompressor());
         if (!decompressor_) throw std::bad_alloc();
-        // Without a place for the actual size, libdeflate demands that the output be filled exactly.
+        // With a null pointer for the actual size, libdeflate requires that the output is filled exactly.
         if (libdeflate_zlib_decompress(decompressor_.get(), packed.data(), packed.size(), scratch_.data(),
                                        scratch_.size(), nullptr) != LIBDEFLATE_SUCCESS) {
             return false;

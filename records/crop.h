@@ -1,4 +1,4 @@
-// The part of a picture that is wanted.
+// Crops images.
 #pragma once
 
 #include <cstddef>
@@ -9,16 +9,16 @@
 
 namespace postlens {
 
-/// Throws Error(wrong_arguments) for a crop that is not within a picture of width x height, or is empty.
+/// Throws Error(wrong_arguments) for a crop that is empty or not within an image of width x height.
 void check_crop(const std::optional<Crop>& crop, int width, int height);
 
-/// How many pixels are wanted of a picture of width x height.
+/// Number of pixels in the crop of an image of width x height, or in the whole image without a crop.
 [[nodiscard]] std::size_t wanted_pixels(const std::optional<Crop>& crop, int width, int height);
 
-/// That part of a picture, or all of it. Throws as check_crop does.
+/// Returns the cropped image, or the whole image without a crop. Throws the errors of check_crop.
 [[nodiscard]] Image cut(const Image& picture, const std::optional<Crop>& crop);
 
-/// The same of values that there is one of for each pixel, row by row, `width` a row.
+/// Crops one value per pixel, stored row by row with `width` values per row.
 template <typename Value>
 [[nodiscard]] std::vector<Value> cut(const std::vector<Value>& of_pixels, int width,
                                      const std::optional<Crop>& crop) {

@@ -15,7 +15,7 @@ bool is_volume(const DeepSample& s) {
     return s.z > 0 && s.z_back > s.z && std::isfinite(s.z_back) && s.alpha < 1;
 }
 
-/// What a volume adds over a unit of length: red, green and blue, and how much it holds back.
+/// Emission per unit of length in red, green and blue, and density of a volume.
 using Rates = std::array<double, 4>;
 
 Rates rates_of(const DeepSample& s) {
@@ -27,7 +27,7 @@ Rates rates_of(const DeepSample& s) {
             static_cast<double>(s.b) * gain / length, depth / length};
 }
 
-/// A place where a volume begins or ends.
+/// A depth at which a volume begins or ends.
 struct Event {
     float z;
     bool begins;
@@ -39,7 +39,7 @@ struct Event {
 void tidy_volumes(std::vector<DeepSample>& samples) {
     std::vector<DeepSample> volumes, out;
     for (const DeepSample& s : samples) (is_volume(s) ? volumes : out).push_back(s);
-    // The order of the file must not matter, not even for what is rounded.
+    // Sorting makes the result independent of the order in the file, including its rounding.
     std::sort(volumes.begin(), volumes.end(), [](const DeepSample& a, const DeepSample& b) {
         const auto key = [](const DeepSample& s) {
             // Colours may be NaN, which has no order; their bits have one.
@@ -63,7 +63,7 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.begins, a.volume) < std::tie(b.z, b.begins, b.volume);
     });
-    std::set<std::pair<double, std::size_t>> inside;  // by density
+    std::set<std::pair<double, std::size_t>> inside;  // volumes at this depth, sorted by density
     Rates sum{};
     for (std::size_t i = 0; i < events.size(); ++i) {
         const Event& e = events[i];

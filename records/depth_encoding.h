@@ -1,18 +1,18 @@
-// How the numbers of a depth channel mean distances.
+// Converts the values of a depth channel to distances.
 #pragma once
 
 namespace postlens {
 
-/// With v the number in the file and z the distance in the file's unit:
+/// v is the value in the file, z the distance in the file's unit:
 ///   distance    z = v
 ///   inverse     z = 1 / v
-///   normalized  z = at_0 + v (at_1 - at_0), so that at_0 > at_1 says that near is 1
+///   normalized  z = at_0 + v (at_1 - at_0); at_0 > at_1 if near surfaces have the value 1
 struct DepthEncoding {
     enum class Kind { distance, inverse, normalized };
     Kind kind = Kind::distance;
     double at_0 = 0, at_1 = 1;
 
-    /// 0 or infinite for what is infinitely far.
+    /// Distance of a value; 0 or infinity stand for infinitely far.
     [[nodiscard]] float distance(float value) const {
         switch (kind) {
             case Kind::distance:

@@ -20,12 +20,13 @@ std::uint8_t byte_by_power(float v) {
     return static_cast<std::uint8_t>(std::lround(srgb_from_linear(v) * 255.0F));
 }
 
-/// Bytes of values from `least` to 1, in cells of 1/256 of an octave: in none does more than one byte begin.
+/// Table of bytes for values from `least` to 1, in cells of 1/256 octave. The byte changes at most once in a
+/// cell.
 struct ByteTable {
     static constexpr int octaves = 13, cell_shift = 15, cells = octaves << (23 - cell_shift);
-    static constexpr float least = 1.0F / (1 << octaves);  ///< less is black
+    static constexpr float least = 1.0F / (1 << octaves);  ///< smaller values are black
     static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(least);
-    /// By cell: the bits from which the next byte begins, and the byte before.
+    /// For each cell: the bits of the first value of the next byte, and the byte below that value.
     std::array<std::uint32_t, cells> next{};
     std::array<std::uint8_t, cells> byte{};
 
@@ -61,10 +62,10 @@ std::uint8_t byte_of(const ByteTable& table, float v) {
 }
 
 struct PngOutput {
-    std::string bytes, problem;  ///< never grow beyond what is reserved
+    std::string bytes, problem;  ///< have reserved memory and never exceed it
 };
 
-/// What deflate makes of noise is little more than the noise.
+/// Upper bound of the size of the PNG file: deflate expands incompressible data only slightly.
 std::size_t most_bytes(const EncodedPicture& picture) {
     const std::size_t raw = picture.rgb.size() + static_cast<std::size_t>(picture.height);
     return raw + raw / 64 + 4096;
@@ -72,7 +73,7 @@ std::size_t most_bytes(const EncodedPicture& picture) {
 
 void append(png_structp png, png_bytep data, std::size_t size) {
     auto& out = *static_cast<PngOutput*>(png_get_io_ptr(png));
-    // An exception must not pass through the library.
+    // An exception must not pass through libpng, so errors use its own mechanism.
     if (out.bytes.capacity() - out.bytes.size() < size) png_error(png, "larger than its pixels");
     out.bytes.append(reinterpret_cast<const char*>(data), size);
 }
@@ -85,17 +86,17 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 
 void keep_quiet(png_structp /*png*/, png_const_charp /*warning*/) {}
 
-/// The library reports by a jump, over which nothing here may need to be destroyed.
-/// `stops`: null: not known.
+/// libpng reports errors by longjmp, so no object here may need a destructor. `stops` is null if the exposure
+/// is not known.
 bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture, png_textp stops) {
-    // NOLINTNEXTLINE(cert-err52-cpp): the library's own way
+    // NOLINTNEXTLINE(cert-err52-cpp): how libpng reports errors
     if (setjmp(png_jmpbuf(png)) != 0) return false;
     png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.height),
                  8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-    // Rendered pictures come out as small as with the best filter of all for each row, and, by this level, a
-    // tenth larger than by the default one, in a third of the time.
+    // For rendered images, this filter compresses as well as the best filter for each row. This level makes
+    // files 10 % larger than the default level, in a third of the time.
     constexpr int quick = 3;
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(png, quick);

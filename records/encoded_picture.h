@@ -1,4 +1,4 @@
-// A picture as 8-bit files hold it, and its way into a PNG file.
+// 8-bit images, and their encoding as PNG files.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace postlens {
 
-/// Row-major, top row first, three bytes a pixel, with the sRGB curve.
+/// An 8-bit image: row-major, top row first, three bytes per pixel, with the sRGB curve.
 struct EncodedPicture {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgb;
-    std::optional<double> exposure_stops{};  ///< as of Image; kept in the file where it is known
+    std::optional<double> exposure_stops{};  ///< as in Image; stored in the file if known
 
     EncodedPicture() = default;
     EncodedPicture(int w, int h)
@@ -25,14 +25,14 @@ struct EncodedPicture {
     [[nodiscard]] const std::uint8_t* row(int y) const { return const_cast<EncodedPicture*>(this)->row(y); }
 };
 
-/// 255 srgb_from_linear(v), rounded, without its power.
+/// 255 srgb_from_linear(v), rounded; computed from a table, without a power function.
 [[nodiscard]] std::uint8_t srgb_byte(float v);
 
-/// Of scene-linear values, clamped to 0..1.
+/// Encodes scene-linear values, clamped to 0..1.
 [[nodiscard]] EncodedPicture encoded_8bit(const Image& image);
 
-/// The bytes of a PNG file, as `write_image` writes one of the same picture. Throws Error(cannot_write), in
-/// which `shown_name` stands for the file, where the library refuses.
+/// Returns the bytes of the PNG file that `write_image` writes for this image. Throws Error(cannot_write),
+/// with `shown_name` as the name of the file, if libpng fails.
 [[nodiscard]] std::string png_file(const EncodedPicture& picture, const std::string& shown_name);
 
 }  // namespace postlens

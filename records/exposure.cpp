@@ -13,9 +13,10 @@
 namespace postlens {
 namespace {
 
-/// A picture is warned of where more of its pixels are beyond white.
+/// exposure_warning warns if a larger share of the pixels is above white.
 constexpr double most_beyond_white = 0.2;
-/// And where no channel of it reaches so much of white: the least that 8 bits hold without a curve.
+/// exposure_warning warns if the brightest channel is above 0 but below this part of white, the smallest step
+/// of 8 bits without a curve.
 constexpr float least_of_white = 1.0F / 255;
 
 float largest_channel(const float* rgb) {
@@ -33,7 +34,7 @@ double auto_exposure_of(std::span<double> values) {
         std::partition(values.begin(), values.end(), [](double v) { return std::isfinite(v) && v > 0; });
     const auto count = static_cast<std::size_t>(end - values.begin());
     if (count == 0) return 0;
-    const std::size_t rank = (95 * count + 99) / 100;  // from 1 on
+    const std::size_t rank = (95 * count + 99) / 100;  // ranks begin at 1
     const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank - 1);
     std::nth_element(values.begin(), at, end);
     return std::clamp(-std::log2(*at), -most_exposure_stops, most_exposure_stops);

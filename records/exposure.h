@@ -1,4 +1,4 @@
-// Exposure: in memory 1 is white; files hold scene-linear radiance (docs/exposure.md).
+// Exposure of images. In memory, 1 is white; files hold scene-linear radiance (docs/exposure.md).
 #pragma once
 
 #include <optional>
@@ -9,34 +9,35 @@
 
 namespace postlens {
 
-/// Stops that options, headers and images may hold, either way: a float has 126 octaves on both sides of 1.
+/// Largest absolute exposure in options, headers and images, stops. A float has 126 octaves on both sides
+/// of 1.
 inline constexpr double most_exposure_stops = 100;
 
-/// 2^stops: radiance times this is relative to white. Exactly 1 for 0.
+/// 2^stops, the factor from radiance to values relative to white. Exactly 1 for 0 stops.
 [[nodiscard]] double exposure_gain(double stops);
 
-/// -log2(v95) stops, where v95 is the 95th percentile by nearest rank of those `values` that are finite and
-/// more than 0; 0 where there is none. Within +-most_exposure_stops. `values` is reordered.
+/// Exposure -log2(v95), stops, where v95 is the 95th percentile by nearest rank of the `values` that are
+/// finite and more than 0; 0 if there are none. Clamped to +-most_exposure_stops. Reorders `values`.
 [[nodiscard]] double auto_exposure_of(std::span<double> values);
 
-/// The same for the largest channel of each pixel of the image's radiance, so that the image's own exposure
-/// does not matter. An image whose exposure is not known is taken as radiance.
+/// Automatic exposure from the largest channel of each pixel's radiance, so that the image's own exposure
+/// does not matter. Values of an image with unknown exposure are taken as radiance.
 [[nodiscard]] double auto_exposure_of(const Image& image);
 
-/// Brings an image to another exposure; nothing where its own is not known.
+/// Changes the exposure of an image. Does nothing if its own exposure is not known.
 void set_exposure(Image& image, double stops);
 
 struct ExposureWarning {
-    double share = 0;  ///< of the pixels that are beyond white; 1 for what is too dark
+    double share = 0;  ///< share of the pixels above white; 1 for an image that is too dark
     std::string text;
 };
-/// Of an image as a PNG, TIFF or JPEG shows it: where more than a fifth of the pixels have a channel above
-/// white, or every pixel is below 1/255 of white though not all are black. Names the exposure that
-/// auto_exposure_of finds.
+/// Warning for an image that is written as PNG, TIFF or JPEG, if more than a fifth of its pixels have a
+/// channel above white, or if all pixels are below 1/255 of white but not all are black. The text suggests
+/// the exposure from auto_exposure_of.
 [[nodiscard]] std::optional<ExposureWarning> exposure_warning(const Image& image,
                                                               const std::optional<Crop>& crop);
 
-/// The stops that a text in a file's header says. Throws Error(invalid_input), naming the `file`.
+/// Reads the exposure, stops, from a text in a file's header. Throws Error(invalid_input), naming the `file`.
 [[nodiscard]] double stops_of_text(const std::string& text, const std::string& file);
 
 }  // namespace postlens

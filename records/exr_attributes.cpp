@@ -41,7 +41,7 @@ constexpr std::array<std::pair<std::string_view, std::size_t>, 24> fixed_sizes{{
     {"v3i", 12},
 }};
 
-/// Where a list of channels ends that begins with the first byte; 0 where it does not end.
+/// Position behind the end of the channel list that begins at the first byte; 0 if the list does not end.
 std::size_t end_of_channels(ByteView value) {
     std::size_t at = 0;
     for (;;) {
@@ -71,14 +71,14 @@ bool preview_fills(ByteView value) {
     std::array<std::uint32_t, 2> edges{};
     if (value.size() < sizeof(edges)) return false;
     std::memcpy(edges.data(), value.data(), sizeof(edges));
-    // No product of these overflows.
+    // With this limit, the product below does not overflow.
     if (std::max(edges[0], edges[1]) > std::numeric_limits<std::int32_t>::max() / 4) return false;
     return value.size() == sizeof(edges) + 4 * std::uint64_t{edges[0]} * edges[1];
 }
 
-/// Bytes of the samples of a chunk, which the OpenEXR library makes room for when it opens a part: at most,
-/// as 4 bytes a channel. 0 without channels, or for a part of rows without a window. A part of rows may hold
-/// sizes of tiles too.
+/// Upper bound, with 4 bytes per channel, of the memory that the OpenEXR library allocates for the samples of
+/// a chunk when it opens a part. 0 without channels, or for a scanline part without a window. A scanline part
+/// may also have a tile size, so `tiled` decides.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");
@@ -90,11 +90,11 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         while (at < channels->size() && (*channels)[at] != 0) ++at;
         at += 1 + after_name;
     }
-    // No product of these overflows.
+    // These limits keep the products below from overflowing.
     pixel = std::min<std::uint64_t>(pixel, 1U << 20U);
     constexpr std::uint32_t widest_tile = 1U << 20U;
     constexpr std::array<std::uint64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
-    // The library reads a part that names no compression as one of ZIP.
+    // The library assumes ZIP for a part that states no compression.
     constexpr std::size_t zip = 3;
     const std::size_t packed = compression && !compression->empty() ? (*compression)[0] : zip;
     std::array<std::uint32_t, 2> tile{};
@@ -103,7 +103,7 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
-    // The library takes a small window where there is none, but tiles as large as they are said to be.
+    // Without a window, the library assumes a small one. Tiles are allocated at the size stated in the file.
     if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
     return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]

@@ -31,7 +31,7 @@ T load(const std::uint8_t* from) {
     return value;
 }
 
-/// Walks through header bytes. Reads more of the file as the walk comes to the end of what is there.
+/// Reads header bytes one after the other. Loads more of the file when the bytes in memory are used up.
 class HeaderReader {
   public:
     explicit HeaderReader(const InputFile& file) : file_(file) {}
@@ -63,7 +63,7 @@ class HeaderReader {
         return load<T>(take(sizeof(T)).data());
     }
 
-    /// Up to a zero byte.
+    /// Reads a name that ends with a zero byte.
     std::string take_name() {
         std::string name;
         for (;;) {
@@ -136,7 +136,7 @@ std::optional<ByteView> ExrPart::raw(std::string_view name, std::string_view typ
 
 namespace {
 
-/// The bytes as `count` numbers of type T.
+/// Interprets the bytes as `count` numbers of type T.
 template <typename T, std::size_t count>
 std::optional<std::array<T, count>> numbers(std::optional<ByteView> bytes, const std::string& file,
                                             std::string_view name) {
@@ -188,8 +188,8 @@ std::optional<ChunkCompression> ExrPart::compression() const {
 std::optional<std::vector<ExrChannel>> ExrPart::channels() const {
     const auto bytes = raw("channels", "chlist");
     if (!bytes) return std::nullopt;
-    // Each: name, 0, int32 type, uint8 linear, 3 bytes, int32 x sampling, int32 y sampling; a 0 ends the
-    // list.
+    // Each channel is stored as name, 0, int32 type, uint8 linear, 3 bytes, int32 x sampling, int32 y
+    // sampling. A 0 ends the list.
     constexpr std::size_t tail = 16;
     std::vector<ExrChannel> channels;
     ByteView rest = *bytes;
@@ -254,8 +254,9 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, Attri
             const bool manifest = type == "idmanifest";
             part.add(std::move(name), std::move(type), value);
             name = reader.take_name();
-            // The OpenEXR library (3.1) reads four bytes more than a manifest has: of a longer name it misses
-            // the beginning, of a shorter one it takes what follows for a size.
+            // The OpenEXR library (3.1) reads four bytes past the end of a manifest, so it misses the
+            // beginning of the next attribute's name. If that name is shorter, it takes the following bytes
+            // for a size.
             constexpr std::size_t read_over = 4;
             if (manifest && sizes == AttributeSizes::filled && name.size() <= read_over) {
                 fail(ExitCode::invalid_input,

@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// A regular file. Every function throws Error(invalid_input) that names it. Safe to read from several
-/// threads.
+/// A regular file. All functions throw Error(invalid_input) that names the file. Several threads may read at
+/// once.
 class InputFile {
   public:
     explicit InputFile(const std::filesystem::path& path);
@@ -27,7 +27,7 @@ class InputFile {
 
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] std::uint64_t size() const { return size_; }
-    /// Fills `out` from `offset` on; throws where the file ends before.
+    /// Reads from `offset` until `out` is full; throws if the file ends before.
     void read_at(std::uint64_t offset, std::span<std::uint8_t> out) const;
 
   private:
@@ -52,8 +52,8 @@ struct ExrChannel {
     friend bool operator==(const ExrChannel&, const ExrChannel&) = default;
 };
 
-/// The attributes of one part, by name. Getters give nothing where the attribute is absent, and throw
-/// Error(invalid_input) where it has another type or a damaged value.
+/// The attributes of one part, by name. Getters return an empty optional if the attribute is absent, and
+/// throw Error(invalid_input) if it has another type or a damaged value.
 class ExrPart {
   public:
     explicit ExrPart(std::string file_name) : file_(std::move(file_name)) {}
@@ -65,7 +65,7 @@ class ExrPart {
     [[nodiscard]] std::optional<Window> get_window(std::string_view name) const;
     [[nodiscard]] std::optional<Matrix44> get_matrix(std::string_view name) const;
     [[nodiscard]] std::optional<ChunkCompression> compression() const;
-    /// In file order. Subsampled channels are refused.
+    /// Channels in file order. Throws for subsampled channels.
     [[nodiscard]] std::optional<std::vector<ExrChannel>> channels() const;
     [[nodiscard]] std::optional<ByteView> raw(std::string_view name, std::string_view type) const;
 
@@ -82,18 +82,19 @@ class ExrPart {
 
 struct ExrHeaders {
     std::vector<ExrPart> parts;  ///< at least one
-    std::uint64_t end = 0;       ///< where the chunk offset tables begin
-    bool multi_part = false;     ///< each part has a type
-    bool tiled = false;          ///< where it is one part: of tiles, not of rows
+    std::uint64_t end = 0;       ///< position at which the chunk offset tables begin
+    bool multi_part = false;     ///< the file is multi-part; each part has a type
+    bool tiled = false;          ///< if there is a single part: it consists of tiles, not of scanlines
 };
 
 enum class AttributeSizes {
-    any,     ///< whatever the header says
-    filled,  ///< those that the OpenEXR library would read as many bytes for: see fills_its_size
+    any,     ///< no check
+    filled,  ///< refuses values whose size is not what the OpenEXR library reads: see fills_its_size
 };
 
-/// Reads the headers of the first `most_parts` parts; `end` is valid if that is all of them.
-/// Refuses what is not OpenEXR 2, and headers beyond 64 MB or 1000 attributes a part.
+/// Reads the headers of the first `most_parts` parts; `end` is valid if the file has no more. Throws
+/// Error(invalid_input) for files other than OpenEXR 2, and for headers beyond 64 MB or 1000 attributes per
+/// part.
 [[nodiscard]] ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts,
                                           AttributeSizes sizes = AttributeSizes::any);
 

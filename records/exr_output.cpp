@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t buffer_bytes = 1U << 18U;
 constexpr std::uint32_t exr_magic = 20000630;
-/// Version 2; with several parts the flags for these (0x1000) and for deep data (0x800).
+/// File version 2. A file with several parts has the flags for multi-part (0x1000) and deep data (0x800).
 constexpr std::uint32_t one_part_version = 2U, parts_version = 2U | 0x800U | 0x1000U;
 
 template <typename... T>
@@ -32,7 +32,7 @@ auto little_endian(T... values) {
     return bytes;
 }
 
-/// Lets the OpenEXR library write a header into memory.
+/// Stream with which the OpenEXR library writes a header into memory.
 class MemoryStream : public Imf::OStream {
   public:
     MemoryStream() : Imf::OStream("header") {}
@@ -54,7 +54,9 @@ class MemoryStream : public Imf::OStream {
 
 struct ExrOutput::Hash {
     XXH3_state_t state;
-    Hash() { XXH3_64bits_reset(&state); }  // NOLINT(cppcoreguidelines-pro-type-member-init): it sets all
+    Hash() {
+        XXH3_64bits_reset(&state);
+    }  // NOLINT(cppcoreguidelines-pro-type-member-init): XXH3_64bits_reset initialises it
 };
 
 ExrOutput::ExrOutput(const std::filesystem::path& path, std::string shown_name,
@@ -73,14 +75,14 @@ ExrOutput::ExrOutput(const std::filesystem::path& path, std::string shown_name,
         table_position_ = position_;
         const std::size_t entries = std::accumulate(chunks_.begin(), chunks_.end(), std::size_t{0});
         if (hash_) {
-            constexpr std::size_t before_data = 8;  // the row and the size
+            constexpr std::size_t before_data = 8;  // row number and size
             const std::uint64_t first = position_ + entries * 8;
             for (std::size_t i = 0; i < entries; ++i)
                 append(little_endian(std::uint64_t{first + i * (before_data + *chunk_bytes)}));
         } else {
             append(Bytes(entries * 8));
         }
-    } catch (...) {  // no destructor runs for what is not constructed
+    } catch (...) {  // the destructor does not run if the constructor throws
         ::close(fd_);
         throw;
     }

@@ -1,10 +1,10 @@
-// Writes an OpenEXR file chunk by chunk. The OpenEXR library writes the headers; we write the chunks.
+// Writes an OpenEXR file chunk by chunk. The OpenEXR library writes only the headers.
 //
 // Reasons: the library's interface for deep data needs a pointer per pixel and channel. Writing scanlines in
 // the layout of the file is faster, including all checks (1920x1080, one record per pixel, two threads: RLE
 // written in 136 ms instead of 214 ms, read in 35 ms instead of 192 ms). Any thread can compress any
-// scanline. When reading, damaged data never reaches code that trusts it. And the library writes uncompressed
-// flat images row by row, waiting for another thread each time.
+// scanline. When reading, damaged data never reaches code that trusts it. For uncompressed flat images, the
+// library writes row by row and waits for another thread after each row.
 #pragma once
 
 #include <OpenEXR/ImfForward.h>
@@ -21,10 +21,10 @@ namespace postlens {
 
 class ExrOutput {
   public:
-    /// Opens `path` (an existing file, cut to nothing) and writes the headers; `chunks[i]` is the number of
-    /// chunks of part i; where there is but one, it is of flat scanlines. `shown_name` stands in messages.
-    /// `chunk_bytes`: what every chunk holds, where that is known: then the table of chunks is right from the
-    /// beginning, and the file written in the order of its bytes. Every function throws Error(cannot_write).
+    /// Truncates the existing file `path` and writes the headers. `chunks[i]` is the number of chunks of part
+    /// i; a single part consists of flat scanlines. `shown_name` is the file name in messages. `chunk_bytes`
+    /// is the size of every chunk, if known; the chunk table is then written at once, and the file in the
+    /// order of its bytes. All functions throw Error(cannot_write).
     ExrOutput(const std::filesystem::path& path, std::string shown_name,
               const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks,
               std::optional<std::size_t> chunk_bytes = std::nullopt);
@@ -34,13 +34,13 @@ class ExrOutput {
     ExrOutput(ExrOutput&&) = delete;
     ExrOutput& operator=(ExrOutput&&) = delete;
 
-    /// The next chunk of a part of flat scanlines, the first of which is y.
+    /// Writes the next chunk of a part of flat scanlines; its first scanline is y.
     void write_flat_chunk(int part, int y, ByteView data);
-    /// The next chunk of a part of deep scanlines.
+    /// Writes the next chunk of a part of deep scanlines.
     void write_deep_chunk(int part, int y, ByteView counts, ByteView data, std::uint64_t unpacked_data_bytes);
     /// Fills in the table of chunks and closes the file. Returns its size in bytes.
     std::uint64_t finish();
-    /// After finish, XXH3 of the file, where it was written in the order of its bytes.
+    /// XXH3 hash of the file after finish(), if it was written in the order of its bytes.
     [[nodiscard]] std::optional<std::uint64_t> checksum() const;
 
   private:
@@ -54,13 +54,13 @@ class ExrOutput {
 
     std::string name_;
     int fd_ = -1;
-    std::uint64_t position_ = 0;  ///< including what waits in `buffer_`
+    std::uint64_t position_ = 0;  ///< end of the written bytes, including those in `buffer_`
     Bytes buffer_;
     std::uint64_t table_position_ = 0;
-    std::vector<std::vector<std::uint64_t>> offsets_;  ///< per part, of the chunks written so far
+    std::vector<std::vector<std::uint64_t>> offsets_;  ///< per part, offsets of the chunks written so far
     std::vector<std::size_t> chunks_;
     struct Hash;
-    std::unique_ptr<Hash> hash_;  ///< of what was put; none: not in order
+    std::unique_ptr<Hash> hash_;  ///< of the bytes written; null: not written in order
 };
 
 }  // namespace postlens

@@ -9,14 +9,14 @@ namespace postlens {
 namespace {
 
 constexpr float nothing_z = 1e9F;
-/// Of their size: by less do depths of one surface differ from pixel to pixel.
+/// Largest relative difference between the depths of neighbouring pixels of one surface.
 constexpr double same = 0.05;
-/// Of the nearer: by less do two depths differ that are no step.
+/// Smallest difference of two depths that counts as a step, relative to the nearer depth.
 constexpr double least_step = 0.1;
-/// Of a step: by less do depths on its sides change from pixel to pixel.
+/// Largest change of depth from pixel to pixel on both sides of a step, relative to the step.
 constexpr double plateau = 0.1;
-constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus: a filter of two pixels' radius
-constexpr std::size_t few = 4;           ///< edges say nothing
+constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus, from a filter with a radius of 2 px
+constexpr std::size_t few = 4;           ///< fewer edges are no evidence
 constexpr float transparent = 0.02F, opaque = 0.998F;
 
 bool is_nothing(float v) {
@@ -47,7 +47,7 @@ class Mender {
   private:
     [[nodiscard]] bool is_rim(std::size_t i) const { return alpha_[i] > transparent && alpha_[i] < opaque; }
 
-    /// Calls visit(pixel) for the pixels around.
+    /// Calls visit(pixel) for the pixels within `reach` px of pixel i, except i.
     template <typename Visit>
     void around(std::size_t i, std::size_t reach, const Visit& visit) const {
         const std::size_t x = i % width_, y = i / width_;
@@ -83,7 +83,8 @@ class Mender {
         for (std::size_t x = 0; x < width_; ++x) look_along(x, width_, height_);
     }
 
-    /// What nothing is, is a plateau as well, of whatever number the file has for it.
+    /// Equal values are a plateau, also those of pixels that hit nothing, whatever value the file has for
+    /// them.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
@@ -102,7 +103,8 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? ramps_ : jumps_);
-                // The first and the last pixel may be mixed a little as well.
+                // The pixels `begin` and `end` may be slightly mixed too, so the depths of both sides are
+                // extrapolated from the pixels beyond them.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -116,7 +118,7 @@ class Mender {
         }
     }
 
-    /// What follows two depths of a plateau.
+    /// Extrapolates a plateau from its last two depths.
     [[nodiscard]] static float goes_on(float last, float before, double step) {
         return is_plateau(step, last, before) && std::isfinite(before) ? last + (last - before) : last;
     }
@@ -143,7 +145,7 @@ class Mender {
         constexpr float hardly = 5e-4F;
         if (m.near_share > 1 - hardly || (m.near_share < hardly && alpha_[pixel] >= opaque)) return;
         const auto [it, is_new] = found_.try_emplace(pixel, m);
-        // A line along the edge meets nothing but means.
+        // A row or column along an edge meets only mixed depths, so the result with the larger step is kept.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }
@@ -158,14 +160,15 @@ class Mender {
         out.mixed.push_back(m);
     }
 
-    /// Means with an infinite depth are infinite.
+    /// Edge pixels in front of nothing take the depth of their surface, as a mean with an infinite depth is
+    /// infinite.
     void take_over_rims(FilteredDepths& out) {
         std::vector<std::pair<std::size_t, float>> rims;
         for (std::size_t i = 0; i < depth_.size(); ++i) {
             if (!(alpha_[i] > 0 && alpha_[i] < opaque) || !is_nothing(depth_[i])) continue;
             bool before_nothing = false;
             float nearest = 0;
-            // As far as a filter mixes.
+            // 2 px is the radius of the filter.
             around(i, 2, [&](std::size_t k) {
                 before_nothing = before_nothing || alpha_[k] <= transparent;
                 if (alpha_[k] >= opaque && !is_nothing(depth_[k]) &&

@@ -11,29 +11,30 @@ namespace postlens {
 /// A pixel whose depth is a mean of two depths.
 struct MixedDepth {
     std::size_t pixel = 0;
-    float near = 0, far = 0;  ///< numbers as in the file, of the pixels on both sides; `far` may be nothing's
-    float near_share = 0;     ///< 0 to 1
-    bool before_nothing = false;  ///< what is far is nothing, by its depth or its alpha
+    float near = 0, far = 0;      ///< depths on both sides, as in the file; `far` may stand for nothing
+    float near_share = 0;         ///< 0 to 1
+    bool before_nothing = false;  ///< the far side is nothing, by its depth or its alpha
 };
 
 struct FilteredDepths {
-    std::size_t divided = 0;     ///< pixels whose depth was the depth times their alpha, which now is it
-    std::size_t taken_over = 0;  ///< rims before nothing that now have the depth of what they are the rim of
-    std::vector<MixedDepth> mixed;  ///< by growing pixel; their depth is now that of the greater share
+    std::size_t divided = 0;     ///< pixels whose depth was multiplied by alpha and is now divided by it
+    std::size_t taken_over = 0;  ///< edge pixels in front of nothing that now have the depth of their surface
+    std::vector<MixedDepth> mixed;  ///< in ascending order; their depth is now that of the larger share
 };
 
 /// Detects filtered depths and repairs them in `depth` (row by row, values as in the file; 0, 1e9 and more,
-/// infinity and NaN mean nothing was hit). `alpha`: per pixel, 0 to 1; 0: nothing is there.
+/// infinity and NaN mean nothing was hit). `alpha` is per pixel, 0 to 1; 0 means that nothing was hit.
 ///
 /// Multiplied by coverage: detected at edge pixels (0 < A < 1) next to opaque ones, if Z / A is within 5 % of
 /// the depth of a neighbour and Z is not. If at least 4 edge pixels, and four times as many as contradict,
 /// show this, all edge pixels are divided by alpha.
 ///
-/// Means of two depths: detected along rows and columns where up to 4 pixels lead evenly from one depth to
-/// another that differs by a tenth or more; unfiltered depths jump there. If at least 4 edges, and half as
-/// many as there are jumps, show this, each of their pixels counts as mixed, with the share (v - far) / (near
-/// - far) of the near surface. In front of nothing, an edge pixel with alpha belongs to its surface alone.
-/// Only with `means`: a Cryptomatte describes mixed pixels better, and needs the depths as they are.
+/// Means of two depths: detected along rows and columns where up to 4 pixels lead monotonically from one
+/// depth to another that differs by 10 % or more; unfiltered depths jump there. If at least 4 edges show
+/// this, and at least half as many as there are jumps, each of their pixels counts as mixed, with the share
+/// (v - far) / (near - far) of the near surface. In front of nothing, an edge pixel with alpha belongs to its
+/// surface alone. Done only with `means`: a Cryptomatte describes mixed pixels better, and needs unchanged
+/// depths.
 [[nodiscard]] FilteredDepths mend_filtered_depths(std::span<float> depth, std::span<const float> alpha,
                                                   std::size_t width, bool means = true);
 

@@ -20,13 +20,13 @@ std::optional<double> checked(const std::optional<double>& value, const char* op
     return value;
 }
 
-/// The first of the attributes that is there and makes sense.
+/// Value of an attribute; empty if it is absent or not usable.
 std::optional<double> attribute(const ForeignFile& file, std::size_t part, const char* name) {
     const auto value = file.number(part, name);
     return value && usable(*value) ? value : std::nullopt;
 }
 
-/// Row vectors: p' = p M. glm's columns are then our rows.
+/// Converts from row vectors, p' = p M, to the column vectors of glm.
 glm::dmat4 transposed(const Matrix44& m) {
     glm::dmat4 out;
     std::size_t i = 0;
@@ -41,7 +41,7 @@ std::optional<double> view_of(const ForeignFile& file, std::size_t part) {
     if (camera && ndc) {
         if (const auto tangent = half_width_tangent(*camera, *ndc)) return tangent;
     }
-    // 1 is what the library writes where nobody said anything.
+    // The OpenEXR library writes 1 by default, so 1 means not stated.
     const auto width = attribute(file, part, "screenWindowWidth");
     if (width && *width != 1) return *width / 2;
     return std::nullopt;
@@ -52,11 +52,11 @@ std::optional<double> view_of(const ForeignFile& file, std::size_t part) {
 std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const Matrix44& world_to_ndc) {
     const glm::dmat4 camera = transposed(world_to_camera);
     if (!(std::abs(glm::determinant(camera)) > 1e-12)) return std::nullopt;
-    // As columns: ndc = projection * camera space; projection[column][row].
+    // For column vectors, ndc = projection * camera space. Elements are projection[column][row].
     const glm::dmat4 projection = transposed(world_to_ndc) * glm::inverse(camera);
     const double x = std::abs(projection[0][0]), w = std::abs(projection[2][3]);
     if (!usable(x) || !(w > 1e-9)) return std::nullopt;
-    // With an NDC from 0 to 1 half of the homogeneous coordinate is added to x.
+    // If NDC runs from 0 to 1, the projection adds half of the homogeneous coordinate to x.
     const double middle = std::abs(projection[2][0]) / w;
     const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
     const double tangent = half * w / x;

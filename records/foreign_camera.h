@@ -1,4 +1,4 @@
-// What camera another program's picture was taken with: from its attributes, from options, else assumed.
+// The camera of another program's image: from its attributes, from options, or assumed.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ enum class DepthAlong {
     ray,   ///< Z is the distance from the camera's centre
 };
 
-/// What the user says; absent: by the file's attributes, else assumed.
+/// Settings from the user. Absent values come from the file's attributes or are assumed.
 struct ForeignCameraChoice {
     std::optional<double> film_width_mm, film_distance_mm, focal_length_mm, metres_per_unit;
     std::optional<DepthAlong> depth_along;
@@ -25,22 +25,23 @@ struct ForeignCameraChoice {
 
 struct ForeignCamera {
     double film_width_mm = 36;     ///< of the display window
-    double film_distance_mm = 50;  ///< from the pinhole; with the width: the view
-    double focal_length_mm = 50;   ///< of the lens that the picture is to be focused by
-    double metres_per_unit = 1;    ///< of Z
+    double film_distance_mm = 50;  ///< from the pinhole; gives the field of view with the width
+    double focal_length_mm = 50;   ///< of the lens that focuses the image
+    double metres_per_unit = 1;    ///< metres per unit of Z
     DepthAlong depth_along = DepthAlong::axis;
     std::optional<double> f_number, focus_m;
-    /// One text for each value that neither the file nor the user has named.
+    /// One text for each value that neither the file nor the user states.
     std::vector<std::string> assumed;
 };
 
-/// docs/inputs.md lists where each value comes from, in order. Throws Error(wrong_arguments) for choices that
-/// are not positive and finite; attributes that are not are left aside.
+/// Determines the camera. docs/inputs.md lists the sources of each value, in order. Throws
+/// Error(wrong_arguments) for choices that are not positive and finite; ignores such attributes.
 [[nodiscard]] ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part,
                                            const ForeignCameraChoice& choice);
 
-/// Half the width of the view over its distance, from OpenEXR's worldToCamera and worldToNDC; absent where
-/// they are no perspective. NDC may reach from 0 to 1 across the picture, as OpenEXR has it, or from -1 to 1.
+/// Tangent of half the horizontal angle of view, from OpenEXR's worldToCamera and worldToNDC; absent if they
+/// are not a perspective projection. NDC may run from 0 to 1 across the image, as in OpenEXR, or from -1
+/// to 1.
 [[nodiscard]] std::optional<double> half_width_tangent(const Matrix44& world_to_camera,
                                                        const Matrix44& world_to_ndc);
 

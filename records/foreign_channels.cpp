@@ -14,7 +14,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// How a file may call its colours: one of these ways for all of them.
+/// Accepted names of colour channels; all three names of a layer must be from the same row.
 constexpr std::array<std::array<const char*, 3>, 4> colour_names{
     {{"R", "G", "B"}, {"r", "g", "b"}, {"red", "green", "blue"}, {"Red", "Green", "Blue"}}};
 const Names alpha_names{"A", "a", "alpha", "Alpha"};
@@ -32,7 +32,7 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Name
     return first_of(part, names);
 }
 
-/// A name up to its last dot, and what follows.
+/// Splits a name after its last dot.
 std::pair<std::string, std::string> split(const std::string& name) {
     const std::size_t dot = name.rfind('.');
     return dot == std::string::npos ? std::pair(std::string(), name)
@@ -45,7 +45,7 @@ std::string small(std::string text) {
     return text;
 }
 
-/// The names of a layer's colours; absent: it has not all of them.
+/// Names of a layer's colour channels; empty if one of the three is missing.
 std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, const std::string& layer) {
     for (const auto& names : colour_names) {
         std::array<std::string, 3> out{layer + names[0], layer + names[1], layer + names[2]};
@@ -61,10 +61,10 @@ bool any_word(const std::vector<std::string>& words, std::initializer_list<std::
     });
 }
 
-/// Lower is better.
+/// Preference of a layer for colours; lower is better.
 int rank(const std::string& layer) {
     const std::vector<std::string> words = words_of(layer);
-    // Numbers in the place of colours.
+    // Channels of such layers hold data, not colours.
     const bool data = std::any_of(words.begin(), words.end(),
                                   [](const std::string& w) { return w.find("crypto") != std::string::npos; });
     if (data || any_word(words, {"depth", "zdepth", "normal", "normals", "position", "vector", "motion",
@@ -75,7 +75,7 @@ int rank(const std::string& layer) {
     return any_word(words, {"rgba", "beauty", "color"}) ? 2 : 3;
 }
 
-/// How a layer fits what is asked for; lower is better, 2: not at all.
+/// How well a layer matches the requested name; lower is better, 2 is no match.
 int misfit(const ForeignFile& file, std::size_t part_number, const std::string& layer,
            const std::string& asked) {
     const ForeignPart& part = file.parts()[part_number];
@@ -99,7 +99,7 @@ Owner owner_of(const ChannelGroup& group) {
     return {group.part, group.view, group.layer};
 }
 
-/// Those that have a depth of their own in their part.
+/// Layers that have a depth channel in their own part.
 std::set<Owner> owners_of_depths(const ForeignFile& file) {
     std::set<Owner> out;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
@@ -114,7 +114,7 @@ std::set<Owner> owners_of_depths(const ForeignFile& file) {
     return out;
 }
 
-/// Of the pictures' parts, what is best of all layers that `layers_of` gives; absent: none fits.
+/// Selects the best part and layer for colours among the layers that `layers_of` lists; empty if none fits.
 template <typename LayersOf>
 std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
                                                               const std::string& asked,
@@ -127,7 +127,7 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
             const ChannelGroup group = channel_group(file, i, layer, colour_words);
-            // The hero before other views, wherever their names are written.
+            // The first view of `multiView` comes before other views, wherever the view is named.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
             const std::tuple order{misfit(file, i, layer, asked), rank(layer),
@@ -142,7 +142,7 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
     return best;
 }
 
-/// Layers with a luminance, or with an alpha and a depth.
+/// Layers with luminance, or with alpha and depth.
 Names grey_layers(const ForeignPart& part) {
     Names out;
     for (const std::string& name : part.channels) {
@@ -168,7 +168,7 @@ std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const Foreign
     return out;
 }
 
-/// What a layer is called in messages.
+/// Name of a layer for messages.
 std::string title(const ChannelGroup& group) {
     std::string out = fmt::format("{}", fmt::join(group.layer, "."));
     if (!group.view.empty()) out += (out.empty() ? "view " : " of view ") + group.view;
@@ -188,7 +188,7 @@ class Finder {
     void find_alpha() {
         out_.alpha_part = out_.part;
         out_.a = behind(part_, out_.layer, alpha_names);
-        // A small a beside R, G, B is somebody's own channel.
+        // A lower-case a beside upper-case R, G, B is not the alpha of these colours.
         if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
@@ -200,7 +200,7 @@ class Finder {
                     to.push_back({group, name, 0});
             });
         const auto match = match_group(found, own_, pictures_);
-        // An opacity of something else would make holes in what has none.
+        // The alpha of another layer would make opaque pixels transparent.
         if (!match || match->surmised || found[match->candidate].group.layer != own_.layer) return;
         out_.alpha_part = found[match->candidate].group.part;
         out_.a = found[match->candidate].name;
@@ -240,9 +240,9 @@ class Finder {
         out_.id_part = out_.part;
         if (choice_.ids == ForeignChoice::no_ids) return;
         Names sets;
-        std::string left;  // what is there and belongs to something else
+        std::string left;  // channels that exist but belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // Who names what to use is not told of the others.
+        // If the user names the ids to use, messages about others are dropped.
         const Names unusable = choice_.ids.empty() ? Names() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
@@ -276,8 +276,8 @@ class Finder {
         return file_.name();
     }
 
-    /// Where a channel of this very name is: the part of the colours, else one of their view, else any; of
-    /// the pass's own file where there is one.
+    /// Finds the part with a channel of exactly this name: the part of the colours, else a part of their
+    /// view, else any. If the pass has its own file, only its parts are searched.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;
@@ -311,7 +311,7 @@ class Finder {
                 const auto [before, letter] = split(name);
                 const std::string last = small(letter);
                 const ChannelGroup group = channel_group(file_, part, before, depth_words);
-                // One of three numbers is no depth: a place, a direction, a way.
+                // A Z beside X and Y is the component of a position, a direction or a motion, not a depth.
                 const bool has_x = p.has(before + (letter == "z" ? "x" : "X")) &&
                                    p.has(before + (letter == "z" ? "y" : "Y"));
                 if (last == "z" && (group.has_pass || !has_x)) {
@@ -330,7 +330,7 @@ class Finder {
                 }
             });
         if (!own_file || !found.empty()) return found;
-        // A file that is said to hold depths holds them in its only channel, or in all three alike.
+        // A separate file for depths holds them in its only channel, or equally in R, G and B.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
             const std::string letter = split(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
@@ -360,7 +360,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // Any part will do, as long as the layer is the same.
+            // All parts are equally good, so the candidate gets the part of the colours; the layer must
+            // match.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }
@@ -479,7 +480,7 @@ ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoi
     finder.find_alpha();
     finder.find_depth();
     if (part.deep) {
-        // Where samples end is told beside where they begin.
+        // ZBack, the depth at which a sample ends, is in the same layer as Z.
         out.z_back = first_of(part, {split(out.z).first + "ZBack"});
         if (out.z.empty()) {
             fail(ExitCode::invalid_input, "{}: no depth (got channels {}; expected Z in a deep picture)",

@@ -1,4 +1,4 @@
-// Which channels of another program's OpenEXR file hold colour, alpha, depth and ids.
+// Finds the channels of another program's OpenEXR file that hold colour, alpha, depth and ids.
 #pragma once
 
 #include <filesystem>
@@ -17,26 +17,26 @@ namespace postlens {
 /// Names of channels; absent ones are empty.
 struct ForeignChannels {
     std::size_t part = 0;  ///< of the colours
-    std::string layer;     ///< what the names of colours begin with, its dot included; empty: nothing
+    std::string layer;     ///< prefix of the names of colours, including its dot; may be empty
     std::string r, g, b;
-    std::string ry, by;  ///< chroma, where r, g and b are all the luminance: (R - Y) / Y and (B - Y) / Y
+    std::string ry, by;  ///< chroma (R - Y) / Y and (B - Y) / Y, if r, g and b are all the luminance
     std::size_t alpha_part = 0;
     std::string a;
     std::size_t depth_part = 0;
-    std::string z, z_back;  ///< `z_back`: of deep parts, called like `z`
+    std::string z, z_back;  ///< `z_back`: only deep parts, same layer as `z`
     std::size_t id_part = 0;
-    std::string id;                     ///< of deep parts in the part of the colours; empty with `matte`
+    std::string id;                     ///< for deep parts, in the part of the colours; empty with `matte`
     std::optional<Cryptomatte> matte;   ///< of flat parts
-    std::vector<std::string> problems;  ///< about ids: a line for each that are there and cannot be used
-    std::vector<std::string> assumed;   ///< a line for each channel that is surmised or is left aside
+    std::vector<std::string> problems;  ///< one line for each id channel or Cryptomatte that is not usable
+    std::vector<std::string> assumed;   ///< one line for each channel that is a guess or is not used
 };
 
 struct ForeignChoice {
-    std::string layer;          ///< a part, a view, or what names of channels begin with; empty: found
-    std::string depth_channel;  ///< empty: found by its name
-    std::string ids;            ///< a channel or a Cryptomatte; `no_ids`: none; empty: found by its name
-    std::optional<DepthEncoding> depth_encoding;  ///< absent: distances, and warned where they look otherwise
-    std::filesystem::path depth_file, ids_file;   ///< where these passes have files of their own; else empty
+    std::string layer;          ///< a part, a view, or a prefix of channel names; empty: automatic
+    std::string depth_channel;  ///< empty: automatic, by name
+    std::string ids;            ///< a channel or a Cryptomatte; `no_ids`: none; empty: automatic, by name
+    std::optional<DepthEncoding> depth_encoding;  ///< absent: distances, with a warning if implausible
+    std::filesystem::path depth_file, ids_file;   ///< separate files of these passes; else empty
     static constexpr const char* no_ids = "none";
     [[nodiscard]] bool given() const {
         return !layer.empty() || !depth_channel.empty() || !ids.empty() || depth_encoding ||
@@ -44,29 +44,34 @@ struct ForeignChoice {
     }
 };
 
-/// Opens a picture and the files of its passes.
+/// Opens an image and the separate files of its passes.
 [[nodiscard]] ForeignFile open_foreign_file(const std::filesystem::path& path, const ForeignChoice& choice);
 
-/// Of the parts and layers that `choice.layer` allows (all where it is empty; a part by its name, a view by
-/// its name, a layer by what stands before the dot, else any whose names have all of its words), the first
-/// of: R, G, B; LAYER.Combined.R, .G, .B (Blender); rgba., beauty. or color. likewise; any layer with R, G,
-/// B; Y, with RY and BY where they are (grey without both); A with Z alone (black); of equals, one that has a
-/// depth. Colours may be small letters or whole words. Everything else is the one that goes with them
-/// (match_group, for flat parts in any part, for deep ones in theirs): alpha A or alpha; depth Z, or V, Y or
-/// R of a pass named depth or the like; ids, by which surfaces are told apart, of a flat part a Cryptomatte
-/// (find_cryptomattes), which knows what edges are mixed of, else id, ID, objectid, object_id or IndexOB,
-/// each alone or followed by .X or .V. Where a pass has a file of its own it is looked for there alone. What
-/// is surmised, and what is not taken as it belongs to another view or layer, is said (`assumed`,
-/// `problems`). Throws Error(invalid_input) where nothing fits, and names what there is.
+/// Finds the channels of an image.
+///
+/// Colours: searched in the parts and layers that `choice.layer` allows. It names a part, a view, or a layer
+/// by the text before the dot; else it allows any layer whose names have all of its words. Empty allows all.
+/// The first of these is taken: R, G, B; LAYER.Combined.R, .G, .B (Blender); the same with rgba, beauty or
+/// color; any layer with R, G, B; Y, with RY and BY if both exist (else grey); A with Z alone (black). Among
+/// equals, a layer with depth is preferred. Colour names may be lower case or whole words.
+///
+/// All other channels are those that belong to the colours (match_group): in any part for flat images, in the
+/// part of the colours for deep images. Alpha is A or alpha. Depth is Z, or V, Y or R of a pass named depth
+/// or similar. Ids distinguish surfaces. In a flat image they are a Cryptomatte (find_cryptomattes), which
+/// also states how edge pixels are mixed; else id, ID, objectid, object_id or IndexOB, each alone or followed
+/// by .X or .V. If a pass has its own file, only that file is searched. `assumed` and `problems` name
+/// channels that are a guess, or that are not used because they belong to another view or layer.
+///
+/// Throws Error(invalid_input), listing the channels of the file, if nothing fits.
 [[nodiscard]] ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoice& choice);
 
-/// Whose the colours of the file are: a group for each layer that has some.
+/// Groups of all layers in the file that have colours.
 [[nodiscard]] std::vector<ChannelGroup> colour_groups(const ForeignFile& file);
 
-/// The layers of a part that have colours, with their dots; the empty text for R, G, B without one.
+/// Layers of a part that have colours, including their dots; an empty text for R, G, B without a layer.
 [[nodiscard]] std::vector<std::string> colour_layers(const ForeignPart& part);
 
-/// Names, in a line of bearable length.
+/// Lists names for a message, in a line of limited length.
 [[nodiscard]] std::string listed(std::span<const std::string> names);
 
 }  // namespace postlens

@@ -13,7 +13,7 @@ using namespace foreign;
 
 namespace {
 
-/// A band of deep pixels as the library wants it: counts, and a pointer for every pixel and channel.
+/// A band of deep pixels in the layout of the OpenEXR library: counts, and a pointer per pixel and channel.
 class DeepBand {
   public:
     DeepBand(const ForeignPart& part, const Imf::Header& h, std::span<const std::string> channels,
@@ -91,9 +91,9 @@ class DeepBand {
     std::uint64_t total_ = 0;
 };
 
-/// The library takes as much memory as a chunk of a deep part says it has bytes before it looks for them.
-/// Asked of a file of its own: where pixels are read, the library forgets its place when it is asked for a
-/// size.
+/// Checks the stated sizes of deep chunks, because the OpenEXR library allocates the stated size before it
+/// reads the chunk. Opens the file a second time, because a query for a size makes the library lose its
+/// position in the file from which pixels are read.
 class StoredChunks {
   public:
     StoredChunks(const std::string& name, std::uint64_t file_bytes, int number, bool tiled)

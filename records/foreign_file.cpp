@@ -27,12 +27,12 @@ namespace {
 namespace fs = std::filesystem;
 using namespace foreign;
 
-constexpr int longest_edge = 1 << 16;  ///< px; half a pixel is exact in float far beyond
+constexpr int longest_edge = 1 << 16;  ///< px; floats represent half pixels exactly far beyond this
 constexpr std::uint64_t most_pixels = 1U << 29U;
 constexpr std::size_t most_parts = 256;
 constexpr std::size_t most_channels = 1024;
 constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
-/// Pixels of a display window that any file may have: 16384 by 16384.
+/// Pixels of a display window that are accepted for any size of the file: 16384 by 16384.
 constexpr std::uint64_t unquestioned_shown = std::uint64_t{1} << 28U;
 Window checked_window(const ExrPart& part, const char* attribute, const std::string& name) {
     const auto w = part.get_window(attribute);
@@ -76,8 +76,8 @@ void check_chunks(const ForeignPart& part, const Imf::Header& h, std::uint64_t f
         }
         chunk_pixels = std::uint64_t{tiles.xSize} * tiles.ySize;
     }
-    // A small crop of a large frame is a whole file; a picture of the frame asks for its memory when it is
-    // made. Only frames that nobody has are held against the size of the file.
+    // A file may hold a small crop of a large display window; memory for the window is checked when its image
+    // is made. So only implausibly large windows are compared with the size of the file.
     const std::uint64_t shown = (static_cast<std::uint64_t>(part.display.x_max - part.display.x_min) + 1) *
                                 (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1);
     const std::int64_t shift_x = std::int64_t{part.data.x_min} - part.display.x_min,
@@ -166,7 +166,8 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
     opened.name = name;
     opened.first_part = first;
     {
-        // Our own look at the headers first: it takes no more memory than the headers have bytes.
+        // The headers are checked before the OpenEXR library reads them. The check needs no more memory than
+        // the headers have bytes.
         const InputFile file(path);
         if (!is_openexr(path)) fail(ExitCode::invalid_input, "{}: cannot read (not an OpenEXR file)", name);
         opened.bytes = file.size();
@@ -282,7 +283,7 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // Green is what red and blue leave.
+    // Green is computed from luminance, red and blue by division by its weight, which must not be 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
              name_of(part), out[0], out[1], out[2]);
@@ -292,7 +293,7 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
 
 bool ForeignFile::loses_bits(std::size_t part) const {
     const Imf::Compression c = impl_->header(part).compression();
-    // PXR24 rounds them, but what was equal stays so.
+    // PXR24 also rounds floats, but equal floats stay equal.
     return c == Imf::DWAA_COMPRESSION || c == Imf::DWAB_COMPRESSION;
 }
 

@@ -1,4 +1,5 @@
-// Inside ForeignFile: the OpenEXR library's file, and what reading flat and deep pixels have in common.
+// Implementation of ForeignFile: the file of the OpenEXR library, and functions that flat and deep reading
+// share.
 #pragma once
 
 #include <OpenEXR/ImfChannelList.h>
@@ -18,23 +19,24 @@ namespace postlens {
 
 namespace foreign {
 
-/// What may be asked for without a look at the file's own size.
+/// Memory that may be requested without comparison with the size of the file.
 inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
-/// The densest of the formats, deflate, packs 1032 to 1; twice over in none of them.
+/// Upper bound of the compression ratio. Deflate, the densest method of OpenEXR, reaches 1032 to 1, and none
+/// compresses twice.
 inline constexpr std::uint64_t densest = 4096;
 
-/// A message of the library, in one line.
+/// Converts a message of the library to one line.
 [[nodiscard]] std::string one_line(std::string text);
 
-/// Rows that are compressed together.
+/// Number of rows that are compressed together.
 [[nodiscard]] int chunk_rows(const Imf::Header& h);
 
-/// What the library reads a channel as; whole numbers keep their bits, in the place of a float. Throws
-/// Error(invalid_input) for a channel that is missing or subsampled.
+/// Type as which the library reads a channel: float, or integers, whose bits are stored in place of a float.
+/// Throws Error(invalid_input) for a channel that is missing or subsampled.
 [[nodiscard]] Imf::PixelType read_as(const Imf::Header& h, const std::string& channel,
                                      const std::string& name);
 
-/// Runs what calls the OpenEXR library, whose exceptions become ours.
+/// Runs a call of the OpenEXR library and converts its exceptions to Error.
 template <typename Call>
 auto guarded(const std::string& name, const Call& call) {
     try {
@@ -57,14 +59,14 @@ struct ForeignFile::Impl {
         std::size_t first_part = 0;
         std::unique_ptr<Imf::MultiPartInputFile> file;
     };
-    std::vector<Opened> files;  ///< the picture's, and those attached
+    std::vector<Opened> files;  ///< the image's file, then attached files
 
     [[nodiscard]] const Opened& of(std::size_t part) const {
         std::size_t i = files.size() - 1;
         while (files[i].first_part > part) --i;
         return files[i];
     }
-    /// The part's number in its own file.
+    /// Number of the part within its own file.
     [[nodiscard]] int number(std::size_t part) const { return static_cast<int>(part - of(part).first_part); }
     [[nodiscard]] const Imf::Header& header(std::size_t part) const {
         return of(part).file->header(number(part));

@@ -1,4 +1,4 @@
-// For programs that link OpenImageIO.
+// picture_library() for programs that link OpenImageIO.
 #include "records/oiio_picture_library.h"
 
 namespace postlens {

@@ -1,4 +1,4 @@
-// For programs that load OpenImageIO when they first need it.
+// picture_library() for programs that load OpenImageIO when they first need it.
 #include <dlfcn.h>
 #include <filesystem>
 
@@ -10,8 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The file that this code is in: a program, or an extension of another one. The loader knows a program by the
-// name that it was called by, which is no path where the shell found it.
+// Path of the file that contains this code: a program, or an extension of another program. For a program,
+// dladdr returns the name with which it was called, which is not a path if the shell searched for it.
 fs::path own_file() {
     std::error_code ec;
     Dl_info own{};
@@ -22,8 +22,8 @@ fs::path own_file() {
     return fs::read_symlink("/proc/self/exe", ec);
 }
 
-// Below one of the folders around that file, as in the build folder and where it is installed, so that either
-// may be moved.
+// Searches for the module below the folders that contain that file. This works in the build folder and in the
+// installation, and both may be moved.
 fs::path module_path() {
     const fs::path first = own_file().parent_path().parent_path();
     std::error_code ec;
@@ -42,7 +42,7 @@ const PictureLibrary& load() {
         fail(ExitCode::invalid_input, "{}: cannot be loaded ({}); what is neither OpenEXR nor PNG needs it",
              path, reason == nullptr ? "no reason given" : reason);
     };
-    // Never closed: what it hands out lives as long as the process.
+    // The module is never closed, because its objects live as long as the process.
     void* module = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (module == nullptr) why_not();
     void* symbol = ::dlsym(module, picture_module_symbol);

@@ -9,13 +9,13 @@
 namespace postlens {
 namespace {
 
-/// The point samples of layer 0 of one pixel.
+/// Tests at which positions of one pixel there are point samples of layer 0.
 class PixelPlaces {
   public:
     PixelPlaces(std::span<const Record> records, int x, int y)
         : records_(records), x_(static_cast<float>(x)), y_(static_cast<float>(y)) {}
 
-    /// At (u, v) steps from the pixel's upper-left corner.
+    /// True if there is a sample (u, v) steps from the pixel's upper-left corner.
     [[nodiscard]] bool has(int u, int v) const {
         Record at;
         at.x = x_ + static_cast<float>(u) / position_steps;
@@ -29,8 +29,8 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// The left corners on the pixel's lower edge of the leaves of its lowest cell from u on: a cell is
-/// subdivided exactly where its centre sample exists.
+/// Adds the left corners, on the pixel's lower edge, of the leaves of the cell of width `size` that begins at
+/// u. A cell is subdivided exactly if its centre sample exists.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-/// What `work` comes to; where a decoder or encoder throws something of its own, nothing, and what it said.
+/// Returns the result of `work`. If a decoder or encoder throws, returns an empty result and sets `problem`.
 template <typename Work>
 auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
     try {
@@ -22,7 +22,7 @@ auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
     }
 }
 
-/// The number as text; of a sample file it is a double, of TIFF and JPEG a description.
+/// Exposure as text. A sample file has it as a double, TIFF and JPEG in their description.
 std::string exposure_of(const OIIO::ImageSpec& s) {
     if (const OIIO::ParamValue* found = s.find_attribute(exposure_attribute)) return found->get_string();
     const std::string begin = std::string(exposure_attribute) + "=";
@@ -32,7 +32,7 @@ std::string exposure_of(const OIIO::ImageSpec& s) {
 
 class OiioReader : public PictureReader {
   public:
-    /// `memory`: what `in` reads from; null: a file.
+    /// `memory` is the source of `in`; null for a file.
     OiioReader(std::unique_ptr<OIIO::ImageInput> in,
                std::unique_ptr<OIIO::Filesystem::IOMemReader> memory = nullptr)
         : memory_(std::move(memory)), in_(std::move(in)) {
@@ -70,12 +70,12 @@ class OiioReader : public PictureReader {
 
   private:
     std::unique_ptr<OIIO::Filesystem::IOMemReader> memory_;
-    std::unique_ptr<OIIO::ImageInput> in_;  // goes before what it reads from
+    std::unique_ptr<OIIO::ImageInput> in_;  // destroyed before memory_, from which it reads
     PictureLayout layout_;
 };
 
-/// The whole file in memory: on a full disk OpenImageIO 2.4 reports success for PNG and TIFF and ends the
-/// process for JPEG, so it is not the one to write to the disk.
+/// Encodes a file in memory. OpenImageIO 2.4 does not write to the disk itself, because on a full disk it
+/// reports success for PNG and TIFF and ends the process for JPEG.
 std::vector<unsigned char> encode(const char* name, const OIIO::ImageSpec& spec, const void* values,
                                   std::string& problem) {
     return guarded(problem, [&]() -> std::vector<unsigned char> {
@@ -114,9 +114,9 @@ class OiioLibrary : public PictureLibrary {
                                                   const std::string& description,
                                                   std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT16);
-        // No colour space: it would ask for an EXIF directory, which OpenImageIO 2.4 cannot write to memory.
-        // Integer pixels are taken as sRGB without it.
-        // No time of writing, which it would add: equal pictures would be unequal files.
+        // No colour space is set, because it needs an EXIF directory, which OpenImageIO 2.4 cannot write to
+        // memory. Readers take integer pixels as sRGB anyway.
+        // The time of writing is removed, so that equal images give equal files.
         spec["DateTime"] = "";
         if (!description.empty()) spec["ImageDescription"] = description;
         return encode("picture.tif", spec, rgb.data(), problem);

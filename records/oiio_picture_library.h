@@ -1,4 +1,4 @@
-// PictureLibrary as OpenImageIO has it.
+// Implementation of PictureLibrary by OpenImageIO.
 #pragma once
 
 #include "records/picture_library.h"

@@ -11,8 +11,8 @@ namespace postlens {
 
 std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression, const RecordBand& band,
                            int y_begin, int y_end) {
-    // Of each row: what stands before its chunk and its row of part scanlines, and their places in the
-    // tables.
+    // Bytes of each row besides the compressed data: the headers of its chunk and of its row in part
+    // scanlines, and the entries of both in the tables of offsets.
     constexpr std::uint64_t around_row = 32 + 12 + layout::ScanlineRow::byte_count + 2 * 8;
     const RecordChannels channels{header.has_w, header.has_layers, header.has_bend, header.has_marks};
     ScanlineBytes bytes(band.width(), channels);

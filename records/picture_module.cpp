@@ -1,4 +1,4 @@
-// The module that loaded_picture_library.cpp loads.
+// Entry point of the module that loaded_picture_library.cpp loads.
 #include "records/picture_module.h"
 
 #include "records/oiio_picture_library.h"

@@ -1,9 +1,9 @@
-// What a program and the module with OpenImageIO agree on.
+// Interface between a program and the module that contains OpenImageIO.
 #pragma once
 
 #include "records/picture_library.h"
 
-/// Its name is another where PictureLibrary is: a module of another version is not taken for this one.
+/// The number in the name changes with PictureLibrary, so that a module of another version is not accepted.
 extern "C" const postlens::PictureLibrary* postlens_picture_library_1();
 
 namespace postlens {

@@ -36,7 +36,7 @@ class ExrReader : public PictureReader {
         const auto count = static_cast<std::size_t>(channels);
         const std::size_t pixel_bytes = count * sizeof(float);
         const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(layout_.width);
-        // The library finds a pixel by its place in the file.
+        // The OpenEXR library addresses pixels by their coordinates in the file.
         const std::ptrdiff_t shift = layout_.x * static_cast<std::ptrdiff_t>(pixel_bytes) +
                                      layout_.y * static_cast<std::ptrdiff_t>(row_bytes);
         try {
@@ -62,11 +62,11 @@ class ExrReader : public PictureReader {
     PictureLayout layout_;
 };
 
-/// What is in `header`; nothing where there is more to it than colours.
+/// Layout of a file with this header; empty if it needs more than open_plain_picture supports.
 std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE)
         return std::nullopt;
-    // In pictures of other programs these name another space than linear light.
+    // In images of other programs, these attributes may name a colour space other than linear.
     for (const char* name : {"oiio:ColorSpace", "colorInteropID"}) {
         if (header.find(name) != header.end()) return std::nullopt;
     }
@@ -121,7 +121,7 @@ std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     return out;
 }
 
-/// The OpenEXR library unpacks by threads of its own, of which it has none unless told.
+/// Lets the OpenEXR library decompress with several threads. It has none by default.
 void use_exr_threads() {
     static std::once_flag once;
     std::call_once(once,
@@ -138,7 +138,7 @@ std::unique_ptr<PictureReader> open_plain_exr(const std::filesystem::path& path)
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception&) {
-        // What is wrong with it, who is asked next will say.
+        // The file is left to OpenImageIO, which reports the error.
     }
     return nullptr;
 }

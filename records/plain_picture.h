@@ -1,5 +1,5 @@
-// Pictures of the commonest kinds, read by the libraries of their formats alone: OpenEXR's and libpng, which
-// are there anyway, where OpenImageIO takes 0.3 s to load (records/picture_library.h).
+// Reads common image files with OpenEXR and libpng, which are linked anyway, because OpenImageIO takes 0.3 s
+// to load (records/picture_library.h).
 #pragma once
 
 #include <filesystem>
@@ -10,14 +10,16 @@
 
 namespace postlens {
 
-/// An OpenEXR file whose first part is flat, with the channels R, G, B or Y, with alpha or without, of half
-/// or float, that does not say what colour space it is of; or a PNG file as below. Null for everything else,
-/// damaged files among it: OpenImageIO is to be asked then, and says the same of what is read here
-/// (image_test.cpp). The header of an OpenEXR file must have been checked (check_exr_headers).
+/// Opens an OpenEXR file whose first part is flat and has the channels R, G, B or Y, with or without alpha,
+/// of half or float, and no statement of a colour space; or a PNG file that open_plain_png accepts. Null for
+/// all other files, including damaged ones, which need OpenImageIO. For files that are accepted, both give
+/// the same result (image_test.cpp). The header of an OpenEXR file must have been checked
+/// (check_exr_headers).
 [[nodiscard]] std::unique_ptr<PictureReader> open_plain_picture(const std::filesystem::path& path);
 
-/// A PNG file of 8 bits a channel, grey, RGB or of a palette, without transparency, an offset, a colour
-/// profile or a gamma other than sRGB's. Its `bytes` must stay where they are. Null for everything else.
+/// Opens a PNG file with 8 bits per channel, grey, RGB or with a palette, without transparency, offset,
+/// colour profile or a gamma other than that of sRGB. `bytes` must outlive the reader. Null for all other
+/// files.
 [[nodiscard]] std::unique_ptr<PictureReader> open_plain_png(std::string_view bytes);
 
 }  // namespace postlens

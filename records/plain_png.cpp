@@ -26,11 +26,12 @@ struct PlainPng {
     std::string exposure;  ///< postlens.exposure_stops; empty: none
 };
 
-/// From the chunks before the pixels, which no library is needed to name. Nothing where one of them would
-/// have a say in what the pixels mean.
+/// Reads the chunks before the pixels, without libpng. Empty if a chunk changes the meaning of the pixels in
+/// a way that is not supported here.
 std::optional<PlainPng> plain_png(std::string_view bytes) {
     constexpr std::string_view signature = "\x89PNG\r\n\x1A\n"sv;
-    // What says nothing of them: text, dates, the size of a pixel on paper, and what they were of elsewhere.
+    // Chunks that do not change the meaning of the pixels, such as texts, dates and the size of a pixel on
+    // paper.
     constexpr std::array silent{"PLTE"sv, "sRGB"sv, "cHRM"sv, "pHYs"sv, "tEXt"sv, "zTXt"sv,
                                 "iTXt"sv, "tIME"sv, "bKGD"sv, "sBIT"sv, "hIST"sv, "eXIf"sv};
     constexpr std::uint32_t gamma_of_srgb = 45455;
@@ -55,7 +56,7 @@ std::optional<PlainPng> plain_png(std::string_view bytes) {
         } else if (type == "gAMA"sv) {
             if (size != 4 || big_endian(data, 0) != gamma_of_srgb) return std::nullopt;
         } else if (type == "oFFs"sv) {
-            // OpenImageIO writes one of nothing.
+            // OpenImageIO writes an offset of zero.
             if (data != "\0\0\0\0\0\0\0\0\0"sv) return std::nullopt;
         } else if (std::find(silent.begin(), silent.end(), type) == silent.end()) {
             return std::nullopt;

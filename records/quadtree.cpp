@@ -9,16 +9,16 @@
 namespace postlens {
 namespace {
 
-/// Edge of a pixel in steps of positions, and of its smallest leaf.
+/// Width of a pixel in steps of 1 / position_steps px; the smallest leaf is one step wide.
 constexpr int pixel_steps = position_steps;
 
-/// A place in a pixel: steps from its upper-left corner, pixel_steps on the far edges.
+/// Position within a pixel, in steps from its upper-left corner; pixel_steps on the right and lower edges.
 struct Place {
     int u = 0, v = 0;
 };
 
-/// Calls leaf(u, v, size) for the leaves of the cell, in the order up-left, up-right, down-left, down-right:
-/// the fixed order of every sum. A cell is subdivided exactly where its centre sample exists.
+/// Calls leaf(position, size) for the leaves of the cell, in the order up-left, up-right, down-left,
+/// down-right. All sums use this order. A cell is subdivided exactly if its centre sample exists.
 template <typename HasSample, typename Leaf>
 void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& leaf) {
     const int half = size / 2;
@@ -38,7 +38,7 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
 }
 
 /// Calls sample(first_record, count) for every point sample of layer 0 in pixel (x, y), sorted by (y, x).
-/// Throws where the pixel lacks its upper-left corner.
+/// Throws if the sample at the pixel's upper-left corner is missing.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
@@ -50,7 +50,7 @@ void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sa
         records[begin].y != static_cast<float>(y)) {
         fail_missing(x, y, {});
     }
-    // The most frequent pixel has one sample; its nodes need no look at each.
+    // Most pixels have one sample, so all their nodes have the same position and need no comparison.
     if (records[begin].x == records[end - 1].x && records[begin].y == records[end - 1].y) {
         on_sample(begin, end - begin);
         return;
@@ -80,13 +80,13 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
     return found != end && found->x == x && found->y == y ? found : nullptr;
 }
 
-/// The samples that a pixel's cells may have corners at, by place: every cell asks for five, which are looked
-/// up in a fraction of the time that they are searched for in.
+/// Table by position of the samples that may be corners of a pixel's cells. Every cell needs five samples,
+/// and a look-up takes a fraction of the time of a search.
 template <typename Sample>
 class PlacedSamples {
   public:
-    /// Those of pixel (x, y) and of its right and lower edges; see for_each_leaf_of_pixel. False where the
-    /// pixel is divided more finely than there are places.
+    /// Enters the samples of pixel (x, y) and those on its right and lower edges; see for_each_leaf_of_pixel.
+    /// False if the pixel is divided more finely than the table.
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -94,7 +94,7 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // The neighbours may be divided more finely: only these places of theirs are asked for.
+        // Neighbours may be divided more finely; samples between the positions of the table are not needed.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -103,14 +103,14 @@ class PlacedSamples {
         if (first(below, column + 1) != first(below, column + 2)) add(*first(below, column + 1), fx, fy);
         return true;
     }
-    /// In steps of pixel_steps.
+    /// Sample at a position; null if there is none.
     [[nodiscard]] Sample* at(Place p) const {
         if ((p.u | p.v) % step != 0) return nullptr;
         return at_[index(p.v / step, p.u / step)];
     }
 
   private:
-    /// Six levels; more would not stay in the cache.
+    /// Six levels of subdivision; a larger table would not fit the cache.
     static constexpr int edge = 64, places = edge + 1, step = pixel_steps / edge;
     static Sample* first(const Row<Sample>& row, std::size_t column) {
         return row.samples + row.offsets[column];
@@ -118,7 +118,7 @@ class PlacedSamples {
     static std::size_t index(int row, int column) {
         return static_cast<std::size_t>(row) * places + static_cast<std::size_t>(column);
     }
-    /// False between the places.
+    /// Enters a sample. False if it lies between the positions of the table.
     bool add(Sample& s, float x, float y) {
         const float u = (s.x - x) * edge, v = (s.y - y) * edge;
         if (!(u >= 0 && u <= edge && v >= 0 && v <= edge)) return false;
@@ -133,9 +133,9 @@ class PlacedSamples {
     std::vector<std::size_t> used_;
 };
 
-/// Calls leaf(corners, size_px) for each leaf of pixel (x, y), corners in the order up-left, up-right,
-/// down-left, down-right. `above` is the pixel's own row, `below` the next; a pixel with one sample is one
-/// leaf.
+/// Calls on_leaf(corners, size_px) for each leaf of pixel (x, y), with corners in the order up-left,
+/// up-right, down-left, down-right. `above` is the pixel's own row, `below` the next. A pixel with one sample
+/// is one leaf.
 template <typename Sample, typename OnLeaf>
 void for_each_leaf_of_pixel(const Row<Sample>& above, const Row<Sample>& below, int x, int y,
                             std::size_t column, const OnLeaf& on_leaf) {
@@ -184,7 +184,7 @@ void append_row(const RecordBand& band, int y, PointSamples& out) {
     }
 }
 
-/// A point sample's colour, as the picture needs it.
+/// Position and colour of a point sample.
 struct ColourSample {
     float x, y;
     double r, g, b;
@@ -196,7 +196,8 @@ struct ColourRow {
     [[nodiscard]] Row<const ColourSample> view() const { return {samples.data(), offsets.data()}; }
 };
 
-/// Pixels [x_begin, x_end) of row y. `top_edge_only`: no more than the row above needs.
+/// Colours of the samples of pixels [x_begin, x_end) of row y. `top_edge_only`: only the samples that the row
+/// above needs.
 ColourRow colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, bool top_edge_only) {
     ColourRow row;
     row.samples.reserve(static_cast<std::size_t>(x_end - x_begin));
@@ -232,7 +233,7 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // The rows just outside: they shape the leaves, their own weights are not asked for.
+    // The rows next to the range hold corners of its leaves. Their own weights are not needed.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);
@@ -251,7 +252,7 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // Seen from its up-left corner a leaf lies down-right, and so on.
+                                       // A leaf is down-right of its up-left corner, and so on.
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

@@ -34,7 +34,7 @@ struct PointSample {
 /// where such pixels exist. Throws Error(invalid_input) if a corner of a quadtree is missing.
 struct PointSamples {
     std::vector<PointSample> samples;
-    std::vector<std::uint32_t> offsets;  ///< per pixel of the rows asked for, as in RecordBand
+    std::vector<std::uint32_t> offsets;  ///< per pixel of rows [y_begin, y_end), as in RecordBand
 };
 void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixel_y_begin, int pixel_y_end,
                         PointSamples& out);
@@ -59,7 +59,7 @@ void find_leaves(const RecordBand& band, int y_begin, int y_end, PixelLeaves& ou
 
 /// Pixel row y, columns [x_begin, x_end), of the pinhole image computed from the records. A pixel is the
 /// area-weighted mean over its leaves of the mean of each leaf's corners, summed in double precision in a
-/// fixed order, so that it has the same bits wherever it is computed. `band` must hold rows y and y + 1.
+/// fixed order, so that results are bit-identical everywhere. `band` must hold rows y and y + 1.
 void picture_row(const RecordBand& band, int y, int x_begin, int x_end, std::span<float> rgb);
 
 }  // namespace postlens

@@ -9,12 +9,12 @@ bool is_dyadic(float position, int pixel) {
     const float offset = position - static_cast<float>(pixel);
     if (offset == 0) return true;
     const float steps = offset * position_steps;
-    // The last test refuses sums that were rounded, as near the far edge of very wide rasters.
+    // The last test refuses positions that were rounded, which happens far from the origin of wide rasters.
     return steps > 0 && steps < position_steps && steps == std::floor(steps) &&
            static_cast<float>(pixel) + offset == position;
 }
 
-/// x - x is 0 for finite x and NaN otherwise: one comparison for all three.
+/// x - x is 0 for finite x and NaN otherwise, so one comparison tests all three values.
 bool all_finite(float a, float b, float c) {
     return (a - a) + (b - b) + (c - c) == 0;
 }

@@ -15,7 +15,7 @@ struct RecordChannels {
     bool has_marks = false;
 };
 
-/// Positions within a pixel are multiples of 1 / position_steps, which half floats represent exactly in [0,
+/// Positions within a pixel are multiples of 1 / position_steps. Half floats represent them exactly in [0,
 /// 1).
 inline constexpr int position_steps = 1024;
 

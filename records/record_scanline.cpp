@@ -15,7 +15,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "chunks are copied as they are; OpenEXR is little-endian");
 
-/// Half floats of k / 1024, and back; NaN for every other bit pattern.
+/// Tables that convert k / 1024 to the bits of a half float and back; NaN for all other bits.
 struct HalfOffsets {
     std::array<std::uint16_t, position_steps> half_of_step{};
     std::array<float, 65536> offset_of_half{};
@@ -46,7 +46,7 @@ void store(std::uint8_t* to, std::size_t index, T value) {
     std::memcpy(to + index * sizeof(T), &value, sizeof(T));
 }
 
-/// Where each channel's values begin.
+/// Pointers to the first value of each channel.
 template <typename Byte>
 struct Planes {
     Planes(Byte* data, std::size_t n, RecordChannels channels) {
@@ -81,7 +81,8 @@ float float_of_half(std::uint16_t bits) {
     return h;
 }
 
-/// All bits, which no record may have, where it is none.
+/// Converts a half float to a mark. Values other than integers from 0 to 255 give 255, which no valid record
+/// has.
 std::uint8_t mark_of_half(std::uint16_t bits) {
     const float value = float_of_half(bits);
     return value >= 0 && value <= 255 && value == std::floor(value) ? static_cast<std::uint8_t>(value) : 255;
@@ -159,7 +160,7 @@ bool ScanlineBytes::unpack_records(int x_begin, std::span<const std::uint32_t> o
     const Planes<const std::uint8_t> planes(bytes_.data() + y_bytes + count_bytes(), records_, channels_);
     const auto& offset_of_half = half_offsets().offset_of_half;
     const auto pixel_y = static_cast<float>(y_);
-    float sum = 0;  // NaN as soon as one offset is
+    float sum = 0;  // becomes NaN if one offset is NaN
     std::size_t k = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(width_); ++i) {
         const auto pixel_x = static_cast<float>(x_begin + static_cast<int>(i));

@@ -1,4 +1,4 @@
-// One scanline of records as bytes: the layout of a deep chunk, which is also what its checksum is taken of.
+// One scanline of records as bytes: the layout of a deep chunk, and the input of its checksum.
 #pragma once
 
 #include <cstdint>
@@ -10,27 +10,27 @@
 
 namespace postlens {
 
-/// Bytes that a record takes before compression: 28, W 16 more, W.bend and mark 2 more each, layer 4 more.
+/// Bytes of a record before compression: 28, plus 16 for W, 2 for W.bend, 2 for the mark and 4 for the layer.
 [[nodiscard]] std::size_t bytes_per_record(RecordChannels channels);
 
-/// A scanline before compression, little-endian: int32 y; per pixel the uint32 sum of the counts of the
-/// pixels up to and with it; then each channel in the order of their names (B G R W.bend W.xx W.xy W.yx W.yy
-/// Z id layer mark node.path sample.x sample.y), each with the values of all records, pixel by pixel.
+/// A scanline before compression, little-endian: int32 y; per pixel, the uint32 number of records up to and
+/// including this pixel; then the channels in the order of their names (B G R W.bend W.xx W.xy W.yx W.yy Z id
+/// layer mark node.path sample.x sample.y), each with the values of all records, pixel by pixel.
 class ScanlineBytes {
   public:
     ScanlineBytes(int width, RecordChannels channels) : width_(width), channels_(channels) {}
 
-    /// Lays out room for `records` records of scanline y.
+    /// Reserves memory for `records` records of scanline y.
     void prepare(int y, std::uint32_t records);
-    /// Fills it from the records of scanline y: pixel i of the row has the records [offsets[i], offsets[i +
-    /// 1]) of `records`; their positions lie in the pixels x_begin + i of row y.
+    /// Packs the records of scanline y. Pixel x_begin + i has the records [offsets[i], offsets[i + 1]) of
+    /// `records`, whose positions lie in this pixel.
     void pack(int y, int x_begin, std::span<const std::uint32_t> offsets, std::span<const Record> records);
 
-    /// Where pixel i's records begin, from the table of counts: width + 1 entries, first 0. False where the
-    /// counts fall or do not add up to the records that `prepare` was told of.
+    /// Computes the first record of each pixel from the table of counts: width + 1 entries, the first 0.
+    /// False if the counts decrease or do not end at the number of records given to `prepare`.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
-    /// The records in file order; W and layer get the values that absent channels stand for. Needs the
-    /// offsets of `unpack_offsets`. False where a position is not a multiple of 1/1024 in [0, 1).
+    /// Unpacks the records in file order. W and layer get default values if their channels are absent. Needs
+    /// the offsets of `unpack_offsets`. False if a position is not a multiple of 1/1024 in [0, 1).
     [[nodiscard]] bool unpack_records(int x_begin, std::span<const std::uint32_t> offsets,
                                       std::span<Record> records) const;
 

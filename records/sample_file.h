@@ -39,8 +39,7 @@ class SampleFileWriter {
     SampleFileWriter(SampleFileWriter&&) = delete;
     SampleFileWriter& operator=(SampleFileWriter&&) = delete;
 
-    /// Writes the next rows of records. Rows range from -overscan to height + overscan + 1, columns are
-    /// always
+    /// Writes the next rows of records. Rows range over [-overscan, height + overscan + 1), columns over
     /// [-overscan, width + overscan + 1). Also computes the pinhole image (part 0), from the records of the
     /// frame's own instant.
     void write(const RecordBand& band);

@@ -6,7 +6,8 @@
 namespace postlens::layout {
 namespace {
 
-/// In file order: Z.far, Z.near, checksum.hi, checksum.lo, picture.hi, picture.lo, records, row.check.
+/// Fields of a row in file order: Z.far, Z.near, checksum.hi, checksum.lo, picture.hi, picture.lo, records,
+/// row.check.
 struct RowFields {
     float z_far, z_near;
     std::uint32_t checksum_hi, checksum_lo, picture_hi, picture_lo, records, row_check;
@@ -83,7 +84,7 @@ Window display_window(const SampleHeader& header) {
 Window data_window(Part part, const SampleHeader& header) {
     const int o = header.overscan_px;
     if (part == picture_part) return display_window(header);
-    // One column and one row more than the pixels: their lower and right corners.
+    // Records have one more column and row than pixels, for the lower and right pixel corners.
     if (part == records_part) return {-o, -o, header.width + o, header.height + o};
     return {0, -o, 0, header.height + o};
 }

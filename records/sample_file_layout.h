@@ -11,18 +11,19 @@
 
 namespace postlens::layout {
 
-/// What a part is; as a number, which one it is among the parts of the frame's own instant.
+/// Kind of a part. Its value is the number of this part among those of the frame's own instant.
 enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
 inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
                                                                             "scanlineimage"};
-/// Where a part of `instant` stands in the file: the picture, then records and scanlines by turns.
+/// Number of a part of `instant` in the file. The picture comes first, then records and scanlines of each
+/// instant.
 [[nodiscard]] inline int part_index(Part part, std::size_t instant) {
     return static_cast<int>(part) + (part == picture_part ? 0 : 2 * static_cast<int>(instant));
 }
 [[nodiscard]] inline std::size_t parts_of(std::size_t keys) {
     return parts_of_first_instant + 2 * keys;
 }
-/// The part at a place, and the instant it belongs to.
+/// Kind and instant of a part.
 struct PartPlace {
     Part part;
     std::size_t instant;
@@ -31,11 +32,12 @@ struct PartPlace {
     if (index == 0) return {picture_part, 0};
     return {index % 2 == 1 ? records_part : scanlines_part, (index - 1) / 2};
 }
-/// "picture", "records", "scanlines"; of key i "records.k<i>", "scanlines.k<i>", i from 1.
+/// Name of a part: "picture", "records", "scanlines"; for key i, counted from 1, "records.k<i>",
+/// "scanlines.k<i>".
 [[nodiscard]] std::string part_name(const PartPlace& place);
-/// Of the chunks of records.
+/// Compression of the chunks of records.
 [[nodiscard]] ChunkCompression codec_of(RecordCompression compression);
-/// What OpenEXR can state as the size of a chunk.
+/// Largest size of a chunk that OpenEXR can store.
 inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
 
 /// Channels in file order, which is the order of their names as bytes.
@@ -54,15 +56,15 @@ inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
     return static_cast<std::size_t>((rows + step - 1) / step);
 }
 
-/// A row of part `scanlines`: what its scanline of records holds, and the checksum of the picture's row (0
-/// outside the raster). As bytes it carries a check of its own, over y and all other fields.
+/// A row of part `scanlines`: a summary of its scanline of records, and the checksum of the row of the
+/// pinhole image (0 outside the raster). Its bytes include a checksum over y and all other fields.
 struct ScanlineRow {
     static constexpr std::size_t byte_count = 32;
     ScanlineFacts facts;
     std::uint64_t picture_checksum = 0;
 
     [[nodiscard]] std::array<std::uint8_t, byte_count> bytes(int y) const;
-    /// Nothing where the check fails.
+    /// Reads the bytes of row y; empty if their checksum does not match.
     [[nodiscard]] static std::optional<ScanlineRow> from_bytes(ByteView bytes, int y);
 };
 

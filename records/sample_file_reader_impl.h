@@ -1,4 +1,4 @@
-// The insides of SampleFileReader, which several files share.
+// Implementation of SampleFileReader, shared by several files.
 #pragma once
 
 #include <cstdint>
@@ -15,21 +15,21 @@
 namespace postlens {
 namespace layout {
 
-/// Where the packed counts and data of a scanline of records lie.
+/// Position and sizes of the packed counts and data of a scanline of records.
 struct DeepChunk {
     std::uint64_t counts_at = 0, counts_bytes = 0, data_bytes = 0;
 };
 
-/// What is kept of one instant: where its chunks lie, and what its scanlines hold.
+/// One instant: the positions of its chunks in the file, and summaries of its scanlines.
 struct Instant {
     double time_s = 0;
-    std::size_t number = 0;  ///< in the file, which may have had others before it
+    std::size_t number = 0;  ///< in the file; larger than the index here if instants before it were removed
     std::vector<std::uint64_t> record_chunks, scanline_chunks;
     std::vector<ScanlineFacts> facts;
-    std::vector<std::uint8_t> lost;  ///< by row: whether it is to be left out
+    std::vector<std::uint8_t> lost;  ///< per row: 1 if the row is left out
 };
 
-/// Scratch of one thread.
+/// Scratch memory of one thread.
 struct Workplace {
     Workplace(int width, RecordChannels channels)
         : bytes(width, channels), offsets(static_cast<std::size_t>(width) + 1) {}
@@ -37,7 +37,7 @@ struct Workplace {
     std::vector<std::uint32_t> offsets;
     Bytes packed;
     ChunkCodec codec;
-    RecordBand row;  ///< of rows that are read alone
+    RecordBand row;  ///< a row that is read alone
     std::vector<std::uint32_t> stand_in_offsets;
     std::vector<Record> stand_ins;
 };
@@ -55,7 +55,7 @@ struct SampleFileReader::Impl {
     Damage damage;
     SampleHeader header;
     double exposure_stops = 0;
-    double gain = 1;  ///< of the colours of records and of the picture
+    double gain = 1;  ///< factor for the colours of records and of the picture
     RecordChannels channels;
     Window window;
     ChunkCompression codec = ChunkCompression::none, picture_codec = ChunkCompression::none;
@@ -65,7 +65,7 @@ struct SampleFileReader::Impl {
     std::uint64_t record_count = 0;
     std::vector<LostRows> lost_runs;
     std::vector<double> lost_instants_s;
-    /// Kept from read to read, so that small bands cost no allocations.
+    /// Kept between reads, so that small bands need no allocations.
     mutable std::optional<tbb::enumerable_thread_specific<Workplace>> workplaces;
 
     [[noreturn]] void fail_damaged(int y, const char* what) const {
@@ -80,11 +80,11 @@ struct SampleFileReader::Impl {
     void replace_lost_rows();
     void count_records();
     void check_record_count() const;
-    /// The row alone, in `work.row`.
+    /// Reads one row into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
-    /// What stands for a row that is lost, in `work.stand_ins`.
+    /// Computes the records that replace a lost row, into `work.stand_ins`.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
-    /// Puts them in their place in the band.
+    /// Copies the records that replace row y into the band, from record `base` on.
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;
     /// Position and size of the data of the flat chunk at `at`, which must be that of row y of `part` and of

@@ -19,14 +19,14 @@ namespace {
 
 using namespace layout;
 
-/// Rows packed before they are written: bounds memory, and is enough for every thread.
+/// Number of rows that are packed before they are written. It limits memory and gives all threads work.
 constexpr int rows_per_batch = 64;
 
 struct PackedRow {
     explicit PackedRow(int width, RecordChannels channels) : bytes(width, channels) {}
     ScanlineBytes bytes;
     Bytes packed_counts, packed_data;
-    ByteView counts, data;  ///< what goes to the file: packed or not
+    ByteView counts, data;  ///< bytes for the file, packed or not
     std::uint64_t data_bytes = 0;
     ScanlineFacts facts;
 };
@@ -75,8 +75,8 @@ struct SampleFileWriter::Impl {
     std::optional<OutputFile> file;
     std::optional<ExrOutput> output;
     Image picture;
-    std::size_t instant = 0;  ///< that is being written: the frame's own, then the keys
-    int next_y = 0;           ///< row of records that comes next
+    std::size_t instant = 0;  ///< instant that is being written: the frame's own, then the keys
+    int next_y = 0;           ///< next row of records to write
     RecordBand last_row;      ///< row next_y - 1 and, while a band is written, the row after it
     std::optional<ScanlineFacts> last_facts;  ///< of row next_y - 1, not yet written
     std::vector<std::uint64_t> picture_checksums;
@@ -154,7 +154,7 @@ Bytes SampleFileWriter::Impl::picture_planes(int y_begin, int y_end) const {
     return bytes;
 }
 
-/// Picture row y needs the records of rows y and y + 1, both in `band`.
+/// Computes row y of the pinhole image. `band` must hold the records of rows y and y + 1.
 void SampleFileWriter::Impl::compute_picture_row(const RecordBand& band, int y) {
     if (instant > 0 || y < 0 || y >= header.height) return;
     const std::span<float> rgb(picture.pixel(0, y), static_cast<std::size_t>(header.width) * 3);
@@ -174,7 +174,7 @@ void SampleFileWriter::Impl::write_scanline_row(int y, const ScanlineFacts& fact
     output->write_flat_chunk(part_index(scanlines_part, instant), y, row.bytes(y));
 }
 
-/// Writes what is held back of a complete instant.
+/// Completes an instant: writes its last scanline row, which was held back.
 void SampleFileWriter::Impl::end_instant() {
     if (next_y != window.y_max + 1) {
         fail(ExitCode::invalid_input, "{}: records are missing (got rows up to {}; expected up to {})", name,
@@ -200,12 +200,12 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Within the band, rows y - 1 and y for every y of the batch but the band's first.
+    // Image row y - 1 needs the rows y - 1 and y, which the band holds for every y but its first.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // One order of chunks, whatever the height of the bands.
+    // Chunks are written in an order that does not depend on the height of the bands.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);

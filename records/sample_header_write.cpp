@@ -33,7 +33,8 @@ Imf::IDManifest manifest_of(const SampleHeader& header) {
     return manifest;
 }
 
-/// OpenEXR multiplies row vectors, glm column vectors: the same sixteen numbers in memory.
+/// Converts a matrix. OpenEXR multiplies row vectors, glm column vectors, so the sixteen numbers in memory
+/// are equal.
 Imath::M44d imath_of(const glm::dmat4& m) {
     Imath::M44d out;
     for (int i = 0; i < 4; ++i) {
@@ -42,7 +43,8 @@ Imath::M44d imath_of(const glm::dmat4& m) {
     return out;
 }
 
-/// Attributes that other programs know; the reader takes the double-precision ones beside them.
+/// Adds attributes for other programs, in single precision. The sample file reader uses the double-precision
+/// attributes of postlens instead.
 void add_standard_attributes(Imf::Header& out, const SampleHeader& header) {
     const auto add_float = [&](const char* name, double value) {
         out.insert(name, Imf::FloatAttribute(static_cast<float>(value)));
@@ -57,7 +59,7 @@ void add_standard_attributes(Imf::Header& out, const SampleHeader& header) {
     if (header.f_number) add_float("aperture", *header.f_number);
     if (header.focus_m) add_float("focus", *header.focus_m);
     if (header.exposure_s) add_float("expTime", *header.exposure_s);
-    // OpenEXR's camera looks along +z, ours along -z.
+    // OpenEXR's camera looks along +z, that of postlens along -z.
     glm::dmat4 camera_from_world = glm::inverse(header.world_from_camera);
     for (int column = 0; column < 4; ++column) camera_from_world[column][2] *= -1;
     Imf::addWorldToCamera(out, Imath::M44f(imath_of(camera_from_world)));
@@ -134,7 +136,7 @@ std::vector<Imf::Header> exr_headers_of(const SampleHeader& header, ChunkCompres
         if (place.instant > 0) {
             out.insert(key_time_name, Imf::DoubleAttribute(header.key_times_s[place.instant - 1]));
         }
-        if (part == records_part) out.setVersion(1);  // of the layout of deep chunks
+        if (part == records_part) out.setVersion(1);  // version of the layout of deep chunks
         if (part == records_part && place.instant == 0) {
             Imf::addComments(
                 out, "postlens: the records of a pixel add up, they do not composite; do not flatten");

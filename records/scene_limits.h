@@ -1,9 +1,9 @@
-// How large the numbers of a scene may be.
+// Limits of the numbers in a scene.
 #pragma once
 
 namespace postlens {
 
-/// Largest length that a scene may hold, m: squares of it and their products stay far inside float's range.
+/// Largest length that a scene may hold, m. Its square is far within the range of a float.
 inline constexpr double largest_length_m = 1e12;
 /// Smallest extent of a shape, m.
 inline constexpr double smallest_extent_m = 1e-12;

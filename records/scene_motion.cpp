@@ -26,7 +26,7 @@ json json_of(const std::vector<TransformKey>& keys) {
     return out;
 }
 
-/// Reads values with one message for all that can be wrong.
+/// Reads JSON values; all errors have the same form of message.
 class Reader {
   public:
     explicit Reader(const std::string& source) : source_(source) {}

@@ -1,4 +1,4 @@
-// The sRGB transfer curve, between scene-linear values and those that 8-bit pictures hold.
+// The sRGB transfer curve, between scene-linear values and the encoded values of 8-bit images.
 #pragma once
 
 #include <cmath>

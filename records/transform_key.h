@@ -1,4 +1,4 @@
-// Keyframed rigid motion, as scenes, sample files and paths state it.
+// Keys of keyframed motion in scenes, sample files and paths.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Position and orientation at one instant; between keys translation and scale go linearly, rotation by
-/// slerp.
+/// Position and orientation at one instant. Between keys, translation and scale are interpolated linearly,
+/// rotation by slerp.
 struct TransformKey {
     double time_s = 0;
     glm::dvec3 translation{0};
@@ -17,7 +17,7 @@ struct TransformKey {
     [[nodiscard]] bool operator==(const TransformKey&) const = default;
 };
 
-/// The transform of the keys at an instant; clamped before the first and after the last.
+/// Transform at an instant, interpolated between keys; constant before the first and after the last.
 [[nodiscard]] glm::dmat4 transform_at(const std::vector<TransformKey>& keys, double time_s);
 
 }  // namespace postlens

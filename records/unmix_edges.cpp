@@ -12,12 +12,13 @@
 namespace postlens {
 namespace {
 
-/// How far is looked for pixels that are not mixed, px: as far as a filter mixes, where depths are means.
+/// Search radius for unmixed pixels, px. It is larger where depths are means, because a filter mixed more
+/// pixels.
 constexpr int reach_px = 2, reach_of_means_px = 5;
-/// Depths of one place of a surface differ by no more than this share of them.
+/// Largest relative difference between depths at one position of a surface.
 constexpr double same_depth = 0.05;
 
-/// Of the brightest colours there are a part may be brighter than a float holds.
+/// Clamps to the range of float, which one surface's part of a very bright pixel may exceed.
 float within_float(double value) {
     constexpr double most = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value, -most, most));
@@ -27,7 +28,7 @@ float within_float(double value) {
 struct Portion {
     std::uint32_t id = 0;
     double share = 0;
-    std::optional<double> at;  ///< 1/m; where its depth and not its id says which pixels are its own
+    std::optional<double> at;  ///< inverse depth, 1/m; set if depths, not ids, identify the surface
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
@@ -40,7 +41,7 @@ class Unmixer {
         for (const MixedPixel& m : p_.mixed) mixed_[m.pixel] = 1;
     }
 
-    /// The samples of a mixed pixel; empty: it stays as it is.
+    /// Samples that replace a mixed pixel; empty if it stays unchanged.
     [[nodiscard]] std::vector<StackSample> apart(const MixedPixel& m) const {
         std::vector<Portion> portions;
         for (std::size_t i = m.first; i < m.first + m.count; ++i) {
@@ -68,7 +69,7 @@ class Unmixer {
         return {static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
                 static_cast<double>(s.alpha)};
     }
-    /// 0 as well where nothing is.
+    /// Id of a pixel; 0 also if the pixel is empty.
     [[nodiscard]] std::uint32_t id_of(std::size_t pixel) const {
         return is_empty(pixel) ? 0 : p_.samples[p_.offsets[pixel]].id;
     }
@@ -76,8 +77,8 @@ class Unmixer {
         return is_empty(pixel) ? 0 : static_cast<double>(p_.samples[p_.offsets[pixel]].inverse_z);
     }
 
-    /// Calls visit(pixel, squared distance) for the pixels around, also for those of the raster that are not
-    /// stored, where nothing is: `unstored`.
+    /// Calls visit(pixel, squared distance) for the pixels within `reach`. Pixels of the raster that are not
+    /// stored are empty and visited as `unstored`.
     template <typename Visit>
     void around(std::size_t pixel, int reach, const Visit& visit) const {
         const auto width = static_cast<std::size_t>(width_);
@@ -121,7 +122,8 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // The pixel itself may be one of those that are mixed.
+            // If mixed pixels count, the pixel itself is one of them, at distance 0; adding 0.5 avoids a
+            // division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);
@@ -139,7 +141,8 @@ class Unmixer {
         }
     }
 
-    /// So that the shares' sum is the whole.
+    /// Changes the colours of the portions so that their sum, weighted with the shares, equals the pixel's
+    /// colour.
     static void give_colours(const std::array<double, 4>& whole, std::vector<Portion>& portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
@@ -163,7 +166,7 @@ class Unmixer {
         }
     }
 
-    /// No channel below 0, no alpha above 1, and the sum still the whole.
+    /// Limits a channel to 0 or more, and alpha to at most 1, without changing the weighted sum.
     static void keep_within(double whole, std::size_t c, std::vector<Portion>& portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
@@ -182,7 +185,7 @@ class Unmixer {
         }
     }
 
-    /// Side by side, as samples that lie over each other.
+    /// Converts surfaces that are side by side in a pixel to samples that lie over each other.
     static std::vector<StackSample> stack_of(double whole_alpha, std::vector<Portion>& portions) {
         std::stable_sort(portions.begin(), portions.end(),
                          [](const Portion& a, const Portion& b) { return a.inverse_z > b.inverse_z; });
@@ -203,7 +206,7 @@ class Unmixer {
             left -= portion.share * portion.rgba[3];
             out.push_back(s);
         }
-        // Sums of rounded shares must not let through what is behind.
+        // Rounding of the shares must not make an opaque pixel transparent.
         if (!out.empty() && whole_alpha == 1) out.back().alpha = 1;
         return out;
     }

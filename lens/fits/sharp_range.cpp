@@ -10,7 +10,7 @@ namespace postlens {
 namespace {
 
 constexpr double metres_per_mm = 1e-3;
-constexpr double fastest = 0.7;  ///< no photographic lens is faster
+constexpr double fastest = 0.7;  ///< f-number of the fastest photographic lenses
 
 SharpLens solve(double focal_length_mm, double s_m, const SharpRangeRequest& request) {
     const double F_m = focal_length_mm * metres_per_mm;
@@ -23,7 +23,7 @@ SharpLens solve(double focal_length_mm, double s_m, const SharpRangeRequest& req
                  stretch = 1 / (1 - F_m / s_m);  // V/F
     lens.f_number =
         std::max(focal_length_mm * F_m * inverse_range / (2 * request.coc_limit_mm) * stretch, fastest);
-    // 2 * 1.2197 lambda V / D.
+    // The Airy disc on the film has the diameter 2 * 1.2197 lambda V / D.
     constexpr double airy_per_wave = 2.4393397823, mm_per_nm = 1e-6;
     lens.largest_f_number =
         request.coc_limit_mm / (airy_per_wave * request.wavelength_nm * mm_per_nm * stretch);

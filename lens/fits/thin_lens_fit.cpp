@@ -15,7 +15,8 @@ namespace {
 constexpr double metres_per_mm = 1e-3;
 constexpr double example_focal_length_mm = 50;
 
-/// c - K |q - 1/z| with K = F^2 / (n (1 - F q)), q = 1/s; over ln F, ln n and q.
+/// Residual c - K |q - 1/z| of one pair, with K = F^2 / (n (1 - F q)) and q = 1/s. Its parameters are ln F,
+/// ln n and q.
 struct Difference {
     double inverse_depth, coc_mm;
     template <typename T>
@@ -30,8 +31,8 @@ struct Difference {
     }
 };
 
-/// c = K |q - x|: the best of all ways to draw the line between what lies before the focus and behind it,
-/// each a straight line fit.
+/// Fit of c = K |q - x| with x = 1/z. Each split of the pairs into those behind and those in front of the
+/// focus is a straight-line fit; the split with the smallest error wins.
 struct LineFit {
     double K = 0, q = 0, error = std::numeric_limits<double>::infinity();
 };
@@ -41,7 +42,7 @@ LineFit fit_line(std::vector<CocPair> pairs) {
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // sign c = K q - K x: a line in x.
+        // With a sign, c = K q - K x is a straight line in x. The sign is positive behind the focus.
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;
@@ -84,8 +85,8 @@ void check(std::span<const CocPair> pairs, const ThinLensFitRequest& request) {
 
 constexpr std::array<const char*, 3> names = {"F", "n", "s"};
 
-/// The Jacobian's condition over the parameters `free`, columns scaled to 1; `weak` gets the direction that
-/// the data tell least.
+/// Condition number of the Jacobian over the parameters `free`, with columns scaled to length 1. `weak`
+/// receives the direction in parameter space that the data determine least.
 double condition_of(const std::vector<std::array<double, 3>>& rows, const std::vector<int>& free,
                     Eigen::VectorXd& weak) {
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));
@@ -115,7 +116,7 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         fail(ExitCode::invalid_input,
              "pairs are those of no lens (got circles of confusion that do not grow away from any focus)");
     }
-    // K = F^2 / (n (1 - F q)): one of F and n from the other.
+    // K = F^2 / (n (1 - F q)) gives n from F, or F from n.
     ThinLensFit out;
     const bool both_free = !request.focal_length_mm && !request.f_number;
     double F_mm = request.focal_length_mm.value_or(example_focal_length_mm), n = 1;
@@ -202,7 +203,7 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         return out;
     }
     if (!known) return out;
-    // Covariance: s^2 (J^T J)^-1.
+    // The covariance of the parameters is the variance of the residuals times (J^T J)^-1.
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));
     for (Eigen::Index i = 0; i < J.rows(); ++i) {
         for (Eigen::Index k = 0; k < J.cols(); ++k) {

@@ -1,4 +1,4 @@
-// F, n and s from measured circles of confusion.
+// Fits focal length F, f-number n and focus distance s to measured circles of confusion.
 #pragma once
 
 #include <filesystem>
@@ -9,40 +9,40 @@
 
 namespace postlens {
 
-/// A point at a depth, and the diameter of its image on the film, without a sign.
+/// Measured depth of a scene point, and the unsigned diameter of its image on the film.
 struct CocPair {
     double distance_m = 0;  ///< > 0, infinity allowed
     double coc_mm = 0;      ///< >= 0
 };
 
-/// Reads lines "distance_m,coc_mm", with or without that line as a heading; empty lines and lines that begin
-/// with # are passed over. Throws Error(invalid_input) "FILE:LINE: ..".
+/// Reads lines "distance_m,coc_mm"; the first line may be this heading. Empty lines and lines that begin with
+/// # are ignored. Throws Error(invalid_input) "FILE:LINE: ..".
 [[nodiscard]] std::vector<CocPair> read_coc_pairs(const std::filesystem::path& path);
 
 struct FittedNumber {
     double value = 0;
-    /// From the scatter of the data about the fit. Absent where the number was given, where the data do not
-    /// tell it, and where there are no more pairs than numbers.
+    /// Estimated from the residuals of the fit. Absent if the number was given, if the data do not determine
+    /// it, or if there are no more pairs than fitted numbers.
     std::optional<double> standard_error;
 };
 
 struct ThinLensFit {
     FittedNumber focal_length_mm, f_number, focus_distance_m;
-    double rms_mm = 0;  ///< of what the fit leaves
+    double rms_mm = 0;  ///< root mean square of the residuals
     double condition =
-        1;  ///< of the fit's Jacobian, columns scaled to 1: 1 is best, more than 1e6 tells nothing
-    std::vector<std::string> doubts;  ///< what the data cannot tell, and why
+        1;  ///< condition number of the Jacobian, columns scaled to 1: 1 is best, above 1e6 is useless
+    std::vector<std::string> doubts;  ///< what the data do not determine, and why
 };
 
 struct ThinLensFitRequest {
     std::optional<double> focal_length_mm, f_number;  ///< known beforehand
 };
 
-/// Least squares of c = F^2 |z - s| / (n z (s - F)) [potmesil1981, eq. 3] over F, n and s, those given held.
-/// Such data tell two numbers only: c = K |1/s - 1/z| with K = V D. With neither F nor n given the fit is for
-/// F = 50 mm, as one of many, and `doubts` says so. Throws Error(invalid_input) for fewer than two different
-/// depths and for data that no lens has (no CoC other than 0, or a K below 0), Error(wrong_arguments) for F
-/// or n out of range.
+/// Least-squares fit of c = F^2 |z - s| / (n z (s - F)) [potmesil1981, eq. 3] over F, n and s; numbers in the
+/// request are held constant. The data determine only two numbers, because c = K |1/s - 1/z| with K = V D. If
+/// neither F nor n is given, the fit assumes F = 50 mm, one of infinitely many solutions, and `doubts` says
+/// so. Throws Error(invalid_input) for fewer than two different depths and for data that no lens can produce
+/// (no CoC other than 0, or a K below 0), Error(wrong_arguments) for F or n out of range.
 [[nodiscard]] ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitRequest& request);
 
 }  // namespace postlens

@@ -1,4 +1,5 @@
-// pbrt's table: one surface a line, "radius thickness index diameter", from the front to the film.
+// Reads the lens tables of pbrt: one surface per line, "radius thickness index diameter", from the front to
+// the film.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,8 +11,8 @@ namespace postlens {
 
 namespace {
 
-/// A radius of 0 is the stop's row. Some write planes that way as well: where one such row leaves the medium
-/// as it is, which is what a stop does, the others, which refract, are planes.
+/// A row with radius 0 is the stop, but some files also write planes with radius 0. If exactly one of several
+/// such rows does not change the medium, that row is the stop, and the others, which refract, are planes.
 void find_planes(std::vector<Surface>& surfaces, double wavelength_nm) {
     const auto refracts = [&](std::size_t i) {
         const double before = i == 0 ? 1 : surfaces[i - 1].glass.index(wavelength_nm);
@@ -38,7 +39,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
         const std::string_view content = line.text.substr(0, line.text.find('#'));
         const auto words = words_of(content);
         if (words.empty()) {
-            // The first comment is what people call the lens by.
+            // The first comment is the name of the lens.
             const std::size_t at = line.text.find_first_not_of("# \t");
             if (lens.name.empty() && lens.surfaces.empty() && at != std::string_view::npos) {
                 const std::string_view words_only = line.text.substr(at);
@@ -47,7 +48,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
             }
             continue;
         }
-        // A number alone ahead of the table is the focal length that the file claims.
+        // A line with a single number before the table is the focal length that the file states.
         if (words.size() == 1 && lens.surfaces.empty() && !lens.stated_focal_length_mm) {
             lens.stated_focal_length_mm = number_in(file, line.number, words[0], "focal length");
             continue;
@@ -70,7 +71,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
         s.curvature_per_mm = radius == 0 ? 0 : 1 / radius;
         s.thickness_mm = number_in(file, line.number, words[1], "thickness");
         s.clear_radius_mm = 0.5 * diameter;
-        // A stop's index may be left 0: it stands in what is before it.
+        // A stop's index may be 0: the medium in front of the stop continues.
         s.glass = s.is_stop && index == 0 ? before : Glass::constant(index);
         before = s.glass;
         lens.surfaces.push_back(s);

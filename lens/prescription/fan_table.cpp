@@ -38,7 +38,7 @@ void FanTable::trace_depth(const LensView& view, std::size_t depth) {
             before = f == 0 ? at : middle;
             middle = at;
         } else if (f > 0) {
-            fan = fans_[depth * fields + f - 1];  // light() says that there is none
+            fan = fans_[depth * fields + f - 1];  // no light arrives here, and light() is 0
         }
         for (const PupilFan::Node& node : fan.nodes)
             reach_[depth] = std::max(reach_[depth], glm::length(node.landing));
@@ -57,7 +57,7 @@ FanTable::Place FanTable::place(double inverse_depth_per_m, double tangent) cons
     Place out;
     out.depth = static_cast<std::size_t>(std::clamp(std::floor(d), 0.0, static_cast<double>(depths - 2)));
     out.field = static_cast<std::size_t>(std::min(std::floor(f), static_cast<double>(fields - 2)));
-    // Far beyond the ends a response keeps its shape.
+    // Extrapolation ends 1000 depth steps beyond the table; farther, the response keeps its shape.
     out.depth_part = std::clamp(d - static_cast<double>(out.depth), -1e3, 1e3);
     out.field_part = f - static_cast<double>(out.field);
     return out;
@@ -68,7 +68,7 @@ PupilFan FanTable::fan(double inverse_depth_per_m, double tangent) const {
     const PupilFan* corner[4] = {&fans_[p.depth * fields + p.field], &fans_[p.depth * fields + p.field + 1],
                                  &fans_[(p.depth + 1) * fields + p.field],
                                  &fans_[(p.depth + 1) * fields + p.field + 1]};
-    // The pupil itself and its light change little with the depth and must not be extrapolated far.
+    // Pupil points and their light change little with depth, so they are not extrapolated over depth.
     const double inside = std::clamp(p.depth_part, 0.0, 1.0);
     PupilFan out;
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {
@@ -88,7 +88,7 @@ double FanTable::light(double tangent) const {
     return glm::mix(light_[p.field], light_[p.field + 1], p.field_part);
 }
 
-// Between its ends the larger neighbour; beyond, on linearly.
+// Within the table, the larger of the two neighbours; beyond its ends, an upper bound that grows linearly.
 double FanTable::of_depth(const std::vector<double>& values, double inverse_depth_per_m) const {
     const Place p = place(inverse_depth_per_m, 0);
     const double low = values[p.depth], high = values[p.depth + 1];

@@ -7,28 +7,32 @@
 
 namespace postlens {
 
-/// Fans at a grid of inverse depths and tangents, traced in parallel when it is made; linear in between.
-/// Errors against fans traced on the spot: docs/lens.md. The same bits for any number of threads.
+/// Fans on a grid of inverse depths and field tangents. The constructor traces them in parallel; in between,
+/// they are interpolated linearly. docs/lens.md states the interpolation errors. Results are bit-identical
+/// for any number of threads.
 class FanTable {
   public:
-    /// For inverse depths from 0 to `largest_inverse_depth_per_m` (beyond, responses grow on linearly) and
-    /// tangents to `widest_tangent` (beyond, as there). `view` must outlive it.
+    /// Covers inverse depths from 0 to `largest_inverse_depth_per_m` (beyond, responses grow linearly) and
+    /// tangents up to `widest_tangent` (beyond, the response is that of `widest_tangent`). `view` must
+    /// outlive the table.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
-    /// LensView::light: an even scene lights a pixel equally from any depth.
+    /// Same as LensView::light. It needs no depth, because a uniform scene gives a pixel the same light at
+    /// any depth.
     [[nodiscard]] double light(double tangent) const;
-    /// No response of this depth reaches farther from its point, as a tangent.
+    /// Upper bound of the distance, as a tangent, from a point at this depth to the end of its response.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// The farthest that any of its rays moves, relative to its point, per tangent that the point moves.
+    /// Largest displacement of a ray's landing point relative to its object point, per displacement of the
+    /// object point; both as tangents.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;
 
   private:
     struct Place {
-        std::size_t depth = 0, field = 0;       ///< of the node before
-        double depth_part = 0, field_part = 0;  ///< of a step; that of the depth may lie outside of 0..1
+        std::size_t depth = 0, field = 0;       ///< indices of the grid node below
+        double depth_part = 0, field_part = 0;  ///< fraction of a step; depth_part may lie outside 0..1
     };
     [[nodiscard]] Place place(double inverse_depth_per_m, double tangent) const;
     [[nodiscard]] double of_depth(const std::vector<double>& values, double inverse_depth_per_m) const;

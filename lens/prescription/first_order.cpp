@@ -9,7 +9,8 @@
 namespace postlens {
 namespace {
 
-// Heights and n-times-slopes behind from those in front: (y, nu) -> (a y + b nu, c y + d nu).
+// Ray transfer matrix: maps height y and index times slope nu of a ray in front of some surfaces to those
+// behind them, (y, nu) -> (a y + b nu, c y + d nu).
 struct Matrix {
     double a = 1, b = 0, c = 0, d = 1;
     void refract(double power) {
@@ -36,8 +37,8 @@ double checked_index(const Prescription& lens, std::size_t i, double wavelength_
     return n;
 }
 
-// From the vertex plane of surface `begin`, in front of it, to that of `end - 1`, behind it. A stop is split
-// between: its own power, where it has one, belongs to what is behind.
+// Transfer from the vertex plane of surface `begin`, before its refraction, to that of surface `end - 1`,
+// after its refraction. Any power of the stop's own surface belongs to the part behind the stop.
 Matrix between(const Prescription& lens, double wavelength_nm, std::size_t begin, std::size_t end) {
     Matrix m;
     double n = begin == 0 ? 1 : checked_index(lens, begin - 1, wavelength_nm);
@@ -59,7 +60,7 @@ FirstOrder first_order(const Prescription& lens) {
 FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     const std::size_t count = lens.surfaces.size(), stop = lens.stop();
     const Matrix all = between(lens, wavelength_nm, 0, count);
-    // A lens without thickness: its power alone is what it has.
+    // The lower limit of 1e-3 mm allows for a lens without thickness.
     const double scale_mm = std::max(lens.length_mm(), 1e-3);
     if (!(std::abs(all.c) * scale_mm > 1e-9) || !std::isfinite(all.c)) {
         fail(ExitCode::invalid_input,
@@ -74,13 +75,14 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     out.front_principal_z_mm = out.ffl_mm + out.efl_mm;
     out.rear_principal_z_mm = out.bfl_mm - behind * out.efl_mm;
     out.film_distance_mm = lens.film_distance_mm.value_or(out.bfl_mm);
-    // The stop's plane from the front, before its own refraction.
+    // Transfer from the first surface to the plane of the stop, before the refraction at the stop.
     Matrix front = between(lens, wavelength_nm, 0, stop);
     if (stop > 0) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
-    // y at the stop = a (y + b/a nu): what stands at z = b/a in front is imaged onto it, 1/a as large.
+    // At the stop, the height is a (y + b/a nu). So the plane z = b/a in object space is imaged onto the
+    // stop, and the entrance pupil is 1/a times as large as the stop.
     out.entrance_pupil_z_mm = front.b / front.a;
     out.exit_pupil_z_mm = -behind * back.b / back.d;
     double radius = lens.surfaces[stop].clear_radius_mm;
@@ -101,7 +103,7 @@ ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, Paraxia
 
 double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm) {
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
-    // From the axial point: y = -z nu at the first vertex; from infinity nu = 0.
+    // A ray from the axial object point has y = -z nu at the first vertex; from infinity, nu = 0.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
     return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }

@@ -1,46 +1,47 @@
-// The numbers of a lens for rays close to the axis.
+// First-order (paraxial) properties of a lens.
 #pragma once
 
 #include "lens/prescription/prescription.h"
 
 namespace postlens {
 
-/// z in mm along the axis, positive towards the film: of things in front from the first surface's vertex, of
-/// things behind from the last one's. What is behind lies in the medium there, of index n'. [born1999, 4.4]
+/// z is in mm along the axis, positive towards the film. In object space it is measured from the vertex of
+/// the first surface, in image space from the vertex of the last. The medium of image space has the index n'.
+/// [born1999, 4.4]
 struct FirstOrder {
-    /// Equivalent focal length, one over the power; negative for a diverging lens. Of the same for any n': an
-    /// image at infinity's angle t is efl t high, and the rear focal length is n' efl.
+    /// Equivalent focal length, 1 / power; negative for a diverging lens. For any n', an object at infinity
+    /// at the angle t has an image of height efl t. The rear focal length is n' efl.
     double efl_mm = 0;
     double bfl_mm = 0;               ///< z of the rear focal point
     double ffl_mm = 0;               ///< z of the front focal point; negative where it lies in front
     double f_number = 0;             ///< |efl| / entrance pupil's diameter
-    double entrance_pupil_z_mm = 0;  ///< image of the stop in what is before it; infinite: telecentric
+    double entrance_pupil_z_mm = 0;  ///< image of the stop in object space; infinite: telecentric
     double entrance_pupil_diameter_mm = 0;
-    double exit_pupil_z_mm = 0;  ///< image of the stop in what is behind it; infinite: telecentric
+    double exit_pupil_z_mm = 0;  ///< image of the stop in image space; infinite: telecentric
     double exit_pupil_diameter_mm = 0;
     double front_principal_z_mm = 0;  ///< ffl + efl
     double rear_principal_z_mm = 0;   ///< bfl - n' efl
     double stop_radius_mm = 0;        ///< wide open
-    double film_distance_mm = 0;      ///< from the last vertex: the prescription's, else bfl
+    double film_distance_mm = 0;      ///< from the last vertex; bfl if the prescription states none
 };
 
-/// At the prescription's wavelength, or at another. Throws Error(invalid_input) for an afocal lens (power
-/// times length below 1e-9) and an index out of [1, 5] at that wavelength.
+/// Properties at the prescription's wavelength, or at the given one. Throws Error(invalid_input) for an
+/// afocal lens (power times length below 1e-9) and for an index outside [1, 5] at that wavelength.
 [[nodiscard]] FirstOrder first_order(const Prescription& lens);
 [[nodiscard]] FirstOrder first_order(const Prescription& lens, double wavelength_nm);
 
-/// Heights y (mm) and n-times-slopes nu behind each surface.
+/// Height y (mm) and index times slope nu of a ray.
 struct ParaxialRay {
     double y_mm = 0, nu = 0;
 };
 
-/// The paraxial ray behind surface `surface`, at its vertex, from one that meets the first vertex plane in
-/// air. [born1999, 4.4.1]
+/// The paraxial ray after refraction at `surface`, in its vertex plane. `at_first` is the ray in the first
+/// vertex plane, in air. [born1999, 4.4.1]
 [[nodiscard]] ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, ParaxialRay at_first,
                                        std::size_t surface);
 
-/// Where the image of the axial point `object_z_mm` (from the first vertex; -infinity) lies, from the last
-/// vertex, mm.
+/// Position of the image of an axial point, mm from the last vertex. `object_z_mm` is measured from the first
+/// vertex and may be -infinity.
 [[nodiscard]] double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm);
 
 }  // namespace postlens

@@ -10,11 +10,11 @@ namespace {
 
 struct Entry {
     std::string_view name;
-    double nd;  // as published beside the terms: what the tests hold them against
+    double nd;  // published with the terms; tests compare the terms with it
     std::array<double, 6> terms;
 };
 
-// Published dispersion terms: of optical glasses [schott2023], fused silica [malitson1965], fluorite
+// Published dispersion terms of optical glasses [schott2023], fused silica [malitson1965] and fluorite
 // [malitson1963].
 constexpr Entry catalogue[] = {
     // clang-format off
@@ -117,7 +117,7 @@ constexpr Entry catalogue[] = {
     // clang-format on
 };
 
-// Capital letters and digits; what follows an underscore is the maker.
+// Reduces a name to capital letters and digits, without hyphens, blanks and the maker after an underscore.
 std::string bare(std::string_view name) {
     std::string out;
     for (const char c : name.substr(0, name.find('_'))) {
@@ -139,7 +139,7 @@ std::optional<Glass> find_glass(std::string_view name) {
     const std::string wanted = bare(name);
     if (wanted.empty()) return std::nullopt;
     const Entry* entry = find_bare(wanted);
-    // Glasses of before the 1990s live on without lead under the same name after an N.
+    // Lead-free glasses that replace those from before the 1990s have the old name with an N in front.
     if (entry == nullptr) entry = find_bare("N" + wanted);
     if (entry == nullptr) return std::nullopt;
     return Glass::sellmeier(entry->terms, std::string(entry->name));

@@ -1,4 +1,4 @@
-// Glasses that prescriptions call by name.
+// Catalogue of glasses that prescriptions refer to by name.
 #pragma once
 
 #include <optional>
@@ -9,15 +9,15 @@
 
 namespace postlens {
 
-/// The glass of that name, with or without a maker's suffix ("_SCHOTT"), hyphens or regard to case: "N-BK7",
-/// "nbk7_schott" and "NBK7" are one. Sellmeier terms as the makers publish them. A name without its N-
-/// ("BK7") is taken for the glass that replaced it. Empty where the name is not known.
+/// Finds a glass by name. A maker's suffix ("_SCHOTT"), hyphens and case are ignored: "N-BK7", "nbk7_schott"
+/// and "NBK7" are the same glass. The Sellmeier terms are those that the makers publish. A name without its
+/// N- ("BK7") stands for the glass that replaced it. Empty if the name is unknown.
 [[nodiscard]] std::optional<Glass> find_glass(std::string_view name);
 
-/// nd as it is published beside the terms, to five digits. Empty where the name is not known.
+/// nd as published with the terms, to five decimals. Empty if the name is unknown.
 [[nodiscard]] std::optional<double> published_nd(std::string_view name);
 
-/// All names, in the makers' spelling.
+/// Names of all glasses, in the makers' spelling.
 [[nodiscard]] std::vector<std::string_view> glass_names();
 
 }  // namespace postlens

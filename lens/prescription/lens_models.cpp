@@ -22,7 +22,8 @@ const char* name_of(LensModelKind kind) {
 void PolynomialLens::terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                            std::array<double, polynomial_terms>& y) {
     const double r2 = u * u + v * v, T2 = T * T;
-    // Defocus, curvature of the field and astigmatism; spherical aberration; coma: each with its next order.
+    // The terms are defocus, field curvature and astigmatism; spherical aberration; and coma, each with the
+    // next higher order.
     const std::array<double, pupil_terms> of_x{
         1,          T2,         T2 * T2,    r2,           r2 * T2,         r2 * r2,     v * T,
         v * T * T2, v * T * r2, v * v * T2, r2 * T2 * T2, v * T * T2 * T2, r2 * r2 * r2};
@@ -68,7 +69,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         const double inverse = 1 / a_m * (1 - share) + 1 / b_m * share;
         out.depths_m.push_back(inverse > 0 ? 1 / inverse : b_m);
     }
-    // The height of the chief ray grows with the field as far as there is one.
+    // Height at which the chief ray lands, infinite if there is none; it grows with the field, so it can be
+    // inverted by bisection.
     const auto height = [&lens](double tangent) {
         const auto aim = lens.aim_at_stop(HUGE_VAL, {0, tangent});
         if (!aim) return HUGE_VAL;
@@ -97,7 +99,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // The depth that the film's place makes sharp, from the pinhole.
+    // Paraxial landing height of the ray through (0, 1) mm of the pupil from an axial point at this depth. It
+    // gives the depth that is in focus on the film, measured from the pinhole.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {
@@ -108,7 +111,7 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // A point at the depth in focus lands in one point. For the thin lens this is s.
+    // `own` is the inverse depth in focus, where all rays of a point land in one point; 1/s for a thin lens.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;

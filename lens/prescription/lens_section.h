@@ -1,4 +1,4 @@
-// The outlines of a lens and rays through it, for a drawing.
+// Outlines of a lens and rays through it, for a drawing.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,24 +8,25 @@
 
 namespace postlens {
 
-/// A cut through the axis: points (z, y) in mm, z from the first vertex towards the film.
+/// Section of a lens along its axis: points (z, y) in mm, z from the first vertex towards the film.
 struct LensSection {
     struct RayLine {
-        std::size_t field = 0;  ///< index into the fields asked for
+        std::size_t field = 0;  ///< index into the parameter `fields`
         std::vector<glm::dvec2> points;
     };
     std::vector<std::vector<glm::dvec2>>
         glass;  ///< closed outlines of the elements, the last point not repeated
-    std::vector<std::vector<glm::dvec2>> planes;  ///< surfaces that bound no glass
-    std::vector<std::vector<glm::dvec2>> stop;    ///< the two sides of its opening
-    std::vector<RayLine> rays;                    ///< from in front of the lens to the film; those that pass
+    std::vector<std::vector<glm::dvec2>> planes;  ///< surfaces that do not bound glass
+    std::vector<std::vector<glm::dvec2>> stop;    ///< the two edges of the stop's opening
+    std::vector<RayLine> rays;                    ///< rays that pass, from in front of the lens to the film
     double film_z_mm = 0;
     double front_z_mm = 0;  ///< where rays begin
-    double height_mm = 0;   ///< greatest distance from the axis of anything above
+    double height_mm = 0;   ///< greatest distance from the axis of all of these
 };
 
-/// `rays` across the pupil, in the plane of the drawing, for object points at depth_m towards each tangent of
-/// `fields`. Surfaces are drawn as wide as they are clear, or as the rays need where nothing is said.
+/// Traces `rays` rays across the pupil, in the plane of the drawing, for object points at depth_m towards
+/// each tangent of `fields`. Surfaces are drawn to their clear radius, or as wide as the rays need if the
+/// prescription states none.
 [[nodiscard]] LensSection lens_section(const Prescription& lens, const TracedLens& traced, double depth_m,
                                        const std::vector<double>& fields, int rays);
 

@@ -9,7 +9,8 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-// A line may begin anywhere: from far away its squares would cost digits.
+// Moves the origin of a ray along the ray to the plane z, because squares of distant coordinates lose
+// precision.
 void begin_at(double z, LensRay& ray) {
     if (ray.direction.z != 0) ray.origin += (z - ray.origin.z) / ray.direction.z * ray.direction;
 }
@@ -48,13 +49,15 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame
-    // From afar the squares below would cost the digits of the point met. The surfaces of real lenses are
-    // near. Twice, as what the first rounds may be many radii of a tiny one.
+    // If the origin is more than 100 radii of curvature away, the squares below lose the digits of the
+    // intersection, so the origin moves to the ray's point nearest to the vertex. A second step removes the
+    // rounding error of the first, which can be many radii of a tiny surface.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
-    // c (x^2 + y^2 + q z^2) - 2 z = 0 along p + t d, the root that goes to 0 with c. [welford1986, 4.3]
+    // Solves c (x^2 + y^2 + q z^2) - 2 z = 0 along p + t d, for the root that stays finite as c goes to 0.
+    // [welford1986, 4.3]
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;
@@ -64,11 +67,12 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         const double divisor = b + sign * std::sqrt(discriminant);
         if (divisor != 0) p += f / divisor * d;
         met = divisor != 0 || f == 0;
-        // Beyond its edge a conic turns back: no lens has that part.
+        // A conic turns back beyond its edge. Intersections there are rejected, as no lens has that part.
         met = met && 1 - e.c * q * p.z > 0;
     }
     if (e.is_asphere) {
-        // The even polynomial moves the surface along z: Newton from the conic's point, or the plane's.
+        // The even polynomial moves the surface along z. Newton's method starts from the intersection with
+        // the conic.
         constexpr int most_steps = 32;
         constexpr double close_mm = 1e-10;
         double miss = 0;
@@ -89,7 +93,7 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
             if (!(std::abs(miss) > close_mm) || rate == 0) break;
             p -= miss / rate * d;
         }
-        if (!(std::abs(miss) <= close_mm)) return RayFate::misses;  // not a number, too
+        if (!(std::abs(miss) <= close_mm)) return RayFate::misses;  // also if it is not a number
         normal /= glm::length(normal);
     } else {
         if (!met) return RayFate::misses;
@@ -97,13 +101,14 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         if (e.k != 0) normal /= glm::length(normal);
     }
     ray.origin = p + dvec3(0, 0, e.z);
-    // Not a number is outside, too.
+    // Coordinates that are not a number compare as outside.
     const bool inside = p.x * p.x + p.y * p.y <= e.radius_squared;
     if (apertures == Apertures::respected && !inside) return RayFate::vignetted;
     return RayFate::passes;
 }
 
-// Snell's law: n' (d' x N) = n (d x N); `ratio` n / n'. `normal` towards +z.
+// Snell's law: n' (d' x N) = n (d x N). `ratio` is n / n'; `normal` points towards +z. Returns false for
+// total reflection.
 bool LensStack::refract(dvec3& direction, const dvec3& normal, double ratio) noexcept {
     const double cosine = glm::dot(direction, normal);
     const double under_root = 1 - ratio * ratio * (1 - cosine * cosine);

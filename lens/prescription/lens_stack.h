@@ -1,4 +1,4 @@
-// Exact rays through a lens, surface by surface.
+// Exact ray tracing through a lens, surface by surface.
 #pragma once
 
 #include <array>
@@ -14,12 +14,12 @@ namespace postlens {
 
 enum class RayFate : std::uint8_t {
     passes,
-    misses,     ///< has no point in common with a surface, or none on the side of its vertex
-    vignetted,  ///< meets a surface outside of its clear radius, or the stop outside of its opening
-    reflected,  ///< totally, inside of the glass
+    misses,     ///< does not intersect a surface, or not on the side of its vertex
+    vignetted,  ///< meets a surface outside its clear radius, or the stop outside its opening
+    reflected,  ///< total internal reflection
 };
 
-/// What became of a ray, and at which surface where it did not pass.
+/// Result of tracing a ray, and the surface at which it ended if it did not pass.
 struct RayEnd {
     RayFate fate = RayFate::passes;
     std::size_t surface = 0;  ///< index into the prescription's surfaces
@@ -30,7 +30,7 @@ struct RayEnd {
 struct LensRay {
     glm::dvec3 origin{0};
     glm::dvec3 direction{0, 0, 1};  ///< of length 1
-    /// Where it meets a plane across the axis.
+    /// Intersection with the plane at z, perpendicular to the axis.
     [[nodiscard]] glm::dvec2 at_z(double z_mm) const {
         return glm::dvec2(origin) + (z_mm - origin.z) / direction.z * glm::dvec2(direction);
     }
@@ -39,11 +39,13 @@ struct LensRay {
 enum class Apertures : bool { ignored, respected };
 
 /// The surfaces of a prescription at one wavelength and one opening of the stop, laid out for tracing.
-/// Refraction by Snell's law in vector form; conics are met in closed form, even aspheres by Newton's method
-/// to 1e-10 mm [welford1986, 4]. No allocation and no exception per ray; may be used from many threads.
+/// Refraction uses Snell's law in vector form. Intersections with conics are computed in closed form, with
+/// even aspheres by Newton's method to 1e-10 mm [welford1986, 4]. Tracing a ray neither allocates nor throws;
+/// many threads may trace at once.
 class LensStack {
   public:
-    /// `lens` has passed check_prescription. `stop_radius_mm` >= 0; infinity: as the surface has it.
+    /// `lens` must have passed check_prescription. `stop_radius_mm` >= 0; infinity: the clear radius of the
+    /// stop's surface.
     LensStack(const Prescription& lens, double wavelength_nm, double stop_radius_mm);
 
     [[nodiscard]] std::size_t size() const { return elements_.size(); }
@@ -53,22 +55,22 @@ class LensStack {
     [[nodiscard]] std::size_t stop() const { return stop_; }
     [[nodiscard]] double stop_radius_mm() const { return stop_radius_mm_; }
 
-    /// From the scene to the film: `ray` becomes the one that leaves the last surface, or the last one it
-    /// was. The ray counts as a line: where on it the origin lies does not matter. `hits`, where not empty,
-    /// must hold size() points and gets where the surfaces were met, up to the end's.
+    /// Traces from the scene to the film. `ray` becomes the ray behind the last surface, or that before the
+    /// surface at which it ends. The ray is treated as a line, so its origin may be anywhere on it. `hits`,
+    /// if not empty, must hold size() points and receives the intersections up to the end of the ray.
     RayEnd forward(LensRay& ray, Apertures apertures = Apertures::respected,
                    std::span<glm::dvec3> hits = {}) const noexcept;
-    /// From the film to the scene; direction.z < 0.
+    /// Traces from the film to the scene; direction.z < 0. Otherwise as `forward`.
     RayEnd backward(LensRay& ray, Apertures apertures = Apertures::respected,
                     std::span<glm::dvec3> hits = {}) const noexcept;
-    /// From the scene to the plane of the stop, apertures ignored: where it is met. Not a number where the
-    /// ray ends before.
+    /// Traces from the scene to the plane of the stop, ignoring apertures, and returns the intersection. Not
+    /// a number if the ray ends before.
     [[nodiscard]] glm::dvec2 at_stop(LensRay ray) const noexcept;
 
   private:
     struct Element {
         double z = 0, c = 0, k = 0;
-        double forward_ratio = 1, backward_ratio = 1;  ///< index before over after, and back
+        double forward_ratio = 1, backward_ratio = 1;  ///< n before / n after the surface, and the inverse
         double radius_squared = std::numeric_limits<double>::infinity();
         bool is_asphere = false;
         std::array<double, asphere_terms> asphere{};

@@ -12,12 +12,13 @@ using glm::dvec2;
 
 namespace {
 
-/// Cubics between so many points of the curve of distortion err by less than 1e-7 of it.
+/// Number of points of the distortion curve; cubic interpolation between them has a relative error below
+/// 1e-7.
 constexpr std::size_t chief_rays = 257;
-/// Where the paraxial scale is taken.
+/// Field tangent at which the paraxial scale of the film is measured.
 constexpr double small_tangent = 1e-4;
 
-// Where the ray through the stop's centre lands; negative: nowhere.
+// Distance from the film centre at which the ray through the centre of the stop lands; negative if none does.
 double chief_radius_mm(const TracedLens& lens, double depth_m, double tangent) {
     const dvec2 field(0, tangent);
     const std::optional<dvec2> aim = lens.aim_at_stop(depth_m, field);
@@ -50,7 +51,7 @@ LensView::LensView(const Prescription& prescription, const LensViewSettings& set
         .zoom = distance_mm / film.distance_mm};
     const double widest = std::max(settings.half_diagonal_px / geometry_.gain_px, settings.widest_tangent);
     follow_chief_rays(*lens_, widest);
-    // A little more, for the rounding of the corner itself.
+    // The margin of 1e-4 allows for rounding at the image corner.
     traced.film_radius_mm = 1.0001 * film_radius_mm(widest);
     lens_.emplace(prescription, traced);
 }
@@ -62,7 +63,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
         const double before = film_radius_.back();
         double r = chief_radius_mm(lens, lens.settings().focus_distance_m.value_or(HUGE_VAL),
                                    tangent_step_ * static_cast<double>(i));
-        // Beyond what the lens can show at all the picture is black; the curve only has to go on upwards.
+        // The lens shows nothing at this tangent, so the image is black there. The curve is extended
+        // linearly, because it must grow.
         if (!(r > before)) {
             r = i == 1 ? film_scale_mm_ * tangent_step_ : 2 * before - film_radius_[i - 2];
         }
@@ -70,7 +72,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
     }
 }
 
-// The mean of a ray's weight over the rectangle of (u, v), by rings that end at the very edge of what passes.
+// Mean weight of a ray over the unit square of (u, v). Triangles fan out from the centre of the region that
+// passes to its edge. They cover half the region, which is symmetric; the result is doubled.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {
@@ -85,8 +88,8 @@ double LensView::light(double tangent) const {
     double sum = 0;
     for (std::size_t j = 0; j + 1 < edge.size(); ++j) {
         const dvec2 a = edge[j] - middle, b = edge[j + 1] - middle;
-        // A triangle's integral of any polynomial of second degree: a third of its area at each side's
-        // middle.
+        // The mean over the midpoints of the sides integrates polynomials of second degree exactly over a
+        // triangle.
         const double mean =
             (weight(middle + a / 2.0) + weight(middle + b / 2.0) + weight(middle + (a + b) / 2.0)) / 3;
         sum += std::abs(a.x * b.y - a.y * b.x) / 2 * mean;
@@ -94,7 +97,7 @@ double LensView::light(double tangent) const {
     return 2 * sum;
 }
 
-// Catmull and Rom's cubics; the curve is odd, and goes on straight behind its end.
+// Catmull-Rom interpolation of the curve, which is an odd function and is extended linearly beyond its end.
 double LensView::film_radius_mm(double tangent) const noexcept {
     const double at = tangent / tangent_step_;
     const std::size_t last = film_radius_.size() - 1;
@@ -120,7 +123,7 @@ double LensView::film_mm_per_tangent(double tangent) const noexcept {
 dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
     const double r = glm::length(film_mm);
     if (r == 0) return dvec2(0);
-    // The step of the curve that holds r, then Newton's method in it.
+    // Finds the step of the curve that holds r, then solves for the tangent by Newton's method.
     const auto above = std::upper_bound(film_radius_.begin(), film_radius_.end() - 1, r);
     const auto i = static_cast<double>(above - film_radius_.begin());
     double tangent = tangent_step_ * i;
@@ -134,7 +137,8 @@ dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
 
 bool LensView::ray(dvec2 tangent, dvec2 uv, ViewRay& out) const noexcept {
     const double t = glm::length(tangent);
-    // The picture on the film is upside down, and the raster's y runs down: one of the two turns stays.
+    // The image on the film is rotated by 180 degrees, so x changes its sign. y does not, because the y axis
+    // of the raster also points down.
     const double scale = t > 0 ? film_radius_mm(t) / t : 0;
     SceneRay scene;
     if (!lens_->scene_ray({-scale * tangent.x, scale * tangent.y}, uv, scene)) return false;

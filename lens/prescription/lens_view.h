@@ -1,4 +1,4 @@
-// A real lens in front of a picture that a pinhole framed: the same directions at the same pixels.
+// A real lens whose image has the framing of a pinhole: pixels show the same directions.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -15,45 +15,47 @@ struct LensViewSettings {
     std::optional<double> f_number;  ///< absent: wide open
     Framing framing = Framing::keep;
     Film film;                    ///< of the pinhole camera
-    double half_diagonal_px = 1;  ///< > 0; of the picture, which asks for no pixel farther from its middle
-    double widest_tangent = 0;    ///< directions up to this one are asked for as well
+    double half_diagonal_px = 1;  ///< > 0; of the image: largest distance of a pixel from its centre
+    double widest_tangent = 0;    ///< directions up to this one must be covered as well
 };
 
 /// A ray into the scene, in the axes of the raster: x to the right, y down.
 struct ViewRay {
-    glm::dvec2 lens_m{0};   ///< where it crosses the plane of the pinhole, which the lens stands about
-    glm::dvec2 tangent{0};  ///< of its direction: what lies z' before that plane is at lens + z' tangent
+    glm::dvec2 lens_m{0};   ///< intersection with the plane of the pinhole
+    glm::dvec2 tangent{0};  ///< direction: at depth z' before that plane the ray is at lens_m + z' tangent
     double weight = 0;      ///< see TracedLens::scene_ray
 };
 
-/// The picture is straight: each pixel shows what the pinhole shows there, as the ray through the middle of
-/// the stop from the focused plane has it; the lens's distortion is taken out, as cameras do. Its vignetting,
-/// its fall-off of light and everything that blurs stay. Framing::keep scales the film so that the view is
-/// the traced one; `lens` has the film's pixels at the lens's focal length, `breathing` at the focus.
+/// A view through a lens, corrected for distortion as cameras do it: the ray through the centre of the stop
+/// from the plane in focus lands on the pixel that shows the same direction through the pinhole. Vignetting,
+/// the fall-off of light and all blur remain. Framing::keep scales the film so that the field of view is the
+/// traced one; `lens` keeps the film's pixels with the film at the lens's focal length, `breathing` with the
+/// film at the focus.
 class LensView {
   public:
-    /// Throws as TracedLens does, and Error(wrong_arguments) for a film out of range.
+    /// Throws the errors of TracedLens, and Error(wrong_arguments) for a film out of range.
     LensView(const Prescription& lens, const LensViewSettings& settings);
 
     [[nodiscard]] const TracedLens& lens() const { return *lens_; }
     /// The thin lens of equal focal length, pupil and focus.
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
-    /// Film mm per tangent about the axis.
+    /// Paraxial scale: mm on the film per unit of the field tangent.
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
-    /// The ray that adds to the pixel in the direction `tangent` as the pinhole sees it; (u, v) in [0, 1)^2
-    /// as TracedLens::scene_ray. False where it is lost. No allocation.
+    /// Computes a ray that contributes to the pixel that the pinhole sees in the direction `tangent`; (u, v)
+    /// in [0, 1)^2 as for TracedLens::scene_ray. Returns false if the ray is lost. No allocation.
     [[nodiscard]] bool ray(glm::dvec2 tangent, glm::dvec2 uv, ViewRay& out) const noexcept;
 
-    /// Light of the pixel in this direction, of an even scene at any distance, relative to that in the
-    /// middle.
+    /// Light that the pixel in this direction receives from a uniform scene at any distance, relative to the
+    /// centre pixel.
     [[nodiscard]] double light(double tangent) const;
 
-    /// Where on the film, from its centre, light of this tangent's pixel lands; tangent >= 0.
+    /// Distance from the film centre at which light of this tangent's pixel lands, mm; tangent >= 0.
     [[nodiscard]] double film_radius_mm(double tangent) const noexcept;
-    /// Its derivative.
+    /// Derivative of film_radius_mm.
     [[nodiscard]] double film_mm_per_tangent(double tangent) const noexcept;
-    /// The tangent of the pixel, in the axes of the camera (x right, y up), that shows a point of the film.
+    /// Inverse of the distortion: the tangent, in the axes of the camera (x right, y up), of the pixel that
+    /// shows a film point.
     [[nodiscard]] glm::dvec2 straightened(glm::dvec2 film_mm) const noexcept;
 
   private:

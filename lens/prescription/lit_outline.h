@@ -1,4 +1,4 @@
-// Where light passes through a lens, found by asking ray after ray.
+// Finds the region in which light passes through a lens, by testing one ray after the other.
 #pragma once
 
 #include <algorithm>
@@ -11,9 +11,9 @@
 
 namespace postlens {
 
-/// The outline of what passes, which has no holes and is seen whole from a point inside; as all that a lens
-/// about its axis does to a point on the +y axis, it is its own mirror image about x = 0. `passes(p)`:
-/// whether a ray does; `scale`: about as wide as the outline.
+/// Outline of the region that passes. The region must be star-shaped (without holes, and visible as a whole
+/// from a point inside) and symmetric about x = 0, which holds for an object point on the +y axis of a
+/// rotationally symmetric lens. `passes(p)` tests one ray; `scale` is the approximate width of the outline.
 template <class Passes>
 class LitOutline {
   public:
@@ -22,7 +22,7 @@ class LitOutline {
 
     LitOutline(Passes passes, double scale) : passes_(std::move(passes)), scale_(scale) {}
 
-    /// `near`: where to look first; then the middle of what was found, whose edge `edge` is. False, where
+    /// Searches from `near`. Sets `near` to the centre of the region and `edge` to its edge. Returns false if
     /// nothing passes.
     [[nodiscard]] bool find(glm::dvec2& near, Edge& edge) const {
         if (!passes_(near) && !search(near)) return false;
@@ -35,7 +35,7 @@ class LitOutline {
     }
 
   private:
-    /// A search for the edge ends after so many halvings, at 1 / 2^16 of the scale.
+    /// Bisection steps of the search for the edge; they end at about 1 / 2^16 of the scale.
     static constexpr int halvings = 18;
     static constexpr int search_cells = 24;
 
@@ -44,7 +44,7 @@ class LitOutline {
         return {std::sin(angle), std::cos(angle)};
     }
 
-    // A point that passes, as near to the middle of all that do as a coarse grid has it.
+    // Finds, on a coarse grid, the passing point that is nearest to the mean of all passing points.
     [[nodiscard]] bool search(glm::dvec2& near) const {
         std::vector<glm::dvec2> found;
         glm::dvec2 sum(0);
@@ -79,11 +79,11 @@ class LitOutline {
         }
     }
 
-    // Height of the centroid of a half outline and its mirror image.
+    // y of the centroid of the region inside the half outline and its mirror image.
     [[nodiscard]] static double centroid_y(const Edge& edge) {
         double area = 0, moment = 0;
         for (std::size_t j = 0; j < spokes; ++j) {
-            // Strips between the outline and the axis of symmetry.
+            // Area and moment of the strip between a chord of the outline and the axis of symmetry.
             const glm::dvec2 &a = edge[j], &b = edge[j + 1];
             area += (a.x + b.x) / 2 * (a.y - b.y);
             moment += (a.y - b.y) * (a.x * (2 * a.y + b.y) + b.x * (a.y + 2 * b.y)) / 6;

@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-// Mounts round clear radii up: in patents' tables neighbouring rims overlap by a few thousandths of them,
-// where no light goes.
+// Clear radii are often rounded up: in the tables of patents, neighbouring surfaces cross near their rims, by
+// a few thousandths of the radius, where no light passes.
 constexpr double crossing_tolerance = 0.01;
 
 bool all_finite(const Surface& s) {
@@ -44,7 +44,7 @@ void check_surface(const Prescription& lens, std::size_t i) {
     }
 }
 
-// Between the surfaces i and i + 1 at the distance r from the axis; not a number beyond the edge of one.
+// Gap between surfaces i and i + 1 at distance r from the axis; not a number beyond the edge of either.
 double gap_mm(const Prescription& lens, std::size_t i, double r_mm) {
     const Surface& a = lens.surfaces[i];
     return a.thickness_mm + lens.surfaces[i + 1].sag_mm(r_mm) - a.sag_mm(r_mm);
@@ -52,15 +52,15 @@ double gap_mm(const Prescription& lens, std::size_t i, double r_mm) {
 
 struct Crossing {
     double clear_mm = 0;  ///< the smaller of the clear radii
-    double met_mm = 0;    ///< where they meet first
+    double met_mm = 0;    ///< smallest distance from the axis at which they meet
 };
 
-// Of the surfaces i and i + 1, where light may pass both.
+// Finds where surfaces i and i + 1 cross within the clear radii of both.
 std::optional<Crossing> crossing(const Prescription& lens, std::size_t i) {
     const double clear = std::min(lens.surfaces[i].clear_radius_mm, lens.surfaces[i + 1].clear_radius_mm);
     if (!std::isfinite(clear)) return std::nullopt;
     constexpr int steps = 64;
-    double inside = 0;  // still apart
+    double inside = 0;  // largest r tested so far with a gap >= 0
     for (int step = 1; step <= steps; ++step) {
         const double r = clear * step / steps, gap = gap_mm(lens, i, r);
         if (std::isnan(gap)) return std::nullopt;

@@ -18,7 +18,7 @@ double cross(const dvec2& a, const dvec2& b) {
     return a.x * b.y - a.y * b.x;
 }
 
-/// Rays of one point.
+/// Traces rays of one object point.
 class PointRays {
   public:
     PointRays(const LensView& view, double inverse_depth_per_m, double tangent)
@@ -72,14 +72,15 @@ bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
 
 namespace {
 
-/// A node on the raster.
+/// A node of the fan at its position on the raster.
 struct Placed {
-    dvec2 px{0};     ///< from the anchor
-    dvec2 pupil{0};  ///< as the node has it
+    dvec2 px{0};     ///< landing point, relative to the anchor
+    dvec2 pupil{0};  ///< pupil point, as in the node
     double light = 0;
 };
 
-// The raster's axes and the camera's differ by a mirror, of which a lens about its axis knows nothing.
+// Rotates p so that +y turns into `axis`. The axes of raster and camera differ by a reflection, which does
+// not matter for a rotationally symmetric lens.
 dvec2 turned(const dvec2& p, const dvec2& axis) {
     return {p.x * axis.y + p.y * axis.x, -p.x * axis.x + p.y * axis.y};
 }
@@ -104,7 +105,7 @@ double fan_reach_px(const PupilFan& fan, const FanImage& image) {
 }
 
 ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const PixelWindow& window) {
-    // Nodes on the raster, once; and the response's extent.
+    // Computes the raster position of each node once, and the bounding box of the response.
     constexpr std::size_t per_side = (rings + 1) * (spokes + 1);
     std::array<Placed, 2 * per_side> nodes;
     dvec2 low(HUGE_VAL), high(-HUGE_VAL);
@@ -113,7 +114,7 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
         low = glm::min(low, nodes[k].px);
         high = glm::max(high, nodes[k].px);
     }
-    // A chord of the outline leaves out less than 0.03 px.
+    // A small response uses fewer nodes; the chords of its outline deviate by less than 0.03 px.
     const double extent_px = std::max(high.x - low.x, high.y - low.y) / 2;
     const std::size_t stride = extent_px < 1.5 ? 4 : extent_px < 16 ? 2 : 1;
     const auto cut = [](double at, int begin, int end) {
@@ -154,7 +155,7 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
             deposit.add(std::array{a.px, b.px, c.px, d.px}, first + second);
             return;
         }
-        // Folded: where zones of the lens cross.
+        // The image of the cell is folded, because rays of different lens zones cross. A triangle is not.
         if (first > 0) deposit.add(std::array{a.px, b.px, c.px}, first);
         if (second > 0) deposit.add(std::array{a.px, c.px, d.px}, second);
     });

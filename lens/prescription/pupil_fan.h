@@ -1,4 +1,4 @@
-// One point's light as it fills the pupil: rays in rings that end at its very edge.
+// The light of one object point in the pupil: rays in rings, the outermost on the edge of the pupil.
 #pragma once
 
 #include <array>
@@ -12,19 +12,20 @@
 
 namespace postlens {
 
-/// Nodes by ring, from the middle of what passes to its edge, and spoke; of a point on the +y axis, so that
-/// those with x < 0 are the mirror images. Between its nodes everything is taken to be linear.
+/// Rays of an object point on the +y axis, by ring (from the centre of the region that passes to its edge)
+/// and spoke. Nodes with x < 0 are mirror images and not stored. Between nodes, all values are interpolated
+/// linearly.
 struct PupilFan {
     static constexpr std::size_t rings = 12;
     static constexpr std::size_t spokes = 48;  ///< steps over half a turn, from +y to -y
-    /// Rings stand closer towards the edge, where aberrations grow fastest.
+    /// Rings are closer together towards the edge, where aberrations grow fastest.
     [[nodiscard]] static double ring_radius(std::size_t ring) {
         return std::pow(static_cast<double>(ring) / rings, 0.6);
     }
     struct Node {
         glm::dvec2 pupil_m{0};  ///< on the plane of the pinhole
-        glm::dvec2 landing{0};  ///< tangent of the pixel it lands on, from that of the point
-        double light = 0;       ///< per area of the plane
+        glm::dvec2 landing{0};  ///< tangent of the pixel it lands on, minus that of the object point
+        double light = 0;       ///< light per area of that plane
     };
     std::array<Node, (rings + 1) * (spokes + 1)> nodes;
 
@@ -34,26 +35,26 @@ struct PupilFan {
     }
 };
 
-/// Of a point of inverse depth 1/z' (zero and below allowed: light that converges) towards the tangent
-/// >= 0. `near_m`: where to look for the light first, then where its middle is. False, `out` untouched, where
-/// none gets through.
+/// Traces the fan of an object point of inverse depth 1/z' (zero and negative allowed; negative: light that
+/// converges) towards the given tangent >= 0. The search for the lit region begins at `near_m`, which is set
+/// to its centre. Returns false and leaves `out` unchanged if no light gets through.
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
 
-/// Where a fan's response lies on the raster.
+/// Position and scale of a fan's response on the raster.
 struct FanImage {
     double gain_px = 1;  ///< px per tangent
     glm::dmat2 further_px_m{
-        0};                   ///< added to a ray's landing per metre of the pupil: what mirrors and glass do
-    glm::dvec2 axis{0, 1};    ///< unit vector of the raster from the picture's middle to the point
-    glm::dvec2 centre_px{0};  ///< the point, relative to the anchor
+        0};                 ///< added to a ray's landing point, per metre on the pupil, by mirrors and glass
+    glm::dvec2 axis{0, 1};  ///< unit vector on the raster from the image centre to the object point
+    glm::dvec2 centre_px{0};  ///< pinhole image of the object point, relative to the anchor
 };
 
-/// No light lies farther from the point, px.
+/// Largest distance of light of the response from `centre_px`, px.
 [[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
 
-/// The response on the pixel grid: triangles between nodes, each with its light spread evenly, fewer of them
-/// where it is small. Values add up to 1 but for what lies beyond `window`.
+/// The response on the pixel grid. The light between nodes is spread uniformly over the image of each mesh
+/// cell; small responses use fewer cells. Values add up to 1, except for the part outside `window`.
 [[nodiscard]] ResponseGrid fan_response(const PupilFan& fan, const FanImage& image,
                                         const PixelWindow& window);
 

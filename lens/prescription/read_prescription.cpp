@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-// 500 surfaces with all that Zemax says of each are below 1 MB.
+// Limit of the file size. A Zemax file of 500 surfaces is smaller than 1 MB.
 constexpr std::uintmax_t largest_file_bytes = 64'000'000;
 
 std::string ending_of(const std::filesystem::path& path) {
@@ -24,15 +24,16 @@ std::string ending_of(const std::filesystem::path& path) {
     return ending;
 }
 
-// UTF-16 as Zemax writes it, with or without a mark. What is not ASCII stands in names only and becomes a
-// question mark.
+// Converts UTF-16, which Zemax writes with or without a byte order mark, to ASCII. Other characters occur
+// only in names and become question marks.
 std::string decoded(std::string bytes) {
     const auto byte = [&bytes](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
     if (bytes.size() >= 3 && byte(0) == 0xEF && byte(1) == 0xBB && byte(2) == 0xBF) return bytes.substr(3);
     if (bytes.size() < 2) return bytes;
     const bool marked_little = byte(0) == 0xFF && byte(1) == 0xFE;
     const bool marked_big = byte(0) == 0xFE && byte(1) == 0xFF;
-    // Without a mark: these formats begin with two characters of ASCII.
+    // Without a byte order mark, UTF-16 is recognised by the two ASCII characters with which these formats
+    // begin.
     const bool bare_little =
         bytes.size() >= 4 && byte(0) != 0 && byte(1) == 0 && byte(2) != 0 && byte(3) == 0;
     const bool bare_big = bytes.size() >= 4 && byte(0) == 0 && byte(1) != 0 && byte(2) == 0 && byte(3) != 0;
@@ -47,7 +48,7 @@ std::string decoded(std::string bytes) {
     return out;
 }
 
-// Names come in any encoding, and go to terminals, JSON and drawings: ASCII only.
+// Names may be in any encoding, but are written to terminals, JSON and drawings, so only ASCII is kept.
 void make_printable(std::string& text) {
     for (char& c : text) {
         const auto byte = static_cast<unsigned char>(c);

@@ -1,4 +1,4 @@
-// CODE V's sequence files: commands of a lens as a designer would type them.
+// Reads CODE V sequence files: lists of the commands that define a lens.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -21,7 +21,7 @@ std::string upper(std::string_view word) {
     return out;
 }
 
-// Where a line's remark begins: at a ! outside of quotes.
+// Removes the comment of a line, which begins at a ! outside quotes.
 std::string_view without_remark(std::string_view line) {
     char quote = 0;
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -36,7 +36,7 @@ std::string_view without_remark(std::string_view line) {
     return line;
 }
 
-// The commands of a line, which semicolons part, outside of quotes.
+// Splits a line into commands at the semicolons outside quotes.
 std::vector<std::string_view> commands_of(std::string_view line) {
     std::vector<std::string_view> out;
     char quote = 0;
@@ -57,7 +57,7 @@ std::vector<std::string_view> commands_of(std::string_view line) {
 class SeqReader {
   public:
     explicit SeqReader(const std::string& file) { lens_.file = file; }
-    /// `glasses`: private glasses alone; else all the rest.
+    /// Reads a command. With `glasses`, reads only definitions of private glasses, otherwise all others.
     void command(int line, const Words& words, bool glasses);
     Prescription finish();
 
@@ -86,18 +86,18 @@ class SeqReader {
     int line_ = 0;
     bool by_radius_ = false;
     double mm_per_unit_ = 1;
-    std::size_t reference_ = SIZE_MAX;  ///< not said: CODE V takes the middle one
+    std::size_t reference_ = SIZE_MAX;  ///< SIZE_MAX: not stated, CODE V uses the middle one
     std::vector<double> wavelengths_nm_;
-    std::vector<Surface> all_;  // object, lens, image
+    std::vector<Surface> all_;  // object, lens surfaces, image
     std::size_t current_ = 0;
     bool has_image_ = false;
     bool in_private_ = false;
     std::vector<double> private_nm_;
     std::map<std::string, Glass> private_;
-    std::map<std::string, std::string> unread_;  ///< private glasses that were not understood, and why
+    std::map<std::string, std::string> unread_;  ///< private glasses that could not be read, and the reason
 };
 
-// "S3" after a command says which surface it is of; without it, the one that was begun last.
+// Finds the surface that a command applies to: that of "S3" after the command, else the latest surface.
 Surface& SeqReader::addressed(const Words& words, std::size_t& next) {
     std::size_t at = current_;
     if (next < words.size() && words[next].size() > 1 && std::toupper(words[next][0]) == 'S') {
@@ -124,7 +124,8 @@ Surface& SeqReader::addressed(const Words& words, std::size_t& next) {
     return all_[at];
 }
 
-// A name, a private one, or a code: "517642", "517.642", "516800.641700" or "1.5168:64.17".
+// Finds a glass by its catalogue name, the name of a private glass, or a code of nd and Vd: "517642",
+// "517.642", "516800.641700" or "1.5168:64.17".
 Glass SeqReader::glass(std::string_view word) const {
     const std::string name = upper(word);
     if (name == "AIR") return {};
@@ -139,7 +140,8 @@ Glass SeqReader::glass(std::string_view word) const {
         const double vd = number_in(lens_.file, line_, std::string_view(name).substr(colon + 1), "Vd");
         if (vd > 0) return Glass::abbe(nd, vd, name);
     }
-    // Before the dot what follows 1 in nd, behind it Vd, whose first two digits are whole.
+    // Digits before the dot are the decimals of nd = 1.xxx. Digits after the dot are Vd, with two digits
+    // before its decimal point.
     const auto is_digits = [](std::string_view part) {
         return part.size() >= 3 && part.size() <= 9 &&
                std::all_of(part.begin(), part.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
@@ -163,7 +165,7 @@ void SeqReader::begin_surface(const std::string& key, const Words& words) {
     }
     if (key == "SO") all_.clear();
     if (key == "SI") has_image_ = true;
-    if (key == "S" && all_.empty()) all_.emplace_back();  // an object at infinity goes without saying
+    if (key == "S" && all_.empty()) all_.emplace_back();  // a missing object surface means infinity
     check_surface_count(lens_.file, line_, all_.size() < 2 ? 0 : all_.size() - 2);
     Surface s;
     s.line = line_;
@@ -214,15 +216,17 @@ bool SeqReader::surface_command(const std::string& key, const Words& words) {
     return true;
 }
 
-// Whether a Sellmeier formula has the poles of glasses, below 0.32 and above 2 um, and the index of one.
+// True if a Sellmeier formula has an index between 1.2 and 4 and its poles below 0.32 or above 2 um, as
+// glasses have.
 bool is_plausible(const std::array<double, 6>& terms) {
     const double n = Glass::sellmeier(terms).index(d_line_nm);
     return n > 1.2 && n < 4 &&
            std::all_of(terms.begin() + 3, terms.end(), [](double c) { return c < 0.1 || c > 4; });
 }
 
-// Coefficients left out are 0. Sellmeier's are in use as B1 C1 B2 C2 B3 C3 and as B1 B2 B3 C1 C2 C3; the
-// order in which they make a glass is taken, and refused where both do or none.
+// Reads a private glass given by a formula. Missing coefficients are 0. Sellmeier coefficients occur in the
+// orders B1 C1 B2 C2 B3 C3 and B1 B2 B3 C1 C2 C3. The order that gives a plausible glass is used; the formula
+// is refused if both orders do, or neither.
 void SeqReader::private_formula(const std::string& key, const std::string& formula,
                                 std::vector<double> terms) {
     const bool laurent = formula == "LAU" || formula == "GML",
@@ -250,8 +254,8 @@ void SeqReader::private_formula(const std::string& key, const std::string& formu
     }
 }
 
-// CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius, words in any order before the number. Light passes within the edge
-// of the glass and within what is said to be clear; of several the smallest counts.
+// Reads CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius, with the words in any order before the number. Light must
+// pass within both the edge of the glass (EDG) and the clear aperture (CLR), so the smallest radius is used.
 void SeqReader::clear_radius(const Words& words) {
     std::size_t next = 1;
     Surface* s = &addressed(words, next);
@@ -271,7 +275,8 @@ void SeqReader::private_glass(const std::string& key, const Words& words) {
         private_nm_.clear();
         for (std::size_t i = 1; i < words.size(); ++i) private_nm_.push_back(number(words, i, "wavelength"));
     } else {
-        // A glass that no surface has stops no file: what is wrong with it is said where it is used.
+        // An unreadable private glass is an error only if a surface uses it, so the reason is kept until
+        // then.
         std::vector<double> n;
         const bool named = words.size() > 1 && !parse_number(words[1]);
         const std::string formula = named ? upper(words[1]) : "";
@@ -304,7 +309,7 @@ void SeqReader::private_glass(const std::string& key, const Words& words) {
 
 void SeqReader::system_command(const std::string& key, const Words& words) {
     if (key == "RDM") {
-        // Alone or with Y: radii; with N: curvatures.
+        // RDM alone or with Y means that radii follow, with N curvatures.
         by_radius_ = words.size() < 2 || upper(words[1]) != "N";
     } else if (key.starts_with("TIT")) {
         if (words.size() > 1) lens_.name = std::string(words[1].substr(0, 200));
@@ -340,7 +345,7 @@ void SeqReader::system_command(const std::string& key, const Words& words) {
             if (angle != 0) lens_.field_angles_deg.push_back(angle);
         }
     }
-    // Other commands say nothing of the lens's shape: weights, solves, vignetting, displays.
+    // Other commands do not define the shape of the lens: weights, solves, vignetting, displays.
 }
 
 void SeqReader::command(int line, const Words& words, bool glasses) {
@@ -385,10 +390,10 @@ Prescription SeqReader::finish() {
         s.clear_radius_mm *= mm_per_unit_;
         lens_.surfaces.push_back(s);
     }
-    // The image surface's own thickness is how far the film stands from the focus that was solved for.
+    // The thickness of the image surface is the defocus: the distance of the film from the image surface.
     const double film = lens_.surfaces.back().thickness_mm + all_.back().thickness_mm * mm_per_unit_;
     if (film != 0) lens_.film_distance_mm = film;
-    // Where no command says which surface it is, CODE V takes the first.
+    // If no command states the stop, CODE V takes the first surface.
     if (std::none_of(lens_.surfaces.begin(), lens_.surfaces.end(),
                      [](const Surface& s) { return s.is_stop; })) {
         lens_.surfaces.front().is_stop = true;
@@ -428,7 +433,7 @@ Prescription parse_seq(const std::string& text, const std::string& file) {
         }
         continued.clear();
     }
-    // Private glasses may stand behind the surfaces that are made of them.
+    // Private glasses may be defined after the surfaces that use them, so they are read first.
     for (const bool glasses : {true, false}) {
         for (const auto& [number, command] : commands) reader.command(number, words_of(command), glasses);
     }

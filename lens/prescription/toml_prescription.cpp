@@ -1,4 +1,5 @@
-// Our own format: [lens], [glass.NAME] and one [[surface]] table each. docs/lens_prescriptions.md.
+// Reads the project's own format, described in docs/lens_prescriptions.md: [lens], [glass.NAME] and one
+// [[surface]] table per surface.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -14,7 +15,7 @@ using Glasses = std::map<std::string, Glass, std::less<>>;
 
 constexpr std::array<Name, 4> medium_keys{"index", "nd", "vd", "sellmeier"};
 
-// What keys of a table say of a medium; nothing where it has none of them.
+// Reads a medium from the keys of a table; empty if the table has none of these keys.
 std::optional<Glass> medium(const TomlTable& table, const std::string& name) {
     table.refuse_both("index", "nd");
     table.refuse_both("index", "sellmeier");
@@ -36,7 +37,7 @@ std::optional<Glass> medium(const TomlTable& table, const std::string& name) {
 }
 
 int line_of(const TomlTable& table) {
-    const std::string place = table.line();  // FILE:LINE
+    const std::string place = table.line();  // has the form FILE:LINE
     return std::atoi(place.c_str() + place.rfind(':') + 1);
 }
 
@@ -109,7 +110,8 @@ void read_lens(const TomlTable& table, Prescription& lens) {
 }  // namespace
 
 Prescription parse_lens_toml(const std::string& text, const std::string& file) {
-    // Counted ahead of parsing: the parser would take all memory for a file of millions.
+    // Surfaces are counted before parsing, because the parser would run out of memory on a file with
+    // millions.
     const auto lines = lines_of(text);
     std::size_t tables = 0;
     for (const TextLine& line : lines) {

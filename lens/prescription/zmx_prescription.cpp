@@ -1,4 +1,4 @@
-// Zemax's text format: SURF blocks of keyword lines, the object first, the image last.
+// Reads the text format of Zemax: SURF blocks of keyword lines, the object first, the image last.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,10 +14,10 @@ using Words = std::vector<std::string_view>;
 
 struct ZmxSurface {
     Surface surface;
-    double thickness = 0;                   ///< infinite allowed, file's unit
-    std::optional<double> aperture_radius;  ///< of CLAP or FLAP, which stop light where DIAM may not
+    double thickness = 0;                   ///< in the file's unit; may be infinite
+    std::optional<double> aperture_radius;  ///< of CLAP or FLAP, which always block light, unlike DIAM
     std::string_view type = "STANDARD";
-    std::map<int, double> parameters;  ///< PARM, by number
+    std::map<int, double> parameters;  ///< values of PARM lines, by number
     bool has_diameter = false;
 };
 
@@ -87,7 +87,7 @@ void ZmxReader::glass(const Words& words) {
     if (auto known = find_glass(name)) {
         s.glass = *std::move(known);
     } else if (words.size() > 5 && number(words, 4, "nd") >= 1 && number(words, 5, "Vd") > 0) {
-        // Of a glass that is not in the catalogue the file itself has nd and Vd.
+        // For a glass that is not in the catalogue, the file states nd and Vd.
         s.glass = Glass::abbe(number(words, 4, "nd"), number(words, 5, "Vd"), std::string(name));
     } else if (words.size() > 4 && number(words, 4, "nd") > 0) {
         s.glass = Glass::constant(number(words, 4, "nd"), std::string(name));
@@ -119,7 +119,7 @@ bool ZmxReader::surface_line(std::string_view key, const Words& words) {
     } else if (key == "GLAS") {
         glass(words);
     } else if (key == "CLAP" || key == "FLAP") {
-        // Inner and outer radius of a ring that lets light through.
+        // CLAP and FLAP state the inner and outer radius of a ring that transmits light.
         if (number(words, 1, "inner radius") > 0) unsupported("a ring of " + std::string(key));
         s.aperture_radius = number(words, 2, "outer radius");
     } else if (key == "OBSC" || key == "SQAP" || key == "SQOB" || key == "ELAP" || key == "ELOB" ||
@@ -186,14 +186,15 @@ void ZmxReader::finish_surface(ZmxSurface& from) {
     s.clear_radius_mm *= mm_per_unit_;
     if (!from.aperture_radius && !s.is_stop && s.glass.is_air() && s.curvature_per_mm == 0 &&
         (lens_.surfaces.empty() || lens_.surfaces.back().glass.is_air())) {
-        // A plane in air that the designer put in to measure from: Zemax gives it a size all the same.
+        // A plane between air and air is only a reference plane, so the diameter that Zemax states is
+        // ignored.
         s.clear_radius_mm = HUGE_VAL;
     }
     if (from.type == "EVENASPH") {
         double power = mm_per_unit_;
         for (std::size_t i = 0; i < 8; ++i) {
             const auto found = from.parameters.find(static_cast<int>(i) + 1);
-            // a_i r^(2i) in the file's unit U: a_i U / U^(2i) in mm.
+            // The term a_i r^(2i) is in the file's unit U; in mm, its coefficient is a_i U / U^(2i).
             power /= mm_per_unit_ * mm_per_unit_;
             if (found != from.parameters.end()) s.asphere[i] = found->second * power;
         }

@@ -7,8 +7,8 @@
 namespace postlens {
 
 int bessel_last_order(double v) {
-    // J_n(v) falls as Ai(2^(1/3) (n - v) / v^(1/3)) beyond n = v, and Ai(15) is 5e-19; for small v the
-    // factorials fall faster still.
+    // For n > v, J_n(v) falls like Ai(2^(1/3) (n - v) / v^(1/3)), and Ai(15) is 5e-19. For small v, the
+    // factorials make it fall even faster.
     return static_cast<int>(v + 12 * std::cbrt(v)) + 30;
 }
 
@@ -19,7 +19,8 @@ std::vector<double> bessel_orders(double v) {
         j[0] = 1;
         return j;
     }
-    // The largest of these start 1e-250 and rise by less than 1e250: (2n/v)^n / n! for v above 1e-3.
+    // The downward recurrence starts at 1e-250 and grows by less than 1e250, namely (2n/v)^n / n!, if v
+    // exceeds 1e-3. Smaller v use the first two terms of the power series.
     if (v < 1e-3) {
         double term = 1;
         for (int n = 0; n <= last; ++n) {

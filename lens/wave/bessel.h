@@ -1,4 +1,4 @@
-// Bessel functions of the first kind and whole order.
+// Bessel functions of the first kind and integer order.
 #pragma once
 
 #include <cstddef>
@@ -6,15 +6,15 @@
 
 namespace postlens {
 
-/// J_0(v), J_1(v), .. for v >= 0, to the order from which on they are less than 1e-18 of the largest. By the
-/// downward recurrence J_{n-1} = (2n/v) J_n - J_{n+1}, normalised by J_0 + 2 J_2 + 2 J_4 + .. = 1
-/// [abramowitz1972, 9.12]: about 1e-15 of the largest in every order. Takes v + O(v^(1/3)) steps.
+/// J_0(v), J_1(v), .. for v >= 0, up to the order above which they are less than 1e-18 of the largest. Uses
+/// the downward recurrence J_{n-1} = (2n/v) J_n - J_{n+1}, normalised by J_0 + 2 J_2 + 2 J_4 + .. = 1
+/// [abramowitz1972, 9.12]. The error of each order is about 1e-15 of the largest. Takes v + O(v^(1/3)) steps.
 [[nodiscard]] std::vector<double> bessel_orders(double v);
 
-/// The order above v at which the downward recurrence may begin: J is below 1e-18 there.
+/// Order above v at which the downward recurrence begins, where J is below 1e-18.
 [[nodiscard]] int bessel_last_order(double v);
 
-/// J_0 and J_1 at 0, step, 2 step, ..: what every depth and wavelength begins with.
+/// J_0 and J_1 at 0, step, 2 step, .., with which the recurrences for every depth and wavelength begin.
 struct BesselGrid {
     double step = 0.5;
     std::vector<double> j0, j1;

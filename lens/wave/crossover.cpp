@@ -24,7 +24,7 @@ Crossover crossover(double focal_length_mm, double focus_distance_m, double dept
         2 * first_zero / std::numbers::pi * wavelength_nm * mm_per_nm * V_mm / focal_length_mm;
     const double coc_mm = std::abs(coc_diameter_mm(at_one, focus_distance_m, depth_m));
     Crossover out;
-    out.over_defocus_f_number = std::sqrt(coc_mm / airy_mm);  // airy n = coc / n
+    out.over_defocus_f_number = std::sqrt(coc_mm / airy_mm);  // solves airy n = coc / n
     out.over_pixel_f_number = pixel_pitch_mm / airy_mm;
     for (int i = -6; i <= 42; ++i) {
         const double n = std::exp2(i / 6.0);

@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// J_0 and J_1 for the two steps that tables have, as long as the longest table wants.
+/// J_0 and J_1 for each of the two step sizes of tables, as long as the longest table needs.
 class BesselGrids {
   public:
     void want(double u, double v_end) {
@@ -63,7 +63,7 @@ void check(const FocusGeometry& geometry, std::span<const double> cocs, const Di
     }
 }
 
-/// What one depth needs, found before the work begins.
+/// Sizes for one depth, computed in advance.
 struct Plan {
     double radius_px = 0;
     ResponseGrid window;  ///< without values
@@ -87,7 +87,7 @@ Plan plan_of(double coc_px, const std::vector<WaveScale>& scales, const Diffract
     return plan;
 }
 
-/// Nothing beyond the circle: a square's corners would show around bright points.
+/// Sets pixels beyond the circle to 0, because the corners of a square would be visible around bright points.
 void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseGrid& grid) {
     const auto nearest = [](double begin) { return begin > 0 ? begin : begin < -1 ? begin + 1 : 0.0; };
     for (int j = 0; j < grid.height; ++j) {
@@ -102,7 +102,7 @@ void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseG
 }  // namespace
 
 double radius_of_tail(double u, double tail) {
-    // (2/pi) v / (v^2 - u^2) = tail, solved for v.
+    // Solution v of (2/pi) v / (v^2 - u^2) = tail.
     const double a = 1 / (std::numbers::pi * tail);
     return a + std::hypot(a, u);
 }
@@ -116,7 +116,7 @@ std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometr
         check_wavelength(line.wavelength_nm);
         scales.push_back(wave_scale(geometry, geometry.inverse_focus_per_m, line.wavelength_nm));
     }
-    // Sizes first: all the memory is known, and refused, before any of it is taken.
+    // All sizes are computed first, so that a lack of memory is reported before any is allocated.
     std::vector<Plan> plans;
     BesselGrids bessel;
     double result_bytes = 0, widest_window = 0;

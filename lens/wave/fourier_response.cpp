@@ -23,7 +23,7 @@ namespace {
 constexpr double pi = std::numbers::pi;
 using Complex = std::complex<double>;
 
-/// FFTW's planner may run in one thread at a time.
+/// FFTW's planner is not thread-safe, so this mutex guards it.
 std::mutex& planner() {
     static std::mutex mutex;
     return mutex;
@@ -46,7 +46,8 @@ fftw_complex* raw(Complex* p) {
     return reinterpret_cast<fftw_complex*>(p);
 }
 
-/// A plan that is made, run once and destroyed. Estimated, so that it is the same every time.
+/// Makes an FFTW plan, runs it once and destroys it. Plans are estimated, not measured, so that they are the
+/// same every time.
 template <typename Make>
 void transform(const Make& make) {
     fftw_plan plan = nullptr;
@@ -70,12 +71,12 @@ int next_smooth_even(double at_least) {
     }
 }
 
-/// Phase in the pupil, rad: that of exp(-i u p^2 / 2), and aberrations of the same sign.
+/// Phase in the pupil, rad: the defocus phase of exp(-i u p^2 / 2), plus aberrations with the same sign.
 double phase(const FourierResponse& r, double x, double y) {
     return -(r.u * (x * x + y * y) / 2 + 2 * pi * wavefront_waves(r.wavefront, x, y));
 }
 
-/// The steepest phase over the pupil, rad per unit, by differences on a grid.
+/// Largest slope of the phase over the pupil, rad per pupil radius, by differences on a grid.
 double steepest(const FourierResponse& r) {
     constexpr int steps = 96;
     constexpr double h = 1.0 / steps;
@@ -92,19 +93,20 @@ double steepest(const FourierResponse& r) {
     return most;
 }
 
-/// Index of a wrapped axis for a signed one.
+/// Index on a periodic axis for a signed index.
 std::size_t wrapped(int k, int size) {
     return static_cast<std::size_t>(k < 0 ? k + size : k);
 }
 
-/// Means over a cell of the pupil, of the wave and of the light that passes.
+/// Means over a cell of the pupil of the wave and of the transmitted light.
 struct Cell {
     Complex wave = 0;
     double light = 0;
 };
 
-/// Where the cell's corners let through the same, Gauss' rule, which is exact to 1e-6 for phases that turn by
-/// a quarter wave; else 16 x 16 points, for the outline.
+/// Integrates over one cell of the pupil. If its corners have the same transmission as its centre, 3 x 3
+/// Gauss nodes suffice, with an error of 1e-6 for phases that change by a quarter wave. Otherwise an edge
+/// crosses the cell, which takes 16 x 16 points.
 Cell cell_of(const FourierResponse& r, double x, double y, double width) {
     const auto light = [&](double px, double py) {
         return std::abs(px) <= 1 && std::abs(py) <= 1 ? r.transmission(px, py) : 0;
@@ -141,7 +143,7 @@ Cell cell_of(const FourierResponse& r, double x, double y, double width) {
 }  // namespace
 
 double FourierSampling::bytes() const {
-    // The complex field and the real one beside it.
+    // Memory of the complex field and of the real intensity.
     return static_cast<double>(size) * size * 3 * sizeof(double);
 }
 
@@ -155,7 +157,8 @@ FourierSampling fourier_sampling(const FourierResponse& r, const ResponseGrid& w
              r.u, r.v_per_px);
     }
     FourierSampling s;
-    constexpr double most_v_step = 1.1;  // pi / (2 sqrt 2): apertures may fill the square around the disc
+    constexpr double most_v_step =
+        1.1;  // pi / (2 sqrt 2), since apertures may fill the square around the disc
     s.samples_per_px = static_cast<int>(std::ceil(r.v_per_px / most_v_step));
     s.v_step = r.v_per_px / s.samples_per_px;
     const double slope = steepest(r);
@@ -166,7 +169,8 @@ FourierSampling fourier_sampling(const FourierResponse& r, const ResponseGrid& w
     };
     const double window_v = r.v_per_px * std::max(furthest(window.x_begin, window.width, r.centre_x),
                                                   furthest(window.y_begin, window.height, r.centre_y));
-    // What lies at -slope - 30 must not come back into the window: half a field each.
+    // Light extends to about v = slope + 30. The field is periodic, so it must be wide enough that this light
+    // does not wrap into the window.
     const double field_v = std::max(2 * pi * cells, window_v + std::max(window_v, slope + 30));
     if (field_v / s.v_step > 1 << 20) {
         fail(ExitCode::out_of_memory,
@@ -202,12 +206,13 @@ FourierField fourier_field(const FourierResponse& r, const FourierSampling& s) {
     if (!(out.light > 0))
         fail(ExitCode::wrong_arguments, "aperture lets no light through (got no transmission)");
     transform([&] {
-        // exp(+i v p): a point p of the lens moves what lies behind the focus to v = u p, as in
-        // focus_geometry.h.
+        // The kernel exp(+i v p) has the sign of focus_geometry.h: if the object is behind the focus, light
+        // through lens point p lands at v = u p.
         return fftw_plan_dft_2d(s.size, s.size, raw(field.get()), raw(field.get()), FFTW_BACKWARD,
                                 FFTW_ESTIMATE);
     });
-    // Means over cells are the pupil convolved with a cell: the field is too small by the cell's transform.
+    // Averaging over cells convolves the pupil with a cell, which multiplies the field by the cell's
+    // transform, a sinc. The gain corrects the intensity for it.
     std::vector<double> gain(size);
     for (std::size_t i = 0; i < size; ++i) {
         const double angle = pi * static_cast<double>(std::min(i, size - i)) / static_cast<double>(size);
@@ -231,20 +236,21 @@ void fill_fourier_energy(const FourierResponse& r, ResponseGrid& grid) {
         return fftw_plan_dft_r2c_2d(s.size, s.size, field.intensity.data(), raw(transfer.get()),
                                     FFTW_ESTIMATE);
     });
-    // A pixel whose middle lies at c px is the field at c v_per_px, its square applied. The first pixel's
-    // middle is put onto the sample (0, 0), so that the others lie samples_per_px apart.
+    // The energy of a pixel with centre c px is the intensity at v = c v_per_px, convolved with the pixel's
+    // square. The field is shifted so that the centre of the first pixel falls on sample (0, 0); the other
+    // centres are then samples_per_px apart.
     const double begin_x = grid.x_begin + 0.5 - r.centre_x, begin_y = grid.y_begin + 0.5 - r.centre_y;
     const auto factor = [&](int k, double begin_px) {
         const double angle = 2 * pi * k / s.size * s.samples_per_px;  // rad per px
         const double sinc = k == 0 ? 1 : std::sin(angle / 2) / (angle / 2);
-        // The highest frequency of an even size has no partner to be complex with.
+        // At the Nyquist frequency of an even size, the transform of a real signal is real.
         if (2 * std::abs(k) == s.size) return Complex(sinc * std::cos(angle * begin_px));
         return std::polar(1.0, angle * begin_px) * sinc;
     };
     std::vector<Complex> along_x(half);
     for (std::size_t i = 0; i < half; ++i) along_x[i] = factor(static_cast<int>(i), begin_x);
-    // All of I over the plane of v is 4 times the light (4 pi for the disc, whose dE is I v dv / 2). The
-    // transform back multiplies by N^2.
+    // The integral of I over the plane of v is 4 times the transmitted light: 4 pi for the disc, where dE = I
+    // v dv / 2. The inverse transform multiplies by N^2.
     const double per_pixel = r.v_per_px * r.v_per_px / (4 * field.light) / static_cast<double>(size * size);
     parallel_for(size, [&](std::size_t row) {
         const int k = row <= size / 2 ? static_cast<int>(row) : static_cast<int>(row) - s.size;

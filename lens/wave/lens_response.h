@@ -1,4 +1,4 @@
-// The response of a lens with its film at V: the picture of one point and its figures.
+// Impulse response of a lens with its film at V, and its figures.
 #pragma once
 
 #include <optional>
@@ -16,24 +16,24 @@ struct LensResponseRequest {
     double focus_distance_m = 1, depth_m = 1;
     double pixel_pitch_mm = 0.01875;
     Impulse impulse;  ///< disc, polygon, picture or diffraction
-    /// Of geometric kinds; absent: made of `impulse`, which a picture cannot be.
+    /// Aperture for geometric kinds; absent: made from `impulse`. Needed for a picture.
     std::optional<Aperture> aperture;
-    double wavelength_nm = 550;  ///< where the impulse names none
-    int size_px = 0;  ///< of the square frame; 0: as large as holds 99% of the energy, 1025 at most
+    double wavelength_nm = 550;  ///< used if the impulse states none
+    int size_px = 0;  ///< of the square frame; 0: large enough for 99 % of the energy, at most 1025
 };
 
-/// A place of the radial profile.
+/// A sample of the radial profile.
 struct RadialSample {
     double radius_px = 0;
-    double v = 0;  ///< of the mean wavelength
+    double v = 0;  ///< radius in units of v at the mean wavelength
     double intensity =
-        0;  ///< energy per area, 1 at the peak of the same lens in focus: I(u, v) of one wavelength
+        0;  ///< energy per area, 1 at the peak of the same lens in focus; I(u, v) for one wavelength
     double encircled = 0;  ///< share of the energy within the radius
 };
 
 struct LensResponse {
-    /// Energy per pixel, of 1 in all: the frame's sum is `energy_in_frame`. The geometric image lies in the
-    /// middle of the frame: of the middle pixel for odd sizes, of four pixels for even ones.
+    /// Energy per pixel, of a total of 1; the sum over the frame is `energy_in_frame`. The geometric image is
+    /// at the centre of the frame: the centre of a pixel for odd sizes, a pixel corner for even sizes.
     ResponseGrid grid;
     double energy_in_frame = 0, peak_share = 0;
     double coc_px = 0;  ///< signed
@@ -41,18 +41,19 @@ struct LensResponse {
     double wavelength_nm = 0;  ///< mean of those used
     double u = 0, v_per_px = 0;
     double airy_diameter_px = 0;  ///< to the first zero in focus, 2.4394 lambda V/D
-    /// Twice the largest radius at which the intensity is half of the highest: of a disc its diameter. Absent
-    /// where it lies beyond the frame.
+    /// Twice the largest radius at which the intensity is half of its maximum; the diameter of a disc. Absent
+    /// if it is beyond the frame.
     std::optional<double> fwhm_px;
-    /// Of the circle that holds half of all energy: tells the blur where `fwhm_px` tells a bright fringe.
-    /// Absent where it does not fit the frame.
+    /// Diameter of the circle that holds half of the energy. It measures the blur even where `fwhm_px`
+    /// measures only a bright fringe. Absent if the circle does not fit the frame.
     std::optional<double> half_energy_diameter_px;
-    /// From 0 to the frame's half width, four places to a unit of v, 8192 at most, fewer where v reaches 1e6.
+    /// From 0 to half the width of the frame: four samples per unit of v, at most 8192, and fewer if v
+    /// reaches 1e6.
     std::vector<RadialSample> profile;
 };
 
-/// Throws Error(wrong_arguments) for F, n, s, depth, pitch, size and wavelengths out of range (n infinite is
-/// a disc of no width, and no diffraction), Error(out_of_memory) with what it needs.
+/// An infinite n gives a disc of width 0 and is refused for diffraction. Throws Error(wrong_arguments) if F,
+/// n, s, depth, pitch, size or wavelengths are out of range, Error(out_of_memory) with the memory needed.
 [[nodiscard]] LensResponse lens_response(const LensResponseRequest& request);
 
 }  // namespace postlens

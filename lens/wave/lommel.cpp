@@ -12,7 +12,8 @@ namespace postlens {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// Below it the form for v < |u| subtracts nearly equal numbers: it divides by u^2 what is of order u^2.
+/// Below this |u|, the series for v < |u| subtracts nearly equal numbers, because it divides terms of order
+/// u^2 by u^2.
 constexpr double small_u = 8;
 
 double squared(double x) {
@@ -54,7 +55,8 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // The phase along p runs through u/2 + v at most; 16 nodes a panel resolve half a fringe to rounding.
+    // The phase changes over p by at most u/2 + v, so a panel spans at most half a fringe, which 16 nodes
+    // integrate to rounding.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {
@@ -76,7 +78,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // (2/u)^2 (U1^2 + U2^2) with one power of u/v taken out, so that u may be 0: Airy's pattern.
+        // (2/u)^2 (U1^2 + U2^2), with one power of u/v taken out, so that u may be 0, which gives the Airy
+        // pattern.
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {

@@ -14,17 +14,18 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Flow through a border, followed fringe by fringe: the border is the line at the distance `x` from the
-/// centre, from y0 to y1 along it. With y = x sinh t and r = x cosh t the flow L x / (2 pi r^2) dy becomes
-/// L / (2 pi cosh t) dt, whose steps in r are fine where the border passes close to the centre.
+/// Energy flow through a pixel border, with every fringe resolved. The border lies on the line at distance
+/// `x` from the centre, from y0 to y1. With y = x sinh t and r = x cosh t, the flow L x / (2 pi r^2) dy
+/// becomes L / (2 pi cosh t) dt, whose steps in r are fine where the border passes close to the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // Nearer than this no light flows across: what is encircled falls with the square of the radius.
+    // So close to the centre the flow is negligible, as the encircled energy falls with the square of the
+    // radius.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // 16 nodes follow a fringe of L well over 6 in v; more than 64 panels would follow fringes of which there
-    // are hundreds to a pixel.
+    // 16 nodes resolve the fringes of L over a panel of 6 in v. More than 64 panels would resolve fringes of
+    // which a pixel has hundreds.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -39,13 +40,13 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Fringes finer than this are averaged; a little less than the distance of two nodes, which leaves the least
-/// error where fringes are neither fine nor coarse.
+/// Width over which fringes are averaged: slightly less than the distance between two nodes, which gives the
+/// smallest error for fringes of medium width.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// The smoothed flow per distance, L / (2 pi r^2), in a table over r.
+/// Table over r of L / (2 pi r^2), smoothed: times x, it is the flow per length of a border at distance x.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -69,7 +70,7 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Flow in the direction of x through borders that stand on the line at `x`.
+/// Flow in the direction of x through borders that lie on the line at `x`.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -82,7 +83,7 @@ class Flow {
         const double furthest_y = std::max(std::abs(y0), std::abs(y1));
         const double r0 = std::sqrt(x * x + nearest_y * nearest_y);
         if (r0 < settings_.near_px) return near_flow(profile_, x, y0, y1);
-        // Gauss' rule of two nodes on pairs of steps; along the border only r matters.
+        // Two-point Gauss quadrature on pairs of steps. Along a border, the flow depends only on r.
         constexpr double node = 0.21132486540518713;  // (1 - 1/sqrt(3)) / 2
         const double span = std::sqrt(x * x + furthest_y * furthest_y) - r0;
         const int pairs = std::max(2, static_cast<int>(std::ceil(span * settings_.nodes / 2)));
@@ -101,8 +102,8 @@ class Flow {
     FlowTable table_;
 };
 
-/// The flow through every border, made once where the centre is a point of symmetry of the pixels: at a
-/// corner or the middle of one. Then all borders are those of a quadrant.
+/// Flow through all pixel borders. If the centre is the corner or the centre of a pixel, the pixel grid is
+/// symmetric about it, so the flow is computed in advance for one quadrant and reused for the others.
 class Borders {
   public:
     Borders(const Flow& flow, double centre_x, double centre_y, int reach) : flow_(flow) {
@@ -113,13 +114,13 @@ class Borders {
         parallel_for(size_, [&](std::size_t line) {
             for (std::size_t row = 0; row < size_; ++row) {
                 const double x = static_cast<double>(line) + offset, y = static_cast<double>(row) - offset;
-                // Further out than any border of the grid the table of the flow ends.
+                // The grid has no border here, and the flow table ends.
                 if (std::max(x, y + 1) > reach + 1) break;
                 quadrant_[line * size_ + row] = std::hypot(x, y + 1) > 0 ? flow.through(x, y, y + 1) : 0;
             }
         });
     }
-    /// Through the border on the line at x, from y0 to y0 + 1.
+    /// Flow through the border on the line at x, from y0 to y0 + 1.
     [[nodiscard]] double through(double x, double y0) const {
         if (quadrant_.empty()) return flow_.through(x, y0, y0 + 1);
         const auto line = static_cast<std::size_t>(std::abs(x));
@@ -143,7 +144,7 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // Where symmetry is made use of, the square around the grid is wanted.
+    // The quadrant of Borders needs the flow in the whole square around the grid.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

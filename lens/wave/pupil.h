@@ -1,4 +1,4 @@
-// What an aperture lets through.
+// Transmission of apertures as functions.
 #pragma once
 
 #include <functional>
@@ -8,20 +8,20 @@
 
 namespace postlens {
 
-/// Transmission of an aperture over x, y in [-1, 1]: 1 is half the diameter D that u and v are made with, x
-/// to the right and y down as on the raster. The share of the light (not of the amplitude) that passes, 0
+/// Transmission of an aperture over x, y in [-1, 1], in units of half the diameter D in u and v; x to the
+/// right and y down as on the raster. The value is the share of intensity (not amplitude) that passes, 0
 /// to 1.
 using Transmission = std::function<double(double x, double y)>;
 
 [[nodiscard]] Transmission circular_aperture();
 
-/// 1 inside the polygon, any number of turns of its outline counted odd-even. Throws Error(wrong_arguments)
-/// for fewer than three corners and for corners outside of [-1, 1].
+/// 1 inside the polygon by the even-odd rule. Throws Error(wrong_arguments) for fewer than three corners and
+/// for corners outside [-1, 1].
 [[nodiscard]] Transmission polygon_aperture(std::vector<glm::dvec2> corners);
 
-/// A picture laid over [-1, 1]^2, its longer side filling it, row by row from the top; linear between the
-/// middles of pixels, 0 outside. Throws Error(wrong_arguments) for values outside of [0, 1] or not numbers,
-/// for sizes that do not fit the values and for a picture that lets nothing through.
+/// Transmission from an image, row by row from the top, whose longer side spans [-1, 1]. Bilinear between
+/// pixel centres, 0 outside. Throws Error(wrong_arguments) for values outside [0, 1] or not numbers, for
+/// sizes that do not match the number of values and for an image that transmits nothing.
 [[nodiscard]] Transmission picture_aperture(int width, int height, std::vector<float> values);
 
 }  // namespace postlens

@@ -7,10 +7,10 @@ namespace postlens {
 
 struct GaussNode {
     double x = 0;       ///< in (0, 1)
-    double weight = 0;  ///< all together 1
+    double weight = 0;  ///< weights of all nodes add up to 1
 };
 
-/// The 16 nodes that are exact for polynomials of degree 31, by Newton's method on Legendre's polynomial.
+/// The 16 nodes, exact for polynomials up to degree 31, from Newton's method on the Legendre polynomial.
 [[nodiscard]] const std::array<GaussNode, 16>& gauss_legendre_16();
 
 }  // namespace postlens

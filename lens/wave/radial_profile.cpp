@@ -35,7 +35,7 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
             sum += p.weight * p.energy->within(v);
             continue;
         }
-        // Means B over three neighbouring spans give the middle value of a smooth function as
+        // For a smooth function, the means B over three neighbouring spans give the value at the centre as
         // (26 B_0 - B_-1 - B_1) / 24, with an error of 3/640 of the fourth difference.
         const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
         const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
@@ -45,7 +45,7 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
 }
 
 std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
-    // Half a width and three halves of it before and behind, in steps.
+    // Half a width and three halves of a width, in steps.
     constexpr std::size_t half = row_steps / 2, three = 3 * half;
     std::vector<double> out(count), integral(count + 2 * three);
     for (const Part& p : parts_) {
@@ -61,7 +61,7 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
             const double steps = static_cast<double>(i) - static_cast<double>(three);
             integral[i] = p.energy->within_integral((begin_px + steps * width_px / row_steps) * p.v_per_px);
         }
-        // As smoothed_within.
+        // Same formula as in smoothed_within.
         const double scale = p.weight / (24 * w);
         for (std::size_t i = 0; i < count; ++i) {
             out[i] += scale * (27 * (integral[i + three + half] - integral[i + three - half]) -
@@ -72,7 +72,7 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
 }
 
 double RadialProfile::density(double radius_px) const {
-    // dE = I v dv / 2 on a ring of area 2 pi r dr.
+    // The energy dE = I v dv / 2 lies in a ring of area 2 pi r dr.
     double sum = 0;
     for (const Part& p : parts_) {
         sum += p.weight * lommel_intensity(p.energy->u(), radius_px * p.v_per_px) * p.v_per_px * p.v_per_px;

@@ -1,4 +1,4 @@
-// Encircled energy over the radius in pixels, mixed from several wavelengths.
+// Encircled energy as a function of the radius in pixels, for a mixture of wavelengths.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace postlens {
 
-/// The sum of the responses of some wavelengths, each with its weight, around a centre.
+/// Weighted sum of the concentric responses of several wavelengths.
 class RadialProfile {
   public:
     struct Part {
@@ -17,21 +17,22 @@ class RadialProfile {
     };
     explicit RadialProfile(std::vector<Part> parts) : parts_(std::move(parts)) {}
 
-    /// Up to where every part's table reaches, px.
+    /// Radius up to which the tables of all parts extend, px.
     [[nodiscard]] double end_px() const;
-    /// The most of v to a pixel.
+    /// Largest v_per_px of all parts.
     [[nodiscard]] double v_per_px() const;
 
-    /// Share of the energy within the radius, 0 to end_px().
+    /// Share of the energy within a radius from 0 to end_px().
     [[nodiscard]] double within(double radius_px) const;
-    /// `within` without what is finer than `width_px`: exact to the fourth order where it is smooth, means
-    /// over the width where fringes are finer. The radius must keep 3/2 widths from 0 and from the end.
+    /// `within` without structure finer than `width_px`: exact to fourth order where it is smooth, averaged
+    /// over the width where fringes are finer. The radius must be at least 3/2 widths away from 0 and from
+    /// the end.
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// The same for `count` radii from `begin_px` on, `row_steps` to a width: each integral that a mean needs
-    /// serves four of them.
+    /// `smoothed_within` for `count` radii from `begin_px` on, `row_steps` per width. Faster, because four
+    /// radii share each integral.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
-    /// Energy per square pixel at the radius, from the closed form of each part.
+    /// Energy per px^2 at the radius, from the closed form of each part.
     [[nodiscard]] double density(double radius_px) const;
 
   private:

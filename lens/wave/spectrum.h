@@ -1,4 +1,4 @@
-// Which wavelengths each colour channel sees.
+// Wavelengths and their weights in each colour channel.
 #pragma once
 
 #include <array>
@@ -13,18 +13,18 @@ struct SpectralLine {
     std::array<double, 3> weight = {1, 1, 1};
 };
 
-/// Lines whose weights are 1 in sum for every channel.
+/// Lines whose weights add up to 1 in every channel.
 using Spectrum = std::vector<SpectralLine>;
 
-/// The channels' own bands under white light: seven lines from 440 to 632 nm, 32 nm apart, with the weights
-/// cos^2(pi (lambda - c) / (2 w)) for |lambda - c| < w, w = 64 nm, made 1 in sum, c = 611, 549 and 464 nm:
-/// the dominant wavelengths of Rec.709's primaries against D65 [itu-bt709]. Weights of a matching function
-/// would be negative in places, and no response may be. A band of one line has fringes that no camera shows;
-/// these have three or four lines each.
+/// A band of wavelengths per channel, under white light: seven lines from 440 to 632 nm, 32 nm apart, with
+/// the weights cos^2(pi (lambda - c) / (2 w)) for |lambda - c| < w, normalised to the sum 1. w = 64 nm; c =
+/// 611, 549 and 464 nm, the dominant wavelengths of the Rec.709 primaries against D65 [itu-bt709]. Colour
+/// matching functions are unsuitable, because their weights are negative in places. A single line would cause
+/// fringes that no camera shows, so each band has three or four lines.
 [[nodiscard]] Spectrum channel_bands();
 
-/// The same light in every channel: each wavelength with the same weight. Throws Error(wrong_arguments) for
-/// an empty list, for more than 64 and for wavelengths that `check_wavelength` refuses.
+/// Gives each wavelength the same weight in every channel. Throws Error(wrong_arguments) for an empty list,
+/// for more than 64 wavelengths and for wavelengths that `check_wavelength` refuses.
 [[nodiscard]] Spectrum equal_lines(std::span<const double> wavelengths_nm);
 
 }  // namespace postlens

@@ -8,7 +8,7 @@
 namespace postlens {
 namespace {
 
-constexpr int most_n = 40;  // beyond, the radial polynomial's sum loses its digits
+constexpr int most_n = 40;  // above this, the sum of the radial polynomial loses precision
 constexpr double most_waves = 1e4;
 
 void check_waves(double waves) {
@@ -17,7 +17,7 @@ void check_waves(double waves) {
          most_waves, most_waves);
 }
 
-/// R_n^m(p) by its sum [born1999, 9.2, eq. 5], term by term.
+/// Radial polynomial R_n^m(p), summed term by term [born1999, 9.2, eq. 5].
 double radial_polynomial(int n, int m, double p) {
     double sum = 0;
     for (int k = 0; k <= (n - m) / 2; ++k) {
