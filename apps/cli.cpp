@@ -272,6 +272,7 @@ void add_focus(CLI::App& root, State& s) {
     foreign_channel_options(app, o.foreign.choice);
     foreign_camera_options(app, o.foreign.camera);
     behind_options(app, o.foreign);
+    object_options(app, o.foreign);
     choice(app, "--spacing", o.spacing, "Spacing of the K depths: equal steps in z' or in 1/z'",
            {{"linear", DepthSpacing::linear}, {"inverse", DepthSpacing::inverse}});
     choice(app, "--depth-model", o.depth_model,

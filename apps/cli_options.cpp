@@ -320,6 +320,73 @@ void behind_options(CLI::App& app, ForeignOptions& to) {
         ->type_name("NAME");
 }
 
+void object_options(CLI::App& app, ForeignOptions& to) {
+    const auto each = [&app](const std::string& name, const std::string& type, const std::string& help,
+                             const std::function<void(const std::string&)>& take) {
+        app.add_option_function<std::vector<std::string>>(
+               name,
+               [take](const std::vector<std::string>& texts) {
+                   for (const std::string& text : texts) take(text);
+               },
+               help)
+            ->type_name(type)
+            ->allow_extra_args(false);
+    };
+    each("--holdout", "OBJECT",
+         "Of another program's picture: an object that hides what is behind it, sharply, and is not in the "
+         "picture: a name of the Cryptomatte, a number of the id channel, or a picture whose values are its "
+         "share of each pixel; may be given again",
+         [&to](const std::string& text) {
+             to.objects.holdouts.push_back({"--holdout", text});
+         });
+    each("--keep-sharp", "OBJECT", "An object that is not blurred, likewise", [&to](const std::string& text) {
+        to.objects.sharp.push_back({"--keep-sharp", text});
+    });
+    each("--focus-offset", "OBJECT=M",
+         "An object that is blurred as if it were M metres farther away, likewise; M may be negative",
+         [&to](const std::string& text) {
+             const std::size_t at = text.rfind('=');
+             if (at == std::string::npos || at == 0) {
+                 fail(ExitCode::wrong_arguments, "--focus-offset: no distance (got {}; expected OBJECT=M)",
+                      text);
+             }
+             to.objects.offsets.push_back({{"--focus-offset", text.substr(0, at)},
+                                           parse_number("--focus-offset", text.substr(at + 1))});
+         });
+    app.add_option_function<std::string>(
+           "--matte",
+           [&to](const std::string& text) {
+               to.matte = ObjectChoice{"--matte", text};
+           },
+           "The lens has an effect on this object only, likewise; a picture's values say how much")
+        ->type_name("OBJECT");
+    app.add_option_function<std::string>(
+           "--passes",
+           [&to](const std::string& text) {
+               for (std::size_t begin = 0; begin <= text.size();) {
+                   const std::size_t end = std::min(text.find(',', begin), text.size());
+                   const std::string word = text.substr(begin, end - begin);
+                   if (word == "coc")
+                       to.passes.coc = true;
+                   else if (word == "sides")
+                       to.passes.sides = true;
+                   else if (word == "cryptomatte")
+                       to.passes.cryptomatte = true;
+                   else if (word == "error")
+                       to.passes.error = true;
+                   else
+                       fail(ExitCode::wrong_arguments,
+                            "--passes: unknown (got {}; expected coc, sides, cryptomatte, error, or several "
+                            "with commas)",
+                            word);
+                   begin = end + 1;
+               }
+           },
+           "More channels of the .exr: coc, signed diameter in px; sides, what of a pixel is before, in and "
+           "behind the focus; cryptomatte, through the lens; error, of the mean over the views")
+        ->type_name("LIST");
+}
+
 void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to) {
     number(app, "--film-width", to.film_width_mm,
            "Of another program's picture: width of the film [default: the file's, else 36]", "MM", above_0);

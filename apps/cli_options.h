@@ -68,6 +68,7 @@ void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, C
 void foreign_channel_options(CLI::App& app, ForeignChoice& to);
 void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to);
 void behind_options(CLI::App& app, ForeignOptions& to);
+void object_options(CLI::App& app, ForeignOptions& to);
 void tree_options(CLI::App& app, int& max_depth, double& min_contribution);
 void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve,
                      const std::string& absent = "open for an instant");

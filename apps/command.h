@@ -10,6 +10,8 @@
 #include "compare/comparison.h"
 #include "core/error.h"
 #include "focus/focus.h"
+#include "focus/focus_passes.h"
+#include "focus/object_effects.h"
 #include "motionblur/motion_blur.h"
 #include "motionblur/vector_channels.h"
 #include "planner/auto_picture.h"
@@ -77,9 +79,16 @@ struct ForeignOptions {
     ForeignCameraChoice camera;
     std::vector<std::string> behind;  ///< pictures of the same camera that stand behind, nearest first
     std::string behind_layer;         ///< as `choice.layer`, of those; empty: the same
+    ObjectEffects objects;
+    std::optional<ObjectChoice> matte;  ///< where the lens has an effect; none: everywhere
+    FocusPasses passes;
+    /// Names of files that belong to the picture's frame: pictures behind it, and masks of objects.
+    [[nodiscard]] std::vector<std::string*> files();
     [[nodiscard]] bool given() const {
-        return choice.given() || !behind.empty() || !behind_layer.empty() || camera.film_width_mm ||
-               camera.film_distance_mm || camera.depth_along || camera.overscan_px != 0;
+        return choice.given() || !behind.empty() || !behind_layer.empty() || !objects.holdouts.empty() ||
+               !objects.sharp.empty() || !objects.offsets.empty() || matte || passes.any() ||
+               camera.film_width_mm || camera.film_distance_mm || camera.depth_along ||
+               camera.overscan_px != 0;
     }
 };
 

@@ -66,6 +66,22 @@ void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, cons
     }
 }
 
+/// Leaves the picture as the pinhole saw it where the matte is 0.
+void limit_to(const std::vector<float>& matte, const Image& pinhole, Image& image) {
+    for (std::size_t i = 0; i < matte.size(); ++i) {
+        const auto mix = [&](float from, float to) { return from + matte[i] * (to - from); };
+        for (std::size_t c = 0; c < 3; ++c)
+            image.rgb[3 * i + c] = mix(pinhole.rgb[3 * i + c], image.rgb[3 * i + c]);
+        if (!image.alpha.empty())
+            image.alpha[i] = mix(pinhole.alpha.empty() ? 1.0F : pinhole.alpha[i], image.alpha[i]);
+    }
+}
+
+void check_passes(const FocusOptions& options) {
+    if (!options.foreign.passes.any() || options.output.empty()) return;
+    check_exr_path(options.output, "passes");
+}
+
 /// Brings the colours to what is asked for; returns the stops.
 double expose(ForeignPicture& picture, const ExposureOption& asked) {
     const double stops = exposure_of_picture(asked, [&] { return picture.flattened(); });
@@ -88,6 +104,19 @@ nlohmann::ordered_json part_json(const ForeignPart& part) {
 
 }  // namespace
 
+std::vector<std::string*> ForeignOptions::files() {
+    std::vector<std::string*> out;
+    for (std::string& name : behind) out.push_back(&name);
+    const auto add = [&](ObjectChoice& o) {
+        if (o.is_file()) out.push_back(&o.object);
+    };
+    for (ObjectChoice& o : objects.holdouts) add(o);
+    for (ObjectChoice& o : objects.sharp) add(o);
+    for (ObjectEffects::Offset& o : objects.offsets) add(o.object);
+    if (matte) add(*matte);
+    return out;
+}
+
 bool is_foreign(const std::string& input) {
     return is_openexr(input) && !SampleFileReader::is_sample_file(input);
 }
@@ -95,7 +124,8 @@ bool is_foreign(const std::string& input) {
 void refuse_foreign_options(const ForeignOptions& options) {
     if (!options.given()) return;
     fail(ExitCode::wrong_arguments,
-         "--behind, --behind-layer, --layer, --depth-channel, --depth-encoding, --depth-file, --ids, "
+         "--behind, --behind-layer, --holdout, --keep-sharp, --focus-offset, --matte, --passes, --layer, "
+         "--depth-channel, --depth-encoding, --depth-file, --ids, "
          "--ids-file, "
          "--film-width, --film-distance, --z, --overscan: not for a sample file, which knows its camera "
          "(expected an "
@@ -131,6 +161,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
              "--predict: not for a picture of another program, which does not tell what it lacks (expected a "
              "sample file)");
     }
+    check_passes(options);
     LensOptions lens = options.lens;
     CommandResult out;
     if (options.impulse.kind == ImpulseKind::lens)
@@ -156,17 +187,29 @@ CommandResult focus_foreign(const FocusOptions& options) {
                                ? lens.focus_m.value_or(1)
                                : asked_or_named(lens.focus_m, picture.camera.focus_m, "--focus", "picture");
     const double focal_length_mm = lens.focal_length_mm.value_or(picture.camera.focal_length_mm);
-    FocusResult result =
-        focus_foreign(picture, {.lens = {.focal_length_mm = focal_length_mm, .f_number = f_number},
-                                .focus_distance_m = focus_m,
-                                .framing = lens.framing,
-                                .method = method,
-                                .spacing = options.spacing,
-                                .depth_model = options.depth_model,
-                                .impulse = options.impulse,
-                                .depths = options.depths,
-                                .views = options.views,
-                                .crop = options.crop});
+    apply_object_effects(picture, options.foreign.objects, 1 / focus_m);
+    FocusSettings settings{.lens = {.focal_length_mm = focal_length_mm, .f_number = f_number},
+                           .focus_distance_m = focus_m,
+                           .framing = lens.framing,
+                           .method = method,
+                           .spacing = options.spacing,
+                           .depth_model = options.depth_model,
+                           .impulse = options.impulse,
+                           .depths = options.depths,
+                           .views = options.views,
+                           .crop = options.crop};
+    FocusResult result = focus_foreign(picture, settings);
+    if (options.foreign.matte) {
+        if (lens.framing != Framing::keep) {
+            fail(ExitCode::wrong_arguments,
+                 "--matte: not for a picture that the lens crops or magnifies (expected --framing keep)");
+        }
+        settings.method = FocusMethod::pinhole;
+        limit_to(choose_pixels(picture, *options.foreign.matte), focus_foreign(picture, settings).image,
+                 result.image);
+        settings.method = method;
+    }
+    add_focus_passes(picture, settings, options.foreign.passes, result.image);
     result.image.exposure_stops = stops;
     add_warnings(picture, true, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});

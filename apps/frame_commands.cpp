@@ -146,13 +146,14 @@ CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked) 
                 .flattened();
         });
     std::vector<std::string> passes = passes_of(asked.foreign.choice);
-    const auto own = static_cast<std::ptrdiff_t>(passes.size());
-    passes.insert(passes.end(), asked.foreign.behind.begin(), asked.foreign.behind.end());
+    const std::size_t own = passes.size();
+    for (const std::string* file : options.foreign.files()) passes.push_back(*file);
     return each_frame(frames,
                       {options.input, options.output, options.retrace.explain, false, std::move(passes)},
                       options, run_focus, [own](FocusOptions& o, const FrameFiles& files) {
                           set_passes(o.foreign.choice, files);
-                          o.foreign.behind.assign(files.passes.begin() + own, files.passes.end());
+                          std::size_t next = own;
+                          for (std::string* file : o.foreign.files()) *file = files.passes[next++];
                           o.input = files.input;
                           o.output = files.output;
                           o.retrace.explain = files.explain;

@@ -196,7 +196,8 @@ class Search {
                 is_stored(u, v) ? p_.stack(p_.x_begin + u, p_.y_begin + v) : std::span<const StackSample>();
             while (!stack.empty() && radius_px(stack[0].spread_inverse_z()) - own_px < least_step_px)
                 stack = stack.subspan(1);
-            found = {distance_px, stack.empty() ? nothing_px_ : radius_px(stack[0].spread_inverse_z()), stack};
+            found = {distance_px, stack.empty() ? nothing_px_ : radius_px(stack[0].spread_inverse_z()),
+                     stack};
             return true;
         });
         return found;
@@ -324,7 +325,8 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
                 for (const StackSample& s : p.stack(x, y)) {
                     through = 0;
                     widest_px = std::max(
-                        widest_px, std::abs(geometry.coc_diameter_px(static_cast<double>(s.spread_inverse_z())) / 2));
+                        widest_px,
+                        std::abs(geometry.coc_diameter_px(static_cast<double>(s.spread_inverse_z())) / 2));
                 }
             }
             left[at(x, y)] = static_cast<float>(std::max(through, 0.0));

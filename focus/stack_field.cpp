@@ -166,7 +166,7 @@ struct View {
 std::vector<View> views_of(const StackFieldSettings& s) {
     std::vector<View> out;
     constexpr std::uint32_t golden = 0x9E3779B9U;  // 2^32 times the golden ratio's fraction
-    for (const LensViewPoint& p : lens_view_points(s.aperture, s.geometry, s.views)) {
+    for (const LensViewPoint& p : lens_view_points(s.aperture, s.geometry, s.views, s.set)) {
         out.push_back({static_cast<float>(p.shift.lens_px.x), static_cast<float>(p.shift.lens_px.y),
                        static_cast<float>(p.shift.inverse_focus_per_m),
                        static_cast<float>(p.shift.offset_px.x - p.place.x),
@@ -187,6 +187,7 @@ class Band {
           width_(s.drawn.width()),
           nearest_(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(width_)),
           sums_(nearest_.size()),
+          shares_(s.shares ? nearest_.size() : 0),
           passed_(s.aperture.varies_over_field() ? nearest_.size() : 0),
           half_diagonal_px_(std::hypot(s.window.width(), s.window.height()) / 2) {}
 
@@ -206,7 +207,7 @@ class Band {
         take_hits(view);
     }
 
-    void write(StackField& out) const {
+    void write(StackField& out) {
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const int x = s_.drawn.x_begin + static_cast<int>(i % static_cast<std::size_t>(width_)),
                       y = y_begin_ + static_cast<int>(i / static_cast<std::size_t>(width_));
@@ -218,6 +219,10 @@ class Band {
             // A view that the lens blocks has no light, and no say in what is transparent.
             const float passed = passed_.empty() ? views : passed_[i];
             out.image.alpha[k] = passed > 0 ? std::min(sums_[i].rgba[3] / passed, 1.0F) : 1;
+            if (!shares_.empty() && passed > 0) {
+                for (ObjectShare& o : shares_[i]) o.share /= passed;
+                out.shares[k] = std::move(shares_[i]);
+            }
             out.unseen[k] = passed > 0 ? sums_[i].unseen / passed : 0;
         }
     }
@@ -315,6 +320,7 @@ class Band {
                 sum.rgba[1] += s.g;
                 sum.rgba[2] += s.b;
                 sum.rgba[3] += s.alpha;
+                if (!shares_.empty()) add_share(shares_[h.at], s);
             }
             if (met_.empty()) met_.resize(sums_.size());
             met_[h.at] = 1;
@@ -324,6 +330,18 @@ class Band {
             if (!met && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;
         }
         std::fill(met_.begin(), met_.end(), std::uint8_t{0});
+    }
+    void add_share(std::vector<ObjectShare>& of_pixel, const StackSample& s) const {
+        constexpr double in_focus_px = 1;
+        const double coc_px = s_.geometry.coc_diameter_px(static_cast<double>(s.spread_inverse_z()));
+        const int side = std::abs(coc_px) <= in_focus_px ? 0 : coc_px < 0 ? -1 : 1;
+        const auto same = std::find_if(of_pixel.begin(), of_pixel.end(),
+                                       [&](const ObjectShare& o) { return o.id == s.id && o.side == side; });
+        if (same != of_pixel.end()) {
+            same->share += s.alpha;
+        } else {
+            of_pixel.push_back({s.id, side, s.alpha});
+        }
     }
     /// As in `passing` of the light field of sample files: by where the ray meets the plane in focus.
     void find_passing(const View& v) {
@@ -347,6 +365,7 @@ class Band {
     std::vector<Hit> hits_;
     std::vector<Sum> sums_;
     std::vector<std::uint8_t> met_, passes_;
+    std::vector<std::vector<ObjectShare>> shares_;
     std::vector<float> passed_;  ///< views that the lens lets through; empty: all
     double half_diagonal_px_;
 };
@@ -362,6 +381,7 @@ StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>&
     const std::size_t pixels = out.image.rgb.size() / 3;
     out.image.alpha.resize(pixels);
     out.unseen.resize(pixels);
+    if (settings.shares) out.shares.resize(pixels);
     const auto bands =
         static_cast<std::size_t>((settings.drawn.height() + rows_per_task - 1) / rows_per_task);
     parallel_for(bands, [&](std::size_t task) {

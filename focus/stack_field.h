@@ -18,12 +18,22 @@ struct StackFieldSettings {
     RasterWindow window;  ///< the raster pixels of the image
     RasterWindow drawn;   ///< those that are drawn, within `window`; the others are 0
     int views = default_lens_views;
+    int set = 0;          ///< sets have independent lens points and errors (lens_views.h)
+    bool shares = false;  ///< also finds StackField::shares
+};
+
+/// What a pixel of the image shows of one object on one side of the focus.
+struct ObjectShare {
+    std::uint32_t id = 0;  ///< 0: samples without an id
+    int side = 0;          ///< -1 in front of the focus, 1 behind; 0: a CoC diameter of at most 1 px
+    float share = 0;       ///< of the pixel; all of a pixel add up to its alpha
 };
 
 struct StackField {
     Image image;  ///< premultiplied; `alpha` has a value for every pixel
     /// Per pixel of the window: the share of its views that meet no sample at all.
     std::vector<float> unseen;
+    std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty unless it is asked for
 };
 
 /// Draws the image from each lens point and takes the mean.

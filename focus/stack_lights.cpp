@@ -89,14 +89,14 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, con
         const auto inverse_depth = static_cast<double>(behind->inverse_z);
         const auto alpha = static_cast<double>(behind->alpha);
         if (alpha > least_share)
-            add_surface(surface_at(inverse_depth), {inverse_depth, inverse_depth}, rgb_of(*behind, alpha), alpha,
-                        true);
+            add_surface(surface_at(inverse_depth), {inverse_depth, inverse_depth}, rgb_of(*behind, alpha),
+                        alpha, true);
         if (alpha < 1 - least_share) add_surface(nothing, {}, {}, 1 - alpha, true);
     }
     for (const Sum& s : sums_) {
         if (s.surface == nothing && !with_nothing_) continue;
-        const auto store = [&](const std::array<double, 3>& rgb, double weight, const Depths& depths, double covered,
-                               bool hidden) {
+        const auto store = [&](const std::array<double, 3>& rgb, double weight, const Depths& depths,
+                               double covered, bool hidden) {
             if (!(weight > least_share * least_alpha)) return;
             out.push_back(
                 {x,

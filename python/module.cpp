@@ -52,7 +52,13 @@ Outcome run(std::vector<std::string> words, int threads, const py::object& progr
     out.text = std::move(result.text);
     for (Image& image : result.pictures) {
         const std::optional<double> stops = image.exposure_stops;
-        out.pictures.append(py::make_tuple(array_of(std::move(image)), stops));
+        py::dict planes;
+        for (const Image::Plane& p : image.planes) {
+            py::array_t<float> values({image.height, image.width});
+            std::copy(p.values.begin(), p.values.end(), values.mutable_data());
+            planes[py::str(p.name)] = std::move(values);
+        }
+        out.pictures.append(py::make_tuple(array_of(std::move(image)), stops, std::move(planes)));
     }
     for (Warning& w : result.warnings) out.warnings.emplace_back(w.code, w.text, w.share);
     out.exit_code = static_cast<int>(result.exit_code);

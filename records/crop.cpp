@@ -31,6 +31,9 @@ Image cut(const Image& picture, const std::optional<Crop>& crop) {
         std::copy_n(picture.pixel(crop->x, crop->y + y), 3 * crop->width, out.pixel(0, y));
     out.exposure_stops = picture.exposure_stops;
     out.alpha = cut(picture.alpha, picture.width, crop);
+    for (const Image::Plane& p : picture.planes)
+        out.planes.push_back({p.name, cut(p.values, picture.width, crop)});
+    out.texts = picture.texts;
     return out;
 }
 

@@ -11,16 +11,16 @@
 namespace postlens {
 namespace {
 
-/// Sets with more ranks say no more of an edge.
+/// Largest number of layers, of two ranks each, that are read; more do not improve edges.
 constexpr int most_layers = 16;
 constexpr std::size_t most_sets = 64;
-/// Of names in messages.
+/// Names in messages are cut to this length.
 constexpr std::size_t longest_shown = 80;
 
-/// What no channel's name is longer than.
+/// Largest length of a channel name in OpenEXR.
 constexpr std::size_t longest_name = 255;
 
-/// In a line of bearable length, whatever the file says.
+/// Makes a name from a file fit for a message: limits its length and replaces control characters.
 std::string shown(const std::string& name) {
     std::string out = name.size() <= longest_shown ? name : name.substr(0, longest_shown) + "...";
     std::replace_if(
@@ -28,8 +28,8 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Whether a part may hold mattes of the colours in part `own`: a flat one of the same view, or of the file
-/// that was given for ids.
+/// True if a part may hold mattes for the colours in part `own`: a flat part of the same view or, if a
+/// separate file of ids is given, a flat part of that file.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -37,7 +37,7 @@ bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     return p.use == PartUse::picture && p.view == file.parts()[own].view;
 }
 
-/// Where a channel is: the part of the colours first.
+/// Finds the part that holds a channel; the part of the colours is tried first.
 std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
     const auto parts = file.parts();
     if (may_hold(file, own, own) && parts[own].has(channel)) return own;
@@ -79,7 +79,7 @@ std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const 
     return out;
 }
 
-/// Names of sets by their channels: what stands before "00.R".
+/// Finds sets by the names of their channels: the name of a set is the text before "00.R".
 std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     std::vector<std::string> out;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
@@ -95,7 +95,7 @@ std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     return out;
 }
 
-/// Lower is better.
+/// Sort key of a set by its name: objects first, then assets, then others.
 int kind(const std::string& name) {
     const auto has = [&](const char* upper, const char* lower) {
         return name.find(upper) != std::string::npos || name.find(lower) != std::string::npos;
@@ -169,7 +169,7 @@ ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set) 
 }
 
 std::optional<std::vector<std::string>> manifest_names(const std::string& manifest) {
-    // No exceptions, whatever it is; the parser keeps its own stack.
+    // The parser reports errors without exceptions, and deep nesting does not overflow the call stack.
     const auto json = nlohmann::json::parse(manifest, nullptr, false);
     if (!json.is_object()) return std::nullopt;
     std::vector<std::string> names;
@@ -203,7 +203,7 @@ std::uint32_t cryptomatte_id(std::string_view name) {
     hash = (hash ^ hash >> 16U) * 0x85ebca6bU;
     hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
     hash ^= hash >> 16U;
-    // Zero, denormal, infinite or no number: compositors change such bits.
+    // An exponent of 0 or 255 means zero, denormal, infinite or NaN, whose bits compositors may change.
     const std::uint32_t exponent = hash >> 23U & 255U;
     if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
     return hash;

@@ -20,22 +20,21 @@ struct MatteRank {
 
 /// One Cryptomatte (specification 1.2): ranks in order of decreasing coverage.
 struct Cryptomatte {
-    std::string name;  ///< what the channels' names begin with, before the two digits
+    std::string name;  ///< prefix of the channel names, before the two digits
     std::vector<MatteRank> ranks;
-    std::string manifest;  ///< names of the ids as JSON, as the file has it; empty: none
+    std::string manifest;  ///< names of the ids as JSON, as stored in the file; empty: none
 };
 
 struct Cryptomattes {
     std::vector<Cryptomatte> usable;
-    std::vector<std::string> problems;  ///< a line for each that cannot be used
+    std::vector<std::string> problems;  ///< one line for each that is not usable
 };
 
 /// Finds the Cryptomattes whose channels are in `part`, in other flat parts of its view, or in a separate
-/// file of ids: those that `cryptomatte/KEY/name` attributes name, and those without attribute whose names
-/// look like one
-/// ("rypto" in the name, NAME00.R). Ranks are used up to the first with a missing channel. Ids stored with
-/// fewer than 32 bits (half floats, lossy compression) make a Cryptomatte unusable. Sorted: objects, assets,
-/// then by name.
+/// file of ids: those named by `cryptomatte/KEY/name` attributes, and those without attribute whose channels
+/// have names of the form NAME00.R with "rypto" in NAME. Ranks are used up to the first with a missing
+/// channel. Ids stored with fewer than 32 bits (half floats, lossy compression) make a Cryptomatte unusable.
+/// Sorted: objects, assets, then by name.
 [[nodiscard]] Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part);
 
 /// View and layer of a usable Cryptomatte, from its name and that of its first part.

@@ -22,7 +22,7 @@ Imf::Header header_of(const FlatExr& picture) {
         return Imath::Box2i(Imath::V2i(w.x_min, w.y_min), Imath::V2i(w.x_max, w.y_max));
     };
     Imf::Header out(box(picture.display), box(picture.data));
-    // The library's numbers are those of the file, as ours are.
+    // Imf::Compression and ChunkCompression both have the values of the file format.
     out.compression() = static_cast<Imf::Compression>(picture.compression);
     for (const auto& [name, text] : picture.texts) out.insert(name.c_str(), Imf::StringAttribute(text));
     for (const FlatExr::Channel& c : picture.channels)
@@ -30,7 +30,7 @@ Imf::Header header_of(const FlatExr& picture) {
     return out;
 }
 
-/// A row's values of one channel, side by side.
+/// Copies the values of one channel of a row, `step` bytes apart, to consecutive values.
 template <std::size_t value_bytes>
 void gather(const std::uint8_t* from, std::size_t step, std::size_t count, std::uint8_t* to) {
     for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * value_bytes, from + i * step, value_bytes);
@@ -42,7 +42,7 @@ std::optional<std::uint64_t> write_flat_exr(const std::filesystem::path& path, c
                                             const FlatExr& picture) {
     std::vector<FlatExr::Channel> channels = picture.channels;
     std::sort(channels.begin(), channels.end(),
-              [](const auto& a, const auto& b) { return a.name < b.name; });  // as chunks have them
+              [](const auto& a, const auto& b) { return a.name < b.name; });  // the order within chunks
     std::size_t bytes_per_pixel = 0;
     for (const FlatExr::Channel& c : channels) bytes_per_pixel += bytes_of(c.type);
     const int columns = picture.data.x_max - picture.data.x_min + 1,
@@ -62,9 +62,13 @@ std::optional<std::uint64_t> write_flat_exr(const std::filesystem::path& path, c
         for (int y = first; y < last; ++y) {
             for (const FlatExr::Channel& c : channels) {
                 const std::size_t value_bytes = bytes_of(c.type);
-                const auto* from = static_cast<const std::uint8_t*>(c.first) +
-                                   (c.one_row ? 0 : static_cast<std::size_t>(y) * picture.row_bytes);
-                const std::size_t apart = c.one_row ? value_bytes : picture.pixel_bytes;
+                using Layout = FlatExr::Channel::Layout;
+                const std::size_t row_bytes = c.layout == Layout::pixels  ? picture.row_bytes
+                                              : c.layout == Layout::plane ? width * value_bytes
+                                                                          : 0;
+                const auto* from =
+                    static_cast<const std::uint8_t*>(c.first) + static_cast<std::size_t>(y) * row_bytes;
+                const std::size_t apart = c.layout == Layout::pixels ? picture.pixel_bytes : value_bytes;
                 (value_bytes == 2 ? gather<2> : gather<4>)(from, apart, width, to);
                 to += width * value_bytes;
             }

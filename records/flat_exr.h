@@ -20,13 +20,18 @@ struct FlatExr {
         std::string name;
         ExrChannel::Type type = ExrChannel::Type::float32;
         const void* first = nullptr;
-        bool one_row = false;  ///< every row is the one at `first`, whose values lie side by side
+        enum class Layout {
+            pixels,   ///< among the other channels of a pixel
+            plane,    ///< the channel's values lie side by side, row after row
+            one_row,  ///< likewise, and every row is the one at `first`
+        };
+        Layout layout = Layout::pixels;
     };
     Window display, data;
     std::vector<Channel> channels;
     std::size_t pixel_bytes = 0, row_bytes = 0;
     ChunkCompression compression = ChunkCompression::rle;
-    std::vector<std::pair<std::string, std::string>> texts;  ///< attributes
+    std::vector<std::pair<std::string, std::string>> texts;  ///< string attributes: names and values
 };
 
 /// Overwrites the existing file `path`. `shown_name` is the name for error messages. Returns the XXH3 hash of

@@ -17,13 +17,13 @@ namespace postlens {
 namespace {
 
 constexpr float nothing_z = 1e9F;  ///< renderers write 1e9, 1e10 or infinity where a ray hits nothing
-/// A volume is cut into slices that reach so much farther than they begin, and into no more than so many.
+/// Target ratio of the far to the near depth of a volume's slice, and largest number of slices of a volume.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
-/// Of a pixel: less of a surface says nothing.
+/// Smallest share of a pixel for which a surface is kept.
 constexpr float least_share = 0.01F;
 
-/// Takes numbers as they stand in the file and makes stacks of them.
+/// Converts the values of the file to stacks of samples.
 class Reader {
   public:
     Reader(const std::filesystem::path& path, const ForeignChoice& choice, const ForeignCameraChoice& camera)
@@ -37,7 +37,7 @@ class Reader {
         out_.y_begin = part_->data.y_min - part_->display.y_min;
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
-        // Pixels that are shown and those that are stored lie in one raster.
+        // One raster holds both the display window and the stored pixels, so its size is limited.
         const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
                                                         std::min(0, out_.x_begin)),
                    rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
@@ -115,7 +115,7 @@ class Reader {
         SurfaceShare share;
     };
 
-    /// The shares of all pixels, as they stand in the file, by pixel.
+    /// Shares of all pixels, with the values of the file, sorted by pixel.
     std::vector<MatteEntry> matte_entries(const Cryptomatte& matte) const {
         std::vector<MatteEntry> out;
         std::vector<std::size_t> parts;
@@ -133,7 +133,7 @@ class Reader {
                               for (std::size_t i = 0; i < count; ++i) {
                                   for (std::size_t c = 0; c < names.size(); c += 2) {
                                       const float share = values[c + 1][from + i];
-                                      if (!(share >= least_share)) continue;  // NaN as well
+                                      if (!(share >= least_share)) continue;  // also skips NaN
                                       if (out.size() == out.capacity()) {
                                           const std::size_t more = std::max(out.size() * 3 / 2, pixels());
                                           require_memory(more * sizeof(MatteEntry), "the Cryptomatte");
@@ -154,7 +154,7 @@ class Reader {
         return out;
     }
 
-    /// Gives the samples of a flat picture the ids of what fills most of their pixels.
+    /// Sets the id of each sample of a flat image to that with the largest share of its pixel.
     void take_matte(const Cryptomatte& matte) {
         const std::vector<MatteEntry> entries = matte_entries(matte);
         require_memory(entries.size() * (sizeof(MixedPixel) + sizeof(SurfaceShare)), "the Cryptomatte");
@@ -199,12 +199,12 @@ class Reader {
             out_.shares.push_back({.id = h.id, .share = h.share / sum, .inverse_z = {}});
     }
 
-    /// One over the depth that a number in the file means, its sign kept.
+    /// Inverse depth of a value in the file, with its sign.
     float inverse(float value, int x, int y) {
         return inverse_of(encoding_ ? encoding_->distance(value) : value, x, y, value);
     }
     float inverse_of(float z, int x, int y, float value) {
-        if (!(std::abs(z) < nothing_z) || z == 0) return 0;  // NaN as well
+        if (!(std::abs(z) < nothing_z) || z == 0) return 0;  // also NaN
         farthest_ = std::max(farthest_, std::abs(z));
         if (z < 0) {
             if (negative_ == 0) first_negative_ = {x, y, value};
@@ -216,14 +216,14 @@ class Reader {
     }
 
     void add(const StackSample& s) {
-        // What neither shines nor covers has nothing to say. NaN is looked at later.
+        // A transparent black sample has no effect. NaN is handled later.
         if (s.alpha == 0 && s.r == 0 && s.g == 0 && s.b == 0) return;
         out_.samples.push_back(s);
     }
 
     float checked_alpha(float a) {
         if (a >= 0 && a <= 1) return a;
-        // Sums of rounded numbers.
+        // Alphas that are sums of rounded values may exceed the range by this much.
         constexpr float rounding = 2e-3F;
         if (!(a >= -rounding && a <= 1 + rounding)) ++bad_alphas_;
         return std::isnan(a) ? 1 : std::clamp(a, 0.0F, 1.0F);
@@ -280,7 +280,7 @@ class Reader {
         s.b = static_cast<float>(b);
     }
 
-    /// Gives the samples their depths, from numbers as they stand in the file.
+    /// Sets the depths of the samples from the values of the file.
     void take_depths(std::vector<float>& depths, const std::vector<float>& covered) {
         const auto width = static_cast<std::size_t>(part_->width());
         const FilteredDepths filtered = mend_filtered_depths(depths, covered, width, !out_.channels.matte);
@@ -358,7 +358,8 @@ class Reader {
         });
     }
 
-    /// A sample that reaches from z to z_back lets through by the same share over every equal way.
+    /// Adds a volume from z to z_back, divided into slices. Its density is constant, so equal distances have
+    /// equal transmittance.
     void add_volume(const DeepSample& from, int x, int y) {
         const float z = from.z, z_back = from.z_back;
         const StackSample s{inverse_of(z, x, y, z), from.r, from.g, from.b, from.alpha, from.id};
@@ -387,7 +388,7 @@ class Reader {
         }
     }
 
-    /// To metres along the axis, nearest first.
+    /// Converts depths to metres along the axis and sorts each stack, nearest first.
     void finish_depths() {
         if (negative_ > 0 && positive_ > 0) {
             fail(ExitCode::invalid_input,
@@ -424,7 +425,7 @@ class Reader {
         }
     }
 
-    /// By which one over a depth of the file becomes one over metres along the axis, at a pixel.
+    /// Factor from the inverse depth of the file to the inverse depth along the axis in 1/m, at a pixel.
     [[nodiscard]] float depth_scale(std::size_t pixel) const {
         const auto width = static_cast<std::size_t>(part_->width());
         const ForeignCamera& camera = out_.camera;
@@ -436,7 +437,8 @@ class Reader {
         return static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) / camera.metres_per_unit);
     }
 
-    /// A whole scene within one unit is rare; numbers from 0 to 1 for anything else are common.
+    /// Warns if all depths are between 0 and 1. Scenes within one unit are rare, but other encodings have
+    /// this range.
     void warn_of_encoding() {
         if (encoding_ || negative_ + positive_ == 0 || farthest_ > 1) return;
         out_.repairs.push_back(
@@ -451,7 +453,7 @@ class Reader {
         return std::isfinite(s.r) && std::isfinite(s.g) && std::isfinite(s.b);
     }
 
-    /// From the colours as they came, so that the order of mending does not count.
+    /// Replaces colours that are not finite, using only original colours, so that the order does not matter.
     void mend_colours() {
         std::vector<std::pair<std::size_t, StackSample>> mended;
         const int width = part_->width(), height = part_->height();
@@ -519,7 +521,7 @@ class Reader {
     bool whole_ids_ = false;
     std::optional<DepthEncoding> encoding_;
     std::array<double, 3> luminance_{};
-    float farthest_ = 0;  ///< of what is not nothing, in the file's unit
+    float farthest_ = 0;  ///< largest finite depth, in the file's unit
     ForeignPicture out_;
     std::size_t negative_ = 0, positive_ = 0, bad_alphas_ = 0, bad_colours_ = 0;
     Place first_negative_;
@@ -568,7 +570,7 @@ double ForeignPicture::depth_at(double x, double y) const {
              y, width, height);
     }
     double left = 1;
-    // What covers half of the pixel is what one looks at.
+    // The depth is that of the sample at which the composited alpha reaches one half.
     for (const StackSample& s : stack(static_cast<int>(column), static_cast<int>(row))) {
         left *= 1 - static_cast<double>(s.alpha);
         if (left <= 0.5)

@@ -20,7 +20,7 @@ struct StackSample {
     float inverse_z = 0;  ///< one over the depth along the axis, 1/m; 0: infinitely far
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
-    std::uint32_t id = 0;  ///< of the surface; 0: the file does not say
+    std::uint32_t id = 0;  ///< of the surface; 0: not stated in the file
     /// Inverse depth of the circle of confusion, 1/m, where it is not that of the position; below 0: it is.
     float moved_inverse_z = -1;
     bool holdout = false;  ///< hides what is behind it, and has neither colour nor alpha in an image
@@ -34,13 +34,13 @@ struct StackSample {
 /// A pixel that shows several surfaces, known from a Cryptomatte or from a depth that is a mean of two
 /// depths.
 struct MixedPixel {
-    std::size_t pixel = 0;             ///< number of its stack
-    std::size_t first = 0, count = 0;  ///< of ForeignPicture::shares
+    std::size_t pixel = 0;             ///< index of its stack
+    std::size_t first = 0, count = 0;  ///< range in ForeignPicture::shares
 };
 
 struct SurfaceShare {
-    std::uint32_t id = 0;  ///< 0: what has none, such as the sky
-    float share = 0;       ///< of the pixel; those of a pixel add up to 1
+    std::uint32_t id = 0;  ///< 0: a surface without id, such as the sky
+    float share = 0;       ///< of the pixel; the shares of a pixel add up to 1
     /// Inverse depth of this surface, 1/m; 0: infinitely far. Only if the surfaces are known from depths, not
     /// ids.
     std::optional<float> inverse_z;
@@ -56,8 +56,9 @@ struct ForeignPicture {
     int width = 0, height = 0;  ///< of the display window less the overscan, px: the raster
     /// The stored pixels [x_begin, x_end) x [y_begin, y_end), which may extend beyond the raster on any side.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
-    std::vector<std::uint64_t> offsets{0};  ///< of each pixel's stack, row by row; one more at the end
-    std::vector<StackSample> samples;       ///< each stack nearest first
+    std::vector<std::uint64_t> offsets{
+        0};                            ///< start of each pixel's stack, row by row, and the end of the last
+    std::vector<StackSample> samples;  ///< each stack nearest first
     /// Pixels that show several surfaces, in ascending order, and the shares of these surfaces, largest
     /// first; the sample has the id of the largest. Empty without a Cryptomatte or averaged depths. Shares
     /// below 1 % are left out.
@@ -87,17 +88,14 @@ struct ForeignPicture {
 };
 
 /// Reads the channels that `choice` selects, in bands of rows.
-/// - Depth: 0, 1e9 units and more, infinity and NaN mean that nothing was hit; so does a flat image without
-/// depth
-///   channel (warning "assumed"). If all finite depths are negative, they are taken as distances with a
-///   warning; a single negative one is an error that names its pixel. Filtered depths of flat images are
+/// - Depth: 0, 1e9 units and more, infinity and NaN mean that nothing was hit, as does a flat image without
+///   depth channel (warning "assumed"). If all finite depths are negative, they are taken as distances with
+///   a warning; a single negative one is an error that names its pixel. Filtered depths of flat images are
 ///   repaired (mend_filtered_depths, warning "repaired").
 /// - Colour: values that are not finite are replaced by the mean of finite neighbours, in deep images by
-/// black.
-///   Alpha is clamped to [0, 1]. Both with the warning "repaired".
+///   black. Alpha is clamped to [0, 1]. Both cause the warning "repaired".
 /// - Volumes: overlapping deep samples are merged (tidy_volumes) and divided into slices whose circles of
-/// confusion
-///   differ little.
+///   confusion differ little.
 /// - Ids: see surface_id. Ids that cannot be used are ignored with the warning "ids".
 /// Throws Error(invalid_input) and Error(out_of_memory).
 [[nodiscard]] ForeignPicture read_foreign_picture(const std::filesystem::path& path,

@@ -43,14 +43,14 @@ Format format_of(const fs::path& path) {
     return Format::unknown;
 }
 
-/// A library's messages may span lines; ours are one.
+/// Converts a message of a library, which may have several lines, to one line.
 std::string one_line(std::string text) {
     while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.pop_back();
     std::replace(text.begin(), text.end(), '\n', ' ');
     return text.empty() ? "no reason given" : text;
 }
 
-/// RGB with the picture's alpha.
+/// Interleaves the image's RGB and alpha.
 std::vector<float> with_alpha(const Image& image) {
     std::vector<float> rgba(image.rgb.size() / 3 * 4);
     for (std::size_t i = 0; i < image.alpha.size(); ++i) {
@@ -74,14 +74,14 @@ std::vector<std::uint16_t> encoded_16bit(const Image& image) {
     return values;
 }
 
-/// `place`: where in the whole picture the image lies, and how large that is.
+/// Position of an image within the whole image, and the size of the whole image.
 struct Place {
     std::optional<Crop> crop;
     int whole_width = 0, whole_height = 0;
 };
 
 std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place& place) {
-    // OpenEXR pictures are expected to have alpha; where there is none it is 1, which a half holds.
+    // OpenEXR images are expected to have alpha. An image without alpha gets 1, stored as half floats.
     const std::vector<float> rgba = image.alpha.empty() ? std::vector<float>() : with_alpha(image);
     const std::vector<Imath::half> ones(rgba.empty() ? static_cast<std::size_t>(image.width) : 0,
                                         Imath::half(1.0F));
@@ -93,13 +93,18 @@ std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place&
     for (std::size_t c = 0; c < 3; ++c)
         exr.channels.push_back({std::string(1, "RGB"[c]), ExrChannel::Type::float32, values + c});
     if (rgba.empty()) {
-        exr.channels.push_back({"A", ExrChannel::Type::half, ones.data(), true});
+        exr.channels.push_back({"A", ExrChannel::Type::half, ones.data(), FlatExr::Channel::Layout::one_row});
     } else {
         exr.channels.push_back({"A", ExrChannel::Type::float32, values + 3});
     }
+    for (const Image::Plane& p : image.planes) {
+        exr.channels.push_back(
+            {p.name, ExrChannel::Type::float32, p.values.data(), FlatExr::Channel::Layout::plane});
+    }
+    exr.texts = image.texts;
     exr.pixel_bytes = (rgba.empty() ? 3 : 4) * sizeof(float);
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(image.width);
-    // RLE finds nothing in the bytes of floats but an alpha that is 1 everywhere.
+    // RLE does not compress floats, except for an alpha that is 1 everywhere.
     exr.compression = ChunkCompression::none;
     if (const double stops = image.exposure_stops.value_or(0); stops != 0)
         exr.texts.emplace_back(exposure_attribute, fmt::format("{}", stops));
@@ -141,7 +146,7 @@ void check_image_path(const fs::path& path) {
              "{}: unknown kind of image (got ending \"{}\"; expected exr, png, tif or jpg)", path.string(),
              path.extension().string());
     }
-    // Where it cannot be loaded, that is to be known before the work is done.
+    // A library that cannot be loaded is reported before the image is computed.
     if (format == Format::tiff || format == Format::jpeg) (void)picture_library();
 }
 
@@ -154,9 +159,9 @@ void check_exr_path(const fs::path& path, const char* what) {
 std::uint64_t write_image(const fs::path& path, const Image& image, const std::optional<Crop>& crop) {
     check_image_path(path);
     if (crop) check_crop(crop, image.width, image.height);
-    OutputFile file(path);  // refuses what cannot be written before the work is done
+    OutputFile file(path);  // fails early if the file cannot be written
     const Format format = format_of(path);
-    // An .exr holds radiance.
+    // An .exr holds radiance, so the exposure is divided out.
     const bool divided = format == Format::exr && image.exposure_stops.value_or(0) != 0;
     Image part = crop || divided ? cut(image, crop) : Image();
     if (divided) {
@@ -203,7 +208,8 @@ OpenedImage open_image(const fs::path& path) {
     out.y = has_display_window ? spec.full_y : spec.y;
     out.width = has_display_window ? spec.full_width : spec.width;
     out.height = has_display_window ? spec.full_height : spec.height;
-    // A damaged header must not ask for much memory. Deflate, the densest of the formats, packs 1 to 1032.
+    // A damaged header must not cause a large allocation. Deflate, the densest compression, reaches 1032
+    // to 1.
     const std::uint64_t bytes = fs::file_size(path, ec);
     const auto check_size = [&](int width, int height) {
         const std::uint64_t needed =
@@ -219,7 +225,7 @@ OpenedImage open_image(const fs::path& path) {
     return out;
 }
 
-/// The part of the stored pixels that the display window shows, black where it shows none.
+/// The image of the display window: its stored pixels, and black where none are stored.
 Image in_display_window(const OpenedImage& file, const Image& stored, const std::string& name) {
     const PictureLayout& spec = file.in->layout();
     const std::int64_t shift_x = std::int64_t{spec.x} - file.x, shift_y = std::int64_t{spec.y} - file.y;
@@ -253,7 +259,7 @@ Image read_image(const fs::path& path, PictureValues values) {
     const int channels = spec.channels.size() >= 3 ? 3 : 1;
     const bool srgb = spec.colour_space == "sRGB" || (!spec.floating_point && spec.colour_space != "Linear");
     Image image(spec.width, spec.height);
-    // Grey values go to the front and are spread out below.
+    // Grey values are read into the first third of the array and then expanded to RGB below.
     if (const std::string problem = file.in->read(channels, image.rgb.data()); !problem.empty())
         fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(), one_line(problem));
     if (channels == 1) {
@@ -263,7 +269,7 @@ Image read_image(const fs::path& path, PictureValues values) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
-    // Numbers that were made for a screen are relative to white; without the attribute nobody knows which.
+    // Values of display formats are relative to white. Without the attribute, their exposure is unknown.
     if (!spec.exposure.empty()) {
         const double stops = stops_of_text(spec.exposure, path.string());
         if (srgb || !spec.floating_point) {

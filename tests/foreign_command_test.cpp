@@ -157,6 +157,90 @@ TEST_F(ForeignCommand, EdgesAreTakenApartByACryptomatte) {
     EXPECT_EQ(info.at("cryptomattes").at(0).at("names"), 1);
 }
 
+TEST_F(ForeignCommand, ObjectsArePickedOutByName) {
+    const std::string input = data_folder + "cryptomatte.exr";
+    const json info = done({"info", input});
+    const auto with = [&](std::vector<std::string> more, const std::string& out) {
+        std::vector<std::string> words{"focus", input,     "-o", in(out),    "--f-number",
+                                       "1.4",   "--focus", "5",  "--method", "layers"};
+        words.insert(words.end(), more.begin(), more.end());
+        return done(words);
+    };
+    with({}, "plain.exr");
+    const auto refusal =
+        run({"focus", input, "-o", in("o.exr"), "--f-number", "1.4", "--focus", "5", "--holdout", "nobody"});
+    EXPECT_EQ(refusal.exit_code, 2);
+    const std::size_t at = refusal.err.find("CryptoObject: ");
+    ASSERT_NE(at, std::string::npos) << refusal.err;
+    std::string name = refusal.err.substr(at + 14);
+    name = name.substr(0, name.find_first_of(",)\n"));
+    EXPECT_TRUE(with({"--holdout", name}, "holdout.exr").at("has_alpha").get<bool>());
+    // A matte leaves everything else to the bit.
+    with({"--matte", name}, "matte.exr");
+    done({"focus", input, "-o", in("pinhole.exr"), "--method", "pinhole"});
+    const Image matte = read_image(in("matte.exr")), pinhole = read_image(in("pinhole.exr")),
+                plain = read_image(in("plain.exr"));
+    std::size_t as_pinhole = 0, as_plain = 0;
+    for (std::size_t i = 0; i < matte.rgb.size(); ++i) {
+        as_pinhole += matte.rgb[i] == pinhole.rgb[i] ? 1 : 0;
+        as_plain += matte.rgb[i] == plain.rgb[i] ? 1 : 0;
+    }
+    EXPECT_GT(as_pinhole, matte.rgb.size() / 10);
+    EXPECT_LT(as_pinhole, matte.rgb.size());
+    EXPECT_GT(as_plain, 0U);
+    with({"--passes", "coc,sides,cryptomatte"}, "passes.exr");
+    const json made = done({"info", in("passes.exr")});
+    const auto channels = made.at("channels").get<std::vector<std::string>>();
+    for (const char* channel : {"CoC", "focus.before", "CryptoObject00.R"})
+        EXPECT_NE(std::find(channels.begin(), channels.end(), channel), channels.end()) << channel;
+    EXPECT_EQ(made.at("cryptomattes").at(0).at("name"), "CryptoObject");
+    refused({"focus", input, "-o", in("o.png"), "--f-number", "1.4", "--focus", "5", "--passes", "coc"},
+            ExitCode::wrong_arguments, "passes");
+    refused({"focus", input, "-o", in("o.exr"), "--f-number", "1.4", "--focus", "5", "--passes", "depth"},
+            ExitCode::wrong_arguments, "depth");
+    refused({"focus", input, "-o", in("o.exr"), "--f-number", "1.4", "--focus", "5", "--focus-offset", name},
+            ExitCode::wrong_arguments, "OBJECT=M");
+}
+
+TEST_F(ForeignCommand, WhatIsBehindAPictureComesToLight) {
+    // The half-plane's wall goes on behind it in the second picture.
+    write_half_plane(in("front.exr"));
+    OIIO::ImageSpec spec(48, 24, 4, OIIO::TypeDesc::FLOAT);
+    spec.channelnames = {"R", "G", "B", "Z"};
+    std::vector<float> values;
+    for (int i = 0; i < 48 * 24; ++i) values.insert(values.end(), {0.1F, 0.9F, 0.8F, 4});
+    const auto out = OIIO::ImageOutput::create(in("behind.exr"));
+    ASSERT_TRUE(out && out->open(in("behind.exr"), spec) &&
+                out->write_image(OIIO::TypeDesc::FLOAT, values.data()) && out->close());
+    const std::vector<std::string> words{
+        "focus", in("front.exr"),   "--f-number", "0.5", "--focus", "4", "--film-width",
+        "36",    "--film-distance", "50"};
+    for (const std::string method : {"layers", "lightfield"}) {
+        std::vector<std::string> all = words;
+        all.insert(all.end(), {"-o", in(method + ".exr"), "--method", method, "--behind", in("behind.exr")});
+        const json said = done(all);
+        EXPECT_EQ(warnings(said, "uncovered"), method == "layers" ? 0 : warnings(said, "uncovered"));
+        // Just inside the half-plane its blurred edge lets the greener wall through, which it hides.
+        const Image image = read_image(in(method + ".exr"));
+        EXPECT_GT(image.pixel(25, 12)[1], 0.55F) << method;
+        EXPECT_LT(image.pixel(25, 12)[1], 0.9F) << method;
+    }
+}
+
+TEST_F(ForeignCommand, OverscanIsCutOffTheFrame) {
+    write_half_plane(in("wide.exr"));
+    const json said = done({"focus", in("wide.exr"), "-o", in("o.exr"), "--method", "pinhole", "--overscan",
+                            "4", "--film-width", "30"});
+    EXPECT_EQ(said.at("film_width_mm"), 30);
+    const Image whole = read_image(in("wide.exr")), frame = read_image(in("o.exr"));
+    ASSERT_EQ(frame.width, 40);
+    ASSERT_EQ(frame.height, 16);
+    EXPECT_EQ(frame.pixel(20, 3)[0], whole.pixel(24, 7)[0]);
+    EXPECT_EQ(frame.pixel(19, 3)[0], whole.pixel(23, 7)[0]);
+    refused({"focus", in("wide.exr"), "-o", in("o.exr"), "--method", "pinhole", "--overscan", "12"},
+            ExitCode::wrong_arguments, "--overscan");
+}
+
 TEST_F(ForeignCommand, RefusesInOneLine) {
     write_half_plane(in("a.exr"));
     const std::string a = in("a.exr"), o = in("o.exr");

@@ -19,7 +19,7 @@ PathLike = Union[str, "os.PathLike[str]"]
 Report = dict[str, Any]
 
 _separators = {"size": "x", "shutter": ":", "for_shutter": ":"}
-_repeated = {"behind"}  #: options of one value each time they are given
+_repeated = {"behind", "holdout", "keep_sharp"}  #: options of one value each time they are given
 _units = ("_m", "_mm", "_um", "_nm", "_px", "_s")
 
 
@@ -55,7 +55,9 @@ def words_of(options: Mapping[str, object]) -> list[str]:
         if value is None or value is False:
             continue
         name = option_name(keyword)
-        if keyword in _repeated and isinstance(value, (list, tuple)):
+        if isinstance(value, Mapping):
+            words += [f"{name}={k}={_text(keyword, v)}" for k, v in value.items()]
+        elif keyword in _repeated and isinstance(value, (list, tuple)):
             words += [f"{name}={_text(keyword, v)}" for v in value]
         else:
             words.append(name if value is True else f"{name}={_text(keyword, value)}")
@@ -99,7 +101,7 @@ def run_words(
     threads: int = 0,
     progress: Progress = None,
     kept: Optional["_postlens.KeptFrame"] = None,
-) -> tuple[Report, list[tuple[Any, Optional[float]]]]:
+) -> tuple[Report, list[tuple[Any, Optional[float], dict[str, Any]]]]:
     """Runs a command in this process. Returns its report and the pictures that it has not written.
 
     options: keyword arguments, which follow `words`; errors and warnings then call options by their keywords.

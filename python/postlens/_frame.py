@@ -6,7 +6,7 @@ import itertools
 import os
 import tempfile
 import weakref
-from typing import Any, Iterator, Optional, Sequence, Union
+from typing import Any, Iterator, Mapping, Optional, Sequence, Union
 
 from . import _postlens
 from ._command import PathLike, Progress, Report, path_text, run_words, words_of
@@ -27,7 +27,7 @@ def picture_of(
     """Runs a command whose picture stays in memory. `options`: a function's arguments, as locals() has them."""
     asked = {k: v for k, v in options.items() if k not in _not_options}
     report, pictures = run_words(words, asked, options["threads"], options["progress"], kept)
-    made = [Picture(array, stops, report) for array, stops in pictures]
+    made = [Picture(array, stops, report, passes) for array, stops, passes in pictures]
     made[0].halves = made[1:]
     return made[0]
 
@@ -115,6 +115,11 @@ class Frame:
         strict: bool = False,
         behind: Union[PathLike, Sequence[PathLike], None] = None,
         behind_layer: Optional[str] = None,
+        holdout: Union[PathLike, Sequence[PathLike], None] = None,
+        keep_sharp: Union[PathLike, Sequence[PathLike], None] = None,
+        focus_offset: Optional[Mapping[str, float]] = None,
+        matte: Optional[PathLike] = None,
+        passes: Union[str, Sequence[str], None] = None,
         layer: Optional[str] = None,
         depth_channel: Optional[str] = None,
         depth_encoding: Optional[str] = None,
@@ -140,6 +145,8 @@ class Frame:
         impulse: what a point out of focus becomes: "disc", "polygon:6", "file:aperture.png", "lens:FILE", ...
         crop: (x, y, width, height), px. exposure: stops or "auto".
         behind: pictures of the same camera that stand behind this one, nearest first; behind_layer: their layer.
+        holdout, keep_sharp, matte: objects of another program's picture, by name, number or mask file;
+            focus_offset: metres by object; passes: of "coc", "sides", "cryptomatte", "error": Picture.passes.
         layer, depth_channel, depth_encoding, depth_file, ids, ids_file, film_width_mm, film_distance_mm, overscan_px, z:
             of another program's picture, see docs/inputs.md.
         threads: 0: all. progress: called as progress(fraction, seconds_left) while it lasts; what it raises

@@ -39,14 +39,20 @@ class Picture:
         at the top. It belongs to the picture and may be changed.
     exposure_stops: None where it is not known, as of another program's PNG.
     report: what the command says with --json, as a dict.
+    passes: further channels by name, float32 (height, width); ids of a Cryptomatte are the bits of the floats.
     """
 
     def __init__(
-        self, array: object, exposure_stops: Optional[float] = 0.0, report: Optional[Report] = None
+        self,
+        array: object,
+        exposure_stops: Optional[float] = 0.0,
+        report: Optional[Report] = None,
+        passes: Optional[dict[str, Array]] = None,
     ) -> None:
         self.array: Array = pixels_of("array", array)
         self.exposure_stops = exposure_stops
         self.report: Report = {} if report is None else report
+        self.passes: dict[str, Array] = {} if passes is None else passes
         self.halves: list[Picture] = []
 
     @property

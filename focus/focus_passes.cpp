@@ -1,0 +1,172 @@
+#include "focus/focus_passes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+
+#include "core/error.h"
+#include "core/memory.h"
+#include "core/threads.h"
+#include "focus/stack_field.h"
+#include "records/aperture_file.h"
+#include "records/cryptomatte.h"
+
+namespace postlens {
+namespace {
+
+/// Coverages below this are left out of a Cryptomatte, as renderers leave them out.
+constexpr float least_coverage = 1e-4F;
+/// The specification allows for any number of ranks; eight layers of two are more than any program writes.
+constexpr std::size_t most_ranks = 16;
+
+Image::Plane plane(std::string name, std::size_t pixels) {
+    return {std::move(name), std::vector<float>(pixels, 0.0F)};
+}
+
+float alpha_of(const Image& image, std::size_t pixel) {
+    return image.alpha.empty() ? 1.0F : image.alpha[pixel];
+}
+
+/// What the pinhole sees: the sample at which the composited alpha reaches one half.
+Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry) {
+    const auto width = static_cast<std::size_t>(picture.width);
+    Image::Plane out = plane("CoC", width * static_cast<std::size_t>(picture.height));
+    parallel_for(static_cast<std::size_t>(picture.height), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < picture.width; ++x) {
+            if (!picture.stores(x, y)) continue;
+            double left = 1;
+            for (const StackSample& s : picture.stack(x, y)) {
+                left *= 1 - static_cast<double>(s.alpha);
+                if (left > 0.5) continue;
+                out.values[row * width + static_cast<std::size_t>(x)] =
+                    static_cast<float>(geometry.coc_diameter_px(static_cast<double>(s.spread_inverse_z())));
+                break;
+            }
+        }
+    });
+    return out;
+}
+
+void add_sides(const StackField& field, Image& image) {
+    const std::size_t first = image.planes.size();
+    for (const char* name : {"focus.before", "focus.in", "focus.behind"})
+        image.planes.push_back(plane(name, field.shares.size()));
+    for (std::size_t k = 0; k < field.shares.size(); ++k) {
+        float sum = 0;
+        for (const ObjectShare& o : field.shares[k]) sum += o.share;
+        if (!(sum > 0)) continue;
+        for (const ObjectShare& o : field.shares[k])
+            image.planes[first + static_cast<std::size_t>(o.side + 1)].values[k] +=
+                o.share * alpha_of(image, k) / sum;
+    }
+}
+
+void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Image& image) {
+    const Cryptomatte& source = *picture.channels.matte;
+    std::vector<std::vector<std::pair<float, std::uint32_t>>> ranked(field.shares.size());
+    std::size_t ranks = 2;
+    for (std::size_t k = 0; k < ranked.size(); ++k) {
+        std::map<std::uint32_t, float> coverages;
+        float sum = 0;
+        for (const ObjectShare& o : field.shares[k]) {
+            coverages[o.id] += o.share;
+            sum += o.share;
+        }
+        for (const auto& [id, share] : coverages) {
+            const float coverage = sum > 0 ? share * alpha_of(image, k) / sum : 0;
+            if (coverage >= least_coverage) ranked[k].emplace_back(coverage, id);
+        }
+        std::stable_sort(ranked[k].begin(), ranked[k].end(),
+                         [](const auto& a, const auto& b) { return a.first > b.first; });
+        ranks = std::max(ranks, std::min(ranked[k].size(), most_ranks));
+    }
+    ranks += ranks % 2;
+    for (std::size_t rank = 0; rank < ranks; ++rank) {
+        const std::string layer = fmt::format("{}{:02}.", source.name, rank / 2);
+        Image::Plane id = plane(layer + (rank % 2 == 0 ? "R" : "B"), ranked.size()),
+                     coverage = plane(layer + (rank % 2 == 0 ? "G" : "A"), ranked.size());
+        for (std::size_t k = 0; k < ranked.size(); ++k) {
+            if (rank >= ranked[k].size()) continue;
+            id.values[k] = std::bit_cast<float>(ranked[k][rank].second);
+            coverage.values[k] = ranked[k][rank].first;
+        }
+        image.planes.push_back(std::move(id));
+        image.planes.push_back(std::move(coverage));
+    }
+    // The key is the first seven digits of the name's hash.
+    const std::string key =
+        fmt::format("cryptomatte/{:08x}", cryptomatte_id(source.name)).substr(0, 19) + "/";
+    image.texts.emplace_back(key + "name", source.name);
+    image.texts.emplace_back(key + "hash", "MurmurHash3_32");
+    image.texts.emplace_back(key + "conversion", "uint32_to_float32");
+    if (!source.manifest.empty()) image.texts.emplace_back(key + "manifest", source.manifest);
+}
+
+/// From two independent halves of the views: half their difference has the standard deviation of their mean.
+void add_error(const Image& a, const Image& b, Image& image) {
+    Image::Plane error = plane("error", a.rgb.size() / 3);
+    for (std::size_t k = 0; k < error.values.size(); ++k) {
+        double square = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double d = static_cast<double>(a.rgb[3 * k + c]) - static_cast<double>(b.rgb[3 * k + c]);
+            square += d * d / 12;
+        }
+        error.values[k] = static_cast<float>(std::sqrt(square));
+    }
+    image.planes.push_back(std::move(error));
+}
+
+}  // namespace
+
+void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings, const FocusPasses& passes,
+                      Image& image) {
+    if (!passes.any()) return;
+    if (settings.framing != Framing::keep) {
+        fail(ExitCode::wrong_arguments,
+             "--passes: not for a picture that the lens crops or magnifies (expected --framing keep)");
+    }
+    if (passes.cryptomatte && !picture.channels.matte) {
+        fail(ExitCode::wrong_arguments,
+             "--passes: cryptomatte: the picture has none (expected one in the file, "
+             "or --ids-file)");
+    }
+    const bool field = settings.method == FocusMethod::lightfield;
+    if (passes.error && !field) {
+        fail(ExitCode::wrong_arguments,
+             "--passes: error: only views have one that can be measured (expected --method lightfield)");
+    }
+    const Film film{picture.camera.film_distance_mm, picture.pixel_pitch_mm()};
+    const bool pinhole = settings.method == FocusMethod::pinhole || std::isinf(settings.lens.f_number);
+    const FocusGeometry geometry =
+        pinhole ? FocusGeometry{}
+                : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
+    if (passes.coc) image.planes.push_back(coc_plane(picture, geometry));
+    if (!passes.sides && !passes.cryptomatte && !passes.error) return;
+    if (!pinhole) check_has_points(settings.impulse);
+    const RasterWindow window{0, picture.width, 0, picture.height};
+    StackFieldSettings s{geometry, read_aperture(settings.impulse), window, window, settings.views};
+    if (settings.crop) {
+        const Crop& c = *settings.crop;
+        s.drawn = {c.x, c.x + c.width, c.y, c.y + c.height};
+    }
+    const std::vector<Behind> behind = pinhole ? std::vector<Behind>() : behind_fill(picture, geometry);
+    if (passes.sides || passes.cryptomatte) {
+        s.shares = true;
+        const StackField seen = stack_field(picture, behind, s);
+        if (passes.sides) add_sides(seen, image);
+        if (passes.cryptomatte) add_cryptomatte(picture, seen, image);
+        s.shares = false;
+    }
+    if (passes.error) {
+        s.views = std::max(1, settings.views / 2);
+        s.set = 1;
+        const Image first = stack_field(picture, behind, s).image;
+        s.set = 2;
+        add_error(first, stack_field(picture, behind, s).image, image);
+    }
+}
+
+}  // namespace postlens
