@@ -1,4 +1,4 @@
-// `chart --atlas`: its options, and what it gives back.
+// The command `chart --atlas`, which runs an atlas of failure.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 namespace postlens {
 
 struct AtlasOptions {
-    std::string cases = "tests/stability";  ///< a folder
-    std::string output;                     ///< a folder
+    std::string cases = "tests/stability";  ///< folder of the cases
+    std::string output;                     ///< output folder
     bool restart = false;
 };
 

@@ -1,4 +1,4 @@
-// `chart`: its options, and what it gives back.
+// The command `chart`.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace postlens {
 struct ChartOptions {
     ExposureOption exposure;
     ChartRequest request;
-    std::string output;  ///< a folder
+    std::string output;  ///< output folder
     bool restart = false;
 };
 

@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* exposure_of_file = "the sample file's; 0 of another program's picture";
 
-// Everything the parser fills in; it lives as long as the parsed command.
+// All values that the parser sets. The parsed command owns them.
 struct State {
     ParsedCommand common;
     TraceOptions trace;
@@ -37,7 +37,7 @@ struct State {
     ViewOptions view;
     ViewExportOptions export_view;
     FrameOptions frames;
-    /// What of --frames the command is to know.
+    /// The options of --frames, with `speak` set from the common options.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
         return frames;
@@ -93,7 +93,8 @@ void add_trace(CLI::App& root, State& s) {
     frame_options(app, s.frames, true);
     number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S",
            any_value);
-    // Kept to refuse it: everywhere else it is the lens's, and leaves the view as it is.
+    // The option exists only to be refused with an explanation: with other commands it sets the focal length
+    // of the lens, not the field of view.
     app.add_option_function<std::string>("--focal-length",
                                          [](const std::string& text) {
                                              fail(ExitCode::wrong_arguments,
@@ -502,7 +503,7 @@ void add_view(CLI::App& root, State& s) {
     });
 }
 
-// CLI11 says only that one is required.
+// Reports an unknown option or subcommand by name. CLI11 only says that a subcommand is required.
 void check_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
     if (arguments.empty() || app.get_subcommands([](const CLI::App*) { return true; }).empty()) return;
     if (arguments[0].starts_with('-')) {
@@ -548,7 +549,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
             app.get_subcommand(name)->get_option("--output")->required(false);
         }
     }
-    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
+    std::reverse(arguments.begin(), arguments.end());  // CLI11 parses the vector from its end
     try {
         app.parse(arguments);
     } catch (const CLI::Success& e) {
@@ -564,7 +565,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     }
     refuse_shared_files(files_of(app), state->frames.frames);
     ParsedCommand out = state->common;
-    // The call refers into the state, which must outlive it.
+    // The call owns a reference to the state, because its options are stored there.
     out.run = [state] { return state->common.run(); };
     return out;
 }

@@ -1,4 +1,4 @@
-// The command line: every subcommand and option, parsed into a call that is ready to run.
+// Parses the command line: all subcommands and options.
 #pragma once
 
 #include <functional>
@@ -11,20 +11,20 @@
 namespace postlens {
 
 struct ParsedCommand {
-    std::function<CommandResult()> run;  ///< empty: only `text` is to be shown (--help, --version)
+    std::function<CommandResult()> run;  ///< empty if only `text` is to be printed (--help, --version)
     std::string text;
-    int threads = 0;  ///< 0: all
+    int threads = 0;  ///< 0: one per core
     bool quiet = false;
     bool json = false;
 };
 
-/// For a caller in the same process.
+/// Settings for a caller in the same process, such as the viewer.
 struct InProcess {
-    bool pictures_stay = false;       ///< without --output the picture stays in the result
-    std::shared_ptr<KeptFrame> kept;  ///< the sample file that the command names
+    bool pictures_stay = false;       ///< makes --output optional; without it the image is returned
+    std::shared_ptr<KeptFrame> kept;  ///< the command's sample file, if it is open already
 };
 
-/// `arguments` without the program's name. Throws Error(wrong_arguments), one line.
+/// `arguments` excludes the name of the program. Throws Error(wrong_arguments) with a one-line text.
 [[nodiscard]] ParsedCommand parse_command_line(std::vector<std::string> arguments,
                                                const InProcess& in_process = {});
 

@@ -66,7 +66,8 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
     app.add_flag("!--no-plots", r.plots, "No SVG and PNG: gnuplot is not needed");
     common_options(app, common);
     app.callback([=, &common] {
-        const bool of_atlas = atlas_option->count() > 0;  // the options are gone when the command runs
+        // The option is read here, because CLI11's options no longer exist when the command runs.
+        const bool of_atlas = atlas_option->count() > 0;
         common.run = [=, &common] {
             if (of_atlas) {
                 if (o->exposure.stops || o->exposure.automatic) {

@@ -8,7 +8,7 @@
 namespace postlens {
 namespace {
 
-// Marks are checks that let everything pass: what CLI11 lets one tell options by.
+// A mark is a named CLI11 check that accepts every text, because CLI11 has no other way to tag an option.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *write_mark = "writes";
 
@@ -24,7 +24,7 @@ bool has_mark(CLI::Option* option, const std::string& mark) {
     }
 }
 
-/// The bounds stand before what is said further, and before the default.
+/// Inserts the bounds into a help text after its first clause, before the default.
 std::string with_bounds(const std::string& help, const OptionRange& bounds) {
     const std::string text = bounds.text();
     if (text.empty()) return help;
@@ -32,7 +32,7 @@ std::string with_bounds(const std::string& help, const OptionRange& bounds) {
     return help.substr(0, at) + ", " + text + help.substr(at);
 }
 
-/// Empty: the option names none.
+/// The file name in the text of an option; empty if there is none.
 std::string path_in(CLI::Option* option, const std::string& text) {
     if (has_mark(option, read_mark) || has_mark(option, write_mark)) return text;
     if (has_mark(option, curve_mark)) return text == "box" || text == "triangle" ? "" : text;
@@ -73,7 +73,7 @@ std::vector<NamedFile> files_of(CLI::App& app) {
                        .path = path,
                        .written = written,
                        .numbered = positional || written,
-                       // In the name of a scene # is a letter like any other (frame_commands.cpp).
+                       // In the name of a scene, # is an ordinary character (frame_commands.cpp).
                        .hashes = option->get_name() != "scene"});
     }
     return out;
@@ -81,7 +81,8 @@ std::vector<NamedFile> files_of(CLI::App& app) {
 
 namespace {
 
-/// What an option's text comes to by `parse`, once it is within the bounds. `To`: a number, or an optional.
+/// Adds an option that stores parse(name, text) in `to` after checking the bounds. `To` is a number
+/// or an optional number.
 template <typename To, typename Parse>
 CLI::Option* bounded(CLI::App& app, const std::string& name, To& to, const std::string& help,
                      const OptionRange& bounds, const Parse& parse) {
@@ -174,7 +175,7 @@ void crop_option(CLI::App& app, std::optional<Crop>& to) {
         ->type_name("X,Y,W,H");
 }
 
-// `source`: what names the values that are not given here.
+// `source`: help text that says where a value comes from if its option is absent.
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
     const std::string otherwise = " [default: " + source + "]";
     number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole" + otherwise, "N", f_numbers,

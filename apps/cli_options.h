@@ -1,5 +1,5 @@
-// Options that several subcommands share, and the rules by which texts become values. Only cli*.cpp include
-// this: CLI11 is slow to compile.
+// Options that several subcommands share, and helpers that parse option values. Only cli*.cpp include this
+// header, because CLI11 is slow to compile.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,8 +18,8 @@
 
 namespace postlens {
 
-// Options whose text is parsed by our own rules (inf, ranges, messages) rather than CLI11's. The help says
-// the bounds, which hold whether or not the option has an effect.
+// Add a numeric option that is parsed by the functions of numbers.h (inf, bounds, messages) instead of
+// CLI11's. The help text states the bounds. They are checked even if the option has no effect.
 CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
                     const std::string& help, const std::string& unit, const OptionRange& bounds,
                     bool infinite = false);
@@ -32,39 +32,39 @@ CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& t
 inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views},
     depth_counts{.low = 2, .high = DepthLevels::most_depths};
 
-/// OPEN:CLOSE, OPEN not after CLOSE.
+/// Adds an option OPEN:CLOSE, s, where OPEN is not after CLOSE.
 CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
                       const std::string& help);
 
-/// Marks an option that names a file, as a whole or within its text (`image:FILE`, `box|triangle|FILE`), so
-/// that files_of finds it: all of a command that writes files. Return the option.
+/// Mark an option whose text is a file name or contains one (`image:FILE`, `box|triangle|FILE`), so that
+/// files_of finds the file. A command that writes files marks all such options. Return the option.
 CLI::Option* reads(CLI::Option* option);
 CLI::Option* reads_of_impulse(CLI::Option* option);
 CLI::Option* reads_of_curve(CLI::Option* option);
 CLI::Option* writes(CLI::Option* option);
-/// What the marked options of the subcommand that was parsed name.
+/// The files that are named by the marked options of the parsed subcommand.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
 
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
     lumens_bounds{.low = 1e-6, .high = 1e6};
-/// `absent`: what the default is.
+/// `absent`: text of the help for the default.
 void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
-/// Of commands that read the scene of a sample file; `when` begins the help.
+/// Adds --lumens-per-watt, for commands that read the scene of a sample file. `when` begins the help text.
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);
-/// --salvage, of everything that reads a sample file.
+/// Adds --salvage, for commands that read a sample file.
 void salvage_option(CLI::App& app, bool& to);
-/// --predict: says how far the picture is expected to be from the truth.
+/// Adds --predict, which reports the predicted error of the image.
 void predict_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
-/// The impulse response, for focus and render alike.
+/// Adds the options of the impulse response, for focus and render. `real_lenses`: allows lens prescriptions.
 void impulse_options(CLI::App& app, Impulse& to, bool real_lenses = true);
 void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);
-/// Of pictures of other programs.
+/// Options for reading images of other programs.
 void foreign_channel_options(CLI::App& app, ForeignChoice& to);
 void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to);
 void behind_options(CLI::App& app, ForeignOptions& to);
@@ -74,12 +74,12 @@ void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::strin
                      const std::string& absent = "open for an instant");
 
 struct LensFitLimitsOptions;
-/// The options of `lens fit` for thin lenses (cli_lens_fit.cpp).
+/// Adds the options of `lens fit` for thin lenses (cli_lens_fit.cpp).
 std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
 
-/// `lens` and its subcommands (cli_lens.cpp); what they parse lives in the callbacks.
+/// Adds `lens` and its subcommands (cli_lens.cpp). Their callbacks own the parsed values.
 void add_lens_commands(CLI::App& root, ParsedCommand& common);
-/// `sweep` (cli_sweep.cpp), likewise.
+/// Adds `sweep` (cli_sweep.cpp). Its callback owns the parsed values.
 void add_sweep(CLI::App& root, ParsedCommand& common);
 
 template <typename Enum>

@@ -1,4 +1,4 @@
-// What a subcommand gets and gives back.
+// Options and results of the subcommands, and helpers that several of them share.
 #pragma once
 
 #include <memory>
@@ -22,7 +22,7 @@
 
 namespace postlens {
 
-/// A warning as `--json` lists it; `share` of the pixels concerned, where that is known.
+/// A warning, as `--json` lists it. `share` is the share of affected pixels, 0 to 1, if that is known.
 struct Warning {
     std::string code;
     std::string text;
@@ -31,11 +31,12 @@ struct Warning {
 
 struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
-    std::string text;                                                ///< for people; may have several lines
+    std::string text;  ///< human-readable; may have several lines
     std::vector<Warning> warnings;
-    /// Where no output was named: the picture, cut to the crop; of `render --halves` also the halves.
+    /// Without an output file: the image, cut to the crop; with `render --halves` also the two halves.
     std::vector<Image> pictures;
-    /// Of `focus` and `shoot` with a scene, likewise: per pixel the share of its view samples that are rays.
+    /// Without an output file, from `focus` and `shoot` with a scene: per pixel, the share of its view
+    /// samples that rays replaced, 0 to 1.
     std::vector<float> ray_share;
     ExitCode exit_code = ExitCode::ok;
 };
@@ -43,7 +44,7 @@ struct CommandResult {
 class KeptFrame;
 struct OpenFrame;
 
-/// `--exposure`: stops, `auto`, or absent: the file's own, of a scene 0.
+/// `--exposure`: a number of stops or `auto`. Absent: that of the sample file, or 0 stops for a scene.
 struct ExposureOption {
     std::optional<double> stops;
     bool automatic = false;
@@ -54,26 +55,26 @@ struct TraceOptions {
     SceneReadOptions units;
     ExposureOption exposure;
     TraceSettings settings;
-    bool plan = false;  ///< levels, hidden layers, overscan and keys for `target_db`
+    bool plan = false;  ///< choose levels, hidden layers, overscan and keys for `target_db`
     double target_db = default_target_db;
-    bool force = false;  ///< trace even where the file will not fit on its disk
+    bool force = false;  ///< trace even if the file will probably not fit on its disk
 };
 
-/// Lens options shared by `focus` and `records`; absent: what the sample file names.
+/// Lens options of `focus`, `records` and others. An absent value is taken from the sample file.
 struct LensOptions {
     std::optional<double> focal_length_mm, f_number, focus_m;
     std::optional<std::pair<double, double>> focus_at;
     Framing framing = Framing::keep;
 };
 
-/// The scene that `hybrid` and `auto` may look at.
+/// The scene in which `hybrid` and `auto` trace rays.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
     std::optional<double> metres_per_unit;  ///< absent: 1
-    std::optional<double> lumens_per_watt;  ///< absent: as the sample file says
+    std::optional<double> lumens_per_watt;  ///< absent: the sample file's
 };
 
-/// How a picture of another program is to be read.
+/// Options for reading an image of another program.
 struct ForeignOptions {
     ForeignChoice choice;
     ForeignCameraChoice camera;
@@ -84,17 +85,20 @@ struct ForeignOptions {
     FocusPasses passes;
     /// Names of files that belong to the picture's frame: pictures behind it, and masks of objects.
     [[nodiscard]] std::vector<std::string*> files();
+    /// Whether samples of one pixel are treated apart from each other, even by a pinhole.
+    [[nodiscard]] bool stacks() const {
+        return !behind.empty() || !objects.holdouts.empty() || !objects.sharp.empty() ||
+               !objects.offsets.empty() || matte || passes.any();
+    }
     [[nodiscard]] bool given() const {
-        return choice.given() || !behind.empty() || !behind_layer.empty() || !objects.holdouts.empty() ||
-               !objects.sharp.empty() || !objects.offsets.empty() || matte || passes.any() ||
-               camera.film_width_mm || camera.film_distance_mm || camera.depth_along ||
-               camera.overscan_px != 0;
+        return choice.given() || stacks() || !behind_layer.empty() || camera.film_width_mm ||
+               camera.film_distance_mm || camera.depth_along || camera.overscan_px != 0;
     }
 };
 
 struct FocusOptions {
     std::string input, output;
-    std::shared_ptr<KeptFrame> kept;  ///< the input, where it is kept open
+    std::shared_ptr<KeptFrame> kept;  ///< the input if it is open already
     LensOptions lens;
     Impulse impulse;
     FocusMethod method = FocusMethod::automatic;
@@ -102,17 +106,17 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     int views = default_lens_views;
-    /// Of `auto`, which plans for it. Without it, a scene or `explain` it takes the usual method.
+    /// PSNR that `auto` aims at, dB. Without this, a scene or `explain`, `auto` takes the usual method.
     std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;
     std::optional<Crop> crop;
     ExposureOption exposure;
-    bool predict = false;  ///< how far it is expected to be from the truth
+    bool predict = false;  ///< report the predicted error of the image
     bool strict = false;
-    bool salvage = false;  ///< read what is whole of a damaged sample file
+    bool salvage = false;  ///< read the undamaged rows of a damaged sample file
 
-    /// `auto` with nothing to plan by.
+    /// True for `auto` without target, scene and explanation.
     [[nodiscard]] bool takes_usual_method() const {
         return method == FocusMethod::automatic && !target_db && !retrace.scene && !retrace.explain;
     }
@@ -128,11 +132,11 @@ struct ImageOptions {
 };
 
 struct ShootOptions {
-    FocusOptions focus;               ///< methods lightfield, hybrid and auto
-    std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, from the frame's instant on
+    FocusOptions focus;               ///< only methods lightfield, hybrid and auto
+    std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, which begins at the frame's instant
     std::string curve = "box";        ///< box, triangle or a file
     std::optional<std::string> paths;
-    bool shutter_from_frame = false;  ///< counted from the frame's instant, not on the scene's clock
+    bool shutter_from_frame = false;  ///< `shutter` is relative to the frame's instant
 };
 
 struct RenderOptions {
@@ -148,14 +152,14 @@ struct RenderOptions {
 struct MotionBlurOptions {
     std::string input, output;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
-    std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, from the frame's instant on
+    std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, which begins at the frame's instant
     std::string curve = "box";        ///< box, triangle or a file
     std::optional<std::string> paths;
-    VectorChoice vectors;   ///< of pictures of other programs
-    ForeignChoice foreign;  ///< likewise
+    VectorChoice vectors;   ///< for images of other programs
+    ForeignChoice foreign;  ///< for images of other programs
     MotionBlurSettings settings;
     ExposureOption exposure;
-    bool shutter_from_frame = false;  ///< of sample files: as in ShootOptions
+    bool shutter_from_frame = false;  ///< as in ShootOptions; for sample files only
     bool predict = false;             ///< as in FocusOptions
     bool strict = false;
     bool salvage = false;
@@ -164,7 +168,7 @@ struct MotionBlurOptions {
 struct RecordsOptions {
     std::string input;
     std::pair<double, double> at;
-    int key = 0;  ///< which instant: 0 the frame's own
+    int key = 0;  ///< index of the instant; 0 is the frame's own
     LensOptions lens;
     bool salvage = false;
 };
@@ -176,16 +180,16 @@ struct InfoOptions {
 
 struct CompareCommandOptions {
     std::string image, reference;
-    std::optional<std::string> pinhole, noise;     ///< further pictures to read
-    std::optional<std::string> map, side_by_side;  ///< pictures to write
+    std::optional<std::string> pinhole, noise;     ///< further images to read
+    std::optional<std::string> map, side_by_side;  ///< images to write
     std::optional<double> flip_white;
     CompareLimits limits;
-    std::optional<std::string> map_causes, frame;  ///< a picture to write; the records that it takes
-    std::optional<std::string> scene;  ///< that the records are of, to try what tracing it again shows
+    std::optional<std::string> map_causes, frame;  ///< image to write; the sample file it needs
+    std::optional<std::string> scene;  ///< scene of the sample file, to test whether rays remove an error
     double metres_per_unit = 1;
-    std::optional<double> lumens_per_watt;  ///< absent: as the sample file says
+    std::optional<double> lumens_per_watt;  ///< absent: the sample file's
     ExposureOption exposure;                ///< absent: the reference's
-    LensOptions lens;                       ///< of the image, for the causes
+    LensOptions lens;                       ///< lens of the image, for the map of causes
     std::optional<TimeSpan> shutter;
     std::optional<FocusMethod> method;
     std::optional<int> depths;
@@ -201,69 +205,69 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult run_compare(const CompareCommandOptions& options);
 [[nodiscard]] CommandResult run_info(const InfoOptions& options);
 
-/// An OpenEXR file that is none of ours.
+/// True for an OpenEXR file that is not a sample file: an image of another program.
 [[nodiscard]] bool is_foreign(const std::string& input);
-/// `focus`, `image` and `info` of such a file.
+/// `focus`, `image` and `info` for an image of another program.
 [[nodiscard]] CommandResult focus_foreign(const FocusOptions& options);
 [[nodiscard]] CommandResult foreign_image(const ImageOptions& options);
 [[nodiscard]] CommandResult foreign_info(const std::string& input);
-/// Throws Error(wrong_arguments) where options were given that only such a file takes.
+/// Throws Error(wrong_arguments) for options that apply only to images of other programs.
 void refuse_foreign_options(const ForeignOptions& options);
 
-/// How the reader of a sample file takes --salvage.
+/// Handling of damage in a sample file that --salvage selects.
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
-/// Opens the sample file of a command with its colours at the given exposure, or takes the one kept open.
+/// Opens the sample file of a command, whose colours are read at the given exposure, or takes it from `kept`.
 [[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,
                                                     Damage damage);
-/// A warning `salvaged` that says which rows of the file were left out; none where nothing was.
+/// Adds a warning `salvaged` that lists the lost rows of a damaged file, if there are any.
 void warn_of_lost_rows(const SampleFileReader& file, std::vector<Warning>& out);
 
-/// A value that `option` asks for, else the one that the file names. Throws Error(wrong_arguments) where
-/// neither does; `file` says what kind of file it is.
+/// The value of `option`, else the value stored in the file. Throws Error(wrong_arguments) if both are
+/// absent; `file` names the kind of file in the message.
 [[nodiscard]] double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
                                     const char* option, const char* file);
 
-/// Settings of the lens for this file: what was asked for, else what the file names. Throws
-/// Error(wrong_arguments) where neither says.
+/// Settings of the lens: each value from the options, else from the sample file. resolve_lens throws
+/// Error(wrong_arguments) if both lack a value.
 struct ResolvedLens {
     ThinLens lens;
     double focus_m = 1;
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
 
-/// read_prescription, with a warning `lens` for each of its notes.
+/// Calls read_prescription and adds a warning `lens` for each of its notes.
 [[nodiscard]] Prescription read_lens(const std::filesystem::path& path, std::vector<Warning>& warnings);
-/// A real lens has a focal length and a widest f-number of its own. Throws Error(wrong_arguments) where
-/// another focal length was asked for.
+/// Sets the focal length of a lens prescription, and its f-number if `lens` has none. Throws
+/// Error(wrong_arguments) if `lens` has a focal length already.
 void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings);
 
-/// What the shutter is for this file: asked for (`from_frame`: counted from the frame's instant), else the
-/// file's exposure. Throws Error(wrong_arguments).
+/// The exposure: the given shutter (relative to the frame's instant if `from_frame`), else the file's
+/// exposure. Throws Error(wrong_arguments) if both are absent.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
-/// A warning where the trace was sized for less than the lens, or the shutter, asked for.
+/// Adds a warning if the trace was made for a smaller aperture, focus range or shutter than the given one.
 void check_sufficient(const SampleHeader& header, const ResolvedLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
-/// Hybrid, with the scene that `retrace` names, which may not need the `picture` that is to be written;
-/// writes its picture of what was done, and adds the scene's warnings.
+/// Runs hybrid with the scene of `retrace`, adds the scene's warnings and writes the explanation image if
+/// `retrace` names one. `picture` is the output file; an error is thrown if the scene refers to it.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);
-/// What `focus` and `shoot` say of a picture by hybrid.
+/// The figures that `focus` and `shoot` report for a hybrid image.
 [[nodiscard]] nlohmann::ordered_json shares_json(const HybridResult& result);
 
-/// "box", "triangle" or a file. Throws Error(invalid_input).
+/// The shutter curve "box" or "triangle", or that of a file. Throws Error(invalid_input).
 [[nodiscard]] ShutterCurve shutter_curve(const std::string& word);
 
-/// The rays of a tracer, as `--json` lists them.
+/// The numbers of rays traced, as `--json` lists them.
 [[nodiscard]] nlohmann::ordered_json rays_json(const RayCounts& rays);
 
-/// A number for JSON, which has no infinity: null.
+/// A number for JSON; null if it is not finite, because JSON has no infinity.
 [[nodiscard]] nlohmann::ordered_json json_number(double value);
 
 }  // namespace postlens

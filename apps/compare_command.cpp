@@ -31,8 +31,7 @@ void check_limits(const CompareLimits& limits) {
     }
 }
 
-// All pictures have the size of the reference and fit into memory: seen from their headers, before any is
-// read.
+// Checks, from the headers only, that all images have the size of the reference and fit into memory.
 void check_files(const CompareCommandOptions& o) {
     const ImageSize size = read_image_size(o.reference);
     int pictures = 2;
@@ -158,7 +157,7 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // Chance exceeds four standard errors once in 16000 times.
+    // By chance, four standard errors are exceeded once in 16000 comparisons.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",
@@ -194,7 +193,7 @@ std::string text_of(const Comparison& c, const CompareCommandOptions& o,
     return text;
 }
 
-// The exposure that all pictures are compared at: asked for, the reference's, else the image's.
+// The exposure at which all images are compared: the option's, else the reference's, else the image's.
 class Exposer {
   public:
     Exposer(const ExposureOption& asked, const Image& reference, const Image& image)
@@ -203,7 +202,7 @@ class Exposer {
                                        reference.exposure_stops.value_or(image.exposure_stops.value_or(0)))) {
     }
     [[nodiscard]] double stops() const { return stops_; }
-    // What does not say its exposure is taken as it is.
+    // An image with unknown exposure stays unchanged.
     void bring(Image& image) const { set_exposure(image, stops_); }
     [[nodiscard]] Image read(const std::string& path) const {
         Image image = read_image(path);
@@ -215,7 +214,7 @@ class Exposer {
     double stops_;
 };
 
-// Writes the map, and says what share of the error each cause has.
+// Writes the map of error causes, and reports each cause's share of the error.
 void map_causes(const CompareCommandOptions& o, const Exposer& exposer, CommandResult& out) {
     const SampleFileReader file(*o.frame, Damage::refuse, exposer.stops());
     LensOptions lens = o.lens;
@@ -274,7 +273,7 @@ CommandResult compare_files(const CompareCommandOptions& o) {
     warn_of_noise(c, o, out);
     warn_of_range(c, out);
     if (o.map || o.side_by_side) {
-        // Read again: comparing needs most memory without them.
+        // The images are read again, because comparing needs most memory and frees them.
         const Image image = exposer.read(o.image), reference = exposer.read(o.reference);
         if (o.map) write_image(*o.map, error_map(image, reference));
         if (o.side_by_side) {

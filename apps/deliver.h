@@ -1,4 +1,4 @@
-// Where the picture goes that a command has made.
+// Writes or returns the image that a command has made.
 #pragma once
 
 #include <optional>
@@ -9,14 +9,14 @@
 
 namespace postlens {
 
-/// Before the work: refuses an output that write_image cannot write.
+/// Refuses an output file that write_image cannot write. Commands call this before their work.
 void check_output(const std::string& output);
 
-/// Writes the picture, or leaves it in the result where `output` is empty; then as `report_picture`.
+/// Writes the image, or returns it in the result if `output` is empty. Also calls report_picture.
 void deliver(Image image, const std::string& output, const std::optional<Crop>& crop, CommandResult& out);
 
-/// Says in the result what part of the picture was made and what its exposure is, and warns where a PNG, TIFF
-/// or JPEG shows little of it.
+/// Adds crop and exposure to the result, and warns if the image is too bright or too dark for a
+/// PNG, TIFF or JPEG.
 void report_picture(const Image& image, const std::string& output, const std::optional<Crop>& crop,
                     CommandResult& out);
 

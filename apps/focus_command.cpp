@@ -50,7 +50,7 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, std::vector<Warning>& out) {
     const SufficientRange& range = h.sufficient;
-    // What counts is the aperture's diameter; the file was traced for the focal length of its own view.
+    // Apertures are compared by their diameter, because the file's f-number refers to its own film distance.
     const double f_number = lens.lens.f_number * h.film_distance_mm / lens.lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (range.smallest_f_number && f_number < *range.smallest_f_number * (1 - rounding)) {
@@ -83,7 +83,7 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
 
 CommandResult run_focus(const FocusOptions& options) {
     check_output(options.output);
-    // What is to be salvaged is a sample file, even where its header no longer says so.
+    // With --salvage the input is a sample file, even if its header is damaged.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign);
     const Damage damage = damage_rule(options.salvage);
@@ -94,7 +94,7 @@ CommandResult run_focus(const FocusOptions& options) {
     check_crop(options.crop, file.header().width, file.header().height);
     LensOptions lens_options = options.lens;
     if (options.method == FocusMethod::pinhole) {
-        // A pinhole has no focus; what is not named must not be asked for.
+        // A pinhole has no focus distance, so the option --focus is not required.
         lens_options.f_number = std::numeric_limits<double>::infinity();
         if (!lens_options.focus_m && !lens_options.focus_at)
             lens_options.focus_m = file.header().focus_m.value_or(1.0);
@@ -148,7 +148,7 @@ CommandResult run_focus(const FocusOptions& options) {
         if (bends) out.warnings.push_back({bends->code, bends->text, bends->share});
     }
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
-    const bool told = unplanned && result.method == method;  // not where the lens is a pinhole
+    const bool told = unplanned && result.method == method;  // false if the lens is a pinhole
     out.json = {{"method", method_name(result.method)},
                 {"method_reason", told ? nlohmann::ordered_json(usual.reason) : nullptr},
                 {"views", result.views > 0 ? nlohmann::ordered_json(result.views) : nullptr},

@@ -39,8 +39,8 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Puts the pictures behind behind a picture, in their order. All of them have their edges taken apart first,
-/// so that what one of them shows at an edge is compared with the right depth of the next.
+/// Lays the images of --behind behind an image, in their order. Mixed edge pixels of all of them are split
+/// first, so that each surface of an edge is compared with the next image at its own depth.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -66,7 +66,7 @@ void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, cons
     }
 }
 
-/// Leaves the picture as the pinhole saw it where the matte is 0.
+/// Blends from the pinhole image to the blurred one by the matte: 0 keeps the pinhole image.
 void limit_to(const std::vector<float>& matte, const Image& pinhole, Image& image) {
     for (std::size_t i = 0; i < matte.size(); ++i) {
         const auto mix = [&](float from, float to) { return from + matte[i] * (to - from); };
@@ -82,7 +82,7 @@ void check_passes(const FocusOptions& options) {
     check_exr_path(options.output, "passes");
 }
 
-/// Brings the colours to what is asked for; returns the stops.
+/// Multiplies the colours by the exposure of the option; returns its stops.
 double expose(ForeignPicture& picture, const ExposureOption& asked) {
     const double stops = exposure_of_picture(asked, [&] { return picture.flattened(); });
     if (stops == 0) return 0;
@@ -91,7 +91,7 @@ double expose(ForeignPicture& picture, const ExposureOption& asked) {
     return stops;
 }
 
-/// What `info` says of how a part would be read.
+/// What `info` reports about a part of an OpenEXR file.
 nlohmann::ordered_json part_json(const ForeignPart& part) {
     return {{"name", part.name},
             {"view", part.view},
@@ -135,7 +135,7 @@ void refuse_foreign_options(const ForeignOptions& options) {
 
 CommandResult foreign_image(const ImageOptions& options) {
     ForeignChoice choice = options.foreign.choice;
-    if (choice.ids.empty()) choice.ids = ForeignChoice::no_ids;  // what is laid together needs none
+    if (choice.ids.empty()) choice.ids = ForeignChoice::no_ids;  // flattening needs no ids
     ForeignPicture picture = read_foreign_picture(options.input, choice, options.foreign.camera);
     check_crop(options.crop, picture.width, picture.height);
     const double stops = expose(picture, options.exposure);
@@ -167,12 +167,12 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // A real lens has a focal length of its own, which says nothing about how the picture was taken.
+    // The focal length of a lens prescription does not describe the camera that rendered the image.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;
     ForeignPicture picture = read_foreign_picture(options.input, options.foreign.choice, choice);
-    std::size_t unmixed = pinhole && options.foreign.behind.empty() ? 0 : unmix_edges(picture);
+    std::size_t unmixed = pinhole && !options.foreign.stacks() ? 0 : unmix_edges(picture);
     lay_all_behind(picture, options.foreign, choice, unmixed);
     const double stops = expose(picture, options.exposure);
     const bool unplanned = options.takes_usual_method();
@@ -266,7 +266,7 @@ CommandResult foreign_info(const std::string& input) {
     try {
         channels = find_foreign_channels(file, {});
     } catch (const Error&) {
-        return out;  // a picture of numbers that are no colours is a picture too
+        return out;  // an image without colour channels is valid as well
     }
     const ForeignCamera camera = foreign_camera(file, channels.part, {});
     out.json["colour"] = channels_json(channels);

@@ -1,4 +1,4 @@
-// What changes from frame to frame in each command.
+// The options of each command that change from frame to frame.
 #include <cmath>
 #include <functional>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double default_fps = 24;
 
-/// Frame n is at n / fps on the scene's clock; --time moves all frames.
+/// Instant of a frame on the scene's clock, s: frame / fps, plus the offset --time.
 double time_of(const FrameOptions& options, int frame, const std::optional<double>& time_s) {
     return frame / options.fps.value_or(default_fps) + time_s.value_or(0);
 }
@@ -27,13 +27,13 @@ std::optional<TimeSpan> moved(std::optional<TimeSpan> span, double by_s) {
     return span;
 }
 
-/// `auto` as it is for the first frame, so that a sequence does not flicker.
+/// Replaces the exposure `auto` by that of the first frame, so that a sequence does not flicker.
 ExposureOption of_first_frame(const ExposureOption& asked, const std::function<double()>& stops) {
     if (!asked.automatic) return asked;
     return {.stops = stops()};
 }
 
-/// The name of the first frame's input; `hashes`: whether # stands for its number.
+/// The input file of the first frame. `hashes`: # stands for the frame number.
 std::string first_input(const FrameOptions& frames, const std::string& name, bool hashes) {
     return FrameName(name, hashes).of(frames.frames->front());
 }
@@ -58,7 +58,7 @@ ExposureOption exposure_of_first_file(const FrameOptions& frames, const Exposure
     });
 }
 
-/// The files of a picture's passes, as they are asked for.
+/// The files of an image's depths, ids and motion vectors, from the options.
 std::vector<std::string> passes_of(const ForeignChoice& choice, const VectorChoice& vectors = {}) {
     return {choice.depth_file.string(), choice.ids_file.string(), vectors.file.string()};
 }
@@ -68,7 +68,7 @@ void set_passes(ForeignChoice& choice, const FrameFiles& files) {
     choice.ids_file = files.passes[1];
 }
 
-/// The choice for the first frame.
+/// The options for the first frame, with its number in the file names.
 ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     if (!frames.frames) return choice;
     for (std::filesystem::path* file : {&choice.depth_file, &choice.ids_file})
@@ -76,8 +76,8 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Runs a command for each frame, with what `adapt` changes in its options; without a range as it is. Traces
-/// and renders have an instant of their own for each frame.
+/// Runs a command for each frame, with options that `adapt` changes, or once without --frames. The commands
+/// trace and render also get the instant of the frame.
 template <typename Options, typename Adapt>
 CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, const Options& options,
                          CommandResult (*run)(const Options&), const Adapt& adapt) {

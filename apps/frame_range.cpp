@@ -26,7 +26,7 @@ constexpr std::size_t most_frames = 1'000'000;
          option, text.empty() ? "nothing" : text, last_frame);
 }
 
-/// Takes a number from the front of the text.
+/// Parses a number at the front of `text` and removes it.
 std::optional<int> taken_number(std::string_view& text) {
     int value = 0;
     if (text.empty() || text[0] < '0' || text[0] > '9') return std::nullopt;
@@ -42,7 +42,7 @@ bool taken(std::string_view& text, char c) {
     return true;
 }
 
-/// Length of a number's place at the front of the text, and its digits; 0: there is none.
+/// Length of the placeholder at the front of the text, and its number of digits; 0 if there is none.
 std::pair<std::size_t, int> place_of_number(std::string_view text) {
     if (text.starts_with("%d")) return {2, 1};
     const bool zeros = text.size() >= 4 && text[0] == '%' && text[1] == '0' && text[2] >= '1' &&
@@ -50,7 +50,7 @@ std::pair<std::size_t, int> place_of_number(std::string_view text) {
     return zeros ? std::pair<std::size_t, int>{4, text[2] - '0'} : std::pair<std::size_t, int>{0, 0};
 }
 
-/// There, and readable to its end.
+/// True if the file exists and can be read to its end.
 bool is_whole(const fs::path& path) {
     std::error_code none;
     if (!fs::is_regular_file(path, none)) return false;
@@ -59,7 +59,7 @@ bool is_whole(const fs::path& path) {
             const Image image = read_image(path);
             return image.width > 0;
         }
-        // A file that ends early lacks what was written last.
+        // An incomplete file lacks the rows written last, so only the last row of each instant is read.
         const SampleFileReader file(path);
         RecordBand band;
         for (std::size_t i = 0; i < file.instants(); ++i) file.read(file.y_end() - 1, file.y_end(), band, i);
@@ -82,7 +82,7 @@ nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
     return out;
 }
 
-/// What the frames warn of, each code once: as of the first frame that has it.
+/// The warnings of all frames: one for each code, with the text of the first frame that has it.
 class WarningsOfAll {
   public:
     void add(int frame, const std::vector<Warning>& warnings) {
@@ -245,7 +245,7 @@ CommandResult run_frame_range(const FrameOptions& options, const FrameFiles& nam
         if (out.exit_code == ExitCode::ok) out.exit_code = one.exit_code;
         if (!options.speak) continue;
         fmt::print("frame {}: {}\n", frame, one.text);
-        std::fflush(stdout);  // a range may take hours
+        std::fflush(stdout);  // shows progress, because a range may take hours
     }
     out.warnings = warnings.list();
     out.json = {{"frames", std::move(frames)}, {"kept", kept}};

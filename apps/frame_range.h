@@ -1,4 +1,4 @@
-// Ranges of frames: which ones, what their files are called, and one command run for each.
+// Frame ranges: parses them, names the files of each frame, and runs a command for each frame.
 #pragma once
 
 #include <functional>
@@ -11,13 +11,14 @@
 
 namespace postlens {
 
-/// "1-48", "1-48x2" (every second), "1,5,9", or several of these joined by commas: whole numbers from 0 to
-/// 9999999, each once, in the order given, up to a million. Throws Error(wrong_arguments) naming the option.
+/// Parses "1-48", "1-48x2" (every second frame), "1,5,9" or several of these joined by commas, in the
+/// given order. Up to a million integers from 0 to 9999999, each once. Throws Error(wrong_arguments),
+/// which names the option.
 [[nodiscard]] std::vector<int> parse_frames(std::string_view option, std::string_view text);
 
-/// A file name that may hold the frame's number: %d, or %04d with leading zeros (1 to 9 digits), wherever it
-/// stands; every other % is itself. Without one, and where `hashes` are allowed, each run of # in the last
-/// part of the path stands for the number with as many digits.
+/// A file name with placeholders for the frame number: %d, or %04d with leading zeros (1 to 9 digits). Any
+/// other % is an ordinary character. If there is no such placeholder and `hashes` is set, each run of # in
+/// the last part of the path is one, with as many digits as it has #.
 class FrameName {
   public:
     FrameName(std::string_view text, bool hashes);
@@ -25,38 +26,38 @@ class FrameName {
     [[nodiscard]] std::string of(int frame) const;
 
   private:
-    std::vector<std::string> words_;  ///< between the numbers: one more than there are of them
-    std::vector<int> digits_;         ///< at least so many, of each number
+    std::vector<std::string> words_;  ///< text around the placeholders: one more than there are placeholders
+    std::vector<int> digits_;         ///< least number of digits of each placeholder
 };
 
-/// What is asked for besides the command's own options.
+/// Options of frame ranges, in addition to the command's own.
 struct FrameOptions {
     std::optional<std::vector<int>> frames;
-    std::optional<double> fps;  ///< of trace and render; absent: 24
-    bool keep = false;          ///< leave out frames whose output is there and whole
-    bool speak = false;         ///< a line on standard output as each frame is done
+    std::optional<double> fps;  ///< for trace and render; absent: 24
+    bool keep = false;          ///< skip frames whose output exists and is complete
+    bool speak = false;         ///< print a line after each frame
 };
 
-/// The files of one frame, or their names with a number in them.
+/// The files of one frame, or their names with placeholders.
 struct FrameFiles {
     std::string input, output;
-    std::optional<std::string> explain;  ///< another picture to write
-    bool halves = false;                 ///< and two more beside the output (tracer/render.h)
-    std::vector<std::string> passes;     ///< of the input, in files of their own; empty texts: none
+    std::optional<std::string> explain;  ///< explanation image to write
+    bool halves = false;                 ///< also writes the two halves (tracer/render.h)
+    std::vector<std::string> passes;     ///< separate files with depths, ids, ... of the input; may be empty
 };
 
-/// Throws Error(wrong_arguments) where a name holds a number, or an option was given, that means nothing
-/// without --frames.
+/// Throws Error(wrong_arguments) if a name has a placeholder or an option is set that needs --frames.
 void refuse_frames(const FrameOptions& options, const FrameFiles& names);
 
-/// Runs the command for each frame. `in_time`: frames differ by their time as well, so that the input need
-/// not hold a number. An error names its frame and ends the range; the exit code is the first that is not 0.
-/// Throws Error(wrong_arguments) for names without a number, before any work, and what `run` throws.
+/// Runs the command for each frame. `in_time`: the command has a time that differs between frames, so that
+/// the input name needs no placeholder. An error names its frame and ends the range. The exit code is the
+/// first nonzero one. Throws Error(wrong_arguments) for names without a placeholder, before any work, and the
+/// errors of `run`.
 [[nodiscard]] CommandResult run_frame_range(
     const FrameOptions& options, const FrameFiles& names, bool in_time,
     const std::function<CommandResult(const FrameFiles& files, int frame)>& run);
 
-// The commands, for one picture or for a range (frame_commands.cpp).
+// Run a command for one frame or for a range (frame_commands.cpp).
 [[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const TraceOptions& asked);
 [[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const RenderOptions& asked);
 [[nodiscard]] CommandResult run_frames(const FrameOptions& frames, const ImageOptions& asked);

@@ -8,7 +8,7 @@ namespace postlens {
 CommandResult run_image(const ImageOptions& options) {
     const std::string& output = options.output;
     check_output(output);
-    // What is to be salvaged is a sample file, even where its header no longer says so.
+    // With --salvage the input is a sample file, even if its header is damaged.
     if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign);
     const Damage damage = damage_rule(options.salvage);

@@ -1,4 +1,4 @@
-// The subcommands of `lens`: optics without a scene.
+// The subcommands of `lens`, which need no scene.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,13 @@ struct LensCommandOptions {
     double focal_length_mm = 50, f_number = 8, focus_m = 1;
     std::optional<double> depth_m;
     double coc_limit_mm = 0.03;
-    double pixel_pitch_um = 18.75;  ///< 36 mm over 1920 px
+    double pixel_pitch_um = 18.75;  ///< a film of 36 mm with 1920 px
 };
 
 [[nodiscard]] CommandResult run_lens_coc(const LensCommandOptions& options);
 [[nodiscard]] CommandResult run_lens_dof(const LensCommandOptions& options);
 
-/// What `lens show`, `trace` and `fit` have in common: a prescription and how it is set.
+/// Options that `lens show`, `trace` and `fit` share: a lens prescription and its settings.
 struct PrescriptionOptions {
     std::string input;
     std::optional<double> f_number, focus_m, wavelength_nm;
@@ -32,12 +32,12 @@ struct PrescriptionOptions {
 struct LensShowOptions {
     PrescriptionOptions lens;
     std::optional<double> film_width_mm;
-    std::optional<std::string> output;  ///< drawing
+    std::optional<std::string> output;  ///< file for the drawing
 };
 
 struct LensTraceOptions {
     PrescriptionOptions lens;
-    std::optional<double> depth_m;  ///< absent: what is in focus
+    std::optional<double> depth_m;  ///< absent: the focus distance
     std::vector<double> fields_deg;
     double film_width_mm = 36;
     int rays = 65;
@@ -58,7 +58,8 @@ struct LensFitOptions {
 [[nodiscard]] CommandResult run_lens_trace(const LensTraceOptions& options);
 [[nodiscard]] CommandResult run_lens_fit(const LensFitOptions& options);
 
-/// The lens of the options, focused at infinity or as the file has it where `focus_m` is absent.
+/// Settings of the lens of the options. An absent `focus_m` leaves the focus to the
+/// prescription, or to infinity.
 [[nodiscard]] TracedLensSettings traced_lens_settings(const PrescriptionOptions& options,
                                                       double film_radius_mm);
 

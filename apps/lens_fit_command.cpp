@@ -56,7 +56,7 @@ CommandResult run_lens_fit(const LensFitOptions& o) {
         rows += fmt::format("\n{:<11} {:>10.4g} px{}", name_of(kind), error_px,
                             picked == kind ? "  <- cheapest within the tolerance" : "");
     }
-    out.json = {{"picked", name_of(*picked)},  // the traced lens has no error
+    out.json = {{"picked", name_of(*picked)},  // never empty, because the traced lens has no error
                 {"tolerance_px", o.tolerance_px},
                 {"models", table},
                 {"focal_length_mm", traced.first_order().efl_mm},

@@ -1,4 +1,5 @@
-// `lens fit --pairs` and `lens fit --sharp`: a thin lens from measurements, and from what is to be sharp.
+// `lens fit --pairs` fits a thin lens to measured CoCs; `lens fit --sharp` finds one for a
+// range of sharp depths.
 #pragma once
 
 #include <optional>
@@ -11,23 +12,23 @@ namespace postlens {
 
 struct LensFitLimitsOptions {
     std::optional<std::string> pairs;                ///< a CSV file
-    std::optional<std::pair<double, double>> sharp;  ///< near, far; m
+    std::optional<std::pair<double, double>> sharp;  ///< nearest and farthest sharp depth, m
     std::optional<double> coc_limit_mm, focal_length_mm, f_number;
     std::optional<std::pair<double, double>> sensor_mm;  ///< width, height
     double wavelength_nm = 550;
-    std::optional<std::string> picture, frame;  ///< a picture with depth of field, and its sample file
+    std::optional<std::string> picture, frame;  ///< an image with depth of field, and its sample file
     Impulse impulse;
 };
 
-/// "1.2:4" or "1.2:inf". Throws Error(wrong_arguments).
+/// Parses a range of depths, m, such as "1.2:4" or "1.2:inf". Throws Error(wrong_arguments).
 [[nodiscard]] std::pair<double, double> parse_depths(const std::string& option, const std::string& text);
-/// "36x24". Throws Error(wrong_arguments).
+/// Parses a sensor size, mm, such as "36x24". Throws Error(wrong_arguments).
 [[nodiscard]] std::pair<double, double> parse_sensor(const std::string& option, const std::string& text);
 
-/// `lens fit --picture --frame`: which lens took it.
+/// `lens fit --picture --frame`: estimates the lens with which the image was made.
 [[nodiscard]] CommandResult run_lens_fit_picture(const LensFitLimitsOptions& options);
 
-/// Exactly one of `pairs` and `sharp` is to be given.
+/// `lens fit --pairs` or `--sharp`. Requires exactly one of `pairs` and `sharp`.
 [[nodiscard]] CommandResult run_lens_fit_limits(const LensFitLimitsOptions& options);
 
 }  // namespace postlens

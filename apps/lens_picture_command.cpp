@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-/// 1/s to s, m; infinity for 0.
+/// Focus distance, m, of an inverse focus distance; infinite for 0.
 double focus_m(const LensPlace& place) {
     return 1 / place.inverse_focus_per_m;
 }

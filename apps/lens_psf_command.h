@@ -1,4 +1,4 @@
-// `lens psf`: the response of a lens, and where diffraction takes over.
+// `lens psf`: the impulse response of a lens, and the f-number from which diffraction dominates.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@ struct LensPsfOptions {
     std::string output;  ///< may be empty with `crossover`
     std::optional<double> focal_length_mm, f_number, focus_m, depth_m;
     std::optional<double> wavelength_nm;  ///< absent: 550
-    double pixel_pitch_um = 18.75;        ///< 36 mm over 1920 px
-    int size_px = 0;                      ///< 0: the response's own
+    double pixel_pitch_um = 18.75;        ///< a film of 36 mm with 1920 px
+    int size_px = 0;                      ///< 0: as large as the response
     Impulse impulse;
     std::optional<std::string> profile;  ///< a CSV file to write
     bool crossover = false;

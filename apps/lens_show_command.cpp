@@ -15,8 +15,8 @@ double degrees(double tangent) {
     return std::atan(tangent) * 180 / std::numbers::pi;
 }
 
-// The tangent at which to draw the edge of the field: the film's, else the file's, else that of a normal
-// lens; less where nothing gets through.
+// Tangent of the field angle at which to draw the edge of the field: that of the film, else of the file, else
+// of a normal lens. It is reduced until light passes through the lens.
 double edge_tangent(const TracedLens& traced, const Prescription& lens, std::optional<double> film_width_mm) {
     double tangent = 0.36;
     if (!lens.field_angles_deg.empty()) {
@@ -44,7 +44,7 @@ nlohmann::ordered_json numbers_json(const FirstOrder& f) {
             {"film_distance_mm", json_number(f.film_distance_mm)}};
 }
 
-// The chief ray's own field of view over a film: with the lens's distortion.
+// Field of view, degrees, on a film of the given width, from traced chief rays and so with distortion.
 std::optional<double> traced_field_deg(const TracedLens& traced, double film_width_mm) {
     try {
         return 2 * degrees(lens_model_range(traced, 1, 2, 0.5 * film_width_mm, 2).tangents.back());
@@ -78,7 +78,8 @@ CommandResult run_lens_show(const LensShowOptions& o) {
     const double film_radius =
         o.film_width_mm ? 0.5 * *o.film_width_mm : std::max(1e-3, 0.43 * std::abs(f.efl_mm));
     std::optional<TracedLens> traced;
-    // A diverging lens has its numbers, too; only a lens that makes pictures can be set and drawn.
+    // Only a converging lens can be focused, stopped down and drawn. A diverging one
+    // has first-order data only.
     if (f.efl_mm > 0 || o.output || o.lens.f_number || o.lens.focus_m) {
         traced.emplace(lens, traced_lens_settings(o.lens, film_radius));
         const double ratio = f.f_number / traced->f_number();

@@ -62,7 +62,7 @@ FieldResult trace_field(const TracedLens& traced, double depth_m, double deg, in
         square +=
             static_cast<double>(out.mesh.weight[k]) * glm::dot(p - out.centroid_mm, p - out.centroid_mm);
         out.largest_mm = std::max(out.largest_mm, glm::length(p));
-        out.spot.points_mm.push_back(-p);  // the picture is upright
+        out.spot.points_mm.push_back(-p);  // the lens inverts its image; the diagram is upright
     }
     out.rms_mm = std::sqrt(square / sum);
     out.spot.rms_mm = out.rms_mm;
@@ -82,7 +82,8 @@ std::string spots_csv(const std::vector<FieldResult>& fields) {
     return out;
 }
 
-// Where the chief ray of a tangent lands, mm from the centre; not a number where there is none.
+// Height on the film, mm from the centre, of the chief ray with the given field tangent; NaN
+// if there is none.
 double chief_height(const TracedLens& traced, double depth_m, double tangent) {
     const auto aim = traced.aim_at_stop(depth_m, {0, tangent});
     if (!aim) return NAN;
@@ -111,14 +112,14 @@ struct FieldCurves {
 FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_radius_mm,
                          double axis_area_mm2) {
     FieldCurves out;
-    // The picture's scale at its centre.
+    // Paraxial scale of the image, from a chief ray near its centre.
     constexpr double small = 1e-4;
     const double scale = chief_height(traced, depth_m, small) / small;
     double edge = film_radius_mm / scale;
     try {
         edge = lens_model_range(traced, 1, 2, film_radius_mm, 2).tangents.back();
     } catch (const Error&) {
-        edge = std::min(edge, 1.5);  // no chief ray gets so far: as far as the focal length says
+        edge = std::min(edge, 1.5);  // no chief ray reaches the film's edge: keep the paraxial estimate
     }
     PupilMesh mesh;
     for (int i = 0; i < curve_points; ++i) {
@@ -152,7 +153,8 @@ void write_curves(const std::string& path, const FieldCurves& c) {
                               "field, degrees"));
 }
 
-// The fields' impulse responses side by side, each in a square of the same size, the chief ray in its middle.
+// Writes the impulse responses of all fields side by side, in squares of the same size centred
+// on the chief ray.
 void write_impulse(const std::string& path, const TracedLens& traced, double depth_m,
                    const std::vector<FieldResult>& fields, double pitch_mm) {
     std::vector<ResponseGrid> grids;
@@ -218,7 +220,7 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
     for (const double deg : degs) {
         fields.push_back(trace_field(traced, depth, deg, o.rays, axis.passing_area_mm2));
         const FieldResult& f = fields.back();
-        const double height = chief_height(traced, depth, f.tangent) + 0.0;  // of 0, no -0
+        const double height = chief_height(traced, depth, f.tangent) + 0.0;  // turns -0 into 0
         const double distortion = f.tangent != 0 ? 100 * (height / (scale * f.tangent) - 1) : 0;
         list.push_back({{"field_deg", deg},
                         {"film_mm", json_number(height)},

@@ -34,7 +34,7 @@ void report(const CommandResult& result, const ParsedCommand& command, double se
     } else if (!command.quiet) {
         say(stdout, result.text);
     }
-    // With --json warnings are in the answer; a script's stderr stays for errors.
+    // With --json the warnings are part of the JSON, so that standard error has only errors.
     if (!command.json && !command.quiet) {
         for (const auto& w : result.warnings) say(stderr, "postlens: warning: " + w.text);
     }
@@ -53,7 +53,7 @@ int run(int argc, char** argv, postlens::Job& process) {
     const auto start = std::chrono::steady_clock::now();
     const CommandResult result = command.run();
     report(result, command, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    // What was asked for went to stdout; a full disk or a closed pipe there is a failure like any other.
+    // Reports an error if standard output could not be written, e.g. to a full disk or a closed pipe.
     if (std::fflush(stdout) != 0) postlens::fail(ExitCode::cannot_write, "standard output: cannot write");
     return static_cast<int>(result.exit_code);
 }
@@ -61,9 +61,10 @@ int run(int argc, char** argv, postlens::Job& process) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    static postlens::Job process;  // lives as long as signals may come
+    static postlens::Job process;  // static, because signals may come until the process ends
     postlens::cancel_on_signals(process);
-    // Over a size limit or into a closed pipe: an error with a message, not a silent end.
+    // Ignored, so that writing over a size limit or into a closed pipe gives an error message,
+    // not a silent end.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     try {

@@ -25,7 +25,7 @@ const char* name(MotionMethod method) {
     return "";
 }
 
-// For one object automatic is no method.
+// Name of the method used for one object. `automatic` means that no method was used.
 const char* used(MotionMethod method) {
     return method == MotionMethod::automatic ? "none" : name(method);
 }
@@ -68,7 +68,8 @@ void refuse_for_pictures(bool given, const char* option) {
          option);
 }
 
-/// What both kinds of input say alike: warnings, exit code and the keys that scripts rely on.
+/// Reports what both kinds of input have in common: warnings, exit code and the JSON keys
+/// that scripts rely on.
 CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& result,
                      std::vector<Warning> warnings = {}) {
     CommandResult out;
@@ -87,7 +88,7 @@ CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& r
     return out;
 }
 
-/// "FILE: 960x540 px, convolve, more": the beginning of the text for people.
+/// First line of the human-readable result: "FILE: 960x540 px, convolve, more".
 std::string headline(const MotionBlurOptions& options, const MotionBlurResult& result,
                      const std::string& more) {
     return fmt::format("{}: {}x{} px, {}, {}{}, {:.1f} % of the pixels touched", options.output,
@@ -96,7 +97,7 @@ std::string headline(const MotionBlurOptions& options, const MotionBlurResult& r
                        100 * result.touched_share);
 }
 
-// A flat picture of another program.
+// Blurs a flat image of another program by its motion vectors.
 CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     refuse_for_pictures(options.paths.has_value(), "--paths");
     refuse_for_pictures(options.settings.fit_px.has_value(), "--fit-paths");
@@ -163,7 +164,7 @@ void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warn
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_output(options.output);
-    // What is to be salvaged is a sample file, even where its header no longer says so.
+    // With --salvage the input is a sample file, even if its header is damaged.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
     if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
@@ -182,7 +183,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     const SampleFileReader& file = open->file;
     settings.exposure = resolve_exposure(options.shutter, file.header(), options.shutter_from_frame);
     const SampleHeader& h = file.header();
-    // What a pinhole sees, whose focus does not matter.
+    // A pinhole, whose focus distance has no effect.
     const FocusSettings pinhole{
         .lens = {.focal_length_mm = h.focal_length_mm, .f_number = std::numeric_limits<double>::infinity()},
         .crop = settings.crop};

@@ -1,4 +1,4 @@
-// The files that a command line names: none may be written that is also read, or written twice.
+// The files named on a command line. A written file must not be read as well, or be written twice.
 #pragma once
 
 #include <optional>
@@ -8,15 +8,15 @@
 namespace postlens {
 
 struct NamedFile {
-    std::string option;  ///< as messages call it
+    std::string option;  ///< name of the option for messages
     std::string path;
     bool written = false;
-    /// With --frames: the name may hold the frame's number, also as # (frame_range.h).
+    /// With --frames: the name may have placeholders for the frame number (`hashes`:
+    /// also #; see frame_range.h).
     bool numbered = false, hashes = false;
 };
 
-/// Throws Error(wrong_arguments) where a file that is written has two names among these; of a range for all
-/// its frames.
+/// Throws Error(wrong_arguments) if a written file occurs twice among these, for any frame of a range.
 void refuse_shared_files(const std::vector<NamedFile>& files, const std::optional<std::vector<int>>& frames);
 
 }  // namespace postlens

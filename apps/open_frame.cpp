@@ -6,7 +6,7 @@ namespace postlens {
 
 std::shared_ptr<OpenFrame> KeptFrame::at(std::optional<double> exposure_stops) {
     if (!open_ || stops_ != exposure_stops) {
-        open_.reset();  // two would need twice the memory
+        open_.reset();  // frees the memory before the file is opened again
         open_ = std::make_shared<OpenFrame>(path_, damage_, exposure_stops, true);
         stops_ = exposure_stops;
     }

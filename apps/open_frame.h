@@ -1,4 +1,4 @@
-// A sample file as commands use it: opened for one picture, or kept open for many.
+// An open sample file, for one image or kept open for many.
 #pragma once
 
 #include <memory>
@@ -11,22 +11,22 @@
 
 namespace postlens {
 
-/// A reader, and the records that pictures of any lens share.
+/// The reader of a sample file, and its frame.
 struct OpenFrame {
-    /// `many`: as FocusFrame says.
+    /// `many`: keeps records for further images, see FocusFrame.
     OpenFrame(const std::string& path, Damage damage, std::optional<double> exposure_stops, bool many)
         : file(path, damage, exposure_stops), frame(file, many) {}
     SampleFileReader file;
     FocusFrame frame;
 };
 
-/// Keeps a sample file and its records between pictures. Pictures are made one at a time.
+/// Keeps a sample file and its records open between images. Only one image is made at a time.
 class KeptFrame {
   public:
     KeptFrame(std::string path, Damage damage) : path_(std::move(path)), damage_(damage) {}
-    /// Who holds it may use what `at` gives.
+    /// A caller must hold this lock while it uses the result of `at`.
     [[nodiscard]] std::unique_lock<std::mutex> lock() { return std::unique_lock(mutex_); }
-    /// The file, read at an exposure; opened again where that is another one than before.
+    /// The file, read at the given exposure. It is opened again if the exposure differs from the last one.
     [[nodiscard]] std::shared_ptr<OpenFrame> at(std::optional<double> exposure_stops);
 
   private:

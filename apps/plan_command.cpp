@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-// Blue: scattered, grey: light field, red: traced again; as bright as the picture. Of a plan the light field
-// is the brighter the more views it has.
+// Writes the explanation image. Its hue shows the method: blue scattered, grey light field, red traced again.
+// Its brightness is that of the image. With a plan, the light field is brighter where it has more views.
 void write_explanation(const std::string& path, const HybridResult& r, const AutoResult* plan,
                        const std::optional<Crop>& crop) {
     Image out(r.focus.image.width, r.focus.image.height);
@@ -20,7 +20,7 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
         if (plan != nullptr && r.what[k] == 0) {
             const auto x = static_cast<int>(k % static_cast<std::size_t>(out.width)),
                        y = static_cast<int>(k / static_cast<std::size_t>(out.width));
-            // From 16 views, a sixteenth, to 2048, twice as bright.
+            // The factor is 1/4 for 16 views and 2 for 2048.
             const auto views = static_cast<float>(plan->tiles[plan->grid.at(x, y)].views);
             grey *= 0.25F * std::max(0.25F, std::log2(views) - 3);
         }
@@ -29,7 +29,7 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
     write_image(path, out, crop);
 }
 
-// Also refuses what would come to nothing after the work.
+// Reads the scene. Checks the output files first, so that a wrong name is reported before the work.
 std::optional<Scene> scene_of(const RetraceOptions& retrace, const SampleFileReader& file,
                               const std::string& picture, CommandResult& out) {
     if (retrace.explain) check_image_path(*retrace.explain);

@@ -1,4 +1,4 @@
-// What `focus`, `shoot` and `sweep` have in common where something decides pixel by pixel.
+// Helpers that `focus`, `shoot` and `sweep` share for the method auto and for error prediction.
 #pragma once
 
 #include "apps/command.h"
@@ -7,14 +7,14 @@
 
 namespace postlens {
 
-/// `auto`, with the scene that `retrace` names, which may not need the `picture` that is to be written;
-/// writes its picture of what was done, adds the scene's warnings, and sets the exit code for a target that
-/// is not met.
+/// Runs auto with the scene of `retrace`, adds the scene's warnings, writes the explanation image if
+/// `retrace` names one, and sets the exit code if the target PSNR is not met. `picture` is the output file;
+/// an error is thrown if the scene refers to it.
 [[nodiscard]] AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,
                                   const std::string& picture, CommandResult& out);
-/// `--predict`: adds what is expected of a picture to what is said of it.
+/// `--predict`: adds the predicted error of an image to the result.
 void report_prediction(const PredictedError& predicted, CommandResult& out);
-/// What `--json` says of `auto` beside what it says of every picture.
+/// The figures that `--json` lists for `auto` in addition to those of every image.
 [[nodiscard]] nlohmann::ordered_json auto_json(const AutoResult& result);
 
 }  // namespace postlens

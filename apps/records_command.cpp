@@ -53,7 +53,7 @@ std::string node_text(const Record& r, const std::string& name, const std::optio
     return line + "\n";
 }
 
-// The lens, where options and file together name one; without it no CoC is shown.
+// The lens of options and file; empty, so that no CoC is shown, if they do not define one.
 std::optional<FocusGeometry> lens_of(const LensOptions& options, const SampleFileReader& file) {
     const SampleHeader& h = file.header();
     if (h.projection == Projection::orthographic) return std::nullopt;
@@ -67,10 +67,10 @@ std::optional<FocusGeometry> lens_of(const LensOptions& options, const SampleFil
 }  // namespace
 
 CommandResult run_records(const RecordsOptions& options) {
-    const SampleFileReader file(options.input, damage_rule(options.salvage), 0.0);  // radiance
+    const SampleFileReader file(options.input, damage_rule(options.salvage), 0.0);  // 0 stops: radiance
     const SampleHeader& h = file.header();
     const auto lens = lens_of(options.lens, file);
-    const double limit = 1e6;  // far outside any raster, well inside an int
+    const double limit = 1e6;  // px; larger than any raster, and still representable as int
     if (std::abs(options.at.first) > limit || std::abs(options.at.second) > limit) {
         fail(ExitCode::wrong_arguments, "--at: outside the picture (got {},{})", options.at.first,
              options.at.second);

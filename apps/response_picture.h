@@ -1,4 +1,4 @@
-// An impulse response as a picture file.
+// Writes an impulse response as an image file.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace postlens {
 
-/// OpenEXR, one channel Y, float: energy per pixel. The file appears whole or not at all. Throws
+/// Writes OpenEXR with one float channel Y, the energy per pixel. The file is written atomically. Throws
 /// Error(cannot_write), and Error(wrong_arguments) unless the name ends in .exr.
 void write_response(const std::filesystem::path& path, const ResponseGrid& grid);
 

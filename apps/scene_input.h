@@ -1,4 +1,4 @@
-// The scene that a command works on.
+// Reads the scene of a command.
 #pragma once
 
 #include <filesystem>
@@ -9,14 +9,14 @@
 
 namespace postlens {
 
-/// Reads a scene; what its reader made up or skipped becomes warnings. Throws Error(wrong_arguments) where
-/// the scene refers to a file that is to be `written`, else as `read_scene`.
+/// Reads a scene and adds a warning for each assumption or omission of its reader. Throws
+/// Error(wrong_arguments) if the scene refers to one of the files in `written`, and the errors of read_scene.
 [[nodiscard]] Scene read_scene_of_command(const std::string& path, const SceneReadOptions& units,
                                           const std::vector<std::filesystem::path>& written,
                                           CommandResult& out);
 
-/// The same for the scene that a sample file was traced from, at the exposure by which the file is read.
-/// `lumens_per_watt`: absent: as the file says.
+/// Reads the scene from which a sample file was traced, at the exposure of `file`, with the checks and
+/// warnings of read_scene_of_command. An absent `lumens_per_watt` is that of the sample file.
 [[nodiscard]] Scene read_scene_of_file(const std::string& path, double metres_per_unit,
                                        const std::optional<double>& lumens_per_watt,
                                        const SampleFileReader& file,

@@ -18,13 +18,13 @@ std::vector<double> only(const std::optional<double>& value) {
     return value ? std::vector<double>{*value} : std::vector<double>{};
 }
 
-/// What is not asked for is as the sample file has it.
+/// The values of the options. An absent option has the value of the sample file.
 SweepAxes axes_of(const SweepOptions& o, const SampleHeader& h) {
     SweepAxes out;
     out.f_numbers = o.f_number ? f_number_list("--f-number", *o.f_number) : only(h.f_number);
     out.focus_m = o.focus ? focus_list("--focus", *o.focus) : only(h.focus_m);
     if (o.settings.picture.method == FocusMethod::pinhole) {
-        // A pinhole has neither; what is not named must not be asked for.
+        // A pinhole needs neither f-number nor focus distance, so the options are not required.
         if (!o.f_number) out.f_numbers = {std::numeric_limits<double>::infinity()};
         if (out.focus_m.empty()) out.focus_m = {1};
     }
@@ -50,7 +50,7 @@ SweepAxes axes_of(const SweepOptions& o, const SampleHeader& h) {
     return out;
 }
 
-/// "pull.%04d.png" says the format as well.
+/// Sets the format from the extension of --frames, as in "pull.%04d.png".
 void take_format(const SweepOptions& o, SweepSettings& s) {
     if (s.frames) {
         for (const std::string ending : {"exr", "png", "tif", "jpg"}) {
@@ -85,7 +85,7 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
              fmt::format("{} of {} pictures: {}", w.pictures, result.table.rows.size(), w.worst.text),
              w.worst.share});
     }
-    // The widest lens, the ends of the focus range and of the shutters are what a file may not suffice for.
+    // Settings for which the trace does not suffice are counted and reported as one warning.
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {
@@ -136,7 +136,7 @@ CommandResult run_sweep(const SweepOptions& o) {
         out.warnings.push_back({"contact_sheet", fmt::format("of {} pictures no contact sheet is made",
                                                              result.table.rows.size())});
     }
-    // How bright pictures are shown says nothing of the file.
+    // --strict ignores exposure warnings, which concern only how the images are displayed.
     if (o.strict && std::any_of(out.warnings.begin(), out.warnings.end(),
                                 [](const Warning& w) { return w.code != "exposure"; }))
         out.exit_code = ExitCode::shortfall;

@@ -1,4 +1,4 @@
-// `sweep`: one sample file, many lenses.
+// The command `sweep`, which makes images of one sample file with many lens settings.
 #pragma once
 
 #include <optional>
@@ -11,9 +11,9 @@ namespace postlens {
 
 struct SweepOptions {
     std::string input, output;
-    /// Lists as they were typed; absent: what the sample file names.
+    /// Lists as typed; absent: the value of the sample file.
     std::optional<std::string> f_number, focal_length, focus, shutter, impulse;
-    Impulse modifiers;          ///< squeeze, cats_eye and spherical, of every impulse response
+    Impulse modifiers;          ///< squeeze, cats_eye and spherical of every impulse response
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
     RetraceOptions retrace;

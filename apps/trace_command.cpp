@@ -14,7 +14,7 @@ namespace postlens {
 
 namespace {
 
-// What the header's one motion per id cannot say.
+// Warns of ids whose shapes move differently, because the header stores one motion per id.
 void warn_of_motion(const Scene& scene, CommandResult& out) {
     const std::vector<std::uint32_t> apart = ids_that_move_apart(scene);
     if (apart.empty()) return;
@@ -35,7 +35,8 @@ void check_room(std::uint64_t bytes, const std::string& output) {
                  "expected enough, a smaller --size or --subdivide, or --force to try all the same");
 }
 
-// So many bytes for a pixel no usual trace comes near to: then no look at the scene has to tell.
+// True if the disk has so much room that the size of the file need not be predicted: usual traces need far
+// less than 16 KiB per pixel.
 bool has_ample_room(const Scene& scene, const TraceSettings& settings, const std::string& output) {
     constexpr double ample_bytes_per_px = 16384;
     const CameraModel camera(find_camera(scene, settings.camera_name), scene.time_s, settings.camera);
@@ -68,7 +69,7 @@ CommandResult run_trace(const TraceOptions& options) {
     std::optional<std::uint64_t> expected_bytes;
     nlohmann::ordered_json plan = nullptr;
     if (options.plan) {
-        require_trace_memory(scene, settings, options.output);  // the look is large as well
+        require_trace_memory(scene, settings, options.output);  // the preview pass needs much memory too
         const TracePlan p = plan_trace(scene, settings, options.target_db);
         settings = p.settings;
         plan = {{"subdivide", p.levels}, {"floor_db", p.floor_db}, {"floors_db", p.floors_db},

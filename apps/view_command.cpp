@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-/// The desktop's browser; that there is none is no error, as the address is said.
+/// Opens the desktop's browser. Failure is not an error, because the address is printed.
 void open_in_browser(const std::string& address) {
     std::string program = "xdg-open", argument = address;
     std::array<char*, 3> words{program.data(), argument.data(), nullptr};
@@ -24,7 +24,7 @@ void open_in_browser(const std::string& address) {
 CommandResult run_view(const ViewOptions& options) {
     ViewSession session(options);
     ViewServer server(session, options.port);
-    // At once, and not with the result: the result comes when the viewer has been closed.
+    // The address is printed here, because the result is printed only after the viewer has been closed.
     fmt::print("{}\n", server.address());
     std::fflush(stdout);
     if (options.open) open_in_browser(server.address());

@@ -1,12 +1,12 @@
-// `view`: a frame refocused by hand, in a browser on this machine.
+// The command `view`, which lets the user refocus a frame interactively in a browser on this machine.
 #pragma once
 
 #include "apps/view_session.h"
 
 namespace postlens {
 
-/// Serves the viewer until the job is cancelled. Says where on standard output. Throws Error(wrong_arguments)
-/// for a port that is taken, and what opening the frame throws.
+/// Serves the viewer until the job is cancelled, and prints its address on standard output. Throws
+/// Error(wrong_arguments) if the port is in use, and the errors of opening the frame.
 [[nodiscard]] CommandResult run_view(const ViewOptions& options);
 
 }  // namespace postlens

@@ -29,7 +29,7 @@ std::string data_uri(const std::string& type, const std::string& bytes) {
     return "data:" + type + ";base64," + text;
 }
 
-/// Means of squares of pixels.
+/// Scales an image down by an integer factor: each pixel is the mean of by x by pixels.
 Image shrunk(const Image& from, int by) {
     if (by == 1) return from;
     Image out(from.width / by, from.height / by);
@@ -45,7 +45,7 @@ Image shrunk(const Image& from, int by) {
     return out;
 }
 
-/// Distances with as much of the picture between one and the next, from near to far; infinity as such.
+/// Focus distances, m, from near to far, at uniform quantiles of the pixels' inverse depths; may be infinite.
 std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     std::sort(inverse.begin(), inverse.end(), std::greater<>());
     std::vector<double> out;
@@ -58,7 +58,8 @@ std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     return out;
 }
 
-/// The map that is clicked on: a quarter as wide as the picture, 255 the greatest inverse depth.
+/// The depth map that the user clicks on, a quarter as wide and high as the image. 255 is
+/// the greatest inverse depth.
 EncodedPicture depth_map(const std::vector<float>& inverse, int width, int height, float greatest) {
     constexpr int by = 4;
     EncodedPicture out(std::max(1, width / by), std::max(1, height / by));
@@ -79,11 +80,11 @@ EncodedPicture depth_map(const std::vector<float>& inverse, int width, int heigh
     return out;
 }
 
-/// How many pictures of which size a page has.
+/// Number of images of a page, and the factor by which they are scaled down.
 struct Plan {
     int focus_distances = 9, f_numbers = 3, shrunk_by = 1;
     [[nodiscard]] int pictures() const { return focus_distances * f_numbers; }
-    /// The next smaller one.
+    /// The next smaller plan.
     [[nodiscard]] Plan less() const {
         if (focus_distances > 5) return {5, f_numbers, shrunk_by};
         if (f_numbers > 1) return {focus_distances, f_numbers - 1, shrunk_by};
@@ -100,11 +101,11 @@ class Exporter {
         const auto open = kept_->at(std::nullopt);
         const SampleHeader& h = open->file.header();
         std::vector<float> inverse = image_depths(open->file).inverse_per_m;
-        // No lens focuses behind infinity.
+        // Negative values, behind infinity, are set to 0, because a lens focuses at infinity at most.
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
         const double f_number = h.f_number && std::isfinite(*h.f_number) ? *h.f_number : 2.8;
-        // One picture tells how large all will be; the hardest to compress is one in focus.
+        // The bytes of all images are estimated from one image at the middle focus distance.
         Plan plan;
         const std::vector<double> all = focus_distances(inverse, plan.focus_distances);
         const double one_bytes =
@@ -113,7 +114,7 @@ class Exporter {
             return p.pictures() * one_bytes / (p.shrunk_by * p.shrunk_by);
         };
         const double most_bytes = options_.most_mb * 1e6,
-                     room = 0.9 * most_bytes - 2e4;  // less the page itself
+                     room = 0.9 * most_bytes - 2e4;  // without the page's own text
         while (expected(plan) > room) {
             plan = plan.less();
             if (h.width / plan.shrunk_by < 64)
@@ -128,7 +129,7 @@ class Exporter {
     }
 
   private:
-    /// As JPEG.
+    /// The bytes of a JPEG image.
     [[nodiscard]] std::string picture(double f_number, double focus_m, int by) const {
         const ParsedCommand command =
             parse_command_line({"focus", options_.input, fmt::format("--f-number={}", f_number),
@@ -168,7 +169,7 @@ class Exporter {
         data["depths"] =
             data_uri("image/png", png_file(depth_map(inverse, h.width, h.height, greatest), "depths"));
         std::string json = data.dump();
-        // A name may hold what would end the script.
+        // Escapes '<', because a name could contain the end tag of the script element.
         for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos;)
             json.replace(at, 1, "\\u003c");
         std::string page(page_file("export.html")->text);

@@ -1,4 +1,4 @@
-// The viewer's page, which the program carries (viewer/).
+// The files of the viewer's page, which are compiled into the program from viewer/.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@ struct PageFile {
     const char* type;
 };
 
-/// One of the page's files by its name in viewer/.
+/// The file with the given name in viewer/; empty if there is none.
 [[nodiscard]] std::optional<PageFile> page_file(std::string_view name);
 
 }  // namespace postlens

@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-/// 128 random bits, 32 hexadecimal digits.
+/// 128 random bits as 32 hexadecimal digits.
 std::string random_token() {
     std::array<unsigned char, 16> bytes{};
     if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
@@ -20,7 +20,7 @@ std::string random_token() {
     return out;
 }
 
-/// A name of this machine, with any port: through `ssh -L` it is another than ours.
+/// True for a loopback name with any port, because a tunnel by `ssh -L` may use another port than the server.
 bool is_local(const std::string& host) {
     const std::size_t colon = host.rfind(':');
     const bool has_port = colon != std::string::npos && host.find(']', colon) == std::string::npos;
@@ -29,7 +29,7 @@ bool is_local(const std::string& host) {
     return name == "127.0.0.1" || name == "localhost" || name == "[::1]";
 }
 
-/// Whether a page of ours, or the user in the address bar, has sent a request.
+/// True if the request comes from the viewer's own page, or from the browser's address bar.
 bool is_ours(const httplib::Request& request) {
     const std::string host = request.get_header_value("Host");
     if (!is_local(host)) return false;
@@ -56,7 +56,7 @@ struct ViewServer::Impl {
     httplib::Server server;
     std::string token = random_token(), address;
 
-    /// The part of a path behind "/TOKEN/"; absent for a wrong token. Takes as long for one as for another.
+    /// The part of a path after "/TOKEN/"; empty for a wrong token. The comparison takes constant time.
     [[nodiscard]] std::optional<std::string> behind_token(const std::string& path) const {
         if (path.size() < token.size() + 2 || path[0] != '/' || path[token.size() + 1] != '/')
             return std::nullopt;
@@ -102,16 +102,17 @@ struct ViewServer::Impl {
 
 ViewServer::ViewServer(ViewSession& session, int port) : impl_(std::make_unique<Impl>()) {
     httplib::Server& server = impl_->server;
-    // An idle connection holds a thread until it is cut: many threads, and soon.
+    // An idle connection occupies a thread until its timeout, hence many threads and a short timeout.
     constexpr std::size_t threads = 32;
     constexpr time_t patience_s = 2;
     server.new_task_queue = [] { return new httplib::ThreadPool(threads); };  // NOLINT: the server deletes it
     server.set_read_timeout(patience_s);
-    server.set_write_timeout(10);  // a picture through a slow tunnel; per piece of it
+    server.set_write_timeout(10);  // s, for each part of an image sent through a slow tunnel
     server.set_keep_alive_timeout(patience_s);
     server.set_payload_max_length(0);
     server.set_tcp_nodelay(true);
-    // Not inherited by a browser that is opened; another program's sockets at the port are not joined.
+    // FD_CLOEXEC: the browser does not inherit the socket. SO_REUSEADDR only, without SO_REUSEPORT: the port
+    // is not shared with another program.
     server.set_socket_options([](socket_t socket) {
         ::fcntl(socket, F_SETFD, FD_CLOEXEC);
         const int yes = 1;

@@ -1,4 +1,4 @@
-// The viewer's HTTP server: who may ask, and for what.
+// The viewer's HTTP server, which answers only requests of the viewer's own page.
 #pragma once
 
 #include <memory>
@@ -8,11 +8,11 @@
 
 namespace postlens {
 
-/// Serves the page and a session's replies on 127.0.0.1. Every address begins with a random token; requests
-/// of other pages (a foreign Host or Origin) are refused; nothing is loaded from elsewhere.
+/// Serves the page and a session's replies on 127.0.0.1. Every URL path begins with a random token. Requests
+/// of other sites, with a foreign Host or Origin, are refused. The page loads nothing from other servers.
 class ViewServer {
   public:
-    /// Binds the port (0: any free one). Throws Error(wrong_arguments) where it is taken.
+    /// Binds the port (0: any free one). Throws Error(wrong_arguments) if it is in use.
     ViewServer(ViewSession& session, int port);
     ~ViewServer();
     ViewServer(const ViewServer&) = delete;
@@ -22,9 +22,9 @@ class ViewServer {
 
     /// "http://127.0.0.1:PORT/TOKEN/"
     [[nodiscard]] const std::string& address() const;
-    /// Until `stop`.
+    /// Serves requests until `stop` is called.
     void serve();
-    /// From another thread.
+    /// Ends `serve`. Called from another thread.
     void stop();
 
   private:

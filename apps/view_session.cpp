@@ -33,7 +33,7 @@ void append_bytes(std::string& out, const void* from, std::size_t bytes) {
 }
 
 void append_halves(std::string& out, const std::vector<float>& values) {
-    // Half floats end at 65504: what is brighter is shown as that.
+    // Values are clamped to the greatest half float, 65504.
     constexpr float greatest = 65504.0F;
     std::vector<std::uint16_t> halves(values.size());
     parallel_for(
@@ -43,14 +43,14 @@ void append_halves(std::string& out, const std::vector<float>& values) {
     append_bytes(out, halves.data(), halves.size() * sizeof halves[0]);
 }
 
-/// Runs a command that leaves its picture in the result; the reply is JSON, then half floats.
+/// Runs a command that returns its image. The reply has the format of ViewSession::picture.
 ViewReply picture_reply(const ParsedCommand& command) {
     const auto start = std::chrono::steady_clock::now();
     const CommandResult result = command.run();
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // What the page draws of it: the noise of the views, tile by tile.
+        // The page draws only the noise of the views per tile, so the rest of the plan is dropped.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -75,7 +75,7 @@ ViewReply picture_reply(const ParsedCommand& command) {
     return out;
 }
 
-/// What the page may ask `focus` and `shoot` for. Nothing that names a file.
+/// The options of `focus` and `shoot` that the page may set. None of them names a file.
 const std::set<std::string_view>& picture_options() {
     static const std::set<std::string_view> names{
         "f-number", "focus",     "focus-at",   "focal-length",  "framing",         "impulse",   "squeeze",
@@ -132,7 +132,7 @@ ViewReply ViewSession::frame() const {
     return {.body = json.dump()};
 }
 
-/// Cancels what the slot is making, and makes something else in its place.
+/// Cancels the slot's current request, and runs `make` in its place.
 ViewReply ViewSession::made(Slot& slot, const std::function<ViewReply()>& make) {
     const auto job = std::make_shared<Job>(JobSettings{.threads = options_.threads});
     {
@@ -144,7 +144,7 @@ ViewReply ViewSession::made(Slot& slot, const std::function<ViewReply()>& make) 
     try {
         if (stopped_) job->cancel();
         const JobScope scope(*job);
-        throw_if_interrupted();  // a newer one came while this one waited
+        throw_if_interrupted();  // a newer request may have cancelled this one while it waited
         return make();
     } catch (const Error& e) {
         return error_reply(e.code() == ExitCode::interrupted ? 409 : 400, e.what());
@@ -192,7 +192,7 @@ ViewReply ViewSession::rays(const ViewParameters& parameters) {
             check_value(name, value);
             words.push_back(option(name, value));
         }
-        // The frame's own view, whatever the scene's camera says.
+        // The view is that of the frame, even if the scene's camera differs.
         const Json& frame = info_.json;
         const int width = frame["width"].get<int>();
         words.push_back(option("size", fmt::format("{}x{}", width, frame["height"].get<int>())));
@@ -217,7 +217,7 @@ ViewReply ViewSession::pixel(const ViewParameters& parameters) {
         if (parameters.contains("focus") && parameters.at("focus") != "inf")
             options.lens.focus_m = number_of(parameters, "focus");
         const Json json = run_records(options).json;
-        // Nodes of all samples that are the same thing seen by the same way.
+        // Merges the nodes of all samples that have the same object and path.
         struct Seen {
             double light = 0, inverse_depth = 0;
             const Json* node = nullptr;
@@ -251,7 +251,7 @@ ViewReply ViewSession::pixel(const ViewParameters& parameters) {
             Json node = *s->node;
             node.erase("rgb");
             node["share"] = s->light / all;
-            // Behind infinity, too, the far end of the scale is as near as a lens gets.
+            // null means infinity, which is also the best focus for an image behind infinity.
             node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));

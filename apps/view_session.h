@@ -17,13 +17,13 @@ namespace postlens {
 
 struct ViewOptions {
     std::string input;
-    std::optional<std::string> scene;  ///< for method auto and for rays
+    std::optional<std::string> scene;  ///< for the method auto and for rays
     int port = 0;                      ///< 0: any free one
-    bool open = false;                 ///< in the desktop's browser
+    bool open = false;                 ///< open the page in the desktop's browser
     int threads = 0;
 };
 
-/// Options of the command by their names without "--".
+/// Values of command-line options; keys are their names without "--".
 using ViewParameters = std::map<std::string, std::string>;
 
 struct ViewReply {
@@ -38,30 +38,31 @@ class ViewSession {
   public:
     explicit ViewSession(ViewOptions options);
 
-    /// What the page shows at first: size, camera, lens, names.
+    /// What the page needs at its start: size, camera, lens, file names.
     [[nodiscard]] ViewReply frame() const;
-    /// A picture by `focus`, or by `shoot` where there is a shutter: the length of a JSON text in bytes (32
-    /// bits, little endian), the text, zeros up to a multiple of 4, RGB as half floats, row by row, and,
-    /// where the JSON says has_ray_share, a half float a pixel: the share of its view samples that are rays.
+    /// An image by `focus`, or by `shoot` if the parameters have a shutter. The body has the length of a JSON
+    /// text in bytes (32 bits, little endian), the text, zeros up to a multiple of 4, and RGB as half floats,
+    /// row by row. If has_ray_share is true in the JSON, one half float per pixel follows: the share of its
+    /// view samples that rays replaced.
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
-    /// `render` of the scene: likewise. Cancels other rays only.
+    /// An image by `render` of the scene, in the format of `picture`. Cancels only older requests for rays.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);
-    /// The node that gives most of a pixel's light, with the distance in focus that makes it sharp, and all
-    /// nodes of the pixel. Parameters x and y, px.
+    /// The visible nodes of a pixel, merged by object and path and sorted by their share of the pixel's
+    /// light, each with the focus distance that brings it into focus. Parameters x and y, px.
     [[nodiscard]] ViewReply pixel(const ViewParameters& parameters);
-    /// Of every pixel the inverse depth of its image (half floats, 1/m, 0: infinite), and the object's id (32
-    /// bits): of the node that gives most light; in this order.
+    /// For the brightest visible node of every pixel (ImageDepths): all ids (32 bits each), then all inverse
+    /// focus distances (half floats, 1/m).
     [[nodiscard]] ViewReply depths();
-    /// The file that the command would write: parameter `format` png or exr.
+    /// The file that the command would write. Its format is the parameter `format`, png or exr.
     [[nodiscard]] ViewReply save(const ViewParameters& parameters);
     /// Cancels all work.
     void stop();
 
   private:
-    /// One picture at a time of each kind.
+    /// Requests of one kind, of which one runs at a time.
     struct Slot {
         std::mutex making;
-        std::mutex mutex;  ///< of `current`
+        std::mutex mutex;  ///< guards `current`
         std::shared_ptr<Job> current;
     };
     [[nodiscard]] ViewReply made(Slot& slot, const std::function<ViewReply()>& make);
@@ -69,7 +70,7 @@ class ViewSession {
 
     ViewOptions options_;
     CommandResult info_;
-    std::shared_ptr<KeptFrame> kept_;  ///< absent: another program's picture
+    std::shared_ptr<KeptFrame> kept_;  ///< null for another program's image
     Slot pictures_, rays_, others_;
     std::atomic<bool> stopped_{false};
 };

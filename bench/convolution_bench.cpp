@@ -1,6 +1,6 @@
-// Convolution of moving things with their paths, both ways, beside what is predicted for them.
+// Convolution of moving objects with their paths, directly and by FFT, with the predicted seconds of each.
 //   convolution_bench --benchmark_enable_random_interleaving=true --benchmark_repetitions=5
-// Threads: two for `three_objects`, one for the others, which is what the predictions are about.
+// `three_objects` uses two threads. The others use one thread, for which the predictions are made.
 #include <benchmark/benchmark.h>
 #include <cmath>
 #include <random>
@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-/// A disc of noise that fills a square of `size` cells.
+/// A disc of random values with a diameter of `size` cells.
 Planes disc(int size, std::size_t planes) {
     std::mt19937 random(1);
     std::uniform_real_distribution<float> uniform(0, 1);
@@ -41,7 +41,8 @@ void report(benchmark::State& state, const Planes& i1, const PathRaster& i2, Con
         1e3 * (method == ConvolutionMethod::direct ? costs.direct_s : costs.fft_s);
 }
 
-/// Ranges: cells of the object's side, px of the way, degrees, shutter (0 box, 1 triangle).
+/// Arguments: diameter of the object in cells, length of the path in px, its direction in degrees, shutter
+/// curve (0 box, 1 triangle).
 void one_object(benchmark::State& state, ConvolutionMethod method) {
     const ThreadLimit limit(1);
     const Planes i1 = disc(static_cast<int>(state.range(0)), 4);
@@ -51,7 +52,8 @@ void one_object(benchmark::State& state, ConvolutionMethod method) {
     report(state, i1, i2, method);
 }
 
-/// Three objects of 300 px on ways of 120 px in different directions, two cells a pixel, four planes each.
+/// Three objects of 300 px on paths of 120 px in different directions, with two cells per pixel
+/// and four planes each.
 void three_objects(benchmark::State& state, ConvolutionMethod method) {
     const ThreadLimit limit(2);
     const Planes i1 = disc(600, 4);
@@ -62,12 +64,12 @@ void three_objects(benchmark::State& state, ConvolutionMethod method) {
     }
 }
 
-/// The rasters of such paths.
+/// Draws a path raster of 120 px with four cells per pixel.
 void draw(benchmark::State& state) {
     for (auto _ : state) benchmark::DoNotOptimize(straight(120, 33, ShutterCurve::triangle(), 4));
 }
 
-// NOLINTBEGIN(modernize-use-nodiscard,cppcoreguidelines-init-variables): inside the macros
+// NOLINTBEGIN(modernize-use-nodiscard,cppcoreguidelines-init-variables): code from the macros
 #define POSTLENS_CONVOLUTION_BENCH(method)                                   \
     BENCHMARK_CAPTURE(one_object, method, ConvolutionMethod::method)         \
         ->ArgsProduct({{64, 300, 1000}, {8, 60, 240}, {0, 30, 45, 90}, {0}}) \

@@ -1,5 +1,6 @@
-// Responses of the circular aperture for many depths, as `focus` wants them, with CoCs up to a radius of 64
-// px: 50 mm f/1.8 on pixels of 18.75 um (about 60 of v to a pixel), on two threads.
+// Diffraction impulse responses of the circular aperture for 64 depths, as `focus` computes them,
+// with CoC radii up to 64 px. Lens 50 mm f/1.8, pixels of 18.75 um (about 60 units of the Lommel
+// coordinate v), two threads.
 #include <benchmark/benchmark.h>
 #include <vector>
 
@@ -52,7 +53,7 @@ void one_row(benchmark::State& state) {
 
 }  // namespace
 
-// 0: radii from 0 to 64 px; 1: all 64 px.
+// Argument 0: CoC radii from 0 to 64 px; 1: all radii 64 px.
 BENCHMARK(one_wavelength)
     ->Arg(0)
     ->Arg(1)

@@ -1,6 +1,7 @@
-// Eye rays beside a bare Embree loop over the same rays, and whole SPD pictures.
+// The tracer's eye rays compared to a bare Embree loop over the same rays, and whole images
+// of the SPD scenes.
 //   eye_rays_bench --benchmark_enable_random_interleaving=true --benchmark_repetitions=5
-// The SPD scenes are looked for in $POSTLENS_SPD (a folder with balls.nff, tetra.nff, mount.nff).
+// The environment variable POSTLENS_SPD names the folder of balls.nff, tetra.nff and mount.nff.
 #include <atomic>
 #include <benchmark/benchmark.h>
 #include <cmath>
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A bumpy ball of `triangles` triangles that fills most of the frame.
+// A scene with a bumpy ball of `triangles` triangles that fills most of the frame.
 Scene mesh_scene(int triangles) {
     auto mesh = std::make_shared<Mesh>();
     const int rings = static_cast<int>(std::sqrt(triangles / 4.0)), sectors = 2 * rings;
@@ -97,7 +98,7 @@ std::vector<Tile> tiles() {
     return out;
 }
 
-// The corners of a tile in blocks of 4 x 4, as the tracer takes them.
+// Visits the pixel corners of a tile in blocks of 4 x 4, in the order of the tracer.
 template <typename Visit>
 void corners(const Tile& t, const Visit& visit) {
     for (int by = t.y; by < t.y + tile; by += 4) {
@@ -113,7 +114,8 @@ void report(benchmark::State& state, std::uint64_t hits) {
     state.counters["hit_share"] = static_cast<double>(hits) / rays;
 }
 
-// The least that Embree can be asked to do: make 16 rays, intersect, count hits.
+// Lower bound for the cost of eye rays: makes packets of 16 rays, intersects them with
+// Embree and counts hits.
 void bare_embree(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     const Prepared& p = prepared(name, width, height);
@@ -147,8 +149,8 @@ void bare_embree(benchmark::State& state, const std::string& name) {
                 valid[i] = -1;
                 if (++i < 16) return;
                 i = 0;
-                // The callbacks of the scene's user geometries expect postlens' context, whose first part
-                // this is.
+                // The callbacks of the scene's user geometries expect postlens' context, which begins with
+                // Embree's and has further members.
                 struct {
                     RTCIntersectContext base;
                     void* none[4];
@@ -163,7 +165,7 @@ void bare_embree(benchmark::State& state, const std::string& name) {
     report(state, hits);
 }
 
-// The tracer's own eye rays: camera model in double, batches, hits kept.
+// The tracer's eye rays: double-precision camera model, ray batches, hits stored.
 void eye_rays(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     const Prepared& p = prepared(name, width, height);
@@ -189,7 +191,7 @@ void eye_rays(benchmark::State& state, const std::string& name) {
     report(state, hits);
 }
 
-// All of `trace` for primary hits but the file: records with normals, depth and colour.
+// The work of `trace` for primary hits, without the file: records with normals, depth and colour.
 void eye_records(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     const Prepared& p = prepared(name, width, height);
@@ -212,8 +214,9 @@ void eye_records(benchmark::State& state, const std::string& name) {
     report(state, hits);
 }
 
-// A whole SPD picture, 513 x 513 corner rays, depth 5: reading, building, tracing; no file and no W, which a
-// picture does not need. spd_trace_only leaves reading and building out and computes W, as `trace` does.
+// A whole image of an SPD scene with 513 x 513 corner rays and up to 5 nodes per path. Includes reading the
+// scene, building its acceleration structure and tracing. Excludes writing a file and computing W, which an
+// image does not need. spd_trace_only excludes reading and building, and computes W as `trace` does.
 void spd_picture(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     RayCounts counts;

@@ -1,5 +1,5 @@
-// Writes the pinhole picture of a sample file as another program would have: a flat OpenEXR file with a depth
-// and, if asked for, ids. What scripts/ids_table.py measures with.
+// Writes the pinhole image of a sample file as another program's renderer would: as a flat OpenEXR file with
+// one depth per pixel and optional ids. scripts/ids_table.py uses it.
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -25,10 +25,10 @@ namespace {
 
 using namespace postlens;
 
-/// Surfaces of a pixel that a Cryptomatte of two layers of channels has room for.
+/// Greatest number of surfaces per pixel in a Cryptomatte with two layers of channels.
 constexpr std::size_t ranks = 4;
 
-/// What a surface has of a pixel: its share, and the share times z' in m.
+/// A surface in a pixel: its share of the pixel, and the sum of share times z', m.
 struct Part {
     double share = 0, depth = 0;
 };
@@ -46,14 +46,15 @@ class Picture {
         for (const PointSample& s : found.samples) add(s, band.records[s.first_record]);
     }
 
-    /// `depth`: "most", of what fills most of a pixel, or "mean", of all. `ids`: "none", "id" or
-    /// "cryptomatte".
+    /// `depth`: "most" writes the depth of the surface with the largest share of a pixel, "mean" the mean
+    /// depth of all its surfaces. `ids`: "none", "id" or "cryptomatte".
     void write(const std::string& path, const std::string& depth, const std::string& ids) const;
 
   private:
     using Ranked = std::vector<std::pair<std::uint32_t, Part>>;
 
-    // A quadrant of a sample lies in the pixel that is on its side of the position.
+    // Adds a sample to the up to four pixels that its footprint covers; each quadrant of the footprint lies
+    // in one pixel.
     void add(const PointSample& s, const Record& node) {
         for (std::size_t q = 0; q < s.weight.size(); ++q) {
             if (!(s.weight[q] > 0)) continue;
@@ -66,7 +67,7 @@ class Picture {
             part.depth += static_cast<double>(s.weight[q]) * static_cast<double>(node.z);
         }
     }
-    /// By falling share.
+    /// The surfaces of a pixel, sorted by falling share.
     [[nodiscard]] Ranked ranked(std::size_t pixel) const {
         Ranked out(parts_[pixel].begin(), parts_[pixel].end());
         std::stable_sort(out.begin(), out.end(),
@@ -76,7 +77,7 @@ class Picture {
 
     const SampleHeader& header_;
     Image rgb_;
-    std::vector<std::map<std::uint32_t, Part>> parts_;  ///< by pixel and id
+    std::vector<std::map<std::uint32_t, Part>> parts_;  ///< index: pixel, key: id
 };
 
 void Picture::write(const std::string& path, const std::string& depth, const std::string& ids) const {

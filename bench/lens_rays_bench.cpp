@@ -1,4 +1,5 @@
-// Rays per second through eleven surfaces.
+// Real lens rays: rays per second through the eleven surfaces of a double Gauss,
+// impulse responses and kernels.
 #include <benchmark/benchmark.h>
 
 #include "lens/prescription/fan_table.h"
@@ -57,13 +58,13 @@ const LensView& view() {
     return view;
 }
 
-// What `focus` prepares for one setting of the lens.
+// The table that `focus` prepares for one setting of the lens.
 void fan_table(benchmark::State& state) {
     for (auto _ : state) benchmark::DoNotOptimize(FanTable(view(), 1, 0.22));
 }
 BENCHMARK(fan_table)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-// One kernel, of about `range` px of radius.
+// One impulse response. Argument: its approximate radius, px.
 void fan_kernel(benchmark::State& state) {
     static const FanTable table(view(), 1, 0.22);
     const auto radius_px = static_cast<double>(state.range(0));

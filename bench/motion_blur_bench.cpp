@@ -1,6 +1,6 @@
-// The motion-blur processor at 1920x1080: three moving objects of about 300 px on paths of 120 px before a
-// still wall, from opening the sample file to the picture, on 2 threads. `read` only reads and checks the
-// records: what bounds convolve.
+// Motion blur at 1920x1080: three moving objects of about 300 px on paths of 120 px before a static wall,
+// from opening the sample file to the image, on 2 threads. `read` only reads and checks the records, which is
+// a lower bound for the time of convolve.
 #include <benchmark/benchmark.h>
 #include <filesystem>
 #include <unistd.h>
@@ -44,7 +44,7 @@ std::filesystem::path frame(int levels, bool packed) {
     return path;
 }
 
-/// Traced once, removed at the end.
+/// Path of a sample file. It is traced at the first call and removed at exit.
 const std::filesystem::path& traced(const benchmark::State& state) {
     const auto levels = static_cast<int>(state.range(0));
     const bool packed = state.range(1) != 0;

@@ -1,8 +1,8 @@
-// Distributed rays beside a bare Embree loop over the very same rays, and whole pictures.
+// Distributed ray tracing compared to a bare Embree loop over the same rays, and whole images.
 //   render_bench --benchmark_enable_random_interleaving=true --benchmark_repetitions=5
-// The balls are looked for in $POSTLENS_SPD (a folder with balls.nff), the sample scenes in $POSTLENS_SAMPLES
-// (the folder samples/scenes). The ways of asking Embree: ray by ray, packets of 8 and 16, coherent or not,
-// and streams.
+// The environment variable POSTLENS_SPD names the folder of balls.nff, POSTLENS_SAMPLES the folder
+// samples/scenes. The Embree loop traces single rays, packets of 8 and 16 rays with and without the coherent
+// flag, or streams.
 #include <atomic>
 #include <benchmark/benchmark.h>
 #include <cmath>
@@ -28,7 +28,8 @@ fs::path from_environment(const char* variable, const std::string& file) {
     return fs::path(folder != nullptr ? folder : ".") / file;
 }
 
-// A bumpy ball of a million triangles that fills most of the frame; in `moving` it turns by 10 degrees.
+// A scene with a bumpy ball of a million triangles that fills most of the frame. If `moving`, it turns by
+// 10 degrees.
 Scene mesh_scene(bool moving) {
     auto mesh = std::make_shared<Mesh>();
     const int rings = 500, sectors = 2 * rings;
@@ -88,7 +89,7 @@ struct Prepared {
     Sampler sampler;
     DistributedTracer tracer;
 
-    // The eye rays of a tile, as `render` makes them.
+    // Makes the eye rays of a tile in the same way as `render`.
     void make_rays(std::size_t index, RayBatch& batch) const {
         constexpr std::size_t columns = width / tile;
         const int x0 = static_cast<int>(index % columns) * tile,
@@ -139,7 +140,8 @@ void report(benchmark::State& state, std::uint64_t hits) {
     state.counters["hit_share"] = static_cast<double>(hits) / rays;
 }
 
-// The callbacks of the scene's user geometries expect postlens' context, whose first part is Embree's.
+// The callbacks of the scene's user geometries expect postlens' context, which begins with Embree's
+// and has further members.
 struct Context {
     RTCIntersectContext base;
     void* none[4];
@@ -156,7 +158,7 @@ void over_tiles(benchmark::State& state, const Body& body) {
     report(state, hits);
 }
 
-// Rays made beforehand, 16 at a time: what of them is Embree's share alone.
+// Eye rays of all tiles, made once, so that bare_embree measures Embree's part alone.
 std::vector<RayBatch>& made(const std::string& name) {
     static std::map<std::string, std::vector<RayBatch>> all;
     std::vector<RayBatch>& batches = all[name];
@@ -242,7 +244,7 @@ void bare_embree(benchmark::State& state, const std::string& name, Way way) {
     });
 }
 
-// Numbers, lens, rays and hits, as `render` has them.
+// The eye rays of `render`: random numbers, lens, rays and hits.
 void eye_rays(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     const Prepared& p = prepared(name);
@@ -256,7 +258,7 @@ void eye_rays(benchmark::State& state, const std::string& name) {
     });
 }
 
-// Numbers and rays alone.
+// Random numbers and rays, without hits.
 void ray_making(benchmark::State& state, const std::string& name) {
     if (missing(state, name)) return;
     const Prepared& p = prepared(name);
@@ -268,7 +270,7 @@ void ray_making(benchmark::State& state, const std::string& name) {
     });
 }
 
-// All of `render` but the files, on an emission-only scene; samples as rays.
+// The whole of `render` without its files, on a scene that only emits, so that each sample is one ray.
 void picture(benchmark::State& state, const std::string& file, double f_number, bool shutter) {
     const fs::path path = from_environment("POSTLENS_SAMPLES", file);
     if (!fs::exists(path)) {

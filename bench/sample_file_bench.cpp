@@ -1,7 +1,7 @@
-// Writing and reading sample files of 1920x1080 pixels beside fwrite and fread of the same number of bytes.
+// Writing and reading sample files of 1920x1080 pixels, compared to fwrite and fread of as many bytes.
 //
-// Each file benchmark has the arguments {records a pixel, compression: 0 none, 1 RLE, 2 ZIPS}; the counters
-// give the file's size and the bytes of records a second.
+// Each file benchmark has the arguments {records per pixel, compression: 0 none, 1 RLE, 2 ZIPS}. Its counters
+// give the size of the file and the bytes of records per second.
 #include <algorithm>
 #include <benchmark/benchmark.h>
 #include <cmath>
@@ -20,10 +20,10 @@ namespace {
 
 constexpr int width = 1920;
 constexpr int height = 1080;
-/// Rows that a tracer hands over and a focus processor asks for at a time.
+/// Number of rows that the tracer writes, and a focus method reads, at a time.
 constexpr int band_rows = 64;
 
-/// Something like a traced frame: smooth shading with a texture's noise, surfaces at slopes, a sky.
+/// A record as of a traced frame: smooth shading with noise like a texture's, sloped surfaces, a sky.
 Record record_of(int x, int y, NodePath path) {
     const auto fx = static_cast<float>(x) / width;
     const auto fy = static_cast<float>(y) / height;
@@ -135,7 +135,7 @@ void read_sample_file(benchmark::State& state) {
     std::filesystem::remove(file_path());
 }
 
-/// The bytes of the uncompressed sample file; arguments {records a pixel}.
+/// Size of the uncompressed sample file, bytes. Argument 0: records per pixel.
 std::size_t plain_bytes(const benchmark::State& state) {
     static std::array<std::size_t, 4> sizes{};
     std::size_t& size = sizes[static_cast<std::size_t>(state.range(0))];
@@ -181,7 +181,7 @@ void set_pixel_time(benchmark::State& state) {
                            benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// Weights of all samples of the frame, on one thread.
+/// Finds the point samples of the frame and their weights, on one thread. Argument: records per pixel.
 void rebuild_quadtree(benchmark::State& state) {
     const Frame& frame = frame_of(static_cast<int>(state.range(0)));
     PointSamples samples;
@@ -194,7 +194,7 @@ void rebuild_quadtree(benchmark::State& state) {
     set_pixel_time(state);
 }
 
-/// The pinhole picture, on one thread.
+/// Computes the pinhole image, on one thread. Argument: records per pixel.
 void compute_picture(benchmark::State& state) {
     const Frame& frame = frame_of(static_cast<int>(state.range(0)));
     std::vector<float> row(static_cast<std::size_t>(width) * 3);

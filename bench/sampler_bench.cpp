@@ -1,4 +1,4 @@
-// What the numbers of one eye ray cost, for every kind of point set, beside one number at a time.
+// Cost of the random numbers of eye rays, for every kind of point set, in batches and one at a time.
 //   sampler_bench --benchmark_enable_random_interleaving=true --benchmark_repetitions=5
 #include <benchmark/benchmark.h>
 
@@ -8,12 +8,12 @@ namespace postlens {
 namespace {
 
 void report(benchmark::State& state, double samples) {
-    // Seconds, which the console shows in nanoseconds.
+    // The counter is in seconds; the console prints it in ns.
     state.counters["per_sample"] = benchmark::Counter(
         samples, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-// All five numbers of every eye ray of a row of pixels, 16 rays at a time.
+// All five random numbers of every eye ray of a row of pixels, for 16 rays at a time.
 void eye(benchmark::State& state, SamplerKind kind) {
     const int spp = static_cast<int>(state.range(0)), pixels = 4096 / spp;
     const Sampler sampler(kind, spp, 1);
@@ -30,7 +30,7 @@ void eye(benchmark::State& state, SamplerKind kind) {
     report(state, static_cast<double>(pixels) * spp);
 }
 
-// A further set, such as a point of an area light, for one sample at a time.
+// Points of a further 2D set, e.g. on an area light, for one sample at a time.
 void one_point(benchmark::State& state, SamplerKind kind) {
     const int spp = static_cast<int>(state.range(0));
     const Sampler sampler(kind, spp, 1);
@@ -41,7 +41,7 @@ void one_point(benchmark::State& state, SamplerKind kind) {
     report(state, spp);
 }
 
-// The same, 16 samples at a time.
+// Points of a further 2D set, e.g. on an area light, for 16 samples at a time.
 void sixteen_points(benchmark::State& state, SamplerKind kind) {
     const int spp = static_cast<int>(state.range(0));
     const Sampler sampler(kind, spp, 1);
@@ -64,7 +64,7 @@ void construct(benchmark::State& state, SamplerKind kind) {
     }
 }
 
-// NOLINTBEGIN(modernize-use-nodiscard,cppcoreguidelines-init-variables): inside the macros
+// NOLINTBEGIN(modernize-use-nodiscard,cppcoreguidelines-init-variables): code from the macros
 #define POSTLENS_SAMPLER_BENCH(kind)                                             \
     BENCHMARK_CAPTURE(eye, kind, SamplerKind::kind)->Arg(4)->Arg(64)->Arg(1024); \
     BENCHMARK_CAPTURE(one_point, kind, SamplerKind::kind)->Arg(64);              \

@@ -1,6 +1,7 @@
-// Scatter at 1920x1080, one sample per corner, on 2 threads, against the time to read the records and write
-// the picture once (`stream`). Each benchmark gives the least time of its runs and its ratio to that of
-// `stream`, both from the same process; scatter starts from the splat tables that `take_in` makes.
+// Scatter at 1920x1080 with one sample per pixel corner, on 2 threads, compared to reading the records
+// and writing the image once (`stream`). Each benchmark reports the least time of its runs and the
+// ratio to `stream` in the same process. The time of scatter excludes `take_in`, which makes the splat
+// tables that scatter reads.
 #include <algorithm>
 #include <benchmark/benchmark.h>
 #include <chrono>
@@ -20,7 +21,7 @@ using namespace postlens;
 constexpr int width = 1920, height = 1080;
 constexpr int threads = 2;
 
-/// Focused at infinity, with a CoC of radius 1 px m / z': a depth of 1/r m has the radius r px.
+/// Focus at infinity, chosen so that a sample at depth z' = 1/r m has a CoC of radius r px.
 constexpr FocusGeometry geometry{
     .aperture_radius_m = 1e-3, .inverse_focus_per_m = 0, .gain_px = 1000, .zoom = 1};
 
@@ -57,7 +58,7 @@ std::unique_ptr<SplatTables> tables_of(const RecordBand& band) {
     return tables;
 }
 
-/// Least time of some runs, s.
+/// Least time of `runs` calls of `run`, s.
 template <typename Run>
 double least_seconds(int runs, const Run& run) {
     double least = std::numeric_limits<double>::infinity();
@@ -70,7 +71,7 @@ double least_seconds(int runs, const Run& run) {
     return least;
 }
 
-/// Reads position, depth and colour of every record and writes the picture, once; nothing is blurred.
+/// Least time, s, to read position, depth and colour of every record and write an image without blur.
 double stream_seconds() {
     static const double best = [] {
         const ThreadLimit limit(threads);
@@ -119,7 +120,7 @@ void stream(benchmark::State& state) {
 }
 BENCHMARK(stream)->UseManualTime()->Iterations(1)->Unit(benchmark::kMillisecond);
 
-/// Range: radius of the CoC, px.
+/// All samples have the same CoC. Argument: its radius, px.
 void one_radius(benchmark::State& state) {
     const auto radius_px = static_cast<double>(state.range(0));
     run_scatter(state, noise_records([&](int, int) { return radius_px; }));
@@ -134,14 +135,14 @@ BENCHMARK(one_radius)
     ->Unit(benchmark::kMillisecond)
     ->Iterations(10);
 
-/// A wall seen at an angle: a radius of 0 to 32 px from left to right.
+/// A wall seen at an angle: the CoC radius grows from 0 to 32 px from left to right.
 void slanted_wall(benchmark::State& state) {
     run_scatter(state, noise_records([](int x, int) { return 1e-3 + 32.0 * x / width; }));
 }
 BENCHMARK(slanted_wall)->Unit(benchmark::kMillisecond)->Iterations(4);
 
-/// Depth without order, as in foliage: radii of 1 to 32 px that change every so many samples of a row
-/// (range).
+/// Random depths, as in foliage: CoC radii of 1 to 32 px. Argument: number of successive samples of a row
+/// with the same radius.
 void random_depth(benchmark::State& state) {
     std::mt19937 random(2);
     std::uniform_real_distribution<double> radius(1, 32);
@@ -153,7 +154,8 @@ void random_depth(benchmark::State& state) {
 }
 BENCHMARK(random_depth)->Arg(1)->Arg(4)->Arg(8)->Arg(16)->Unit(benchmark::kMillisecond)->Iterations(2);
 
-/// Every pixel of every disc, one after another, from the definition, on one thread.
+/// Adds every pixel of every disc one by one, straight from the definition, on one thread.
+/// Argument: CoC radius, px.
 void brute_force(benchmark::State& state) {
     const auto radius_px = static_cast<double>(state.range(0));
     const auto tables = tables_of(noise_records([&](int, int) { return radius_px; }));
@@ -162,7 +164,7 @@ void brute_force(benchmark::State& state) {
 }
 BENCHMARK(brute_force)->Arg(4)->Arg(16)->Unit(benchmark::kMillisecond)->Iterations(1);
 
-/// From records in memory to splats.
+/// Makes the splat tables from records in memory.
 void take_in(benchmark::State& state) {
     const ThreadLimit limit(threads);
     const RecordBand band = noise_records([](int, int) { return 16.0; });

@@ -1,5 +1,5 @@
-// How well the records know what they do not know: of every view sample of a picture, whether it was left to
-// a ray, and how far off it is if it was not. Prints shares and errors; writes maps.
+// Measures how well the hybrid detects view samples that the records do not determine (unsure ones): the
+// share that it replaces by rays, and the error of the others. Prints shares and errors; writes maps.
 //
 //   unsure_views FRAME SCENE F_NUMBER VIEWS [MAPS]
 #include <algorithm>

@@ -1,4 +1,5 @@
-// A case of the atlas of failure: a scene that breaks a method, and what is expected to happen.
+// A case of the atlas of failure (docs/failures.md): a scene for which a method fails,
+// and the expected figures.
 #pragma once
 
 #include <filesystem>
@@ -12,60 +13,62 @@
 
 namespace postlens {
 
-/// What the sample file is traced for; what is absent is best_trace's.
+/// Settings of the trace that makes the sample file. An absent setting has its value from best_trace.
 struct AtlasTrace {
-    bool for_view = true;                ///< false: a plain trace that knows of neither lens nor shutter
-    std::optional<double> for_f_number;  ///< another lens than the one asked for
-    std::optional<double> for_focus_m;   ///< another focus than the one asked for
-    std::optional<int> levels;           ///< of subdivision, for edges and colours alike
+    bool for_view = true;                ///< false: default trace settings, without lens and shutter
+    std::optional<double> for_f_number;  ///< f-number to trace for, if not the view's
+    std::optional<double> for_focus_m;   ///< focus distance to trace for, if not the view's
+    std::optional<int> levels;           ///< quadtree levels at depth edges and at colour edges
     std::optional<int> hidden_layers;
     std::optional<int> overscan_px;
     std::optional<int> keys;
-    std::optional<int> max_depth;  ///< of the shading trees
+    std::optional<int> max_depth;  ///< nodes along a path of the shading trees
     [[nodiscard]] bool operator==(const AtlasTrace&) const = default;
 };
 
-/// A way to make the picture, and what it is held to.
+/// A method with its settings, and limits that its image must keep to.
 struct AtlasMethod {
-    /// Of focus: pinhole, scatter, layers, lightfield, hybrid (with its scene). With a shutter alone:
-    /// convolve, lightfield, auto. With both: lightfield, hybrid, and focus-after-shutter, which puts the
-    /// picture of the shutter through the lens. Everywhere: rays.
+    /// With a lens alone: pinhole, scatter, layers, lightfield or hybrid (which traces rays in the scene).
+    /// With a shutter alone: convolve, lightfield or auto. With both: lightfield, hybrid or
+    /// focus-after-shutter, which defocuses the motion-blurred image. In every case: rays, which is
+    /// distributed ray tracing.
     std::string name;
     std::optional<int> views, depths;
-    int spp = 64;  ///< of rays
+    int spp = 64;  ///< samples per pixel of the method rays
     DepthModel depth_model = DepthModel::ray_differentials;
     DepthSpacing spacing = DepthSpacing::inverse;
     AtlasTrace trace;
 
-    double at_least_db = 0;             ///< PSNR above the noise of the reference
-    std::optional<double> at_most_db;   ///< it fails: no better than this
-    double energy_within = 0;           ///< the sum over the picture, relative to the reference's
-    std::vector<std::string> warnings;  ///< codes, sorted: these and no others
+    double at_least_db = 0;  ///< least PSNR, dB; the noise of the reference is subtracted from the error
+    std::optional<double> at_most_db;   ///< greatest PSNR, dB, of a method that is expected to fail
+    double energy_within = 0;           ///< greatest |sum of the image / sum of the reference - 1|
+    std::vector<std::string> warnings;  ///< sorted codes of exactly the warnings that must occur
 };
 
 struct AtlasCase {
-    std::string name;  ///< of its file
+    std::string name;  ///< name of the case's file, without extension
     std::string title;
-    std::string set;    ///< "calibrate" or "check": which half of the cases a prediction may learn from
-    std::string cause;  ///< one of atlas_causes()
-    std::string why, detection, outcome;  ///< sentences
-    ChartRequest view;                    ///< scene, camera, lens, shutter, samples of the reference
-    AtlasMethod method;                   ///< the one on trial
-    std::optional<AtlasMethod> remedy;    ///< one that is right where `method` is not
-    /// Share of the error that find_error_causes must put down to `cause`.
+    std::string set;    ///< "calibrate": predictors may be fitted to this case; "check": they may not
+    std::string cause;  ///< word of one of atlas_causes()
+    std::string why, detection, outcome;  ///< sentences for the document
+    ChartRequest view;   ///< scene, camera, lens, shutter and samples per pixel of the reference
+    AtlasMethod method;  ///< the method under test
+    std::optional<AtlasMethod> remedy;  ///< a method that is correct where `method` fails
+    /// Least share of the error, 0 to 1, that find_error_causes must attribute to `cause`.
     double named_at_least = 0;
 };
 
 struct AtlasCause {
     std::string word, meaning;
 };
-/// What may be wrong, in the order of the document; the last, "none", is of limits that must stay right.
+/// Causes of error, in the order of the document. The last, "none", marks extreme settings
+/// that must not fail.
 [[nodiscard]] const std::vector<AtlasCause>& atlas_causes();
 
-/// Throws Error(invalid_input) "FILE:LINE:COLUMN: ..." for what is not a case.
+/// Reads a case from a TOML file. Throws Error(invalid_input) "FILE:LINE:COLUMN: ..." if it is not valid.
 [[nodiscard]] AtlasCase read_atlas_case(const std::filesystem::path& path);
 
-/// The cases (*.toml) of a folder, by name. Throws Error(invalid_input) where there is none.
+/// Paths of the cases (*.toml) in a folder, sorted by name. Throws Error(invalid_input) if there are none.
 [[nodiscard]] std::vector<std::filesystem::path> atlas_case_files(const std::filesystem::path& folder);
 
 }  // namespace postlens

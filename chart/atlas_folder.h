@@ -1,4 +1,4 @@
-// Runs every case of a folder and keeps what is finished.
+// Runs every atlas case of a folder; an interrupted run resumes after its last finished case.
 #pragma once
 
 #include <filesystem>
@@ -16,19 +16,19 @@ struct AtlasEntry {
 };
 
 struct AtlasRun {
-    std::vector<AtlasEntry> entries;  ///< by name
-    std::size_t kept = 0;             ///< that an earlier run had finished
-    std::vector<std::string> broken;  ///< "CASE: METHOD: ..." for what is not as expected
-    std::string introduction;         ///< introduction.md of the cases' folder; empty without it
+    std::vector<AtlasEntry> entries;  ///< sorted by name
+    std::size_t kept = 0;             ///< number of cases whose results are an earlier run's
+    std::vector<std::string> broken;  ///< "CASE: METHOD: ..." for each failed expectation
+    std::string introduction;         ///< text of introduction.md in the cases' folder; may be empty
 };
 
-/// Where a case's picture strip lies in an atlas's folder, relative to it.
+/// Path of a case's image strip, relative to the folder of the atlas.
 [[nodiscard]] std::filesystem::path atlas_strip(const std::string& name);
 
-/// Runs the cases of `cases` into `folder`, which is made if its parent exists: cases/NAME.json and
-/// atlas_strip(NAME), each after its case; those of an earlier run with the same case file, scene and version
-/// are kept unless `restart`. Throws Error(interrupted) after keeping what is finished, and what
-/// read_atlas_case and run_atlas_case throw.
+/// Runs all cases of the folder `cases`. After each case it writes cases/NAME.json and atlas_strip(NAME) into
+/// `folder`, which is created if its parent exists. Unless `restart` is set, results of an earlier run with
+/// the same atlas_key are kept. Throws Error(interrupted), which leaves the finished cases on disk, and the
+/// errors of read_atlas_case and run_atlas_case.
 [[nodiscard]] AtlasRun run_atlas(const std::filesystem::path& cases, const std::filesystem::path& folder,
                                  bool restart);
 

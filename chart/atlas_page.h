@@ -1,4 +1,4 @@
-// The atlas of failure as documents.
+// Writes the atlas of failure as Markdown and as HTML.
 #pragma once
 
 #include <filesystem>
@@ -8,12 +8,12 @@
 
 namespace postlens {
 
-/// Markdown: the introduction, a table of all cases, then by cause each case with its strip (a link to
-/// atlas_strip), sentences and figures.
+/// Markdown: the introduction, a table of all cases, then the cases grouped by cause, each with its image
+/// strip (a link to atlas_strip), sentences and figures.
 [[nodiscard]] std::string atlas_markdown(const AtlasRun& run);
 
-/// The same as one HTML page with the pictures inside; `folder` is what run_atlas has filled. Throws
-/// Error(invalid_input) where a picture cannot be read.
+/// The same content as atlas_markdown in one HTML page with embedded images. `folder` is the output folder of
+/// run_atlas. Throws Error(invalid_input) if an image cannot be read.
 [[nodiscard]] std::string atlas_html(const AtlasRun& run, const std::filesystem::path& folder);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// The picture of one method of a case of the atlas, with all that the commands would warn of.
+// Makes the image of one method of an atlas case and collects the warnings that the commands would print.
 #pragma once
 
 #include <filesystem>
@@ -12,15 +12,15 @@ namespace postlens {
 
 struct AtlasPicture {
     Image image;
-    std::vector<std::string> warnings;  ///< codes, sorted, each once; those of the trace included
+    std::vector<std::string> warnings;  ///< codes, sorted, each once
     double retraced_share = 0;
 };
 
 [[nodiscard]] TraceSettings atlas_trace_settings(const AtlasTrace& trace, const ChartRequest& request,
                                                  const ChartView& view);
 
-/// `file`: the sample file of the method's trace, which rays do not need; files beside it are made and
-/// removed. Throws Error.
+/// Makes the image of `method`. `file` is the sample file of the method's trace; the method rays does not
+/// read it. Temporary files are written beside `file` and removed. Throws Error.
 [[nodiscard]] AtlasPicture atlas_picture(const AtlasMethod& method, const ChartRequest& request,
                                          const ChartView& view, const Scene& scene,
                                          const std::filesystem::path& file);

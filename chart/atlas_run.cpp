@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t reference_seed = 1;
 constexpr int gap_px = 4;
-// Sums of floats in another order may end below zero by so much.
+// Rounding of float sums may make a channel that should be 0 negative, down to this value.
 constexpr double least_allowed = -1e-5;
 
 double sum_of(const Image& image) {
@@ -69,7 +69,8 @@ class CaseRun {
     }
 
   private:
-    // Method and remedy often read one file.
+    // Sample file for the trace settings. It is kept until other settings are needed, because method and
+    // remedy often have the same ones.
     const fs::path& traced(const AtlasTrace& trace) {
         if (trace_path_.empty() || !(trace == trace_)) {
             if (!trace_path_.empty()) fs::remove(trace_path_);
@@ -222,7 +223,7 @@ std::string codes(const std::vector<std::string>& warnings) {
 }
 
 void check(const AtlasMethod& m, const AtlasFigures& f, std::vector<std::string>& out) {
-    // Written so that a NaN breaks them.
+    // The comparisons are negated so that a NaN fails every expectation.
     if (!(f.error.psnr_db >= m.at_least_db))
         out.push_back(fmt::format("{}: PSNR (got {:.2f} dB; expected {} or more)", m.name, f.error.psnr_db,
                                   m.at_least_db));

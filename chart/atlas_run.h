@@ -1,4 +1,5 @@
-// Runs a case of the atlas: traces, makes both pictures and the reference, compares.
+// Runs an atlas case: traces the scene, makes the images of method and remedy, and compares
+// them to a reference.
 #pragma once
 
 #include <filesystem>
@@ -12,40 +13,43 @@
 
 namespace postlens {
 
-/// What came of one method.
+/// Measured figures of one method's image.
 struct AtlasFigures {
-    ChartError error, affected;         ///< above the noise of the reference
-    double energy = 1;                  ///< sum over the picture / sum over the reference
-    double least_value = 0;             ///< of all channels of finite pixels
-    std::size_t nonfinite = 0;          ///< pixels with a NaN or an infinity
-    std::vector<std::string> warnings;  ///< codes, sorted
+    ChartError error, affected;         ///< the reference's noise is subtracted
+    double energy = 1;                  ///< sum of the image / sum of the reference
+    double least_value = 0;             ///< least finite channel value
+    std::size_t nonfinite = 0;          ///< number of pixels with a NaN or an infinity
+    std::vector<std::string> warnings;  ///< sorted codes
     double retraced_share = 0;
 };
 
 struct AtlasResult {
-    std::string key;  ///< of everything that decides the figures
+    std::string key;  ///< atlas_key of the case
     double pinhole_db = 0, noise_db = 0, affected_share = 0;
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
-    /// Share of the method's error that find_error_causes puts down to the case's cause; absent for "none".
+    /// Share of the method's error, 0 to 1, that find_error_causes attributes to the case's cause. Absent for
+    /// the cause "none".
     std::optional<double> named_share;
-    std::string named_most;  ///< the cause with the largest share
+    std::string named_most;  ///< cause with the largest share of the error
 };
 
-/// Digest of scene, view, methods and program version: of all that decides a result, not of what is expected.
+/// Digest of scene, view, methods and program version, which determine a result. Expected
+/// values do not enter.
 [[nodiscard]] std::string atlas_key(const AtlasCase& c);
 
-/// Works in `folder`, which must exist; files of its own are removed. `strip`: where to write the pictures
-/// side by side (method, remedy, reference, error map of the method, 4 px apart); empty: nowhere.
-/// Throws Error.
+/// Runs one case. Its temporary files lie in `folder`, which must exist, and are removed. An image strip
+/// (method, remedy, reference and the method's error map side by side, 4 px apart) is written to the path
+/// `strip` unless that is empty. Throws Error.
 [[nodiscard]] AtlasResult run_atlas_case(const AtlasCase& c, const std::filesystem::path& folder,
                                          const std::filesystem::path& strip = {});
 
-/// One line for each thing that is not as the case expects: error, energy, finite, non-negative, warnings.
+/// One line for each failed expectation: error, energy, negative or nonfinite values, warnings, share of the
+/// error with the right cause.
 [[nodiscard]] std::vector<std::string> broken_expectations(const AtlasCase& c, const AtlasResult& r);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const AtlasResult& r);
-/// Throws Error(invalid_input), naming `path`.
+/// Inverse of to_json. Throws Error(invalid_input), which names `path`.
 [[nodiscard]] AtlasResult atlas_from_json(const std::string& text, const std::filesystem::path& path);
 
 }  // namespace postlens

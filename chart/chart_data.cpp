@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// JSON has neither infinity nor NaN: null is NaN here, and what is infinite is a text.
+// JSON has neither NaN nor infinity, so NaN is written as null and an infinity as the string "inf" or "-inf".
 Json number(double value) {
     if (std::isnan(value)) return nullptr;
     if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
@@ -70,7 +70,7 @@ std::string csv_number(double value) {
     return std::isnan(value) ? "" : fmt::format("{:.6g}", value);
 }
 
-// A comma or a quote in a name must not break the row.
+// Quotes a CSV field, because names may contain commas and quotes.
 std::string quoted(const std::string& text) {
     std::string out = "\"";
     for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -192,7 +192,7 @@ ChartData chart_from_json(const std::string& text, const std::filesystem::path& 
             q.amount = p.at("amount").get<int>();
             q.trace = p.at("trace").get<std::string>();
             q.seconds = p.at("seconds").get<std::vector<double>>();
-            // Charts of before sweeps were timed have none.
+            // These two keys are absent in charts of versions that did not time sweeps.
             q.first_of_many_s = p.value("first_of_many_s", std::vector<double>());
             q.further_s = p.value("further_s", std::vector<double>());
             if (!p.at("figures").is_null()) q.figures = figures_from(p.at("figures"));

@@ -1,4 +1,4 @@
-// One page with everything a chart found, for any browser, without a network.
+// Writes a chart as one self-contained HTML page, which needs no network.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// HTML with its pictures inside: charts (where `folder` has them), the table, every point's picture and
-/// error map beside each other under a slider, machine and versions. `folder` is what run_chart has filled.
-/// Throws Error(invalid_input) where a picture of it cannot be read.
+/// HTML with embedded images: the plots (if `folder` has them), the table, image and error map of every point
+/// with a slider between them, the machine and the versions. `folder` is the output folder of run_chart.
+/// Throws Error(invalid_input) if an image in it cannot be read.
 [[nodiscard]] std::string chart_page(const ChartData& data, const std::filesystem::path& folder);
 
 }  // namespace postlens

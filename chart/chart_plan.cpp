@@ -12,7 +12,7 @@ constexpr const char* best_records = "records";
 constexpr const char* visible_records = "visible only";
 constexpr const char* coarse_records = "coarse";
 
-// Methods see the same records with one thing taken away.
+// The best trace, one without hidden layers and one with coarse subdivision show what each contributes.
 std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView& view) {
     const TraceSettings best = best_trace(request, view);
     TraceSettings visible = best, coarse = best;
@@ -74,7 +74,7 @@ void add_shoot(const ChartRequest& request, Points& out) {
         out.add(Kind::shoot, "hybrid", "M", m, best_records, FocusMethod::hybrid);
 }
 
-// Named as they were given: what is made of them for the trace has other names.
+// Checks the lens here, so that error messages name chart's own options instead of those of the trace.
 void check_lens(const ChartView& view) {
     const auto positive = [](const char* option, double value, bool infinite) {
         if (value > 0 && (infinite || std::isfinite(value))) return;

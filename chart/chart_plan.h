@@ -1,4 +1,4 @@
-// What a chart measures: sample files, and methods with their settings.
+// The plan of a chart: which sample files it traces, and which methods it runs with which settings.
 #pragma once
 
 #include <string>
@@ -13,16 +13,17 @@
 
 namespace postlens {
 
-/// The request with everything that the scene decides filled in.
+/// Lens, shutter and camera of a chart. Values that the request leaves open come from the scene.
 struct ChartView {
-    ThinLens lens;  ///< f_number infinity: a pinhole
+    ThinLens lens;  ///< f_number is infinite for a pinhole
     double focus_m = 1;
     std::optional<TimeSpan> shutter;
     double film_distance_mm = 0;
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// The trace knows the lens by its diameter at the film distance of the view.
+    /// f-number for the trace, which derives the diameter of the lens from the film distance instead
+    /// of the focal length.
     [[nodiscard]] double traced_f_number() const;
 };
 
@@ -31,13 +32,13 @@ struct PlannedTrace {
     TraceSettings settings;
 };
 
-/// One point of the chart: how its picture is made.
+/// One point of the chart: the method and settings that make its image.
 struct PlannedPoint {
     enum class Kind { focus, motionblur, shoot, rays };
     Kind kind = Kind::focus;
     std::string curve, name, trace;
     int amount = 0;
-    FocusMethod focus = FocusMethod::scatter;  ///< focus and shoot
+    FocusMethod focus = FocusMethod::scatter;  ///< used by Kind::focus and Kind::shoot
     MotionMethod motion = MotionMethod::automatic;
 };
 
@@ -46,16 +47,16 @@ struct ChartPlan {
     std::vector<PlannedPoint> points;
 };
 
-/// Throws Error(wrong_arguments) where neither request nor scene says what the lens is, or where neither lens
-/// nor shutter blurs anything.
+/// Throws Error(wrong_arguments) if neither request nor scene defines the lens, or if the view has neither a
+/// finite f-number nor a shutter.
 [[nodiscard]] ChartView chart_view(const ChartRequest& request, const Scene& scene);
 
-/// A trace that records all that lens and shutter of this view may bring to light.
+/// Settings of a trace that records every surface which the lens and shutter of this view may see.
 [[nodiscard]] TraceSettings best_trace(const ChartRequest& request, const ChartView& view);
 
 [[nodiscard]] ChartPlan chart_plan(const ChartRequest& request, const ChartView& view);
 
-/// Rays of this view; spp, seed and halves are the caller's.
+/// Settings of distributed ray tracing of this view. The caller sets spp, seed and halves.
 [[nodiscard]] RenderSettings render_settings(const ChartRequest& request, const ChartView& view);
 
 }  // namespace postlens

@@ -11,7 +11,7 @@ namespace postlens {
 namespace {
 
 struct Dot {
-    double seconds = 0, rms = 0, low = 0, high = 0;  // low, high: spread of the seconds
+    double seconds = 0, rms = 0, low = 0, high = 0;  // low, high: least and greatest seconds
     bool is_bound = false;
 };
 
@@ -24,7 +24,7 @@ struct Range {
     }
 };
 
-// Colours that are told apart by the colour-blind (Okabe and Ito), and in grey by their marks.
+// Colours of Okabe and Ito, which colour-blind readers distinguish. In greyscale the marks differ.
 struct Style {
     const char* colour;
     int mark, dash;
@@ -38,7 +38,7 @@ Style style_of(const std::string& curve, const std::map<std::string, int>& varia
     const std::string base = curve.substr(0, curve.find(','));
     const auto it = known.find(base);
     Style out = it == known.end() ? Style{"#56b4e9", 3, 1} : it->second;
-    // What reads poorer records is drawn in the same colour, dashed and with hollow marks.
+    // A method's curves with poorer records have the same colour, but dashed lines and hollow marks.
     if (const int v = variants.at(curve); v > 0) {
         out.dash = 1 + v;
         out.mark -= 1;
@@ -62,7 +62,7 @@ bool is_drawn(const ChartPoint& p, bool affected) {
     return p.figures && std::isfinite(error_of(p, affected).psnr_db) && p.median_s() > 0;
 }
 
-// dB instead of bare errors: what the field reads.
+// Tics of the RMS error axis, labelled with the PSNR in dB.
 std::string decibel_tics(const Range& y) {
     std::string out;
     for (int db = 0; db <= 120; db += 5) {

@@ -1,4 +1,4 @@
-// The charts of a chart: error against seconds, and against the cost of each of many pictures.
+// The plots of a chart: error against the seconds of one image, and against the cost per image of many.
 #pragma once
 
 #include <string>
@@ -7,13 +7,13 @@
 
 namespace postlens {
 
-/// gnuplot script: a curve per method over the seconds of one picture, sample file included in none; the
-/// frontier of all; the noise floor of the reference and the floor of the records. `affected`: errors of the
-/// affected pixels alone.
+/// gnuplot script: one curve of error per method over the seconds of one image, without the trace; the Pareto
+/// frontier of all points; the noise floor of the reference and the error of the records. `affected`: takes
+/// the errors of the affected pixels only, and draws neither floor.
 [[nodiscard]] std::string speed_accuracy_script(const ChartData& data, bool affected);
 
-/// gnuplot script: the frontier of what is made from sample files, with a share of the trace in every
-/// picture, where one file serves 1, 10 and 100 pictures; beside it the rays.
+/// gnuplot script: the Pareto frontiers of the methods that read sample files, if 1, 10 and 100 images share
+/// the cost of one trace; and the curve of rays.
 [[nodiscard]] std::string cost_script(const ChartData& data);
 
 }  // namespace postlens

@@ -43,7 +43,8 @@ double seconds_of(const Work& work) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// All that decides what the points mean; not how often they are measured, nor which points are asked for.
+// Everything that determines the result of a point. The number of rounds and the choice of
+// points do not enter.
 std::string key_of(const ChartRequest& r, const ChartView& v, const Scene& scene) {
     std::string reference = fmt::format("{} spp", r.reference_spp);
     if (r.reference) {
@@ -98,7 +99,8 @@ class Runner {
         std::uint64_t steps = 3;
         steps += static_cast<std::uint64_t>(request_.rounds) * (plan_.traces.size() + plan_.points.size());
         Progress progress("chart", steps);
-        // Traces come before what is made from them; the pinhole picture tells which pixels are affected.
+        // The traces come first, because methods read them. The pinhole image, made from a trace, determines
+        // which pixels are affected by blur.
         for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
         references();
         progress.advance(3);
@@ -142,7 +144,7 @@ class Runner {
         }
         data_.key = key;
         data_.about = about_json(request_, view_, scene_);
-        // In the plan's order, whatever an earlier run had.
+        // Results of an earlier run are put into the order of this run's plan.
         std::vector<ChartTrace> traces;
         for (const PlannedTrace& t : plan_.traces) {
             ChartTrace fresh{.name = t.name};
@@ -164,7 +166,8 @@ class Runner {
         save();
     }
 
-    // An earlier chart's reference may be read, but in its own folder it would be removed or overwritten.
+    // Refuses a reference that lies in the output folder under the name of an output, because the run would
+    // remove or overwrite it.
     void check_outputs() const {
         std::vector<fs::path> read{request_.scene}, written{chart_path()};
         for (const auto& given : {request_.reference, request_.second_reference}) {
@@ -215,7 +218,7 @@ class Runner {
         save();
     }
 
-    // The file of a trace that an earlier run measured and this one needs again.
+    // Path of a sample file. Traces it again if an earlier run measured it and removed the file.
     fs::path frame(const std::string& name) {
         fs::path path = frame_path(name);
         for (std::size_t t = 0; t < data_.traces.size(); ++t) {
@@ -258,7 +261,8 @@ class Runner {
         save();
     }
 
-    // Corner means are not the box filter's integrals: what no method that reads the records gets below.
+    // Error of the records' pinhole image against rays: the mean of a pixel's corner samples is not the
+    // integral over the pixel. No method that reads the records has less error.
     [[nodiscard]] ChartError record_floor() const {
         RenderSettings s = render_settings(request_, view_);
         s.f_number = std::numeric_limits<double>::infinity();
@@ -290,7 +294,7 @@ class Runner {
         double retraced = 0;
         const double seconds = seconds_of([&] { image = picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
-        // A picture of no lens is the same in every sweep.
+        // Images without a lens are not timed in a sweep, because the lens settings do not change them.
         if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
             static_cast<int>(to->further_s.size()) <= round)
             measure_sweep(p, path, *to);
@@ -305,7 +309,8 @@ class Runner {
         save();
     }
 
-    // The point's own picture after one through a lens stopped down by a sixth of a stop.
+    // Times a sweep of two images: the first with the lens stopped down by a sixth of a stop, the second with
+    // the view's lens.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Exit status, or -1 where the program could not be started; what it says goes to `log`.
+// Runs a program, writes its output to `log` and returns its exit status, or -1 if it could not be started.
 int run(const std::vector<std::string>& arguments, const fs::path& log) {
     std::vector<char*> argv;
     argv.reserve(arguments.size() + 1);
@@ -45,7 +45,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     return text;
 }
 
-// Inside single quotes gnuplot knows one special character, the quote itself.
+// Quotes a path for gnuplot. In single quotes, only the quote itself needs escaping; gnuplot doubles it.
 std::string quoted(const fs::path& path) {
     return fmt::format("'{}'", replaced(path.string(), "'", "''"));
 }

@@ -1,4 +1,4 @@
-// gnuplot, as a program of its own.
+// Runs gnuplot as a separate process.
 #pragma once
 
 #include <filesystem>
@@ -6,12 +6,12 @@
 
 namespace postlens {
 
-/// Throws Error(invalid_input) where there is no program `gnuplot` to be run; before hours of measuring.
+/// Throws Error(invalid_input) if the program `gnuplot` cannot be run. Call it before a long measurement.
 void check_gnuplot();
 
-/// Runs a script that draws, with @TERMINAL@ and @OUTPUT@ in it filled in, once for SVG and once for PNG:
-/// `base`.svg and `base`.png, each whole or not there. The script stays beside them as `base`.gp. Throws
-/// Error(cannot_write) with gnuplot's own first line of complaint.
+/// Runs a plot script twice, to draw `base`.svg and `base`.png, and saves it as `base`.gp. In the script,
+/// @TERMINAL@ and @OUTPUT@ are replaced by gnuplot's terminal and output file. A plot that fails leaves no
+/// partial file. Throws Error(cannot_write) with the first line of gnuplot's error message.
 void draw_with_gnuplot(const std::string& script, const std::filesystem::path& base, int width_px,
                        int height_px);
 

@@ -1,4 +1,4 @@
-// Bits of HTML that pages share.
+// HTML helpers that all pages share.
 #pragma once
 
 #include <filesystem>
@@ -6,11 +6,11 @@
 
 namespace postlens {
 
-/// A picture inside the page: a data URL of the file's bytes; `type` is "png" or "svg+xml". Throws
-/// Error(invalid_input) where it cannot be read.
+/// Data URL with the bytes of an image file, to embed it in a page. `type` is "png" or "svg+xml". Throws
+/// Error(invalid_input) if the file cannot be read.
 [[nodiscard]] std::string picture_url(const std::filesystem::path& path, const char* type);
 
-/// With <, >, & and " as entities.
+/// The text with <, >, & and " replaced by entities.
 [[nodiscard]] std::string html_escaped(const std::string& text);
 
 }  // namespace postlens

@@ -13,7 +13,7 @@
 namespace postlens {
 namespace {
 
-// The value behind "key   : value" of the kernel's tables; empty where it has none.
+// The value of the first line "key   : value" in a file such as /proc/cpuinfo; empty if there is none.
 std::string first_value(const char* path, const std::string& key) {
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {

@@ -1,4 +1,4 @@
-// The frame's own corners with the colours of another picture: blurring what is blurred already.
+// Replaces the radiance of a frame by an image, so that a method can blur an image that is blurred already.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// Writes to `path` a sample file of the corners' depths and ids as in `file`, without subdivision, layers,
-/// trees, border and keys, in the colours of `image`, which has the frame's size; a corner's is the mean of
-/// the pixels around it. Throws Error.
+/// Writes to `path` a sample file with depths and ids of the pixel corners of `file` and radiance of `image`,
+/// which has the size of the frame. The radiance at a corner is the mean of the four pixels around it. The
+/// file has no subdivision, layers, reflected or refracted nodes, overscan or keys. Throws Error.
 void write_recoloured(const SampleFileReader& file, const Image& image, const std::filesystem::path& path);
 
 }  // namespace postlens

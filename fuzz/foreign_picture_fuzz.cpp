@@ -1,4 +1,4 @@
-// Another program's OpenEXR picture, flat or deep: every part of it as `info`, `image` and `focus` read it.
+// Fuzzes the reader of flat and deep OpenEXR images of other programs. Every part of the file is read.
 #include <cmath>
 #include <cstdlib>
 
@@ -10,7 +10,8 @@
 
 namespace {
 
-// What is accepted is whole: stacks in order, finite colours, alphas and shares from 0 to 1.
+// Aborts if an accepted picture is not valid: offsets in range, finite colours, alphas and shares
+// from 0 to 1.
 void check(const postlens::ForeignPicture& picture) {
     if (picture.offsets.back() != picture.samples.size()) std::abort();
     for (const postlens::StackSample& s : picture.samples) {
@@ -23,7 +24,7 @@ void check(const postlens::ForeignPicture& picture) {
     for (const postlens::SurfaceShare& s : picture.shares) {
         if (!(s.share > 0 && s.share <= 1)) std::abort();
     }
-    // A large frame with little in it is whole; who makes a picture of it asks for the memory.
+    // A large frame with few samples is valid. Flattening one is skipped, because it would need much memory.
     if (static_cast<std::int64_t>(picture.width) * picture.height <= 1 << 24) (void)picture.flattened();
     if (picture.stores(0, 0)) (void)picture.depth_at(0.5, 0.5);
 }
@@ -33,10 +34,10 @@ void read(const std::filesystem::path& path, const postlens::ForeignChoice& choi
         postlens::ForeignPicture picture = postlens::read_foreign_picture(path, choice, {});
         check(picture);
         if (picture.channels.matte) (void)postlens::manifest_names(picture.channels.matte->manifest);
-        // Pixels of several surfaces are taken apart to what is as whole.
+        // The picture must still be valid after pixels with several surfaces are unmixed.
         if (postlens::unmix_edges(picture) > 0) check(picture);
     } catch (const postlens::Error&) {
-        // Refused, as it may be.
+        // The reader may refuse the input.
     }
 }
 
@@ -51,7 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             if (!part.name.empty()) read(path, {.layer = part.name});
         }
     } catch (const postlens::Error&) {
-        // Refused, as it may be.
+        // The reader may refuse the input.
     }
     return 0;
 }

@@ -1,4 +1,4 @@
-// The fuzzer's bytes as a file with the ending that a reader goes by.
+// Writes the fuzzer's bytes to a file with the extension by which a reader is chosen.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace postlens {
 
-/// Writes the bytes to one file per process, the same for every input, and gives its path.
+/// Writes the bytes to a temporary file and returns its path. A process uses the same file for every input.
 inline std::filesystem::path fuzz_file(const std::uint8_t* data, std::size_t size,
                                        const std::string& ending) {
     const auto path =

@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             if (const auto* on_raster = std::get_if<postlens::ScreenPath>(&path.motion))
                 (void)on_raster->flatten(0, 1, 1);
     } catch (const postlens::Error&) {
-        // Refused, as it may be.
+        // The reader may refuse the input.
     }
     return 0;
 }

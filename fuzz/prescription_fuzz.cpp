@@ -1,4 +1,4 @@
-// Every format of lens prescriptions: the first byte says which.
+// Fuzzes the readers of all formats of lens prescriptions. The first byte chooses the format.
 #include <cmath>
 #include <cstdlib>
 
@@ -14,7 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     try {
         const auto lens =
             postlens::read_prescription(postlens::fuzz_file(data + 1, size - 1, endings[data[0] % 4]));
-        // What is accepted has finite numbers, and rays through it end somewhere.
+        // An accepted lens must have a finite focal length, and rays through it must end at
+        // one of its surfaces.
         const postlens::FirstOrder f = postlens::first_order(lens);
         if (!std::isfinite(f.efl_mm) || lens.surfaces.size() > postlens::most_surfaces) std::abort();
         const postlens::LensStack stack(lens, lens.wavelength_nm, f.stop_radius_mm);
@@ -25,7 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             if (end.passes() && !(std::abs(glm::length(ray.direction) - 1) < 1e-6)) std::abort();
         }
     } catch (const postlens::Error&) {
-        // Refused, as it may be.
+        // The reader may refuse the input.
     }
     return 0;
 }

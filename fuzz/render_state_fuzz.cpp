@@ -7,7 +7,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         postlens::RenderState state(4, 3, 1);
         postlens::read_state(postlens::fuzz_file(data, size, ".exr"), "settings", state);
     } catch (const postlens::Error&) {
-        // Refused, as it may be.
+        // The reader may refuse the input.
     }
     return 0;
 }

@@ -17,7 +17,7 @@ void read(const std::filesystem::path& path, postlens::Damage damage) {
         }
         (void)file.picture();
     } catch (const postlens::Error&) {
-        // Refused, as it may be.
+        // The reader may refuse the input.
     }
 }
 

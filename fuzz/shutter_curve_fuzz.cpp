@@ -7,7 +7,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {
         const auto curve = postlens::ShutterCurve::read(postlens::fuzz_file(data, size, ".txt"));
-        // What is accepted must give instants within the open time, in order.
+        // An accepted curve must give instants within the open time, in ascending order.
         double before = 0;
         for (int i = 0; i <= 64; ++i) {
             const double time = curve.time(i / 64.0);
@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             before = time;
         }
     } catch (const postlens::Error&) {
-        // Refused, as it may be.
+        // The reader may refuse the input.
     }
     return 0;
 }

@@ -6,7 +6,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     try {
         (void)postlens::read_scene(postlens::fuzz_file(data, size, ".toml"));
     } catch (const postlens::Error&) {
-        // Refused, as it may be.
+        // The reader may refuse the input.
     }
     return 0;
 }

@@ -1,4 +1,4 @@
-// Pictures and records as numpy arrays.
+// Conversion of images and records to and from numpy arrays.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -10,9 +10,10 @@ namespace postlens::python {
 
 using Pixels = pybind11::array_t<float, pybind11::array::c_style>;
 
-/// (height, width, 3) floats, or 4 with alpha. Takes the picture's memory over where it has no alpha.
+/// Array of (height, width, 3) floats, or (height, width, 4) with alpha. Without alpha, the array takes over
+/// the memory of the image.
 [[nodiscard]] pybind11::array array_of(Image image);
-/// A picture of (height, width, 3 or 4) floats, whose colours are radiance times 2^exposure_stops.
+/// Image from an array of (height, width, 3 or 4) floats. Its colours are radiance times 2^exposure_stops.
 [[nodiscard]] Image image_of(const Pixels& pixels, const std::optional<double>& exposure_stops);
 
 /// Adds `Records` and `read_records` to the module.

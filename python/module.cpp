@@ -1,5 +1,4 @@
-// The module postlens._postlens: what postlens' Python code is made of. See postlens/*.py for what users
-// call.
+// The extension module postlens._postlens, on which the public Python API in postlens/*.py is built.
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -21,8 +20,8 @@ namespace py = pybind11;
 namespace postlens::python {
 namespace {
 
-/// What a command comes to: its JSON, the pictures that it did not write with their exposures, its warnings
-/// (code, text, share) and its exit code.
+/// Result of a command: its JSON, its unwritten images with their exposures, its warnings (code, text, share)
+/// and its exit code.
 struct Outcome {
     std::string json, text;
     py::list pictures;

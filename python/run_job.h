@@ -1,4 +1,4 @@
-// Work in another thread, while the calling one listens to Python.
+// Runs work in a second thread, while the calling thread handles Python's signals.
 #pragma once
 
 #include <functional>
@@ -6,14 +6,14 @@
 
 namespace postlens::python {
 
-/// Calls `work` as a job of `threads` threads (0: all the machine has) without holding the interpreter's
-/// lock, and comes back when it is done. Meanwhile signals are looked for, and `progress`, unless None, is
-/// called as progress(fraction, seconds_left), in the calling thread. What `work` throws comes out, errors of
-/// postlens as postlens.Error. An exception of a signal's handler (KeyboardInterrupt) or of `progress`
-/// cancels the work and comes out as itself once that has stopped.
+/// Calls `work` as a job with `threads` threads (0: one per core) without the interpreter's lock, and returns
+/// when it is done. Meanwhile the calling thread handles signals and calls progress(fraction, seconds_left),
+/// unless `progress` is None. Rethrows the exceptions of `work`; errors of postlens become postlens.Error. An
+/// exception of a signal handler (KeyboardInterrupt) or of `progress` cancels the work, and is rethrown once
+/// the work has stopped.
 void run_job(int threads, const pybind11::object& progress, const std::function<void()>& work);
 
-/// For short calls in the calling thread: errors of postlens become postlens.Error.
+/// Calls `call` in the calling thread, and turns errors of postlens into postlens.Error.
 void translated(const std::function<void()>& call);
 
 }  // namespace postlens::python

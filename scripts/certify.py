@@ -22,7 +22,7 @@ import random_scene
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes")
-SAMPLES = [  # file, f-number, focus m, with a shutter
+SAMPLES = [  # file, f-number, focus distance in m, with a shutter open from 0 to 1 s
     ("bars.toml", 1.4, 5, False),
     ("bars.toml", 5.6, 5, False),
     ("bars_lit.toml", 1.4, 5, False),

@@ -95,7 +95,7 @@ def main():
             mine = [r for r in rows if r["sampler"] == sampler]
             slope = math.log(mine[-1]["rmse"] / mine[0]["rmse"]) / math.log(SPP[-1] / SPP[0])
             file.write(f"| {sampler} | " + " | ".join(cell(r) for r in mine) + f" | n^{slope:.2f} |\n")
-        # The halves differ by the noise of both, which is twice that of their mean.
+        # The RMS difference of the halves is twice the RMS noise of their mean.
         file.write(f"\nThe halves of the reference are {floor['psnr_db']:.1f} dB apart; affected pixels: "
                    f"{100 * floor['affected_share']:.0f} %.\n")
 

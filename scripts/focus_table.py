@@ -57,7 +57,7 @@ def main():
     common = ["--quiet", "--json"]
     scene = ["--metres-per-unit", o.metres_per_unit, "--size", o.size]
     lens = ["--f-number", o.f_number, "--focus", o.focus]
-    # The trace keeps the camera's film distance; a focal length only sets how wide the lens is.
+    # The trace has the camera's film distance; the focal length only changes the diameter of the lens.
     length = ["--focal-length", o.focal_length] if o.focal_length else []
     levels = ["--subdivide", o.subdivide] if o.subdivide else []
     trace = run(postlens, "trace", o.scene, "-o", out("frame.exr"), *scene, *levels, "--overscan", "auto", "--for-f-number",

@@ -44,7 +44,7 @@ def coc(path):
     d = Drawing(300)
     lens, film, radius, y = 440, 600, 80, 30
     v = film - lens
-    f = 1 / (1 / v + 1 / 300)  # what is 300 before the lens is sharp on the film
+    f = 1 / (1 / v + 1 / 300)  # focal length for which a point 300 in front of the lens is in focus
     for z, colour, name in ((300, BLUE, "in focus"), (190, ORANGE, "nearer")):
         image = 1 / (1 / f - 1 / z)
         at = -y * image / z
@@ -74,7 +74,7 @@ def hidden(path):
     """The rim of the lens sees past the edge of what is near."""
     d = Drawing(280)
     lens, radius, edge, wall = 560, 70, 330, 90
-    sees = lambda z, y, x: y + (z - y) * (lens - x) / (lens - edge)  # through the edge at 0, from (lens, y) to x
+    sees = lambda z, y, x: y + (z - y) * (lens - x) / (lens - edge)  # height at x of the line from (lens, y) through (edge, z)
     d.line(edge, 0, edge, -115, ORANGE, 6)
     d.text(edge + 12, -100, "near object", "start", ORANGE)
     d.line(wall, 115, wall, 0, BLUE, 6)

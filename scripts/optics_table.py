@@ -18,8 +18,8 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes", "optics")
-# Focus distances, m, and the window as left, top, right, bottom in shares of the frame. Windows keep half the largest CoC off
-# the outline, 4 % of the frame's width, so that nothing in them is seen past it by any point of the lens.
+# Focus distances, m, and the compared window (left, top, right, bottom, as shares of the frame's size). A window keeps a margin
+# of half the largest CoC, 4 % of the frame's width, to the object's silhouette, so that no lens point sees past it there.
 CASES = {
     "flat_mirror": ([1.2, 5.4], (0.22, 0.22, 0.78, 0.78)),
     "convex_mirror": ([1.1, 1.33], (0.32, 0.18, 0.68, 0.82)),

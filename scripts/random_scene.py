@@ -18,8 +18,8 @@ class RandomScene:
     kind: str
     f_number: float
     focus_m: float
-    text: str  # of a scene file
-    shutter: bool  # open from 0 to 1 s
+    text: str  # content of the scene file
+    shutter: bool  # true: open from 0 to 1 s
 
     def lens(self):
         return ["--f-number", str(self.f_number), "--focus", f"{self.focus_m:.6g}"]
@@ -65,7 +65,7 @@ class Maker:
         for _ in range(self.random.randint(1, 3)):
             self.light()
         self.lines += ["[[texture]]", 'name = "checker"', 'kind = "checker"', f"size_m = {self.between(0.05, 0.4):.4g}"]
-        self.lines += ["offset_m = [0.0131, 0.0173, 0.0197]"]  # so that no plane lies between two cells
+        self.lines += ["offset_m = [0.0131, 0.0173, 0.0197]"]  # so that no plane coincides with a border between two cells
         self.lines += [f"even = {self.colour(0.5, 1)}", f"odd = {self.colour(0, 0.3)}"]
         if self.chance(0.8):
             self.material("floor")
@@ -113,7 +113,7 @@ class Maker:
         if self.kind == "motion" and moves and self.chance(0.6):
             by = vector(*(self.between(-0.4, 0.4) for _ in range(3)))
             turn = f"rotate_degrees = {self.between(-40, 40):.4g}, rotate_axis = {vector(*self.direction())}"
-            # About the origin, so that what turns also flies.
+            # The rotation is about the scene's origin, so it also moves the object.
             self.lines += [f"keys = [{{ time_s = 0 }}, {{ time_s = 1, translate_m = {by}"
                            + (f", {turn}" if self.chance(0.3) else "") + " }]"]
 
@@ -141,7 +141,7 @@ class Maker:
             v = vector(size * self.between(-0.5, 0.5), size, size * self.between(-0.5, 0.5))
             self.thing(material, ['shape = "rectangle"', f"corner_m = {vector(*centre)}", f"edge_u_m = {u}", f"edge_v_m = {v}"])
         else:
-            # A cylinder; of a joint it is open, and a sphere of its radius stands on its end.
+            # A cylinder. For a joint it has no caps, and a sphere of the same radius closes one end.
             radius = size * self.between(0.05, 0.5)
             capped = "false" if shape == "joint" else "true"
             self.thing(material, ['shape = "cylinder"', f"base_m = {vector(*centre)}", f"apex_m = {vector(*end)}",

@@ -13,18 +13,19 @@ namespace {
 
 constexpr Rgb8 background{24, 24, 24}, missing{48, 48, 48};
 constexpr int gap_px = 6, line_px = 18;
-/// px: what a sheet is about as wide as, and what a thumbnail is at least and at most.
+/// Approximate width of the sheet, least and greatest width of a thumbnail; px.
 constexpr int wide_px = 2400, least_px = 72, most_px = 320;
 constexpr std::size_t most_columns = wide_px / (least_px + gap_px);
 
-/// Rows of a grid stay rows where they can be seen; else about as many columns as rows.
+/// The wanted number of columns if it makes a grid of visible thumbnails; else a roughly square grid.
 std::size_t columns_for(std::size_t pictures, std::size_t wanted) {
     if (wanted > 1 && wanted < pictures && wanted <= most_columns) return wanted;
     const auto square = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(pictures))));
     return std::clamp<std::size_t>(square, 1, most_columns);
 }
 
-/// Which source pixels, and how much of the first and the last, a pixel of the smaller picture covers.
+/// Source pixels [begin, end) that a pixel of the smaller image covers, along one axis. `first` and `last`
+/// are the covered parts of the first and the last one.
 struct Span {
     int begin = 0, end = 0;
     double first = 1, last = 1;
@@ -92,7 +93,7 @@ void ContactSheet::set(std::size_t i, const Image& picture) {
 }
 
 EncodedPicture ContactSheet::picture() const {
-    // One size of letters for all, so small that the longest caption has room.
+    // All captions have the same font size, at which the longest one fits its cell.
     int widest = 1;
     for (const std::string& c : captions_) widest = std::max(widest, Canvas::text_width(1, c));
     const double scale = std::min(1.0, static_cast<double>(width_) / widest);

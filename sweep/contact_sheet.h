@@ -1,4 +1,4 @@
-// Many pictures as one, each small and with its words below.
+// A contact sheet: one image that shows many images as thumbnails with captions.
 #pragma once
 
 #include <cstddef>
@@ -10,31 +10,31 @@
 
 namespace postlens {
 
-/// Filled picture by picture, in any order; what is missing stays dark.
+/// Images are set one by one, in any order. The cell of an image that is not set stays dark grey.
 class ContactSheet {
   public:
     static constexpr std::size_t most_pictures = 1024;
 
-    /// `captions`: ASCII, one a picture, 1 to `most_pictures`. `columns`: as many as a row is to have; where
-    /// that is all of them or too many to be seen, rows are wrapped.
+    /// `captions`: ASCII, one per image, 1 to `most_pictures`. `columns`: wanted number of columns. If that
+    /// would make a single row or column, or thumbnails too small to see, the sheet is about square instead.
     ContactSheet(ImageSize picture, std::vector<std::string> captions, std::size_t columns);
 
     void set(std::size_t i, const Image& picture);
     [[nodiscard]] EncodedPicture picture() const;
 
     [[nodiscard]] std::size_t columns() const { return columns_; }
-    /// Of each picture on it, px: no larger than the picture itself.
+    /// Size of a thumbnail, px; at most that of the image.
     [[nodiscard]] ImageSize thumbnail() const { return {width_, height_}; }
 
   private:
     std::vector<std::string> captions_;
     std::size_t columns_;
     int width_ = 0, height_ = 0;
-    std::vector<EncodedPicture> small_;  ///< empty: missing
+    std::vector<EncodedPicture> small_;  ///< thumbnails; empty if not set
 };
 
-/// The mean of what each pixel of the smaller picture covers, in scene-linear light; sizes 1 to the
-/// picture's own.
+/// Scales an image down with a box filter in scene-linear values: each pixel is the mean of the area that it
+/// covers. The new size is from 1 px to that of the image.
 [[nodiscard]] Image made_smaller(const Image& image, int width, int height);
 
 }  // namespace postlens

@@ -22,7 +22,7 @@ std::size_t sharper_than(const FocusGeometry& geometry, double limit_px, const f
     return out;
 }
 
-/// Of a row, clamped to 0..1.
+/// Luminances of a row of pixels, clamped to 0..1.
 POSTLENS_MULTIVERSION
 void luminances(const float* __restrict rgb, std::size_t width, double* __restrict luminance) {
     for (std::size_t x = 0; x < width; ++x) {
@@ -31,10 +31,11 @@ void luminances(const float* __restrict rgb, std::size_t width, double* __restri
     }
 }
 
-/// Of a row's steps to the right and down to the row below.
+/// Sum of the squared differences between each pixel of a row and its neighbours to the right and below.
 POSTLENS_MULTIVERSION
 double squared_steps(const double* here, const double* below, std::size_t width) {
-    // Sums side by side, in an order that no instruction set changes.
+    // A fixed number of partial sums, so that every instruction set adds in the same order and the result has
+    // the same bits.
     constexpr std::size_t lanes = 8;
     double sums[lanes] = {};
     const auto step = [&](std::size_t x) {
@@ -65,7 +66,7 @@ FrameDepths frame_depths(FocusFrame& frame) {
         for (int y = begin; y < end; ++y) {
             const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(h.width);
             for (int x = 0; x < h.width; ++x) {
-                // Records of a pixel begin with the primary node of its upper left corner.
+                // The first record of a pixel is the primary node of its upper left corner.
                 const std::size_t k = rows.band->pixel(x, y);
                 const std::uint32_t first = rows.band->offsets[k];
                 if (first == rows.band->offsets[k + 1]) continue;
@@ -87,7 +88,7 @@ double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeomet
 
 double gradient_energy(const Image& image) {
     const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-    // So many rows together that a row's luminances are seldom found twice.
+    // Rows per block. The luminances of a row are computed twice only at a block's border.
     constexpr std::size_t together = 16;
     std::vector<double> sums(height);
     parallel_for((height + together - 1) / together, [&](std::size_t block) {

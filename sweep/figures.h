@@ -1,4 +1,4 @@
-// What a sweep says of each picture in numbers.
+// Figures that a sweep reports for each image.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -11,21 +11,21 @@
 
 namespace postlens {
 
-/// What is the same for all pictures of a file.
+/// Inverse depths of a frame, which all images of the frame share.
 struct FrameDepths {
     int width = 0, height = 0;
-    /// 1/z' of the primary node at each pixel's upper left corner, 1/m; 0 where nothing was hit.
+    /// 1/z' of the primary node at each pixel's upper left corner, 1/m; 0 if nothing was hit.
     std::vector<float> inverse_z;
 };
 [[nodiscard]] FrameDepths frame_depths(FocusFrame& frame);
 
-/// The share of the traced pixels whose circle of confusion is less than `limit_px` across, in px of the
-/// picture. Without a geometry (an orthographic file, which no lens can have taken) all.
+/// Share of the traced pixels, 0 to 1, whose circle of confusion has a diameter below `limit_px`, in px of
+/// the image. 1 without a geometry, which an orthographic file lacks, because it has no lens.
 [[nodiscard]] double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeometry>& geometry,
                                     double limit_px);
 
-/// Sum of the squared differences of luminance (Rec.709, clamped to 0..1) from each pixel to the next on the
-/// right and to the one below: how much detail there is. The same for any number of threads.
+/// Measure of detail: sum of the squared differences of luminance (Rec.709, clamped to 0..1) between each
+/// pixel and its neighbours to the right and below. Deterministic for any number of threads.
 [[nodiscard]] double gradient_energy(const Image& image);
 
 }  // namespace postlens

@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// With as few digits as tell them apart.
+/// Formats values with the fewest digits, 4 or more, that keep them distinct.
 std::vector<std::string> labels_of(const std::vector<double>& values) {
     std::vector<std::string> out;
     for (int digits = 4; digits <= 17; ++digits) {
@@ -25,7 +25,7 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
     return out;
 }
 
-/// Of letters, digits, dots and dashes; numbered where several come to the same.
+/// Names of impulse responses, of letters, digits, dots and dashes. Equal names get a number.
 std::vector<std::string> labels_of(const std::vector<Impulse>& impulses) {
     std::vector<std::string> out;
     for (const Impulse& i : impulses) {
@@ -42,7 +42,7 @@ std::vector<std::string> labels_of(const std::vector<Impulse>& impulses) {
     return out;
 }
 
-/// "{}{}" of the spans' ends.
+/// Names of shutters, e.g. "0to0.02" from 0 s to 0.02 s.
 std::vector<std::string> labels_of(const std::vector<TimeSpan>& spans) {
     std::vector<std::string> out;
     for (const TimeSpan& s : spans) out.push_back(fmt::format("{:.6g}to{:.6g}", s.open_s, s.close_s));
@@ -66,7 +66,7 @@ void check_not_empty(bool empty, const char* option) {
          "{}: missing (got nothing; expected a list, as the sample file names no value)", option);
 }
 
-/// One axis's part of a name and of a caption.
+/// Builds the name and the caption of an image from the parts of its settings.
 struct Words {
     std::string name, caption;
     void add(const std::string& part, const std::string& words, bool varies) {

@@ -1,4 +1,4 @@
-// Which pictures a sweep is made of: every combination of its settings, in order, each with its name.
+// The images of a sweep: every combination of its settings, in order, each with a name.
 #pragma once
 
 #include <optional>
@@ -10,38 +10,41 @@
 
 namespace postlens {
 
-/// What varies. All but `shutters` need a value: except where the impulse responses are all of real lenses,
-/// which have f-numbers of their own; these have focal lengths of their own, whatever is asked for.
+/// Values of each setting that a sweep varies. All lists but `shutters` need a value, with one exception: an
+/// impulse response of a lens prescription has its own focal length, which replaces `focal_lengths_mm`, and
+/// its own f-number, which is used if `f_numbers` is empty.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
-    std::vector<TimeSpan> shutters;  ///< empty: the frame's own instant
+    std::vector<TimeSpan> shutters;  ///< empty: no motion blur
     std::vector<double> focal_lengths_mm;
     std::vector<double> f_numbers;  ///< infinity: pinhole
     std::vector<double> focus_m;
 };
 
-/// One picture.
+/// Settings of one image.
 struct SweepSetting {
     Impulse impulse;
     std::optional<TimeSpan> shutter;
     double focal_length_mm = 0, f_number = 0, focus_m = 0;
-    std::string name;     ///< of its file, without an ending: "f1.4_s5"
-    std::string caption;  ///< for people, ASCII, of what varies: "f/1.4  5 m"
+    std::string name;     ///< file name without extension: "f1.4_s5"
+    std::string caption;  ///< the varied settings, in ASCII: "f/1.4  5 m"
 };
 
 struct SweepGrid {
     std::vector<SweepSetting> pictures;
-    /// How many values the last axis with more than one has, the fastest: a row of the contact sheet.
+    /// Length of a row of the contact sheet: number of values of the fastest setting that varies.
     std::size_t row = 1;
 };
 
-/// All combinations: impulse responses slowest, then shutters, focal lengths, f-numbers, focus distances
-/// fastest. Names have "f" and "s" always, "F", "t" and the impulse where they vary, with as many digits (4
-/// or more) as tell the values of a list apart. Throws Error(wrong_arguments) for more than `most_pictures`
-/// and for a list without values, and what reading a prescription throws.
+/// All combinations. Impulse responses vary slowest, then shutters, focal lengths and f-numbers; focus
+/// distances vary fastest. A name always has f-number "f" and focus distance "s"; it has focal length "F",
+/// shutter "t" and the impulse response only if these vary. Numbers have 4 digits, or as many as make the
+/// values of a list distinct. Throws Error(wrong_arguments) for more than `most_pictures` images and for a
+/// missing list, and the errors of reading a prescription.
 [[nodiscard]] SweepGrid sweep_grid(const SweepAxes& axes);
 
-/// "NAME.%04d" or "%d.exr" with the number `i` in place; nothing where there is not exactly one such place.
+/// Replaces the conversion in a pattern such as "NAME.%04d" or "%d.exr" by the number `i`. Empty if the
+/// pattern does not have exactly one conversion.
 [[nodiscard]] std::optional<std::string> numbered_name(const std::string& pattern, std::size_t i);
 
 }  // namespace postlens

@@ -12,7 +12,7 @@
 namespace postlens {
 namespace {
 
-constexpr int shutter_views = 128;  // as `shoot`
+constexpr int shutter_views = 128;  // the default of the command shoot
 
 FocusMethod method_for(const PictureSettings& settings, const SampleHeader& header, bool with_shutter) {
     const std::optional<FocusMethod>& asked = settings.method;
@@ -128,7 +128,7 @@ MadePicture PictureMaker::moving(const SweepSetting& s, const FocusSettings& foc
                                       {h.film_distance_mm, h.pixel_pitch_mm});
     }
     for (const MotionWarning& w : r.warnings) out.warnings.push_back({w.code, w.share, w.text});
-    // Parts of it may be convolved.
+    // Parts of the image may be convolved, so its error is predicted without a number of views.
     predict(out, settings);
     return out;
 }

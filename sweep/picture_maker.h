@@ -1,4 +1,4 @@
-// Many pictures of one sample file: what they have in common is read and prepared once.
+// Makes many images of one sample file; reads and prepares the records once.
 #pragma once
 
 #include <cstdint>
@@ -17,40 +17,41 @@
 
 namespace postlens {
 
-/// How every picture of a sweep is made. Names and defaults are those of `focus`; with a shutter those of
-/// `shoot`.
+/// Settings that all images of a sweep share. Names and defaults are those of the command `focus`, or with a
+/// shutter those of `shoot`.
 struct PictureSettings {
-    /// Absent: the usual one for the file, with a shutter lightfield. With a shutter lightfield, hybrid and
-    /// automatic only.
+    /// Absent: the usual method for the file (usual_method), or lightfield with a shutter. With a shutter
+    /// only lightfield, hybrid and automatic are allowed.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
-    std::optional<int> views;  ///< absent: 64, with a shutter 128
+    std::optional<int> views;  ///< absent: 64 without a shutter, 128 with one
     ShutterCurve curve = ShutterCurve::box();
-    std::vector<ObjectPath> paths;  ///< in place of the file's motion
-    const Scene* scene = nullptr;   ///< for hybrid and automatic
-    /// Of `automatic`; without it and a scene that is the usual method.
+    std::vector<ObjectPath> paths;  ///< motion of objects, which replaces the file's
+    const Scene* scene = nullptr;   ///< scene in which hybrid and automatic trace rays
+    /// PSNR that `automatic` aims at, dB. If this and the scene are absent, and there is no shutter,
+    /// `automatic` is the usual method for the file.
     std::optional<double> target_db;
-    bool predict = false;  ///< of each picture how far it is expected to be from the truth
+    bool predict = false;  ///< predict the error of every image (predict_error)
 };
 
 struct MadePicture {
     Image image;
-    std::string method;  ///< what was used: "pinhole" for f/inf, "motionblur" for f/inf with a shutter
+    std::string method;  ///< method used: "pinhole" for f/inf, "motionblur" for f/inf with a shutter
     int depths = 0, views = 0;
-    std::optional<FocusGeometry> geometry;  ///< of the image; absent for an orthographic file
+    std::optional<FocusGeometry> geometry;  ///< absent for an orthographic file
     std::vector<FocusWarning> warnings;
-    std::optional<double> predicted_db{};  ///< by `automatic`, or asked for
+    std::optional<double> predicted_db{};  ///< stated or predicted PSNR, dB; absent if unknown
 };
 
-/// Makes one picture after the other; each has the bits that focus_picture, hybrid_picture, auto_picture or,
-/// for f/inf with a shutter, motion_blur gives for the same settings.
+/// Makes one image after the other. Each is bit-identical to the result of focus_picture, hybrid_picture,
+/// auto_picture or, for f/inf with a shutter, motion_blur for the same settings.
 class PictureMaker {
   public:
-    /// Keeps a reference to `file`. Throws Error(wrong_arguments) for a method that a shutter does not go
-    /// with and Error(invalid_input) for paths of ids that the file does not have.
+    /// Keeps a reference to `file`. Throws Error(wrong_arguments) for a method that does not support a
+    /// shutter and Error(invalid_input) for paths of ids that the file does not have.
     PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter);
     PictureMaker(const PictureMaker&) = delete;
     PictureMaker& operator=(const PictureMaker&) = delete;
@@ -62,14 +63,14 @@ class PictureMaker {
 
     [[nodiscard]] const PictureSettings& settings() const { return settings_; }
     [[nodiscard]] FocusMethod method() const { return method_; }
-    /// For whoever looks at the same records.
+    /// The frame with its prepared records, for other users of the same records.
     [[nodiscard]] FocusFrame& frame() { return frame_; }
 
   private:
     [[nodiscard]] MadePicture planned(HybridSettings settings);
     [[nodiscard]] MadePicture by_hybrid(HybridSettings settings);
     [[nodiscard]] MadePicture moving(const SweepSetting& setting, const FocusSettings& focus);
-    /// Adds what is expected of it, if that is asked for.
+    /// Sets predicted_db if the settings ask for it.
     void predict(MadePicture& picture, const HybridSettings& settings);
 
     const SampleFileReader& file_;
@@ -79,7 +80,7 @@ class PictureMaker {
     std::optional<FrameMotion> motion_;
 };
 
-/// As `--method` has it.
+/// Name of a method, as in the option `--method`.
 [[nodiscard]] const char* method_name(FocusMethod method);
 
 }  // namespace postlens

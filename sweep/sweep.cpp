@@ -32,7 +32,7 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Of a file's bytes; 0 where it cannot be read.
+/// XXH3 checksum of a file's bytes; 0 if the file cannot be read.
 std::uint64_t file_checksum(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     if (!in) return 0;
@@ -55,7 +55,7 @@ std::string checksum_text(const std::filesystem::path& path) {
 
 void make_folder(const std::filesystem::path& folder) {
     std::error_code error;
-    std::filesystem::create_directory(folder, error);  // one level, as chart
+    std::filesystem::create_directory(folder, error);  // creates one level only, as chart does
     if (!std::filesystem::is_directory(folder)) {
         fail(ExitCode::cannot_write,
              "{}: cannot be the folder of a sweep ({}; expected a folder, or a name "
@@ -117,7 +117,7 @@ void check_range(const char* option, const std::optional<int>& value, int least,
          most);
 }
 
-/// One sweep on its way.
+/// A running sweep.
 class Sweep {
   public:
     Sweep(const std::filesystem::path& frame, const SweepSettings& settings,
@@ -153,13 +153,13 @@ class Sweep {
             for (const SweepSetting& s : grid_.pictures) captions.push_back(s.caption);
             sheet.emplace(ImageSize{h.width, h.height}, std::move(captions), grid_.row);
         }
-        std::future<std::string> drawn;  // after the sheet, of which it is made
+        std::future<std::string> drawn;  // declared after `sheet`, which it reads
         Progress progress("sweep", grid_.pictures.size());
         try {
-            // First what is there: an interruption must not lose it.
+            // Images of an earlier run are recorded first, so that an interruption does not lose them.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
             make_the_others(sheet ? &*sheet : nullptr, progress);
-            // While the last ones are written.
+            // The contact sheet is encoded while the last images are written.
             if (sheet) {
                 drawn = std::async(std::launch::async, [&sheet] {
                     const ThreadLimit one(1);
@@ -181,7 +181,8 @@ class Sweep {
     }
 
   private:
-    /// What is read may lie in the folder, but not under a name that the sweep gives.
+    /// Refuses to overwrite input files: they may lie in the output folder, but not under the
+    /// name of an output.
     void check_outputs(const std::filesystem::path& frame) const {
         std::vector<std::filesystem::path> read{frame}, written{out_.csv, out_.json, folder_ / "contact.png"};
         read.insert(read.end(), settings_.depends_on.begin(), settings_.depends_on.end());
@@ -194,7 +195,7 @@ class Sweep {
         refuse_overwriting(read, written);
     }
 
-    /// Before hours of work find the one that no lens can be set to.
+    /// Checks the lens settings of all images before the first one is made.
     void check_lenses() const {
         const SampleHeader& h = file_.header();
         const PictureSettings& p = settings_.picture;
@@ -254,7 +255,7 @@ class Sweep {
         return rows_of_json(read_text_file(out_.json, largest_bytes), out_.json.string());
     }
 
-    /// `image`: null: not wanted.
+    /// Keeps image `i` of an earlier run if it is valid, and reads it into `image` unless that is null.
     bool keep(std::size_t i, const std::map<std::string, SweepRow>& earlier, Image* image) {
         const auto found = earlier.find(names_[i]);
         const SweepSetting& s = grid_.pictures[i];
@@ -312,27 +313,28 @@ class Sweep {
         });
     }
 
-    /// One picture is seldom work for all threads to its very end, but where it is large, and then takes much
-    /// memory.
+    /// Number of images that are made at the same time. Two keep all threads busy. One is enough for a large
+    /// frame, whose images need much memory and have work for all threads.
     [[nodiscard]] std::size_t at_a_time() const {
         constexpr std::uint64_t most_records = 2'000'000;
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
     }
 
-    /// Whether pictures are made of the records that the frame keeps, which many may read at a time.
+    /// Whether the method reads the records that FocusFrame keeps, which several images may read at once.
     [[nodiscard]] bool by_records() const {
         return maker_.method() == FocusMethod::scatter || maker_.method() == FocusMethod::layers ||
                maker_.method() == FocusMethod::pinhole;
     }
 
-    /// How many pictures may be on their way to the disk: it is waited for longest where they are small.
+    /// Greatest number of images that are written to disk at the same time: 1 to 4, limited
+    /// to 64 MiB together.
     [[nodiscard]] static std::size_t most_finishing(const Image& image) {
         constexpr std::size_t most = 4, bytes_together = std::size_t{64} << 20;
         return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
     }
 
-    /// Writes a picture, and finds its figures, while the next ones are made. The work is a job of its own,
-    /// which is not cancelled with the sweep: what was made is kept.
+    /// Writes an image and computes its figures, while the next images are made. This work is a separate job,
+    /// which is not cancelled with the sweep, so that a finished image is kept.
     void start_finishing(std::size_t i, Making made) {
         finishing_.push_back({i, std::async(std::launch::async, [this, i, made = std::move(made)] {
                                   const ThreadLimit one(1);
@@ -343,7 +345,7 @@ class Sweep {
                               })});
     }
 
-    /// Waits for what was started first.
+    /// Waits for the oldest image that is being written.
     void finish() {
         Finishing first = std::move(finishing_.front());
         finishing_.pop_front();
@@ -378,9 +380,9 @@ class Sweep {
         return row;
     }
 
-    /// What all pictures are measured by.
+    /// Computes what the figures of all images need: depths, and the gradient energy of the pinhole image.
     void prepare() {
-        // What the light field keeps is sheets, not records.
+        // The light field's frame keeps sheets instead of records, so the records are read by a second frame.
         FocusFrame once(file_);
         FocusFrame& frame = by_records() ? maker_.frame() : once;
         depths_ = frame_depths(frame);
@@ -397,12 +399,12 @@ class Sweep {
                                 .image);
     }
 
-    // As `focus` does.
+    // Notes the warning about errors of W, under the same conditions as the command focus.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // It counts nodes by the area of the lens alone.
+        // The warning depends on the area of the lens only, so it is computed once per area.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);
@@ -421,7 +423,7 @@ class Sweep {
         if (w.share > known->worst.share) known->worst = w;
     }
 
-    /// What is there by now, in order.
+    /// Writes sweep.json with all rows that are finished, in order.
     void save() {
         out_.table.rows.clear();
         for (const auto& row : rows_) {
@@ -431,17 +433,17 @@ class Sweep {
         saved_ = Clock::now();
     }
 
-    /// While something else has gone wrong, of which the user is to hear.
+    /// Saves finished images after an error. Errors in here are ignored, because the first one is reported.
     void save_if_possible() noexcept {
         while (!finishing_.empty()) {
             try {
                 finish();
-            } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): it is not there, which is all
+            } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the image is not recorded
             }
         }
         try {
-            if (out_.made > 0) save();     // before, the earlier list is whole
-        } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the first error is the one to tell
+            if (out_.made > 0) save();     // else the earlier sweep.json is complete
+        } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the first error is reported
         }
     }
 
@@ -450,11 +452,11 @@ class Sweep {
     SampleFileReader file_;
     SweepGrid grid_;
     std::vector<std::string> names_;
-    std::vector<std::optional<SweepRow>> rows_;  ///< as names_; absent: not there yet
+    std::vector<std::optional<SweepRow>> rows_;  ///< parallel to names_; absent: not finished yet
     PictureMaker maker_;
     std::string common_key_;
     FrameDepths depths_;
-    float nearest_ = 0, farthest_ = 0;  ///< 1/m
+    float nearest_ = 0, farthest_ = 0;  ///< inverse depths, 1/m
     std::vector<double> inverse_z_at_;
     double pinhole_energy_ = 0;
     std::map<double, std::optional<FocusWarning>> bends_;
@@ -464,7 +466,8 @@ class Sweep {
         std::size_t picture;
         std::future<SweepRow> row;
     };
-    std::deque<Finishing> finishing_;  ///< last, so that nothing it uses goes before it ends
+    /// Declared last, so that its work ends before the members that it uses are destroyed.
+    std::deque<Finishing> finishing_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// One sample file, many lenses: a folder of pictures with a table and a contact sheet.
+// Makes images of one sample file with many lens settings, with a table of figures and a contact sheet.
 #pragma once
 
 #include <filesystem>
@@ -17,36 +17,37 @@ namespace postlens {
 struct SweepSettings {
     SweepAxes axes;
     PictureSettings picture;
-    std::string format = "exr";         ///< ending of the pictures: exr, png, tif or jpg
-    std::optional<std::string> frames;  ///< names with a number, e.g. "pull.%04d"; absent: by the settings
-    std::vector<glm::dvec2> at;         ///< where the CoC is told, px; empty: a grid of 3 x 3
-    double coc_limit_px = 1;            ///< under which a pixel is in focus, more than 0
-    /// Pictures of an earlier run in the same folder are kept where sweep.json says that they were made with
-    /// equal settings from an equal file, and they are still as they were written.
+    std::string format = "exr";         ///< extension of the images: exr, png, tif or jpg
+    std::optional<std::string> frames;  ///< numbered names, e.g. "pull.%04d"; absent: by settings
+    std::vector<glm::dvec2> at;         ///< raster positions to report the CoC of, px; empty: a 3 x 3 grid
+    double coc_limit_px = 1;            ///< CoC diameter below which a pixel is in focus, px; positive
+    /// Keep an image of an earlier run in the same folder if sweep.json shows that it was made with equal
+    /// settings from an equal file, and if its checksum shows that it is unchanged.
     bool resume = false;
-    /// What else pictures depend on, e.g. the files named by settings: part of every settings_key.
+    /// Further files that the images depend on, such as files that the settings name. Their contents are part
+    /// of every settings_key.
     std::vector<std::filesystem::path> depends_on;
-    Damage damage = Damage::refuse;        ///< what to do about damage in the sample file
-    std::optional<double> exposure_stops;  ///< of all pictures; absent: the file's
+    Damage damage = Damage::refuse;        ///< handling of damage in the sample file
+    std::optional<double> exposure_stops;  ///< exposure of all images; absent: the file's
 };
 
 struct SweepWarning {
-    FocusWarning worst;        ///< the one with the largest share
-    std::size_t pictures = 0;  ///< that have it
+    FocusWarning worst;        ///< the warning of the image with the largest share
+    std::size_t pictures = 0;  ///< number of images with this warning
 };
 
 struct SweepResult {
     SweepTable table;
-    std::vector<SweepWarning> warnings;  ///< by code, of the pictures that were made
+    std::vector<SweepWarning> warnings;  ///< one per code; of images made by this run
     std::size_t made = 0, kept = 0;
     std::filesystem::path csv, json;
-    std::optional<std::filesystem::path> contact_sheet;  ///< none for more than ContactSheet::most_pictures
+    std::optional<std::filesystem::path> contact_sheet;  ///< absent above ContactSheet::most_pictures
 };
 
-/// Writes into `folder`, which is made if it is not there: the pictures, sweep.csv, sweep.json, contact.png.
-/// Every file appears whole or not at all. sweep.json is brought up to date during the work and when it is
-/// interrupted. The pictures are those of PictureMaker. Throws Error(wrong_arguments) for settings out of
-/// range before anything is written, Error(cannot_write), and what PictureMaker throws.
+/// Writes the images, sweep.csv, sweep.json and contact.png into `folder`, which is created if needed. Every
+/// file is written atomically. sweep.json is updated about once a second and on interruption. The images are
+/// those of PictureMaker. Throws Error(wrong_arguments) for settings out of range, before anything is
+/// written, Error(cannot_write), and the errors of PictureMaker.
 [[nodiscard]] SweepResult sweep(const std::filesystem::path& frame, const SweepSettings& settings,
                                 const std::filesystem::path& folder);
 

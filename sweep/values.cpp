@@ -41,7 +41,7 @@ void check_count(const std::string& option, std::string_view text, double count)
          most_pictures);
 }
 
-/// "0.5" or "1/2".
+/// Parses a number such as "0.5" or a fraction such as "1/2".
 std::optional<double> fraction(std::string_view text) {
     const std::size_t slash = text.find('/');
     if (slash == std::string_view::npos) return parse_number(text);
@@ -66,14 +66,14 @@ void add_stops(const std::string& option, std::string_view text, std::vector<dou
         fail(ExitCode::wrong_arguments, "{}: range runs backwards (got {}; expected FROM not above TO)",
              option, text);
     }
-    constexpr double missed_stops = 0.1;  // f/11 and f/22 stand for 11.31 and 22.63, 0.08 stops beyond
+    constexpr double missed_stops = 0.1;  // stops; f/11 and f/22 mean 11.31 and 22.63, 0.08 stops more
     const double stops = 2 * std::log2(to / from);
     const double steps = std::floor((stops + std::min(missed_stops, *step / 2)) / *step);
     check_count(option, text, steps + 1);
     for (int i = 0; i <= static_cast<int>(steps); ++i) out.push_back(from * std::exp2(i * *step / 2));
 }
 
-/// FROM:TO:COUNT, evenly spaced in scale(value).
+/// Parses a range FROM:TO:COUNT. Its values are uniformly spaced in scale(value).
 template <typename Scale, typename Value>
 void add_even(const std::string& option, std::string_view text, bool infinite, const Scale& scale,
               const Value& value, std::vector<double>& out) {

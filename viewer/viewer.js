@@ -1,19 +1,19 @@
-// The viewer: asks for pictures, draws them, and turns what the hand does into what the command would be told.
+// The viewer: translates the user's input into options of the command, requests images and draws them.
 "use strict";
 
 const $ = (id) => document.getElementById(id);
 const canvas = $("picture");
 let frame = null;
 
-// ---- What is asked for ----------------------------------------------------------------------------------------------
+// ---- Requests -------------------------------------------------------------------------------------------------------
 
-/** Thirds of a stop as they are engraved on lenses. */
+/** f-numbers in steps of a third of a stop, rounded as they are engraved on lenses. */
 const fNumbers = [1, 1.1, 1.2, 1.4, 1.6, 1.8, 2, 2.2, 2.5, 2.8, 3.2, 3.5, 4, 4.5, 5, 5.6, 6.3, 7.1, 8, 9, 10, 11, 13, 14, 16, 18, 20, 22,
   25, 29, 32, 36, 40, 45];
 const fNumberOf = (step) => fNumbers[Math.min(fNumbers.length - 1, Math.max(0, step))];
 const stepOf = (fNumber) => fNumbers.reduce((best, n, i) => Math.abs(Math.log(n / fNumber)) < Math.abs(Math.log(fNumbers[best] / fNumber)) ? i : best, 0);
 
-/** The slider of focus is even in 1/m, from a little before what is nearest to infinity. */
+/** The focus slider is linear in the inverse distance, from 0.9 times the nearest depth to infinity. */
 const sliderSteps = 1000;
 const nearest = () => 0.9 * (frame.nearest_m ?? 0.3);
 const focusOf = (t) => t >= sliderSteps ? Infinity : Number((nearest() / (1 - t / sliderSteps)).toPrecision(4));
@@ -22,7 +22,7 @@ const sliderOf = (m) => m === Infinity ? sliderSteps : Math.round(sliderSteps * 
 const lens = { fNumber: 2.8, focus: 1, focalLength: 50, impulse: "disc", shutter: "" };
 let undoStack = [];
 
-/** The lens as options of the command. */
+/** Options of the command for the current lens. */
 function lensOptions(of = lens) {
   const options = { "f-number": String(of.fNumber), focus: of.focus === Infinity ? "inf" : String(of.focus) };
   if (of.focalLength !== frame.focal_length_mm) options["focal-length"] = String(of.focalLength);
@@ -31,20 +31,20 @@ function lensOptions(of = lens) {
   return options;
 }
 
-/** From coarse to good. What stands last is what the picture ends as. */
+/** Options of the successive requests for an image, from coarse to fine. The last one makes the final image. */
 function stages() {
   if (!frame.records_kept) return [{}];
   const views = (n) => ({ method: "lightfield", views: String(n) });
   return [views(4), views(64), frame.scene ? { method: "auto", "target-db": "40" } : views(256)];
 }
 
-let shown = null;    // the picture: {width, height, halves, report, options}
-let other = null;    // what it is compared with
+let shown = null;    // the displayed image: {width, height, halves, report, options}
+let other = null;    // the image with which it is compared
 let depths = null;   // {ids, inverse}
-let generation = 0;  // of what is asked for
+let generation = 0;  // number of the latest request
 let firstUnderWay = false, refining = false;
-let again = 0;       // when something else was asked for while the first, coarse picture was made
-const timings = [];  // for measuring: {views, input, answered, painted}
+let again = 0;       // time of an input that arrived while the first, coarse image was made; 0: none
+const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, lens, frame, generation, working: firstUnderWay || refining }) };
 
 function parsePicture(buffer) {
@@ -59,7 +59,7 @@ function parsePicture(buffer) {
 
 async function ask(what, options) {
   const answer = await fetch(`${what}?${new URLSearchParams(options)}`);
-  if (answer.status === 409) return null;  // cancelled by a newer one
+  if (answer.status === 409) return null;  // cancelled by a newer request
   if (!answer.ok) throw new Error((await answer.json().catch(() => ({ error: `${answer.status}` }))).error);
   return answer;
 }
@@ -69,8 +69,8 @@ async function askPicture(what, options) {
   return answer && parsePicture(await answer.arrayBuffer());
 }
 
-/** Makes the picture of the lens as it is now. The first, coarse one is always finished, or none would be seen while
-    a slider is dragged; the better ones stop as soon as something else is asked for. */
+/** Requests images for the current lens. The first, coarse image is always finished, so that an image is visible while
+    a slider is dragged. The finer ones are cancelled by the next input. */
 async function refocus(input = performance.now()) {
   if (firstUnderWay) {
     again ||= input;
@@ -89,7 +89,7 @@ async function refocus(input = performance.now()) {
     } catch (error) {
       failure = error;
     }
-    if (mine !== generation) return;  // while this one was refined, something else was asked for
+    if (mine !== generation) return;  // a newer request replaced this one while it was refined
     firstUnderWay = refining = false;
     if (picture) {
       shown = { ...picture, options: asked };
@@ -109,7 +109,7 @@ async function refocus(input = performance.now()) {
   describe();
 }
 
-/** What is known of the picture that is shown. */
+/** Prints method, views, stated error and warnings of the displayed image. */
 function describe() {
   if (!shown) return;
   const r = shown.report, parts = [`${r.method ?? ""}${r.views ? `, ${r.views} views` : ""}`];
@@ -118,7 +118,7 @@ function describe() {
   say(parts.join(" · "));
 }
 
-/** A change that can be undone. */
+/** Changes the lens and makes the change undoable. */
 function change(what) {
   undoStack.push({ ...lens });
   if (undoStack.length > 200) undoStack.shift();
@@ -158,7 +158,7 @@ async function compareWith(what) {
   drawSoon();
 }
 
-/** Rays through the lens, more and more; each answer is independent of those before, and their mean is shown. */
+/** Requests ray-traced images with independent seeds until 1024 samples per pixel, and displays their running mean. */
 async function traceRays() {
   const mine = ++raysGeneration;
   const options = lensOptions();
@@ -187,7 +187,7 @@ const floatOf = (bits) => halfTable[bits];
 const valuesOf = (p, k) => p.floats ? [p.floats[3 * k], p.floats[3 * k + 1], p.floats[3 * k + 2]]
   : [floatOf(p.halves[3 * k]), floatOf(p.halves[3 * k + 1]), floatOf(p.halves[3 * k + 2])];
 
-/** Circle of confusion of an inverse depth, px: aperture times film distance times the difference of inverse depths. */
+/** CoC diameter per difference of inverse depths, px m: diameter of the aperture times film distance in px. */
 function cocPerInverse() {
   return lens.focalLength / lens.fNumber * frame.film_distance_mm / 1000 / frame.pixel_pitch_mm;
 }
@@ -195,8 +195,9 @@ const inverseFocus = () => lens.focus === Infinity ? 0 : 1 / lens.focus;
 const modes = ["picture", "in_focus", "coc", "depth", "id", "brightness", "unsure", "noise"];
 const needsDepths = (mode) => ["in_focus", "coc", "depth", "id"].includes(mode);
 
-/** What "unsure" and "noise" draw, 0 to 1 a pixel: the share of rays, on a square root's scale; the noise of the views
-    from 60 dB (0) to 30 dB (1). Both are known of pictures by auto with the scene. */
+/** Per-pixel values, 0 to 1, of the modes "unsure" and "noise". "unsure" is the square root of the share of view samples
+    that rays replaced. "noise" is the noise of the views, from 60 dB (0) to 30 dB (1). Both exist only for images by
+    auto with the scene. */
 function shares(mode) {
   const { width, height, rayShare, report } = shown, out = new Float32Array(width * height);
   if (mode === "unsure" && rayShare) for (let k = 0; k < out.length; ++k) out[k] = Math.sqrt(floatOf(rayShare[k]));
@@ -208,16 +209,16 @@ function shares(mode) {
   }
   return out;
 }
-let sharesOf = {};  // of which picture and mode `values` are
+let sharesOf = {};  // {picture, mode, values}: the image and mode for which `values` were computed
 function sharesNow(mode) {
   if (sharesOf.picture !== shown || sharesOf.mode !== mode) sharesOf = { picture: shown, mode, values: shares(mode) };
   return sharesOf;
 }
-const sharpPx = 1.5;  // a circle no wider than this is drawn as in focus
+const sharpPx = 1.5;  // px; a CoC up to this diameter is drawn as in focus
 
 // ---- Drawing --------------------------------------------------------------------------------------------------------
 
-/** The place of the picture in the window: device px a picture px, and where its upper left is. */
+/** Position of the image in the window: device px per image px, and the position of its upper left corner, device px. */
 const view = { scale: 0, x: 0, y: 0, fits: true };
 
 function fitView() {
@@ -320,7 +321,7 @@ class GlPainter {
   }
 }
 
-/** The same, pixel by pixel, where there is no WebGL2. */
+/** Draws what the WebGL painter draws, pixel by pixel on the CPU, for browsers without WebGL2. */
 class PlainPainter {
   constructor(context) { this.context = context; }
   paint(s) {
@@ -433,7 +434,7 @@ async function tellPixel(at) {
 async function focusAt(at) {
   try {
     if (!frame.records_kept) {
-      // The picture's own depth there: what focusing a single pixel on itself comes to.
+      // The depth of the pixel is the focus distance of an image of that pixel alone, with --focus-at on itself.
       const { focus: _, ...options } = lensOptions(), corner = at.map(Math.floor);
       const one = await askPicture("picture", { ...options, "focus-at": at.map((v) => v.toFixed(2)).join(","), crop: [...corner, 1, 1].join(",") });
       if (one) change({ focus: one.report.focus_m === null ? Infinity : Number(one.report.focus_m.toPrecision(4)) });
@@ -453,7 +454,7 @@ async function focusAt(at) {
 
 // ---- Saving ---------------------------------------------------------------------------------------------------------
 
-/** The command whose picture is the one that is shown. */
+/** The command line that makes the displayed image. */
 function commandLine() {
   const quote = (text) => /^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
   const options = shown.options, words = ["postlens", options.shutter ? "shoot" : "focus", quote(frame.file), "-o", "picture.exr"];
@@ -469,7 +470,7 @@ async function copyCommand() {
     await navigator.clipboard.writeText(text);
     say(`copied: ${text}`);
   } catch {
-    say(text);  // to be copied by hand
+    say(text);  // the user copies the text by hand
   }
 }
 
@@ -554,7 +555,7 @@ function expose(by) {
   $("exposure").dispatchEvent(new Event("input"));
 }
 
-/** A drag of a slider is one step of undo. */
+/** Connects a slider to the lens. One drag is one step of undo. */
 function slider(id, apply) {
   let before = null;
   $(id).addEventListener("input", () => {

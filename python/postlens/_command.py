@@ -15,7 +15,7 @@ from ._errors import ArgumentError, Error, PostlensWarning, error_of
 
 Progress = Optional[Callable[[float, float], object]]
 PathLike = Union[str, "os.PathLike[str]"]
-#: What the command says with --json. Warnings are given by warnings.warn as well.
+#: The JSON of a command with --json. Its warnings are also issued by warnings.warn.
 Report = dict[str, Any]
 
 _separators = {"size": "x", "shutter": ":", "for_shutter": ":"}
@@ -70,7 +70,7 @@ def path_text(what: str, path: object) -> str:
     text = os.fspath(path)
     if not isinstance(text, str) or not text:
         raise ArgumentError(f"{what}: no path (got {path!r}; expected the name of a file)")
-    return os.path.join(".", text) if text.startswith("-") else text  # it would be taken for an option
+    return os.path.join(".", text) if text.startswith("-") else text  # a leading '-' would look like an option
 
 
 def _in_keywords(text: str, options: Mapping[str, object]) -> str:

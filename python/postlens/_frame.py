@@ -15,7 +15,7 @@ from ._picture import Picture
 
 Span = tuple[float, float]
 Exposure = Union[float, str, None]
-#: Arguments that are no options of the command.
+#: Arguments that are not options of the command.
 _not_options = {"self", "threads", "progress"}
 
 
@@ -42,13 +42,13 @@ class Frame:
     def __init__(self, path: PathLike, *, salvage: bool = False) -> None:
         self._path = path_text("path", path)
         self._salvage = salvage
-        #: What `postlens info --json` says of the file.
+        #: The report of `postlens info --json` for the file.
         self.info: Report = run_words(["info", self._path], {"salvage": salvage})[0]
         if self.info["kind"] not in ("samples", "image"):
             raise ArgumentError(
                 f"{self._path}: nothing to focus (got a {self.info['kind']}; expected a sample file or a picture)"
             )
-        #: What `postlens trace --json` said, of a frame that trace() made.
+        #: The report of `postlens trace --json`, if trace() made the frame.
         self.trace_report: Optional[Report] = None
         self._kept: Optional[_postlens.KeptFrame] = None
         if self.info["kind"] == "samples":

@@ -22,9 +22,9 @@ def test_a_picture_has_the_bits_of_the_command(frame, frame_path, command, tmp_p
         [command, "focus", frame_path, "-o", out, "--f-number", "1.4", "--focus", "2", "--quiet"], check=True
     )
     assert np.array_equal(picture.array, postlens.read_picture(out).array)
-    # A second picture comes from the records that stayed in memory.
+    # The second image is made from the records that the frame keeps in memory.
     assert np.array_equal(picture.array, frame.focus(f_number=1.4, focus_m=2).array)
-    picture.save(tmp_path / "saved.jpg")  # by the module that has OpenImageIO
+    picture.save(tmp_path / "saved.jpg")  # written by the extension module, which has OpenImageIO
     assert postlens.read_picture(tmp_path / "saved.jpg").shape == picture.shape
     picture.save(tmp_path / "saved.exr")
     assert (tmp_path / "saved.exr").read_bytes() == out.read_bytes()
@@ -58,7 +58,8 @@ def test_what_is_stated_holds(frame, bars):
     assert low < picture.stated_db < high and picture.stated_db > 35
     reference = postlens.render(bars, size=(96, 54), spp=4096, f_number=1.4, focus_m=2, seed=7)
     measured = postlens.compare(picture, reference)
-    # 4096 rays a pixel add 3 % to the error of 35 dB at most; the interval is of 95 % confidence on the left.
+    # The noise of 4096 rays per pixel adds at most 3 % to an error of 35 dB, and the stated interval is a 95 % one;
+    # the margin of 1 dB covers both.
     assert low - 1 < measured["psnr_db"] < high + 1
     assert frame.focus(f_number=2, focus_m=2).stated_db is None
 
@@ -122,7 +123,7 @@ def test_records_are_views(frame):
     assert records.w.shape == (len(records), 2, 2)
     assert not records.x.flags.owndata and not records.x.flags.writeable
     assert records.x.dtype == np.float32 and records.id.dtype == np.uint32 and records.mark.dtype == np.uint8
-    # The tree at a pixel has the same nodes.
+    # The shading tree at a pixel has the same nodes as the arrays.
     tree = frame.tree_at(40, 20)
     corner = [s for s in tree["samples"] if (s["x"], s["y"]) == (40, 20)][0]["nodes"][0]
     k = (20 - records.y_begin) * records.columns + 40 - records.x_begin
@@ -157,7 +158,7 @@ def srgb(linear):
 
 def test_lens(tmp_path):
     coc = postlens.lens.coc(focal_length_mm=50, f_number=2, focus_m=2, depth_m=3)
-    # The circle of confusion of Potmesil and Chakravarty: |z - s| / z * F^2 / (n (s - F)).
+    # Diameter of the circle of confusion [Potmesil and Chakravarty]: |z - s| / z * F^2 / (n (s - F)).
     assert coc["coc_mm"] == pytest.approx((3 - 2) / 3 * 50**2 / (2 * (2000 - 50)))
     dof = postlens.lens.dof(focal_length_mm=50, f_number=2, focus_m=2)
     assert dof["near_m"] < 2 < dof["far_m"]
@@ -183,7 +184,7 @@ def test_keywords_are_the_commands_options(command):
     from postlens._command import option_name
 
     left_out = {"--help", "--json", "--quiet", "--output", "--frames", "--keep", "--fps", "--resume"}
-    of_frame = {"--salvage"}  # Frame's own
+    of_frame = {"--salvage"}  # an option of Frame itself
     for name, call in (
         ("focus", postlens.Frame.focus), ("shoot", postlens.Frame.shoot),
         ("motionblur", postlens.Frame.motionblur), ("trace", postlens.trace), ("render", postlens.render),
