@@ -37,12 +37,22 @@ struct State {
     ViewOptions view;
     ViewExportOptions export_view;
     FrameOptions frames;
+    std::optional<Share> share;
+    MergeOptions merge;
     /// The options of --frames, with `speak` set from the common options.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
         return frames;
     }
 };
+
+/// `what`: what is divided without --frames.
+void share_option(CLI::App& app, std::optional<Share>& to, const std::string& what) {
+    app.add_option_function<std::string>(
+           "--share", [&to](const std::string& text) { to = parse_share("--share", text); },
+           "Only the I-th of N parts of the work, from 0: " + what + " (docs/farm.md)")
+        ->type_name("I/N");
+}
 
 void frame_options(CLI::App& app, FrameOptions& to, bool in_time) {
     app.add_option_function<std::string>(
@@ -91,6 +101,7 @@ void add_trace(CLI::App& root, State& s) {
     output_option(app, o.output, "Sample file (OpenEXR)");
     exposure_option(app, o.exposure, "0");
     frame_options(app, s.frames, true);
+    share_option(app, s.share, "every N-th of --frames");
     number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S",
            any_value);
     // The option exists only to be refused with an explanation: with other commands it sets the focal length
@@ -159,6 +170,10 @@ void add_render(CLI::App& root, State& s) {
     crop_option(app, r.crop);
     exposure_option(app, o.exposure, "0");
     frame_options(app, s.frames, true);
+    share_option(app, s.share, "rows of the picture, or every N-th of --frames");
+    choice(app, "--share-by", s.render.share_by_samples,
+           "What --share divides: rows of the picture, or the samples of every pixel",
+           {{"tiles", false}, {"samples", true}});
     whole(app, "--spp", r.spp, "Samples per pixel", "N", {.low = 1, .high = 1 << 20})->required();
     lens_options(app, o.lens, "the camera's");
     impulse_options(app, o.impulse);
@@ -251,6 +266,7 @@ void add_focus(CLI::App& root, State& s) {
     crop_option(app, o.crop);
     exposure_option(app, o.exposure, exposure_of_file);
     frame_options(app, s.frames, false);
+    share_option(app, s.share, "rows of the picture, or every N-th of --frames");
     lens_options(app, o.lens);
     impulse_options(app, o.impulse);
     choice(
@@ -304,6 +320,7 @@ void add_motionblur(CLI::App& root, State& s) {
     crop_option(app, o.settings.crop);
     exposure_option(app, o.exposure, exposure_of_file);
     frame_options(app, s.frames, false);
+    share_option(app, s.share, "rows of the picture, or every N-th of --frames");
     shutter_options(app, o.shutter, o.curve, "the file's exposure, from the frame's instant on");
     reads(app.add_option("--paths", o.paths,
                          "Paths of objects, in place of what the file says (docs/motion_paths.md)"))
@@ -367,6 +384,7 @@ void add_shoot(CLI::App& root, State& s) {
     crop_option(app, o.crop);
     exposure_option(app, o.exposure, "the sample file's");
     frame_options(app, s.frames, false);
+    share_option(app, s.share, "rows of the picture, or every N-th of --frames");
     lens_options(app, o.lens);
     impulse_options(app, o.impulse);
     shutter_options(app, s.shoot.shutter, s.shoot.curve, "the file's exposure, from the frame's instant on");
@@ -459,6 +477,16 @@ void add_compare(CLI::App& root, State& s) {
     app.callback([&s] { s.common.run = [&s] { return run_compare(s.compare); }; });
 }
 
+void add_merge(CLI::App& root, State& s) {
+    CLI::App& app = *root.add_subcommand("merge", "Joins parts made with --share to the undivided result");
+    MergeOptions& o = s.merge;
+    reads(app.add_option("part", o.parts, "Parts, in any order"))->required()->type_name("PART");
+    output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    app.add_flag("--partial", o.partial, "Merge what is there; the rest is black, and is listed");
+    common_options(app, s.common);
+    app.callback([&s] { s.common.run = [&s] { return run_merge(s.merge); }; });
+}
+
 void add_info(CLI::App& root, State& s) {
     CLI::App& app = *root.add_subcommand("info", "What is in a file: scene, lens, sample file or image");
     app.add_option("file", s.info.input, "Any of them")->required()->type_name("FILE");
@@ -542,6 +570,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     add_compare(app, *state);
     add_chart_command(app, state->common);
     add_view(app, *state);
+    add_merge(app, *state);
     add_info(app, *state);
     check_subcommand(app, arguments);
     if (in_process.pictures_stay) {
@@ -564,6 +593,10 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
         fail(ExitCode::wrong_arguments, "{} (see postlens --help)", what);
     }
     refuse_shared_files(files_of(app), state->frames.frames);
+    if (state->share) {
+        state->frames.shared =
+            SharedWork{*state->share, [asked = asked_for(app)] { return asked.fingerprint(); }, {}};
+    }
     ParsedCommand out = state->common;
     // The call owns a reference to the state, because its options are stored there.
     out.run = [state] { return state->common.run(); };

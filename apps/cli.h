@@ -16,6 +16,7 @@ struct ParsedCommand {
     int threads = 0;  ///< 0: one per core
     bool quiet = false;
     bool json = false;
+    int requeue_code = 75;  ///< exit code if a batch system's signal ends the command (core/signals.h)
 };
 
 /// Settings for a caller in the same process, such as the viewer.

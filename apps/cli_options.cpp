@@ -66,16 +66,47 @@ std::vector<NamedFile> files_of(CLI::App& app) {
     if (!inner.empty()) return files_of(*inner.front());
     std::vector<NamedFile> out;
     for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
-        const std::string path = path_in(option, option->results().front());
-        if (path.empty()) continue;
         const bool positional = option->get_positional(), written = has_mark(option, write_mark);
-        out.push_back({.option = positional ? option->get_type_name() : option->get_name(),
-                       .path = path,
-                       .written = written,
-                       .numbered = positional || written,
-                       // In the name of a scene, # is an ordinary character (frame_commands.cpp).
-                       .hashes = option->get_name() != "scene"});
+        for (const std::string& text : option->results()) {
+            const std::string path = path_in(option, text);
+            if (path.empty()) continue;
+            out.push_back({.option = positional ? option->get_type_name() : option->get_name(),
+                           .path = path,
+                           .written = written,
+                           .numbered = positional || written,
+                           // In the name of a scene, # is an ordinary character (frame_commands.cpp).
+                           .hashes = option->get_name() != "scene"});
+        }
     }
+    return out;
+}
+
+AskedFor asked_for(CLI::App& app) {
+    const std::vector<CLI::App*> inner = app.get_subcommands();
+    if (!inner.empty()) return asked_for(*inner.front());
+    AskedFor out;
+    out.command = app.get_name();
+    // These change where, how fast or how loudly a result is made, and not what it is.
+    const std::vector<std::string> left_out{"--share",  "--threads", "--quiet",       "--json",
+                                            "--resume", "--keep",    "--requeue-code"};
+    for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
+        const std::string name = option->get_positional() ? option->get_type_name() : option->get_name();
+        if (has_mark(option, write_mark) ||
+            std::find(left_out.begin(), left_out.end(), name) != left_out.end())
+            continue;
+        for (const std::string& text : option->results()) {
+            const std::string path = path_in(option, text);
+            std::error_code none;
+            if (!path.empty() && std::filesystem::exists(path, none)) {
+                out.inputs.emplace_back(name, path);
+            } else if (out.options.empty() || out.options.back().first != name) {
+                out.options.push_back({name, {text}});
+            } else {
+                out.options.back().second.push_back(text);
+            }
+        }
+    }
+    std::sort(out.options.begin(), out.options.end());
     return out;
 }
 
@@ -148,6 +179,9 @@ void common_options(CLI::App& app, ParsedCommand& to) {
           {.low = 0, .high = 4096});
     app.add_flag("--quiet", to.quiet, "No progress, no summary, no warnings; errors only");
     app.add_flag("--json", to.json, "The result as JSON on standard output");
+    whole(app, "--requeue-code", to.requeue_code,
+          "Exit code where SIGTERM or SIGUSR1 ends the command, so that a batch system takes it up again",
+          "N", {.low = 1, .high = 255});
 }
 
 void predict_option(CLI::App& app, bool& to) {

@@ -12,6 +12,7 @@
 #include "apps/cli.h"
 #include "apps/named_files.h"
 #include "apps/numbers.h"
+#include "apps/share.h"
 #include "focus/depth_levels.h"
 #include "focus/lens_views.h"
 #include "records/exposure.h"
@@ -44,6 +45,8 @@ CLI::Option* reads_of_curve(CLI::Option* option);
 CLI::Option* writes(CLI::Option* option);
 /// The files that are named by the marked options of the parsed subcommand.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
+/// What the parsed subcommand was asked for: options, and files that are read.
+[[nodiscard]] AskedFor asked_for(CLI::App& app);
 
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
     lumens_bounds{.low = 1e-6, .high = 1e6};

@@ -114,6 +114,15 @@ void folder_options(CLI::App& app, SweepOptions& o) {
     app.add_flag("--resume", s.resume,
                  "Keep the pictures of an earlier run in DIR that were made with the same settings from the "
                  "same file");
+    app.add_option_function<std::string>(
+           "--share",
+           [&s](const std::string& text) {
+               const Share share = parse_share("--share", text);
+               s.share = {share.index, share.count};
+           },
+           "Only every N-th picture, from the I-th; the same without --share and with --resume joins them "
+           "(docs/farm.md)")
+        ->type_name("I/N");
     predict_option(app, s.picture.predict);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     app.add_flag_function(

@@ -1,6 +1,7 @@
 // Options and results of the subcommands, and helpers that several of them share.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -60,6 +61,18 @@ struct TraceOptions {
     bool force = false;  ///< trace even if the file will probably not fit on its disk
 };
 
+/// One of `count` parts of a command's work.
+struct Share {
+    int index = 0, count = 1;
+};
+
+/// A share of a picture: it becomes a file that `merge` joins with the others (apps/share.h).
+struct SharedWork {
+    Share share;
+    std::function<nlohmann::ordered_json()> asked_for;  ///< AskedFor::fingerprint
+    std::string mark;                                   ///< of the part; set by take_share
+};
+
 /// Lens options of `focus`, `records` and others. An absent value is taken from the sample file.
 struct LensOptions {
     std::optional<double> focal_length_mm, f_number, focus_m;
@@ -97,6 +110,7 @@ struct ForeignOptions {
 };
 
 struct FocusOptions {
+    std::optional<SharedWork> shared;
     std::string input, output;
     std::shared_ptr<KeptFrame> kept;  ///< the input if it is open already
     LensOptions lens;
@@ -122,6 +136,12 @@ struct FocusOptions {
     }
 };
 
+struct MergeOptions {
+    std::vector<std::string> parts;
+    std::string output;
+    bool partial = false;
+};
+
 struct ImageOptions {
     std::string input, output;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
@@ -140,6 +160,8 @@ struct ShootOptions {
 };
 
 struct RenderOptions {
+    std::optional<SharedWork> shared;
+    bool share_by_samples = false;  ///< else by rows
     std::string scene, output;
     SceneReadOptions units;
     ExposureOption exposure;
@@ -150,6 +172,7 @@ struct RenderOptions {
 };
 
 struct MotionBlurOptions {
+    std::optional<SharedWork> shared;
     std::string input, output;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
     std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, which begins at the frame's instant
@@ -198,6 +221,7 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult run_trace(const TraceOptions& options);
 [[nodiscard]] CommandResult run_render(const RenderOptions& options);
 [[nodiscard]] CommandResult run_image(const ImageOptions& options);
+[[nodiscard]] CommandResult run_merge(const MergeOptions& options);
 [[nodiscard]] CommandResult run_focus(const FocusOptions& options);
 [[nodiscard]] CommandResult run_shoot(const ShootOptions& options);
 [[nodiscard]] CommandResult run_motionblur(const MotionBlurOptions& options);

@@ -7,6 +7,7 @@
 
 #include "records/crop.h"
 #include "records/exposure.h"
+#include "records/picture_part.h"
 
 namespace postlens {
 
@@ -14,7 +15,9 @@ void check_output(const std::string& output) {
     if (!output.empty()) check_image_path(output);
 }
 
-void deliver(Image image, const std::string& output, const std::optional<Crop>& crop, CommandResult& out) {
+void deliver(Image image, const std::string& output, const std::optional<Crop>& crop, CommandResult& out,
+             const std::optional<SharedWork>& shared) {
+    if (shared) mark_as_part(image, crop, shared->mark);
     if (!output.empty()) write_image(output, image, crop);
     report_picture(image, output, crop, out);
     if (output.empty()) out.pictures.push_back(crop ? cut(image, crop) : std::move(image));

@@ -13,7 +13,8 @@ namespace postlens {
 void check_output(const std::string& output);
 
 /// Writes the image, or returns it in the result if `output` is empty. Also calls report_picture.
-void deliver(Image image, const std::string& output, const std::optional<Crop>& crop, CommandResult& out);
+void deliver(Image image, const std::string& output, const std::optional<Crop>& crop, CommandResult& out,
+             const std::optional<SharedWork>& shared = std::nullopt);
 
 /// Adds crop and exposure to the result, and warns if the image is too bright or too dark for a
 /// PNG, TIFF or JPEG.

@@ -181,7 +181,7 @@ CommandResult run_focus(const FocusOptions& options) {
         report_prediction(predict_error(frame, {.focus = settings}, result.image, result.views), out);
     }
     if (options.output.empty()) out.ray_share = cut(hybrid.traced, result.image.width, options.crop);
-    deliver(std::move(result.image), options.output, options.crop, out);
+    deliver(std::move(result.image), options.output, options.crop, out, options.shared);
     return out;
 }
 

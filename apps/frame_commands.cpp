@@ -5,8 +5,12 @@
 #include "apps/exposure.h"
 #include "apps/frame_range.h"
 #include "apps/numbers.h"
+#include "apps/share.h"
 #include "motionblur/vector_frame.h"
+#include "records/foreign_file.h"
+#include "tracer/camera_model.h"
 #include "tracer/exposure.h"
+#include "tracer/trace.h"
 
 namespace postlens {
 namespace {
@@ -25,6 +29,39 @@ void check_fps(const FrameOptions& options) {
 std::optional<TimeSpan> moved(std::optional<TimeSpan> span, double by_s) {
     if (span) span = TimeSpan{span->open_s + by_s, span->close_s + by_s};
     return span;
+}
+
+/// The raster of a sample file, or of an image of another program.
+ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
+    if (salvage || !is_foreign(input)) {
+        const SampleFileReader file(input, damage_rule(salvage));
+        return {file.header().width, file.header().height};
+    }
+    const Window display = ForeignFile(input).parts()[0].display;
+    return {display.x_max - display.x_min + 1 - 2 * overscan_px,
+            display.y_max - display.y_min + 1 - 2 * overscan_px};
+}
+
+/// Without a range of frames, a share is some rows of the image: sets the crop and the mark of the part.
+void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
+            std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
+    if (!frames.shared || frames.frames) return;
+    check_exr_path(output, "parts");
+    shared = frames.shared;
+    const ImageSize size = raster();
+    take_share(shared, crop, size.width, size.height);
+}
+
+/// `auto` decides by what it measures on the whole image.
+void refuse_shared_target(const FrameOptions& frames, const FocusOptions& o) {
+    if (!frames.shared || frames.frames) return;
+    if (o.method == FocusMethod::automatic && !o.takes_usual_method()) {
+        fail(ExitCode::wrong_arguments,
+             "--share: not with --method auto and a target or a scene, which look at the whole picture "
+             "(expected "
+             "another method, or --frames)");
+    }
+    if (o.retrace.explain) fail(ExitCode::wrong_arguments, "--share: not with --explain");
 }
 
 /// Replaces the exposure `auto` by that of the first frame, so that a sequence does not flicker.
@@ -102,6 +139,10 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
 }  // namespace
 
 CommandResult run_frames(const FrameOptions& frames, const TraceOptions& asked) {
+    if (frames.shared && !frames.frames) {
+        fail(ExitCode::wrong_arguments,
+             "--share: a single trace cannot be divided (expected with --frames, whose items are frames)");
+    }
     TraceOptions options = asked;
     options.exposure = exposure_of_first_scene(frames, asked);
     return each_frame(frames, {options.scene, options.output, {}, false, {}}, options, run_trace,
@@ -114,6 +155,18 @@ CommandResult run_frames(const FrameOptions& frames, const TraceOptions& asked) 
 
 CommandResult run_frames(const FrameOptions& frames, const RenderOptions& asked) {
     RenderOptions options = asked;
+    if (asked.share_by_samples && frames.shared && !frames.frames) {
+        check_exr_path(options.output, "parts");
+        options.shared = frames.shared;
+        options.shared->mark = mark_of(*options.shared, options.settings.crop);
+    } else {
+        divide(frames, options.output, options.shared, options.settings.crop, [&] {
+            const Scene scene = read_scene(asked.scene, asked.units);
+            const CameraModel camera(find_camera(scene, asked.settings.camera_name), 0,
+                                     asked.settings.camera);
+            return ImageSize{camera.width, camera.height};
+        });
+    }
     options.exposure = exposure_of_first_scene(frames, asked);
     return each_frame(frames, {options.scene, options.output, {}, options.settings.halves, {}}, options,
                       run_render, [](RenderOptions& o, const FrameFiles& files) {
@@ -140,6 +193,9 @@ CommandResult run_frames(const FrameOptions& frames, const ImageOptions& asked) 
 
 CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked) {
     FocusOptions options = asked;
+    refuse_shared_target(frames, asked);
+    divide(frames, options.output, options.shared, options.crop,
+           [&] { return raster_of(asked.input, asked.salvage, asked.foreign.camera.overscan_px); });
     options.exposure = exposure_of_first_file(
         frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
             return read_foreign_picture(first, of_first(frames, asked.foreign.choice), asked.foreign.camera)
@@ -162,6 +218,8 @@ CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked) 
 
 CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& asked) {
     MotionBlurOptions options = asked;
+    divide(frames, options.output, options.shared, options.settings.crop,
+           [&] { return raster_of(asked.input, asked.salvage, 0); });
     options.exposure = exposure_of_first_file(
         frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
             VectorChoice vectors = asked.vectors;
@@ -182,6 +240,9 @@ CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& as
 CommandResult run_frames(const FrameOptions& frames, const ShootOptions& asked) {
     ShootOptions options = asked;
     FocusOptions& focus = options.focus;
+    refuse_shared_target(frames, focus);
+    divide(frames, focus.output, focus.shared, focus.crop,
+           [&] { return raster_of(asked.focus.input, asked.focus.salvage, 0); });
     if (frames.frames && focus.exposure.automatic) {
         const std::string first = first_input(frames, focus.input, true);
         focus.exposure = {.stops = exposure_of_samples(focus.exposure, first, damage_rule(focus.salvage))};

@@ -8,6 +8,7 @@
 #include <new>
 #include <unordered_set>
 
+#include "apps/share.h"
 #include "core/job.h"
 #include "records/image.h"
 #include "records/sample_file.h"
@@ -215,7 +216,11 @@ CommandResult run_frame_range(const FrameOptions& options, const FrameFiles& nam
     nlohmann::ordered_json frames = nlohmann::ordered_json::array();
     WarningsOfAll warnings;
     int kept = 0;
-    for (const int frame : *options.frames) {
+    std::size_t asked = 0;
+    for (std::size_t i = 0; i < options.frames->size(); ++i) {
+        const int frame = (*options.frames)[i];
+        if (options.shared && !is_in(options.shared->share, i)) continue;
+        ++asked;
         throw_if_interrupted();
         FrameFiles files{input.of(frame), output.of(frame), {}, names.halves, {}};
         if (names.explain) files.explain = explain.of(frame);
@@ -249,7 +254,7 @@ CommandResult run_frame_range(const FrameOptions& options, const FrameFiles& nam
     }
     out.warnings = warnings.list();
     out.json = {{"frames", std::move(frames)}, {"kept", kept}};
-    const std::size_t made = options.frames->size() - static_cast<std::size_t>(kept);
+    const std::size_t made = asked - static_cast<std::size_t>(kept);
     out.text = fmt::format("{} frames made", made);
     if (kept > 0) out.text += fmt::format(", {} kept", kept);
     return out;

@@ -33,9 +33,10 @@ class FrameName {
 /// Options of frame ranges, in addition to the command's own.
 struct FrameOptions {
     std::optional<std::vector<int>> frames;
-    std::optional<double> fps;  ///< for trace and render; absent: 24
-    bool keep = false;          ///< skip frames whose output exists and is complete
-    bool speak = false;         ///< print a line after each frame
+    std::optional<double> fps;         ///< for trace and render; absent: 24
+    bool keep = false;                 ///< skip frames whose output exists and is complete
+    std::optional<SharedWork> shared;  ///< every so-manieth frame, or without a range a part of the picture
+    bool speak = false;                ///< print a line after each frame
 };
 
 /// The files of one frame, or their names with placeholders.

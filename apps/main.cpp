@@ -40,9 +40,10 @@ void report(const CommandResult& result, const ParsedCommand& command, double se
     }
 }
 
-int run(int argc, char** argv, postlens::Job& process) {
+int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
     const postlens::JobScope scope_of_process(process);
     const ParsedCommand command = postlens::parse_command_line({argv + 1, argv + argc});
+    requeue_code = command.requeue_code;
     if (!command.run) {
         say(stdout, command.text);
         return 0;
@@ -67,10 +68,12 @@ int main(int argc, char** argv) {
     // not a silent end.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
+    int requeue_code = static_cast<int>(ExitCode::interrupted);
     try {
-        return run(argc, argv, process);
+        return run(argc, argv, process, requeue_code);
     } catch (const postlens::Error& e) {
         say(stderr, std::string("postlens: ") + e.what());
+        if (e.code() == ExitCode::interrupted && postlens::is_asked_to_requeue()) return requeue_code;
         return static_cast<int>(e.code());
     } catch (const std::bad_alloc&) {
         say(stderr, "postlens: not enough memory");

@@ -71,6 +71,11 @@ CommandResult run_render(const RenderOptions& options) {
     Scene scene = read_scene_of_command(options.scene, options.units, written, out);
     expose(scene, exposure_of_scene(options.exposure, scene, settings.camera_name, settings.camera));
     const bool to_file = !options.output.empty();
+    if (options.shared) {
+        settings.part_mark = options.shared->mark;
+        if (options.share_by_samples)
+            settings.sample_share = {options.shared->share.index, options.shared->share.count};
+    }
     if (!to_file && settings.resume) {
         fail(ExitCode::wrong_arguments, "--resume: goes with --output (got it alone)");
     }
@@ -101,7 +106,7 @@ CommandResult run_render(const RenderOptions& options) {
                 {"impulse", impulse_text(options.impulse)},
                 {"shutter_s", shutter_json(settings)},
                 {"seconds_render", r.seconds_render}};
-    if (settings.halves && to_file) {
+    if (settings.halves && to_file && !settings.sample_share) {
         const auto paths = half_paths(options.output);
         out.json["halves"] = {paths[0].string(), paths[1].string()};
     }

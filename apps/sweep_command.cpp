@@ -132,7 +132,8 @@ CommandResult run_sweep(const SweepOptions& o) {
     }
     const SweepResult result = sweep(o.input, settings, o.output);
     warn(header, result, out.warnings);
-    if (!result.contact_sheet) {
+    const bool whole = !settings.share;
+    if (whole && !result.contact_sheet) {
         out.warnings.push_back({"contact_sheet", fmt::format("of {} pictures no contact sheet is made",
                                                              result.table.rows.size())});
     }
@@ -145,12 +146,12 @@ CommandResult run_sweep(const SweepOptions& o) {
         {{"folder", o.output},
          {"made", result.made},
          {"kept", result.kept},
-         {"csv", result.csv.string()},
+         {"csv", whole ? nlohmann::ordered_json(result.csv.string()) : nullptr},
          {"contact_sheet",
           result.contact_sheet ? nlohmann::ordered_json(result.contact_sheet->string()) : nullptr}});
-    out.text = fmt::format("{}: {} pictures ({} made, {} kept), sweep.csv, sweep.json{}", o.output,
-                           result.table.rows.size(), result.made, result.kept,
-                           result.contact_sheet ? ", contact.png" : "");
+    out.text = fmt::format("{}: {} pictures ({} made, {} kept), {}{}{}", o.output, result.table.rows.size(),
+                           result.made, result.kept, whole ? "sweep.csv, " : "",
+                           result.json.filename().string(), result.contact_sheet ? ", contact.png" : "");
     return out;
 }
 

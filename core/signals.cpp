@@ -10,7 +10,9 @@ namespace {
 
 std::atomic<Job*> job_to_cancel{nullptr};
 std::atomic<bool> had_a_signal{false};
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<Job*>::is_always_lock_free,
+std::atomic<int> first_signal{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
+                  std::atomic<Job*>::is_always_lock_free,
               "a signal handler may set only lock-free flags");
 
 extern "C" void on_signal(int signal) {
@@ -19,6 +21,7 @@ extern "C" void on_signal(int signal) {
         ::signal(signal, SIG_DFL);
         ::raise(signal);
     } else {
+        first_signal = signal;
         job_to_cancel.load()->cancel();
     }
 }
@@ -27,7 +30,7 @@ extern "C" void on_signal(int signal) {
 
 void cancel_on_signals(Job& job) {
     job_to_cancel = &job;
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) {
         struct sigaction action {};
         if (::sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
         action = {};
@@ -36,6 +39,10 @@ void cancel_on_signals(Job& job) {
         ::sigemptyset(&action.sa_mask);
         ::sigaction(signal, &action, nullptr);
     }
+}
+
+bool is_asked_to_requeue() {
+    return first_signal == SIGTERM || first_signal == SIGUSR1;
 }
 
 }  // namespace postlens

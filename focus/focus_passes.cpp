@@ -18,8 +18,9 @@ namespace {
 
 /// Coverages below this are left out of a Cryptomatte, as renderers leave them out.
 constexpr float least_coverage = 1e-4F;
-/// The specification allows for any number of ranks; eight layers of two are more than any program writes.
-constexpr std::size_t most_ranks = 16;
+/// Blurred edges show more objects than sharp ones. The number of ranks must not depend on what part of an
+/// image is made, so that parts have the same channels.
+constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {
     return {std::move(name), std::vector<float>(pixels, 0.0F)};
@@ -67,7 +68,7 @@ void add_sides(const StackField& field, Image& image) {
 void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Image& image) {
     const Cryptomatte& source = *picture.channels.matte;
     std::vector<std::vector<std::pair<float, std::uint32_t>>> ranked(field.shares.size());
-    std::size_t ranks = 2;
+    std::size_t ranks = std::max(source.ranks.size(), least_ranks);
     for (std::size_t k = 0; k < ranked.size(); ++k) {
         std::map<std::uint32_t, float> coverages;
         float sum = 0;
@@ -81,7 +82,6 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
         }
         std::stable_sort(ranked[k].begin(), ranked[k].end(),
                          [](const auto& a, const auto& b) { return a.first > b.first; });
-        ranks = std::max(ranks, std::min(ranked[k].size(), most_ranks));
     }
     ranks += ranks % 2;
     for (std::size_t rank = 0; rank < ranks; ++rank) {

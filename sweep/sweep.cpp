@@ -139,6 +139,9 @@ class Sweep {
         out_.table.at = points_of(settings, file_.header());
         out_.csv = folder / "sweep.csv";
         out_.json = folder / "sweep.json";
+        if (settings.share)
+            out_.json =
+                folder / fmt::format("sweep.{}-of-{}.json", (*settings.share)[0], (*settings.share)[1]);
         check_lenses();
         check_outputs(frame);
         make_folder(folder);
@@ -148,13 +151,13 @@ class Sweep {
     SweepResult run() {
         const SampleHeader& h = file_.header();
         std::optional<ContactSheet> sheet;
-        if (grid_.pictures.size() <= ContactSheet::most_pictures) {
+        if (grid_.pictures.size() <= ContactSheet::most_pictures && !settings_.share) {
             std::vector<std::string> captions;
             for (const SweepSetting& s : grid_.pictures) captions.push_back(s.caption);
             sheet.emplace(ImageSize{h.width, h.height}, std::move(captions), grid_.row);
         }
         std::future<std::string> drawn;  // declared after `sheet`, which it reads
-        Progress progress("sweep", grid_.pictures.size());
+        Progress progress("sweep", pictures_to_make());
         try {
             // Images of an earlier run are recorded first, so that an interruption does not lose them.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
@@ -172,7 +175,7 @@ class Sweep {
             throw;
         }
         save();
-        write_text(out_.csv, csv_text(out_.table));
+        if (!settings_.share) write_text(out_.csv, csv_text(out_.table));
         if (sheet) {
             out_.contact_sheet = folder_ / "contact.png";
             write_file(*out_.contact_sheet, drawn.get());
@@ -249,10 +252,39 @@ class Sweep {
         return fmt::format("{:016x}", XXH3_64bits(key.data(), key.size()));
     }
 
+    /// Whether a picture of the grid is made by this share.
+    [[nodiscard]] bool is_mine(std::size_t i) const {
+        if (!settings_.share) return true;
+        return i % static_cast<std::size_t>((*settings_.share)[1]) ==
+               static_cast<std::size_t>((*settings_.share)[0]);
+    }
+    [[nodiscard]] std::size_t pictures_to_make() const {
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < names_.size(); ++i) count += is_mine(i) ? 1 : 0;
+        return count;
+    }
+
+    /// Rows of earlier runs: of this table and, without a share, of the tables of all shares.
     [[nodiscard]] std::map<std::string, SweepRow> earlier_rows() const {
         constexpr std::uintmax_t largest_bytes = 64'000'000;
-        if (!settings_.resume || !std::filesystem::exists(out_.json)) return {};
-        return rows_of_json(read_text_file(out_.json, largest_bytes), out_.json.string());
+        if (!settings_.resume) return {};
+        std::vector<std::filesystem::path> tables;
+        if (!settings_.share) {
+            for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+                const std::string name = entry.path().filename().string();
+                if (name.starts_with("sweep.") && name.ends_with(".json") &&
+                    name.find("-of-") != std::string::npos)
+                    tables.push_back(entry.path());
+            }
+            std::sort(tables.begin(), tables.end());
+        }
+        if (std::filesystem::exists(out_.json)) tables.push_back(out_.json);
+        std::map<std::string, SweepRow> out;
+        for (const std::filesystem::path& table : tables) {
+            for (auto& [name, row] : rows_of_json(read_text_file(table, largest_bytes), table.string()))
+                out.insert_or_assign(name, std::move(row));
+        }
+        return out;
     }
 
     /// Keeps image `i` of an earlier run if it is valid, and reads it into `image` unless that is null.
@@ -273,6 +305,7 @@ class Sweep {
     void keep_what_is_there(ContactSheet* sheet, Progress& progress) {
         const std::map<std::string, SweepRow> earlier = earlier_rows();
         for (std::size_t i = 0; i < rows_.size(); ++i) {
+            if (!is_mine(i)) continue;
             throw_if_interrupted();
             Image image;
             if (!keep(i, earlier, sheet != nullptr ? &image : nullptr)) continue;
@@ -289,7 +322,7 @@ class Sweep {
     void make_the_others(ContactSheet* sheet, Progress& progress) {
         std::vector<std::size_t> wanted;
         for (std::size_t i = 0; i < rows_.size(); ++i) {
-            if (!rows_[i]) wanted.push_back(i);
+            if (!rows_[i] && is_mine(i)) wanted.push_back(i);
         }
         if (wanted.empty()) return;
         prepare();

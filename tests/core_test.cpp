@@ -302,14 +302,15 @@ TEST_F(InterruptTest, ACancelledJobBecomesAnErrorWithItsExitCode) {
 }
 
 TEST_F(InterruptTest, OneSignalCancelsTheJobAndDestructorsRun) {
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) {
         const int status = status_of_child([&] {
             cancel_on_signals(job_);
             {
                 OutputFile file(folder_ / "picture.exr");
                 ::raise(signal);
             }
-            ::_exit(job_.cancelled() ? 7 : 8);
+            const bool requeue = signal == SIGTERM || signal == SIGUSR1;
+            ::_exit(job_.cancelled() && is_asked_to_requeue() == requeue ? 7 : 8);
         });
         EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 7) << "signal " << signal << ": " << status;
         EXPECT_THAT(names_in(folder_), IsEmpty());

@@ -102,9 +102,10 @@ TEST_F(ObjectEffectsTest, AMaskChoosesWhatANameDoes) {
     write_image(path, mask);
     // Beyond the raster the mask says nothing.
     const Bench inside{.width = 80, .height = 4};
+    const ForeignPicture whole = card();
     const auto with = [&](const ObjectChoice& choice) {
         ForeignPicture p = inside.picture([&](int x, int y) {
-            const auto stack = card().stack(x, y);
+            const auto stack = whole.stack(x, y);
             return Stack(stack.begin(), stack.end());
         });
         apply_object_effects(p, {.holdouts = {choice}}, bench.inverse_focus_per_m);

@@ -223,20 +223,27 @@ class RenderInterrupted : public Render {
     Words slow(const std::string& output, const Words& more = {}) {
         return render(output, Words{"--size", "160x120", "--spp", "512", "--seed", "3", "--quiet"} + more);
     }
-    void interrupt(const Words& words) {
+    void interrupt(const Words& words, int signal = SIGINT, int code = 130) {
         const pid_t child = begin(words + Words{"--threads", "1"});
         wait_for_handler(child);
         std::this_thread::sleep_for(std::chrono::milliseconds(600) * slower);
-        ASSERT_EQ(::kill(child, SIGINT), 0);
+        ASSERT_EQ(::kill(child, signal), 0);
         const auto asked = std::chrono::steady_clock::now();
         int status = 0;
         ASSERT_EQ(::waitpid(child, &status, 0), child);
         ASSERT_TRUE(WIFEXITED(status));
-        ASSERT_EQ(WEXITSTATUS(status), 130) << "0: it was done before it could be stopped";
+        ASSERT_EQ(WEXITSTATUS(status), code) << "0: it was done before it could be stopped";
         const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - asked).count();
         EXPECT_LT(took_s, 2.0 * slower);
     }
 };
+
+TEST_F(RenderInterrupted, ABatchSystemsSignalAsksToBeTakenUpAgain) {
+    ASSERT_NO_FATAL_FAILURE(interrupt(slow("x.exr"), SIGTERM, 75));
+    ASSERT_NO_FATAL_FAILURE(interrupt(slow("x.exr", {"--resume", "--requeue-code", "99"}), SIGUSR1, 99));
+    EXPECT_TRUE(fs::exists(in("x.partial.exr")));
+    EXPECT_FALSE(fs::exists(in("x.exr")));
+}
 
 TEST_F(RenderInterrupted, GoesOnToTheSameBits) {
     ASSERT_NO_FATAL_FAILURE(interrupt(slow("x.exr", {"--halves"})));

@@ -1,5 +1,7 @@
 // The command `sweep`: output, files and rejected arguments.
+#include <fstream>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -101,6 +103,42 @@ TEST_F(SweepCommand, PullsFocusWithTheShutterOpen) {
     EXPECT_EQ(text_of(in("one.png")), text_of(in("out/pull.0001.png")));
     ASSERT_EQ(run({"motionblur", in("frame.exr"), "-o", in("two.png"), "--shutter", "0:0.5"}).exit_code, 0);
     EXPECT_EQ(read_image(in("two.png")).width, read_image(in("out/pull.0006.png")).width);
+}
+
+TEST_F(SweepCommand, SharesJoinToTheSweepOfAll) {
+    const std::vector<std::string> axes{"--f-number", "1.4,2.8,5.6", "--focus", "1,2", "--method", "scatter"};
+    const auto sweep = [&](const std::string& folder, std::vector<std::string> more) {
+        std::vector<std::string> words{"sweep", in("frame.exr"), "-o", in(folder), "--json"};
+        words.insert(words.end(), axes.begin(), axes.end());
+        words.insert(words.end(), more.begin(), more.end());
+        const auto r = run(words);
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        return json::parse(r.out);
+    };
+    sweep("whole", {});
+    for (const char* share : {"2/4", "0/4", "3/4", "1/4"}) {
+        const json said = sweep("shared", {"--share", share});
+        EXPECT_EQ(said["made"], share[0] < '2' ? 2 : 1);
+        EXPECT_TRUE(said["csv"].is_null());
+    }
+    EXPECT_FALSE(std::filesystem::exists(in("shared/sweep.csv")));
+    const json joined = sweep("shared", {"--resume"});
+    EXPECT_EQ(joined["made"], 0);
+    EXPECT_EQ(joined["kept"], 6);
+    for (const auto& entry : std::filesystem::directory_iterator(in("whole"))) {
+        const std::string name = entry.path().filename().string();
+        const auto bytes = [&](const std::string& folder) {
+            std::ifstream file(std::filesystem::path(in(folder)) / name, std::ios::binary);
+            EXPECT_TRUE(file) << folder << "/" << name;
+            return std::string(std::istreambuf_iterator<char>(file), {});
+        };
+        // Tables hold the seconds that each picture took.
+        if (name.ends_with(".exr") || name.ends_with(".png")) {
+            EXPECT_TRUE(bytes("whole") == bytes("shared")) << name;
+        }
+    }
+    // A share that was stopped goes on with what it has.
+    EXPECT_EQ(sweep("shared", {"--share", "0/4", "--resume"})["kept"], 2);
 }
 
 TEST_F(SweepCommand, RefusesInOneLine) {

@@ -12,6 +12,7 @@
 #include "core/progress.h"
 #include "core/threads.h"
 #include "records/crop.h"
+#include "records/picture_part.h"
 #include "tracer/eye_rays.h"
 #include "tracer/render_setup.h"
 #include "tracer/render_state.h"
@@ -39,7 +40,16 @@ class Renderer {
           spp_(settings.spp / halves_),
           group_(std::min(spp_, RayBatch::group)),
           groups_((spp_ + group_ - 1) / group_),
-          columns_((setup.width() + tile_px - 1) / tile_px) {
+          block_groups_((groups_ + most_sample_blocks - 1) / most_sample_blocks),
+          begin_(0),
+          end_(groups_),
+          columns_((setup.width() + tile_px - 1) / tile_px),
+          is_part_(settings.sample_share.has_value()) {
+        if (settings.sample_share) {
+            const Blocks blocks = blocks_of(settings);
+            begin_ = blocks.begin * block_groups_;
+            end_ = std::min(groups_, blocks.end * block_groups_);
+        }
         const auto all = static_cast<std::size_t>(columns_) *
                          static_cast<std::size_t>((setup.height() + tile_px - 1) / tile_px);
         for (std::size_t i = 0; i < all; ++i) {
@@ -58,7 +68,39 @@ class Renderer {
         }
     }
 
-    [[nodiscard]] int rounds() const { return groups_ * halves_; }
+    /// Blocks of samples, of all or of a share.
+    struct Blocks {
+        int begin = 0, end = 0;
+        bool with_open = false;  ///< blocks have several groups, and are added up
+    };
+    static Blocks blocks_of(const RenderSettings& settings) {
+        const int spp = settings.spp / (settings.halves ? 2 : 1), group = std::min(spp, RayBatch::group),
+                  groups = (spp + group - 1) / group,
+                  block = (groups + most_sample_blocks - 1) / most_sample_blocks,
+                  blocks = (groups + block - 1) / block;
+        if (!settings.sample_share) return {0, blocks, block > 1};
+        const auto [index, count] = *settings.sample_share;
+        if (count > blocks) {
+            fail(ExitCode::wrong_arguments,
+                 "--share: more shares than the samples can be divided into (got {}; expected {} or less for "
+                 "{} "
+                 "samples a pixel, or --share-by tiles)",
+                 count, blocks, settings.spp);
+        }
+        return {blocks * index / count, blocks * (index + 1) / count, false};
+    }
+    /// An empty state for these settings.
+    static RenderState state_for(const RenderSetup& setup, const RenderSettings& settings, double stops,
+                                 const std::string& what) {
+        const int halves = settings.halves ? 2 : 1;
+        const Blocks blocks = blocks_of(settings);
+        const int apart = settings.sample_share ? blocks.end - blocks.begin : 1;
+        require_memory(RenderState::bytes(setup.width(), setup.height(), halves, apart, blocks.with_open),
+                       what);
+        return {setup.width(), setup.height(), halves, stops, apart, blocks.with_open};
+    }
+
+    [[nodiscard]] int rounds() const { return (end_ - begin_) * halves_; }
     [[nodiscard]] std::size_t tiles() const { return tiles_.size(); }
     [[nodiscard]] const RayCounts& counts() const { return counts_; }
 
@@ -111,7 +153,8 @@ class Renderer {
     void trace_tile(std::size_t tile, int round, RayCounts& counts) {
         thread_local EyeRays eye;
         const auto half = static_cast<std::size_t>(round % halves_);
-        const int first = round / halves_ * group_, count = std::min(group_, spp_ - first);
+        const int group = begin_ + round / halves_, first = group * group_,
+                  count = std::min(group_, spp_ - first);
         const auto [x0, y0] = corner(tiles_[tile]);
         const int x1 = std::min(x0 + tile_px, setup_.width()), y1 = std::min(y0 + tile_px, setup_.height());
         thread_local std::vector<std::uint32_t> pixels;
@@ -121,19 +164,30 @@ class Renderer {
         }
         make_eye_rays(setup_, *samplers_[half], tracers_[half]->needs_times(), pixels, first, count, eye);
         tracers_[half]->trace(eye, counts);
+        const bool block_ends = (group + 1) % block_groups_ == 0 || group + 1 == groups_;
+        const std::size_t pixels_of_block = 3 * state_.samples[half].size();
+        const auto block = static_cast<std::size_t>(is_part_ ? (group - begin_) / block_groups_ : 0);
         std::size_t ray = 0;
-        for (int y = y0; y < y1; ++y) {
-            for (int x = x0; x < x1; ++x) {
-                const std::size_t pixel = index(x, y);
-                double* sum = state_.sums[half].data() + 3 * pixel;
-                for (int i = 0; i < count; ++i, ++ray) {
-                    const glm::dvec3 c = eye.weight.empty()
-                                             ? eye.radiance[ray]
-                                             : static_cast<double>(eye.weight[ray]) * eye.radiance[ray];
-                    sum[0] += c.x, sum[1] += c.y, sum[2] += c.z;
-                }
-                state_.samples[half][pixel] += static_cast<std::uint32_t>(count);
+        for (const std::uint32_t pixel : pixels) {
+            double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
+            double* open =
+                state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
+            // A block's sum begins at 0: a part that holds this block alone has the same bits.
+            glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
+            if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
+            for (int i = 0; i < count; ++i, ++ray) {
+                of_block += eye.weight.empty() ? eye.radiance[ray]
+                                               : static_cast<double>(eye.weight[ray]) * eye.radiance[ray];
             }
+            if (is_part_) {
+                for (int c = 0; c < 3; ++c) sum[c] = of_block[c];
+            } else if (open != nullptr && !block_ends) {
+                for (int c = 0; c < 3; ++c) open[c] = of_block[c];
+            } else {
+                for (int c = 0; c < 3; ++c) sum[c] += of_block[c];
+                if (open != nullptr) std::fill_n(open, 3, 0.0);
+            }
+            state_.samples[half][pixel] += static_cast<std::uint32_t>(count);
         }
     }
 
@@ -144,7 +198,11 @@ class Renderer {
 
     const RenderSetup& setup_;
     RenderState& state_;
-    int halves_, spp_, group_, groups_, columns_;
+    int halves_, spp_, group_, groups_;
+    int block_groups_;  ///< groups of samples in a block
+    int begin_, end_;   ///< the groups to render
+    int columns_;
+    bool is_part_;                    ///< every block of the state is one of the samples' blocks
     std::vector<std::size_t> tiles_;  ///< the wanted tiles, as indices in the whole image
     std::vector<std::unique_ptr<Sampler>> samplers_;
     std::vector<std::unique_ptr<DistributedTracer>> tracers_;
@@ -210,9 +268,7 @@ fs::path partial_path(const fs::path& path) {
 RenderResult render_picture(const Scene& scene, const RenderSettings& settings) {
     const RenderSetup setup(scene, settings);
     check_crop(settings.crop, setup.width(), setup.height());
-    const int halves = settings.halves ? 2 : 1;
-    require_memory(RenderState::bytes(setup.width(), setup.height(), halves), "the picture");
-    RenderState state(setup.width(), setup.height(), halves, scene.exposure_stops);
+    RenderState state = Renderer::state_for(setup, settings, scene.exposure_stops, "the picture");
     Renderer renderer(setup, settings, state);
     const auto start = Clock::now();
     trace_all(renderer, [] {});
@@ -228,11 +284,11 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
 
     const RenderSetup setup(scene, settings);
     check_crop(settings.crop, setup.width(), setup.height());
-    const int halves = settings.halves ? 2 : 1;
-    require_memory(RenderState::bytes(setup.width(), setup.height(), halves),
-                   path.string() + ": the picture");
-    RenderState state(setup.width(), setup.height(), halves, scene.exposure_stops);
-    const std::string fingerprint = setup.fingerprint(settings);
+    RenderState state =
+        Renderer::state_for(setup, settings, scene.exposure_stops, path.string() + ": the picture");
+    std::string fingerprint = setup.fingerprint(settings);
+    if (settings.sample_share)
+        fingerprint += fmt::format(" {}/{}", (*settings.sample_share)[0], (*settings.sample_share)[1]);
     const bool resumes = settings.resume && fs::exists(partial);
     if (resumes) read_state(partial, fingerprint, state);
     Renderer renderer(setup, settings, state);
@@ -266,11 +322,21 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
     out.seconds_render = seconds_since(start);
     out.resumed = resumes;
     out.spp_resumed = spp_resumed;
+    if (settings.sample_share) {
+        write_state(path, state, fingerprint, settings.part_mark);
+        std::error_code none;
+        fs::remove(partial, none);
+        return out;
+    }
+    const auto write = [&](const fs::path& to, Image& image) {
+        if (!settings.part_mark.empty()) mark_as_part(image, settings.crop, settings.part_mark);
+        write_image(to, image, settings.crop);
+    };
     if (settings.halves) {
         const auto paths = half_paths(path);
-        for (std::size_t h = 0; h < 2; ++h) write_image(paths[h], out.halves[h], settings.crop);
+        for (std::size_t h = 0; h < 2; ++h) write(paths[h], out.halves[h]);
     }
-    write_image(path, out.image, settings.crop);
+    write(path, out.image);
     std::error_code none;
     fs::remove(partial, none);
     return out;

@@ -183,7 +183,8 @@ def test_keywords_are_the_commands_options(command):
     """Every option of a command that makes a picture has its keyword, and no keyword is without an option."""
     from postlens._command import option_name
 
-    left_out = {"--help", "--json", "--quiet", "--output", "--frames", "--keep", "--fps", "--resume"}
+    left_out = {"--help", "--json", "--quiet", "--output", "--frames", "--keep", "--fps", "--resume",
+                "--share", "--share-by", "--requeue-code"}  # fmt: skip
     of_frame = {"--salvage"}  # an option of Frame itself
     for name, call in (
         ("focus", postlens.Frame.focus), ("shoot", postlens.Frame.shoot),

@@ -1,0 +1,246 @@
+#include <algorithm>
+#include <map>
+
+#include "apps/command.h"
+#include "apps/deliver.h"
+#include "apps/share.h"
+#include "core/memory.h"
+#include "records/picture_part.h"
+#include "tracer/render.h"
+#include "tracer/render_state.h"
+
+namespace postlens {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct NamedPart {
+    std::string name;
+    PicturePart part;
+    Json mark;
+    Share share;
+    std::optional<double> exposure_stops;
+};
+
+/// The share of a mark. Throws for a mark that is not ours.
+Share share_in(const Json& mark, const std::string& name) {
+    const bool whole = mark.is_object() && mark.contains("share") && mark["share"].is_array() &&
+                       mark["share"].size() == 2 && mark["share"][0].is_number_integer() &&
+                       mark["share"][1].is_number_integer() && mark.contains("made_by") &&
+                       mark["made_by"].is_object() && mark.contains("crop");
+    if (!whole) fail(ExitCode::invalid_input, "{}: is a damaged part (its mark is not ours)", name);
+    return {mark["share"][0].get<int>(), mark["share"][1].get<int>()};
+}
+
+NamedPart read_part(const std::string& name) {
+    std::optional<PicturePart> part = read_picture_part(name);
+    if (!part) {
+        fail(ExitCode::invalid_input, "{}: is no part (got a picture; expected what --share has written)",
+             name);
+    }
+    NamedPart out{name, std::move(*part), {}, {}, {}};
+    out.exposure_stops = out.part.image.exposure_stops;
+    out.mark = Json::parse(out.part.mark, nullptr, false);
+    out.share = share_in(out.mark, name);
+    return out;
+}
+
+/// What is known of a part besides its pixels.
+struct PartFacts {
+    std::string name;
+    Json mark;
+    Share share;
+};
+
+/// Throws if two parts are not of one work.
+void check_same_work(const PartFacts& first, const PartFacts& other) {
+    if (other.share.count != first.share.count) {
+        fail(ExitCode::invalid_input, "{}: is one of {} parts (expected one of {}, as {})", other.name,
+             other.share.count, first.share.count, first.name);
+    }
+    if (const std::string difference = first_difference(other.mark["made_by"], first.mark["made_by"]);
+        !difference.empty()) {
+        fail(ExitCode::invalid_input, "{}: is a part of something else than {}: {}", other.name, first.name,
+             difference);
+    }
+    if (other.mark["crop"] != first.mark["crop"])
+        fail(ExitCode::invalid_input, "{}: has another crop than {}", other.name, first.name);
+}
+
+/// The parts that were found, by share; throws for a second one of a share.
+class Found {
+  public:
+    void add(const PartFacts& part) {
+        if (const auto [at, is_new] = names_.try_emplace(part.share.index, part.name); !is_new) {
+            fail(ExitCode::invalid_input, "{}: is the same part as {} (got {}/{} twice)", part.name,
+                 at->second, part.share.index, part.share.count);
+        }
+    }
+    /// Shares without a part; throws if there are any, unless `partial`.
+    [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
+
+  private:
+    std::map<int, std::string> names_;
+};
+
+std::string listed(const std::vector<int>& shares, int count) {
+    constexpr std::size_t most = 8;
+    std::string out;
+    for (std::size_t i = 0; i < std::min(shares.size(), most); ++i)
+        out += fmt::format("{}{}/{}", i == 0 ? "" : ", ", shares[i], count);
+    return shares.size() > most ? fmt::format("{} and {} more", out, shares.size() - most) : out;
+}
+
+std::vector<int> Found::missing(int count, bool partial) const {
+    std::vector<int> out;
+    for (int i = 0; i < count; ++i) {
+        if (!names_.contains(i)) out.push_back(i);
+    }
+    if (!out.empty() && !partial) {
+        fail(ExitCode::invalid_input,
+             "parts are missing (got {} of {}; expected also {}; --partial merges what is there)",
+             names_.size(), count, listed(out, count));
+    }
+    return out;
+}
+
+std::optional<Crop> crop_in(const Json& mark) {
+    const Json& c = mark["crop"];
+    if (!c.is_array() || c.size() != 4) return {};
+    return Crop{c[0].get<int>(), c[1].get<int>(), c[2].get<int>(), c[3].get<int>()};
+}
+
+struct Merged {
+    Image image;
+    std::vector<Image> halves;
+    PartFacts first;
+    std::vector<int> missing;
+};
+
+/// An image of the whole with the channels of a part.
+Image whole_of(const NamedPart& part) {
+    const ImageSize& size = part.part.whole;
+    require_memory(static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) *
+                       sizeof(float) * (4 + part.part.image.planes.size()),
+                   "the merged picture");
+    Image out(size.width, size.height);
+    out.exposure_stops = part.exposure_stops;
+    const std::size_t pixels = out.rgb.size() / 3;
+    if (!part.part.image.alpha.empty()) out.alpha.resize(pixels);
+    for (const Image::Plane& p : part.part.image.planes)
+        out.planes.push_back({p.name, std::vector<float>(pixels)});
+    out.texts = part.part.image.texts;
+    return out;
+}
+
+/// Pastes rows. Reads the parts one after the other, so that only one is in memory.
+Merged merge_rows(const std::vector<std::string>& names, bool partial) {
+    Merged out;
+    Found found;
+    ImageSize size;
+    std::optional<double> stops;
+    for (const std::string& name : names) {
+        const NamedPart part = read_part(name);
+        const PartFacts facts{name, part.mark, part.share};
+        if (out.first.name.empty()) {
+            out.first = facts;
+            size = part.part.whole;
+            stops = part.exposure_stops;
+            out.image = whole_of(part);
+        }
+        check_same_work(out.first, facts);
+        found.add(facts);
+        if (part.part.whole != size || part.exposure_stops != stops) {
+            fail(ExitCode::invalid_input, "{}: has another size or exposure than {}", name, out.first.name);
+        }
+        paste(part.part, name, out.image);
+    }
+    out.missing = found.missing(out.first.share.count, partial);
+    return out;
+}
+
+/// Adds samples, in the order of the shares. Reads each part twice: all marks, then all sums.
+Merged merge_samples(const std::vector<std::string>& names, bool partial) {
+    Merged out;
+    Found found;
+    std::map<int, std::string> ordered;
+    const auto read = [](const std::string& name) {
+        std::optional<RenderPart> part = read_render_part(name);
+        if (!part) {
+            fail(ExitCode::invalid_input,
+                 "{}: is no part of a render's samples (expected what --share-by samples "
+                 "has written)",
+                 name);
+        }
+        return *std::move(part);
+    };
+    RenderState sum;
+    for (const std::string& name : names) {
+        const RenderPart part = read(name);
+        PartFacts facts{name, Json::parse(part.mark, nullptr, false), {}};
+        facts.share = share_in(facts.mark, name);
+        if (out.first.name.empty()) {
+            out.first = facts;
+            sum = RenderState(part.state.width, part.state.height, part.state.halves,
+                              part.state.exposure_stops);
+        }
+        check_same_work(out.first, facts);
+        found.add(facts);
+        if (part.state.width != sum.width || part.state.height != sum.height ||
+            part.state.halves != sum.halves || part.state.exposure_stops != sum.exposure_stops)
+            fail(ExitCode::invalid_input, "{}: has another size or exposure than {}", name, out.first.name);
+        ordered[facts.share.index] = name;
+    }
+    out.missing = found.missing(out.first.share.count, partial);
+    for (const auto& [index, name] : ordered) sum.add(read(name).state);
+    out.image = sum.picture();
+    if (sum.halves == 2) out.halves = {sum.half(0), sum.half(1)};
+    return out;
+}
+
+/// The halves of a render by rows are files beside its parts.
+std::vector<Image> merge_halves(const std::vector<std::string>& names, bool partial) {
+    std::vector<Image> out;
+    for (std::size_t h = 0; h < 2; ++h) {
+        std::vector<std::string> parts;
+        for (const std::string& name : names) parts.push_back(half_paths(name)[h].string());
+        out.push_back(merge_rows(parts, partial).image);
+    }
+    return out;
+}
+
+}  // namespace
+
+CommandResult run_merge(const MergeOptions& options) {
+    check_output(options.output);
+    const bool samples =
+        is_openexr(options.parts.front()) && read_render_part(options.parts.front()).has_value();
+    Merged merged =
+        samples ? merge_samples(options.parts, options.partial) : merge_rows(options.parts, options.partial);
+    const Json& made_by = merged.first.mark["made_by"];
+    if (!samples && made_by["command"] == "render" && made_by.contains("--halves"))
+        merged.halves = merge_halves(options.parts, options.partial);
+    const int count = merged.first.share.count;
+    CommandResult out;
+    out.json = {
+        {"parts", options.parts.size()}, {"of", count}, {"missing", merged.missing}, {"made_by", made_by}};
+    out.text = fmt::format("{}: {}x{} px from {} of {} parts", options.output, merged.image.width,
+                           merged.image.height, options.parts.size(), count);
+    if (!merged.missing.empty()) {
+        out.warnings.push_back({"partial",
+                                fmt::format("parts are missing, their {}: {}",
+                                            samples ? "samples are not in the mean" : "rows are black",
+                                            listed(merged.missing, count)),
+                                static_cast<double>(merged.missing.size()) / count});
+    }
+    const std::optional<Crop> crop = crop_in(merged.first.mark);
+    if (!merged.halves.empty()) {
+        const auto results = half_paths(options.output);
+        for (std::size_t h = 0; h < results.size(); ++h) write_image(results[h], merged.halves[h], crop);
+        out.json["halves"] = {results[0].string(), results[1].string()};
+    }
+    deliver(std::move(merged.image), options.output, crop, out);
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,48 @@
+// Shares of a command's work for several machines: which part, by what it is known again, and its mark.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "apps/command.h"
+
+namespace postlens {
+
+/// Parses I/N, 0 to N - 1 of 1 to 100000 parts. Throws Error(wrong_arguments) that names the option.
+[[nodiscard]] Share parse_share(std::string_view option, std::string_view text);
+
+/// Whether the i-th of several items, such as frames, is in a share: every count-th is.
+[[nodiscard]] inline bool is_in(const Share& share, std::size_t i) {
+    return i % static_cast<std::size_t>(share.count) == static_cast<std::size_t>(share.index);
+}
+
+/// The rows of a picture, or of a crop of it, that are a share; shares differ by at most one row. Throws
+/// Error(wrong_arguments) if there are more shares than rows.
+[[nodiscard]] Crop rows_of_share(const Share& share, const std::optional<Crop>& crop, int width, int height);
+
+/// What a command was asked for, as far as its result depends on it.
+struct AskedFor {
+    std::string command;
+    std::vector<std::pair<std::string, std::vector<std::string>>> options;  ///< by name
+    std::vector<std::pair<std::string, std::string>> inputs;                ///< option and file
+    /// JSON with the version of postlens, the options, and the SHA-256 of the input files, whose paths do not
+    /// count. Throws Error(invalid_input) for a file that cannot be read.
+    [[nodiscard]] nlohmann::ordered_json fingerprint() const;
+};
+
+/// The mark of a part: JSON with the share, the crop of the whole, and the fingerprint.
+[[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
+
+/// Sets the share's rows as the crop of a command, and the mark of its part.
+void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height);
+
+/// Name of the first setting in which two fingerprints differ, with both values; empty if they are equal.
+[[nodiscard]] std::string first_difference(const nlohmann::ordered_json& got,
+                                           const nlohmann::ordered_json& expected);
+
+}  // namespace postlens
