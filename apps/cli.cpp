@@ -46,7 +46,7 @@ struct State {
     }
 };
 
-/// `what`: what is divided without --frames.
+/// `what`: text of the help that says what is divided into shares without --frames.
 void share_option(CLI::App& app, std::optional<Share>& to, const std::string& what) {
     app.add_option_function<std::string>(
            "--share", [&to](const std::string& text) { to = parse_share("--share", text); },
@@ -104,8 +104,8 @@ void add_trace(CLI::App& root, State& s) {
     share_option(app, s.share, "every N-th of --frames");
     number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S",
            any_value);
-    // The option exists only to be refused with an explanation: with other commands it sets the focal length
-    // of the lens, not the field of view.
+    // --focal-length exists here only to be refused with an explanation: with other commands it sets the
+    // focal length of the lens, not the field of view.
     app.add_option_function<std::string>("--focal-length",
                                          [](const std::string& text) {
                                              fail(ExitCode::wrong_arguments,

@@ -8,7 +8,8 @@
 namespace postlens {
 namespace {
 
-// A mark is a named CLI11 check that accepts every text, because CLI11 has no other way to tag an option.
+// A mark tags an option, for example as one that names a file. CLI11 has no tags, so a mark is a named check
+// that accepts every text.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *write_mark = "writes";
 
@@ -86,7 +87,7 @@ AskedFor asked_for(CLI::App& app) {
     if (!inner.empty()) return asked_for(*inner.front());
     AskedFor out;
     out.command = app.get_name();
-    // These change where, how fast or how loudly a result is made, and not what it is.
+    // Options that change where, how fast or with which messages a result is made, but not the result itself.
     const std::vector<std::string> left_out{"--share",  "--threads", "--quiet",       "--json",
                                             "--resume", "--keep",    "--requeue-code"};
     for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {

@@ -45,12 +45,12 @@ CLI::Option* reads_of_curve(CLI::Option* option);
 CLI::Option* writes(CLI::Option* option);
 /// The files that are named by the marked options of the parsed subcommand.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
-/// What the parsed subcommand was asked for: options, and files that are read.
+/// The options of the parsed subcommand, and the files that it reads.
 [[nodiscard]] AskedFor asked_for(CLI::App& app);
 
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
     lumens_bounds{.low = 1e-6, .high = 1e6};
-/// `absent`: text of the help for the default.
+/// Adds --exposure. `absent`: text of the help that says what the default is.
 void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
 /// Adds --lumens-per-watt, for commands that read the scene of a sample file. `when` begins the help text.
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
@@ -77,7 +77,7 @@ void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::strin
                      const std::string& absent = "open for an instant");
 
 struct LensFitLimitsOptions;
-/// Adds the options of `lens fit` for thin lenses (cli_lens_fit.cpp).
+/// Adds the options of `lens fit` that find a thin lens (cli_lens_fit.cpp).
 std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
 
 /// Adds `lens` and its subcommands (cli_lens.cpp). Their callbacks own the parsed values.

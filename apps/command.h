@@ -66,7 +66,8 @@ struct Share {
     int index = 0, count = 1;
 };
 
-/// A share of a picture: it becomes a file that `merge` joins with the others (apps/share.h).
+/// A share of an image: the rows or samples that one call makes. The share becomes a file, which `merge`
+/// joins with those of the other shares (apps/share.h).
 struct SharedWork {
     Share share;
     std::function<nlohmann::ordered_json()> asked_for;  ///< AskedFor::fingerprint
@@ -91,14 +92,14 @@ struct RetraceOptions {
 struct ForeignOptions {
     ForeignChoice choice;
     ForeignCameraChoice camera;
-    std::vector<std::string> behind;  ///< pictures of the same camera that stand behind, nearest first
-    std::string behind_layer;         ///< as `choice.layer`, of those; empty: the same
+    std::vector<std::string> behind;  ///< images of the same camera that lie behind this one, nearest first
+    std::string behind_layer;         ///< their layer; empty: the same as `choice.layer`
     ObjectEffects objects;
-    std::optional<ObjectChoice> matte;  ///< where the lens has an effect; none: everywhere
+    std::optional<ObjectChoice> matte;  ///< object that the lens blurs; none: the whole image
     FocusPasses passes;
-    /// Names of files that belong to the picture's frame: pictures behind it, and masks of objects.
+    /// Names of files that change from frame to frame with the image: images behind it, and masks of objects.
     [[nodiscard]] std::vector<std::string*> files();
-    /// Whether samples of one pixel are treated apart from each other, even by a pinhole.
+    /// Whether the samples in the stack of one pixel are composited separately, even by a pinhole.
     [[nodiscard]] bool stacks() const {
         return !behind.empty() || !objects.holdouts.empty() || !objects.sharp.empty() ||
                !objects.offsets.empty() || matte || passes.any();
@@ -161,7 +162,7 @@ struct ShootOptions {
 
 struct RenderOptions {
     std::optional<SharedWork> shared;
-    bool share_by_samples = false;  ///< else by rows
+    bool share_by_samples = false;  ///< true: a share is some samples of every pixel; false: some rows
     std::string scene, output;
     SceneReadOptions units;
     ExposureOption exposure;

@@ -157,7 +157,7 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // By chance, four standard errors are exceeded once in 16000 comparisons.
+    // A difference of four standard errors occurs by chance once in 16000 comparisons.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",
@@ -273,7 +273,8 @@ CommandResult compare_files(const CompareCommandOptions& o) {
     warn_of_noise(c, o, out);
     warn_of_range(c, out);
     if (o.map || o.side_by_side) {
-        // The images are read again, because comparing needs most memory and frees them.
+        // The images are read again here, because the comparison needs most of the memory and frees its
+        // images.
         const Image image = exposer.read(o.image), reference = exposer.read(o.reference);
         if (o.map) write_image(*o.map, error_map(image, reference));
         if (o.side_by_side) {

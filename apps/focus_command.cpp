@@ -50,7 +50,8 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, std::vector<Warning>& out) {
     const SufficientRange& range = h.sufficient;
-    // Apertures are compared by their diameter, because the file's f-number refers to its own film distance.
+    // Apertures are compared by diameter, because the f-number in the sample file refers to the file's film
+    // distance instead of the focal length.
     const double f_number = lens.lens.f_number * h.film_distance_mm / lens.lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (range.smallest_f_number && f_number < *range.smallest_f_number * (1 - rounding)) {

@@ -39,8 +39,9 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Lays the images of --behind behind an image, in their order. Mixed edge pixels of all of them are split
-/// first, so that each surface of an edge is compared with the next image at its own depth.
+/// Adds the images of --behind to the stacks of an image, in their order. Edge pixels that show several
+/// surfaces are split first in all images, so that each surface of an edge is compared with the next image at
+/// its own depth.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -66,7 +67,8 @@ void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, cons
     }
 }
 
-/// Blends from the pinhole image to the blurred one by the matte: 0 keeps the pinhole image.
+/// Blends the pinhole image and the blurred image by the matte. Where the matte is 0, the pinhole image
+/// remains.
 void limit_to(const std::vector<float>& matte, const Image& pinhole, Image& image) {
     for (std::size_t i = 0; i < matte.size(); ++i) {
         const auto mix = [&](float from, float to) { return from + matte[i] * (to - from); };

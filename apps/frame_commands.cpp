@@ -52,7 +52,8 @@ void divide(const FrameOptions& frames, const std::string& output, std::optional
     take_share(shared, crop, size.width, size.height);
 }
 
-/// `auto` decides by what it measures on the whole image.
+/// Refuses --share for `auto` with a target or a scene, because `auto` then decides by errors that it
+/// measures on the whole image.
 void refuse_shared_target(const FrameOptions& frames, const FocusOptions& o) {
     if (!frames.shared || frames.frames) return;
     if (o.method == FocusMethod::automatic && !o.takes_usual_method()) {

@@ -18,7 +18,7 @@ namespace postlens {
 
 /// A file name with placeholders for the frame number: %d, or %04d with leading zeros (1 to 9 digits). Any
 /// other % is an ordinary character. If there is no such placeholder and `hashes` is set, each run of # in
-/// the last part of the path is one, with as many digits as it has #.
+/// the last part of the path is a placeholder with as many digits as it has #.
 class FrameName {
   public:
     FrameName(std::string_view text, bool hashes);
@@ -33,10 +33,11 @@ class FrameName {
 /// Options of frame ranges, in addition to the command's own.
 struct FrameOptions {
     std::optional<std::vector<int>> frames;
-    std::optional<double> fps;         ///< for trace and render; absent: 24
-    bool keep = false;                 ///< skip frames whose output exists and is complete
-    std::optional<SharedWork> shared;  ///< every so-manieth frame, or without a range a part of the picture
-    bool speak = false;                ///< print a line after each frame
+    std::optional<double> fps;  ///< for trace and render; absent: 24
+    bool keep = false;          ///< skip frames whose output exists and is complete
+    std::optional<SharedWork>
+        shared;          ///< makes every N-th frame of N shares, or without a range a part of the image
+    bool speak = false;  ///< print a line after each frame
 };
 
 /// The files of one frame, or their names with placeholders.

@@ -1,4 +1,4 @@
-// Per pixel, the inverse focus distance that brings what the pixel shows into focus.
+// Per pixel, the inverse focus distance that brings the object in the pixel into focus.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,9 @@ namespace postlens {
 
 /// Values of the brightest visible node of every pixel, row by row.
 struct ImageDepths {
-    /// Mean of the two inverse focus distances at which the node is in focus, 1/m. Negative if no focus
-    /// distance up to infinity brings it into focus, as for some reflections.
+    /// Inverse focus distance, 1/m, that brings the node into focus. A reflection in a curved mirror has two
+    /// such distances, of which this is the mean. Negative if no focus distance up to infinity brings the
+    /// node into focus, as for some reflections.
     std::vector<float> inverse_per_m;
     std::vector<std::uint32_t> ids;  ///< id of the object; 0: nothing was hit
 };

@@ -17,7 +17,7 @@ constexpr Drawing::Colour black{30, 30, 30}, grey{150, 150, 150}, light{225, 225
 constexpr std::array<Drawing::Colour, 5> ray_colours{
     {{0, 114, 178}, {0, 158, 115}, {213, 94, 0}, {204, 121, 167}, {120, 94, 40}}};
 
-// The least step of 1, 2 or 5 times a power of ten that is not below `span` / `count`.
+// The smallest step between ticks that is 1, 2 or 5 times a power of ten and not below `span` / `count`.
 double round_step(double span, double count) {
     const double raw = span / count, power = std::pow(10, std::floor(std::log10(raw)));
     for (const double f : {1.0, 2.0, 5.0}) {

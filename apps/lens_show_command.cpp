@@ -44,7 +44,8 @@ nlohmann::ordered_json numbers_json(const FirstOrder& f) {
             {"film_distance_mm", json_number(f.film_distance_mm)}};
 }
 
-// Field of view, degrees, on a film of the given width, from traced chief rays and so with distortion.
+// Field of view, degrees, on a film of the given width. It follows from traced chief rays, and so includes
+// distortion.
 std::optional<double> traced_field_deg(const TracedLens& traced, double film_width_mm) {
     try {
         return 2 * degrees(lens_model_range(traced, 1, 2, 0.5 * film_width_mm, 2).tangents.back());

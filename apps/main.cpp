@@ -64,8 +64,8 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 int main(int argc, char** argv) {
     static postlens::Job process;  // static, because signals may come until the process ends
     postlens::cancel_on_signals(process);
-    // Ignored, so that writing over a size limit or into a closed pipe gives an error message,
-    // not a silent end.
+    // These two signals are ignored, so that writing beyond a size limit or into a closed pipe gives an error
+    // message instead of ending the program silently.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     int requeue_code = static_cast<int>(ExitCode::interrupted);

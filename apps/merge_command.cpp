@@ -22,7 +22,7 @@ struct NamedPart {
     std::optional<double> exposure_stops;
 };
 
-/// The share of a mark. Throws for a mark that is not ours.
+/// Reads the share from the mark of a part. Throws for a mark that postlens has not written.
 Share share_in(const Json& mark, const std::string& name) {
     const bool whole = mark.is_object() && mark.contains("share") && mark["share"].is_array() &&
                        mark["share"].size() == 2 && mark["share"][0].is_number_integer() &&
@@ -45,14 +45,14 @@ NamedPart read_part(const std::string& name) {
     return out;
 }
 
-/// What is known of a part besides its pixels.
+/// Description of a part without its pixels.
 struct PartFacts {
     std::string name;
     Json mark;
     Share share;
 };
 
-/// Throws if two parts are not of one work.
+/// Throws if two parts do not belong to the same image.
 void check_same_work(const PartFacts& first, const PartFacts& other) {
     if (other.share.count != first.share.count) {
         fail(ExitCode::invalid_input, "{}: is one of {} parts (expected one of {}, as {})", other.name,
@@ -67,7 +67,7 @@ void check_same_work(const PartFacts& first, const PartFacts& other) {
         fail(ExitCode::invalid_input, "{}: has another crop than {}", other.name, first.name);
 }
 
-/// The parts that were found, by share; throws for a second one of a share.
+/// The parts that were found, by share. Throws if two parts have the same share.
 class Found {
   public:
     void add(const PartFacts& part) {
@@ -117,7 +117,7 @@ struct Merged {
     std::vector<int> missing;
 };
 
-/// An image of the whole with the channels of a part.
+/// A black image of the size of the whole image, with the channels of a part.
 Image whole_of(const NamedPart& part) {
     const ImageSize& size = part.part.whole;
     require_memory(static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) *
@@ -133,7 +133,7 @@ Image whole_of(const NamedPart& part) {
     return out;
 }
 
-/// Pastes rows. Reads the parts one after the other, so that only one is in memory.
+/// Joins parts that are rows of an image. Reads the parts one after the other, so that only one is in memory.
 Merged merge_rows(const std::vector<std::string>& names, bool partial) {
     Merged out;
     Found found;
@@ -159,13 +159,14 @@ Merged merge_rows(const std::vector<std::string>& names, bool partial) {
     return out;
 }
 
-/// Adds samples, in the order of the shares. Reads each part twice: all marks, then all sums.
+/// Joins parts that are samples of an image, by adding them in the order of the shares. First reads
+/// the marks of all parts, then the sums of one part after the other.
 Merged merge_samples(const std::vector<std::string>& names, bool partial) {
     Merged out;
     Found found;
     std::map<int, std::string> ordered;
-    const auto read = [](const std::string& name) {
-        std::optional<RenderPart> part = read_render_part(name);
+    const auto read = [](const std::string& name, bool facts_only) {
+        std::optional<RenderPart> part = read_render_part(name, facts_only);
         if (!part) {
             fail(ExitCode::invalid_input,
                  "{}: is no part of a render's samples (expected what --share-by samples "
@@ -176,7 +177,7 @@ Merged merge_samples(const std::vector<std::string>& names, bool partial) {
     };
     RenderState sum;
     for (const std::string& name : names) {
-        const RenderPart part = read(name);
+        const RenderPart part = read(name, true);
         PartFacts facts{name, Json::parse(part.mark, nullptr, false), {}};
         facts.share = share_in(facts.mark, name);
         if (out.first.name.empty()) {
@@ -192,13 +193,13 @@ Merged merge_samples(const std::vector<std::string>& names, bool partial) {
         ordered[facts.share.index] = name;
     }
     out.missing = found.missing(out.first.share.count, partial);
-    for (const auto& [index, name] : ordered) sum.add(read(name).state);
+    for (const auto& [index, name] : ordered) sum.add(read(name, false).state);
     out.image = sum.picture();
     if (sum.halves == 2) out.halves = {sum.half(0), sum.half(1)};
     return out;
 }
 
-/// The halves of a render by rows are files beside its parts.
+/// Joins the two halves of a render that was divided by rows. The halves are files beside the parts.
 std::vector<Image> merge_halves(const std::vector<std::string>& names, bool partial) {
     std::vector<Image> out;
     for (std::size_t h = 0; h < 2; ++h) {
@@ -214,7 +215,7 @@ std::vector<Image> merge_halves(const std::vector<std::string>& names, bool part
 CommandResult run_merge(const MergeOptions& options) {
     check_output(options.output);
     const bool samples =
-        is_openexr(options.parts.front()) && read_render_part(options.parts.front()).has_value();
+        is_openexr(options.parts.front()) && read_render_part(options.parts.front(), true).has_value();
     Merged merged =
         samples ? merge_samples(options.parts, options.partial) : merge_rows(options.parts, options.partial);
     const Json& made_by = merged.first.mark["made_by"];

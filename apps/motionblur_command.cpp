@@ -183,7 +183,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     const SampleFileReader& file = open->file;
     settings.exposure = resolve_exposure(options.shutter, file.header(), options.shutter_from_frame);
     const SampleHeader& h = file.header();
-    // A pinhole, whose focus distance has no effect.
+    // Settings of a pinhole. Its focus distance has no effect.
     const FocusSettings pinhole{
         .lens = {.focal_length_mm = h.focal_length_mm, .f_number = std::numeric_limits<double>::infinity()},
         .crop = settings.crop};

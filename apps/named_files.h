@@ -11,8 +11,8 @@ struct NamedFile {
     std::string option;  ///< name of the option for messages
     std::string path;
     bool written = false;
-    /// With --frames: the name may have placeholders for the frame number (`hashes`:
-    /// also #; see frame_range.h).
+    /// With --frames, `numbered` allows placeholders for the frame number in the name, and `hashes` also
+    /// allows # as a placeholder (frame_range.h).
     bool numbered = false, hashes = false;
 };
 

@@ -13,7 +13,7 @@ namespace postlens {
 
 /// The reader of a sample file, and its frame.
 struct OpenFrame {
-    /// `many`: keeps records for further images, see FocusFrame.
+    /// `many`: keeps the records in memory for further images (FocusFrame).
     OpenFrame(const std::string& path, Damage damage, std::optional<double> exposure_stops, bool many)
         : file(path, damage, exposure_stops), frame(file, many) {}
     SampleFileReader file;

@@ -8,8 +8,9 @@
 namespace postlens {
 namespace {
 
-// Writes the explanation image. Its hue shows the method: blue scattered, grey light field, red traced again.
-// Its brightness is that of the image. With a plan, the light field is brighter where it has more views.
+// Writes the explanation image, whose hue shows the method per pixel: blue scattered, grey light field, red
+// traced again. Its brightness is that of the image. With the method auto, the light field is brighter in
+// tiles that average more views (reprojections to a lens point).
 void write_explanation(const std::string& path, const HybridResult& r, const AutoResult* plan,
                        const std::optional<Crop>& crop) {
     Image out(r.focus.image.width, r.focus.image.height);
@@ -20,7 +21,7 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
         if (plan != nullptr && r.what[k] == 0) {
             const auto x = static_cast<int>(k % static_cast<std::size_t>(out.width)),
                        y = static_cast<int>(k / static_cast<std::size_t>(out.width));
-            // The factor is 1/4 for 16 views and 2 for 2048.
+            // The brightness factor of the light field grows from 1/4 for 16 views to 2 for 2048 views.
             const auto views = static_cast<float>(plan->tiles[plan->grid.at(x, y)].views);
             grey *= 0.25F * std::max(0.25F, std::log2(views) - 3);
         }

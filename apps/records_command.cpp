@@ -6,7 +6,8 @@
 namespace postlens {
 namespace {
 
-// Diameters, px, of the elliptical circle of confusion: the singular values of gain * 2R * (I/s - W).
+// Diameters, px, of the elliptical circle of confusion. They are the singular values of gain * 2R * (I/s -
+// W), for a lens of radius R focused at distance s and a node of matrix W.
 struct CocAxes {
     double longer_px, shorter_px;
 };

@@ -1,4 +1,5 @@
-// Shares of a command's work for several machines: which part, by what it is known again, and its mark.
+// Divides a command's work into shares for several machines: selects the share of each machine, and marks its
+// result so that `merge` recognises it.
 #pragma once
 
 #include <functional>
@@ -13,10 +14,12 @@
 
 namespace postlens {
 
-/// Parses I/N, 0 to N - 1 of 1 to 100000 parts. Throws Error(wrong_arguments) that names the option.
+/// Parses a share I/N, with I from 0 to N - 1 and N from 1 to 100000. Throws Error(wrong_arguments) that
+/// names the option.
 [[nodiscard]] Share parse_share(std::string_view option, std::string_view text);
 
-/// Whether the i-th of several items, such as frames, is in a share: every count-th is.
+/// Whether the i-th of several items, such as frames, belongs to a share. A share has every N-th item, where
+/// N is the number of shares.
 [[nodiscard]] inline bool is_in(const Share& share, std::size_t i) {
     return i % static_cast<std::size_t>(share.count) == static_cast<std::size_t>(share.index);
 }
@@ -25,7 +28,7 @@ namespace postlens {
 /// Error(wrong_arguments) if there are more shares than rows.
 [[nodiscard]] Crop rows_of_share(const Share& share, const std::optional<Crop>& crop, int width, int height);
 
-/// What a command was asked for, as far as its result depends on it.
+/// The options and input files of a command, as far as its result depends on them.
 struct AskedFor {
     std::string command;
     std::vector<std::pair<std::string, std::vector<std::string>>> options;  ///< by name
@@ -35,7 +38,8 @@ struct AskedFor {
     [[nodiscard]] nlohmann::ordered_json fingerprint() const;
 };
 
-/// The mark of a part: JSON with the share, the crop of the whole, and the fingerprint.
+/// The mark of a part, from which `merge` recognises it: JSON with the share, the crop of the whole image,
+/// and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
 /// Sets the share's rows as the crop of a command, and the mark of its part.

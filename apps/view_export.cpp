@@ -105,7 +105,7 @@ class Exporter {
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
         const double f_number = h.f_number && std::isfinite(*h.f_number) ? *h.f_number : 2.8;
-        // The bytes of all images are estimated from one image at the middle focus distance.
+        // The size of all images in bytes is estimated from one image at the middle focus distance.
         Plan plan;
         const std::vector<double> all = focus_distances(inverse, plan.focus_distances);
         const double one_bytes =

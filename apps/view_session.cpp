@@ -50,7 +50,7 @@ ViewReply picture_reply(const ParsedCommand& command) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // The page draws only the noise of the views per tile, so the rest of the plan is dropped.
+        // The page draws only the noise of the light field per tile, so the rest of the plan is dropped.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -192,7 +192,7 @@ ViewReply ViewSession::rays(const ViewParameters& parameters) {
             check_value(name, value);
             words.push_back(option(name, value));
         }
-        // The view is that of the frame, even if the scene's camera differs.
+        // The raster and the field of view are those of the frame, even if the scene's camera differs.
         const Json& frame = info_.json;
         const int width = frame["width"].get<int>();
         words.push_back(option("size", fmt::format("{}x{}", width, frame["height"].get<int>())));

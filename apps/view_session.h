@@ -1,5 +1,5 @@
-// Answers the requests of the viewer's page: images of one frame by the command's own options, and the nodes
-// of a pixel.
+// Answers the requests of the viewer's page. The page asks for images of one frame, which the commands
+// `focus`, `shoot` and `render` make, and for the nodes of the shading trees in a pixel.
 #pragma once
 
 #include <atomic>

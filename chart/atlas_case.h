@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Settings of the trace that makes the sample file. An absent setting has its value from best_trace.
+/// Settings of the trace that makes the sample file. Absent settings are those of best_trace.
 struct AtlasTrace {
     bool for_view = true;                ///< false: default trace settings, without lens and shutter
     std::optional<double> for_f_number;  ///< f-number to trace for, if not the view's
@@ -26,7 +26,7 @@ struct AtlasTrace {
     [[nodiscard]] bool operator==(const AtlasTrace&) const = default;
 };
 
-/// A method with its settings, and limits that its image must keep to.
+/// A method of making the image, its settings, and limits for the error of its image.
 struct AtlasMethod {
     /// With a lens alone: pinhole, scatter, layers, lightfield or hybrid (which traces rays in the scene).
     /// With a shutter alone: convolve, lightfield or auto. With both: lightfield, hybrid or
@@ -61,8 +61,8 @@ struct AtlasCase {
 struct AtlasCause {
     std::string word, meaning;
 };
-/// Causes of error, in the order of the document. The last, "none", marks extreme settings
-/// that must not fail.
+/// The causes of error, in the order in which the atlas document lists them. The last entry, "none", is for
+/// cases with extreme settings that must not fail.
 [[nodiscard]] const std::vector<AtlasCause>& atlas_causes();
 
 /// Reads a case from a TOML file. Throws Error(invalid_input) "FILE:LINE:COLUMN: ..." if it is not valid.

@@ -64,7 +64,8 @@ Row row(const AtlasMethod& m, const AtlasFigures& f, const char* quote) {
             f.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * f.retraced_share) : "none"};
 }
 
-/// Table rows of the method, of the remedy (if the case has one) and of the pinhole image.
+/// Table rows of the method under test, of the method that corrects its error (if the case has one) and of
+/// the pinhole image.
 std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     std::vector<Row> out{row(e.what.method, e.result.method, quote)};
     if (e.what.remedy && e.result.remedy) out.push_back(row(*e.what.remedy, *e.result.remedy, quote));
@@ -73,16 +74,19 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
 }
 
 std::string cells_text(const AtlasEntry& e) {
-    return e.what.remedy ? "method, remedy, rays, error map of the method"
-                         : "method, rays, error map of the method";
+    return e.what.remedy
+               ? "the method that fails, the remedy, rays and the error map of the method, from left to right"
+               : "the method that fails, rays and the error map of the method, from left to right";
 }
 
 std::string noise_text(const AtlasResult& r) {
-    std::string out = fmt::format("{:.0f} % of the pixels are affected; one reference is good to {:.1f} dB.",
-                                  100 * r.affected_share, r.noise_db);
+    std::string out =
+        fmt::format("{:.0f} % of the pixels are affected. The noise of a reference is at {:.1f} dB.",
+                    100 * r.affected_share, r.noise_db);
     if (r.named_share)
-        out += fmt::format(" `compare --map-causes` names this cause for {:.0f} % of the error.",
-                           100 * *r.named_share);
+        out +=
+            fmt::format(" `compare --map-causes` attributes {:.0f} % of the error to the cause named here.",
+                        100 * *r.named_share);
     return out;
 }
 

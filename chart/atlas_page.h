@@ -12,8 +12,8 @@ namespace postlens {
 /// strip (a link to atlas_strip), sentences and figures.
 [[nodiscard]] std::string atlas_markdown(const AtlasRun& run);
 
-/// The same content as atlas_markdown in one HTML page with embedded images. `folder` is the output folder of
-/// run_atlas. Throws Error(invalid_input) if an image cannot be read.
+/// The atlas of failure with the content of atlas_markdown, as one HTML page with embedded images. `folder`
+/// is the output folder of run_atlas. Throws Error(invalid_input) if an image cannot be read.
 [[nodiscard]] std::string atlas_html(const AtlasRun& run, const std::filesystem::path& folder);
 
 }  // namespace postlens

@@ -21,7 +21,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t reference_seed = 1;
 constexpr int gap_px = 4;
-// Rounding of float sums may make a channel that should be 0 negative, down to this value.
+// Least channel value that is accepted. Rounding of float sums may make a channel that should be 0 negative,
+// down to this value.
 constexpr double least_allowed = -1e-5;
 
 double sum_of(const Image& image) {
@@ -69,8 +70,8 @@ class CaseRun {
     }
 
   private:
-    // Sample file for the trace settings. It is kept until other settings are needed, because method and
-    // remedy often have the same ones.
+    // Traces the sample file for the given settings. The file is kept until other settings are needed,
+    // because the method under test and the method that corrects its error often have the same settings.
     const fs::path& traced(const AtlasTrace& trace) {
         if (trace_path_.empty() || !(trace == trace_)) {
             if (!trace_path_.empty()) fs::remove(trace_path_);

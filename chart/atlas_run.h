@@ -1,5 +1,5 @@
-// Runs an atlas case: traces the scene, makes the images of method and remedy, and compares
-// them to a reference.
+// Runs a case of the atlas of failure: traces the scene, makes the images of the method under test and of the
+// method that corrects its error, and compares the images to a reference.
 #pragma once
 
 #include <filesystem>
@@ -34,8 +34,8 @@ struct AtlasResult {
     std::string named_most;  ///< cause with the largest share of the error
 };
 
-/// Digest of scene, view, methods and program version, which determine a result. Expected
-/// values do not enter.
+/// Digest of scene, view, methods and program version, which determine the result of a case. The expected
+/// values are not part of it.
 [[nodiscard]] std::string atlas_key(const AtlasCase& c);
 
 /// Runs one case. Its temporary files lie in `folder`, which must exist, and are removed. An image strip
@@ -44,8 +44,8 @@ struct AtlasResult {
 [[nodiscard]] AtlasResult run_atlas_case(const AtlasCase& c, const std::filesystem::path& folder,
                                          const std::filesystem::path& strip = {});
 
-/// One line for each failed expectation: error, energy, negative or nonfinite values, warnings, share of the
-/// error with the right cause.
+/// One line for each expectation of the case that the result does not meet: error, energy, negative or
+/// nonfinite values, warnings, and the share of the error that is attributed to the expected cause.
 [[nodiscard]] std::vector<std::string> broken_expectations(const AtlasCase& c, const AtlasResult& r);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const AtlasResult& r);

@@ -263,12 +263,12 @@ std::string chart_markdown(const ChartData& data) {
             db_text(p.figures->affected), p.figures->relmse,
             p.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * p.retraced_share) : "", equal, factors);
     }
-    out += fmt::format("\n{:.0f} % of the pixels are affected; ", 100 * data.affected_share);
+    out += fmt::format("\n{:.0f} % of the pixels are affected.", 100 * data.affected_share);
     if (data.noise_rms)
-        out += fmt::format("the reference is good to {:.1f} dB and took {:.3g} s; ",
-                           -20 * std::log10(*data.noise_rms), data.reference_s);
+        out += fmt::format(" The noise of the reference, which took {:.3g} s, is at {:.1f} dB.",
+                           data.reference_s, -20 * std::log10(*data.noise_rms));
     if (data.record_floor)
-        out += fmt::format("the records' own pinhole picture is {} dB from the rays' one.",
+        out += fmt::format(" The pinhole picture made from the records has {} dB against that made by rays.",
                            db_text(*data.record_floor));
     out += "\n";
     for (const ChartTrace& t : data.traces) {

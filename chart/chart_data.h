@@ -82,7 +82,7 @@ struct ChartData {
 
 /// One row per point: settings, seconds (median, least, greatest), errors.
 [[nodiscard]] std::string chart_csv(const ChartData& data);
-/// The same as a Markdown table.
+/// Markdown table with the columns of chart_csv: one row per point.
 [[nodiscard]] std::string chart_markdown(const ChartData& data);
 
 }  // namespace postlens

@@ -12,7 +12,8 @@ constexpr const char* best_records = "records";
 constexpr const char* visible_records = "visible only";
 constexpr const char* coarse_records = "coarse";
 
-// The best trace, one without hidden layers and one with coarse subdivision show what each contributes.
+// Plans three traces: the best one, one without hidden layers and one with coarse subdivision. They show how
+// much hidden layers and subdivision contribute.
 std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView& view) {
     const TraceSettings best = best_trace(request, view);
     TraceSettings visible = best, coarse = best;

@@ -22,8 +22,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// f-number for the trace, which derives the diameter of the lens from the film distance instead
-    /// of the focal length.
+    /// The f-number that is passed to the trace. The trace computes the diameter of the lens from the film
+    /// distance instead of the focal length, so its f-number differs from that of the lens.
     [[nodiscard]] double traced_f_number() const;
 };
 

@@ -12,8 +12,8 @@ namespace postlens {
 /// the errors of the affected pixels only, and draws neither floor.
 [[nodiscard]] std::string speed_accuracy_script(const ChartData& data, bool affected);
 
-/// gnuplot script: the Pareto frontiers of the methods that read sample files, if 1, 10 and 100 images share
-/// the cost of one trace; and the curve of rays.
+/// gnuplot script that draws the Pareto frontiers of the methods that read sample files, if 1, 10 and 100
+/// images share the cost of one trace, and the curve of distributed rays.
 [[nodiscard]] std::string cost_script(const ChartData& data);
 
 }  // namespace postlens

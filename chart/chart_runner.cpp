@@ -43,8 +43,8 @@ double seconds_of(const Work& work) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Everything that determines the result of a point. The number of rounds and the choice of
-// points do not enter.
+// Key of a request: everything that determines the result of a point of the chart. The number of rounds and
+// the choice of points are not part of it.
 std::string key_of(const ChartRequest& r, const ChartView& v, const Scene& scene) {
     std::string reference = fmt::format("{} spp", r.reference_spp);
     if (r.reference) {
@@ -144,7 +144,7 @@ class Runner {
         }
         data_.key = key;
         data_.about = about_json(request_, view_, scene_);
-        // Results of an earlier run are put into the order of this run's plan.
+        // Results of an earlier run are sorted into the order of this run's plan.
         std::vector<ChartTrace> traces;
         for (const PlannedTrace& t : plan_.traces) {
             ChartTrace fresh{.name = t.name};
@@ -261,8 +261,8 @@ class Runner {
         save();
     }
 
-    // Error of the records' pinhole image against rays: the mean of a pixel's corner samples is not the
-    // integral over the pixel. No method that reads the records has less error.
+    // Error of the pinhole image of the records, against distributed rays. The mean of a pixel's corner
+    // samples is not the integral over the pixel. No method that reads the records has less error.
     [[nodiscard]] ChartError record_floor() const {
         RenderSettings s = render_settings(request_, view_);
         s.f_number = std::numeric_limits<double>::infinity();
@@ -294,7 +294,8 @@ class Runner {
         double retraced = 0;
         const double seconds = seconds_of([&] { image = picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
-        // Images without a lens are not timed in a sweep, because the lens settings do not change them.
+        // Motion blur without a lens and pinhole images are not timed in a sweep, because the lens settings
+        // do not change them.
         if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
             static_cast<int>(to->further_s.size()) <= round)
             measure_sweep(p, path, *to);

@@ -45,7 +45,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     return text;
 }
 
-// Quotes a path for gnuplot. In single quotes, only the quote itself needs escaping; gnuplot doubles it.
+// Quotes a path for gnuplot, which needs only the quote itself doubled within single quotes.
 std::string quoted(const fs::path& path) {
     return fmt::format("'{}'", replaced(path.string(), "'", "''"));
 }

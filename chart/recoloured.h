@@ -1,4 +1,5 @@
-// Replaces the radiance of a frame by an image, so that a method can blur an image that is blurred already.
+// Replaces the radiance of a frame by an image, so that a method can add a second blur to an image that is
+// blurred already.
 #pragma once
 
 #include <filesystem>

@@ -13,11 +13,13 @@ namespace {
 constexpr int widest_px = 256;
 constexpr int aperture_steps = 48, focus_steps = 81;
 constexpr double narrowest_coc_px = 0.7;
-/// CoC diameters are sampled every 0.5 px up to 8 px; beyond that, each is larger than the last by a 16th.
+/// The diameters of circles of confusion (CoC) that the search tests are spaced by 0.5 px up to 8 px. Beyond
+/// that, each diameter is larger than the last by a 16th.
 constexpr double step_px = 0.5, even_to_px = 8;
 /// Largest number of compared pixels. More do not improve a search whose apertures differ by about a tenth.
 constexpr std::size_t most_pixels = 12000;
-/// Residuals above this count linearly. The model is wrong by about this much beside depth edges.
+/// Residual above which the error grows linearly instead of quadratically. The model of blur has errors of
+/// about this size beside depth edges.
 constexpr double linear_from = 0.1;
 
 /// Luminances and inverse depths (1/m), each a mean over a block of `factor` x `factor` pixels.
@@ -167,7 +169,8 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
             bool least = true;
             for (int a = std::max(0, i - 1); a <= std::min(aperture_steps - 1, i + 1); ++a) {
                 for (int b = std::max(0, k - 1); b <= std::min(focus_steps - 1, k + 1); ++b) {
-                    // Of neighbours with equal errors, only the first is a minimum.
+                    // If neighbours on the grid have equal errors, only the first of them counts as a
+                    // minimum.
                     const bool before = a < i || (a == i && b < k);
                     least = least && (before ? at(i, k) < at(a, b) : at(i, k) <= at(a, b));
                 }

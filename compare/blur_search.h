@@ -20,12 +20,13 @@ struct RoughMatch {
     double error = 0;  ///< root mean square of `robust` residuals (see picture_tone.h)
 };
 
-/// Local minima of the rough model's error over a grid of about 4,000 lenses, smallest error first; at least
-/// one. The model blurs each pixel of the pinhole image with a uniform disc of its own CoC, as if its whole
-/// neighbourhood lay at its depth. The residuals of some 60 diameters are computed once, so that a lens costs
-/// one look-up per pixel. The grid covers apertures whose largest CoC is 0.7 px to a quarter of the image's
-/// width, and values of 1/s over the recorded inverse depths and half of their range beyond either end.
-/// Images wider than 256 px are reduced first.
+/// Local minima of the error of a rough model of blur over a grid of about 4,000 lenses, smallest error
+/// first; at least one. The model blurs each pixel of the pinhole image with a uniform disc of the pixel's
+/// own circle of confusion (CoC), as if all its neighbours lay at its depth. The residuals of some 60
+/// diameters are computed once, so that a lens costs one look-up per pixel. The grid covers apertures whose
+/// largest CoC is 0.7 px to a quarter of the image's width. It covers focus distances s whose 1/s lies in the
+/// range of recorded inverse depths or beyond by up to half of that range at either end. Images wider than
+/// 256 px are reduced first.
 [[nodiscard]] std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture,
                                                   const RecordedDepths& depths, const SampleHeader& header);
 

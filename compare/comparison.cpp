@@ -123,7 +123,7 @@ std::uint64_t comparison_bytes(ImageSize size, int pictures) {
 std::vector<std::string> failed_limits(const Comparison& comparison, const CompareLimits& limits) {
     std::vector<std::string> out;
     const PixelErrors& errors = comparison.whole.errors;
-    // The negated comparison also fails for NaN, which means that no pixel counts.
+    // If no pixel counts, the PSNR is NaN. The negated comparison treats NaN as a limit that is not met.
     if (limits.least_psnr_db && !(errors.psnr_db >= *limits.least_psnr_db)) {
         out.push_back(
             fmt::format("PSNR is {:.3f} dB below the limit (got {:.3f} dB; expected {:g} dB or more)",

@@ -12,8 +12,8 @@ namespace postlens {
 /// have 2 radius + 1 taps, as many as the widest one needs.
 struct FlipFilters {
     int radius = 0;
-    /// Filters of contrast sensitivity. The blue-yellow filter is a sum of two Gaussians; the taps of each
-    /// sum to its share of the whole, the others to 1.
+    /// Filters of contrast sensitivity. The blue-yellow filter is a sum of two Gaussians, and the taps of
+    /// each sum to the share of that Gaussian in the filter. The taps of the other filters sum to 1.
     Plane achromatic, red_green;
     Plane blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
     /// A Gaussian with its first and second derivative. The positive taps of a derivative sum to 1, the

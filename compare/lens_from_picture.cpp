@@ -12,26 +12,31 @@
 namespace postlens {
 namespace {
 
-/// Residuals above this count linearly. The limit is large for the first refinement, which starts with a
-/// wrong lens; for the last one it is as small as the noise of 256 samples per pixel allows.
+/// Residuals above which the error grows linearly instead of quadratically. The limit is large for the first
+/// refinement, which starts with a wrong lens. For the last refinement it is as small as the noise of 256
+/// samples per pixel allows.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// Half the difference in 1/s of a central difference, as a share of the range of inverse depths.
+/// Half the difference in the inverse focus distance 1/s over which a derivative is taken, as a share of the
+/// range of inverse depths.
 constexpr double focus_step = 0.03;
 /// Side, in px, of the blocks of pixels whose sums count as independent observations.
 constexpr std::size_t block_px = 16;
-/// Smallest variation of an image: blur does not show in a constant one.
+/// Smallest variation of an image for which a lens is searched. Blur does not show in a constant image.
 constexpr double least_spread = 1e-3;
 /// Largest accepted residual, as a share of the image's variation. The right records leave about a tenth of
 /// the variation unexplained, records of another view most of it.
 constexpr double most_left = 0.5;
 /// Largest accepted error, as a share of the pinhole image's error. Above it, the image shows no blur.
 constexpr double least_gain = 0.8;
-/// Smallest range of inverse depths, as a share of the largest one. Below it, everything is at one depth for
-/// the lens: its CoCs differ by less than a hundredth.
+/// Smallest range of inverse depths for which a lens is searched, as a share of the largest inverse depth.
+/// Below it, the circles of confusion differ by less than a hundredth, so that all objects have practically
+/// one depth.
 constexpr double least_span = 0.01;
-/// Largest accepted standard error of log aperture, and of 1/s as a share of the range of inverse depths.
+/// Largest accepted standard errors of the two parameters of a lens: of the logarithm of its aperture, and of
+/// 1/s, as a share of the range of inverse depths, for the focus distance s.
 constexpr double most_error = 0.2;
-/// Further minima are reported if their error is less than this many times the best one's.
+/// Further minima of the error are reported if their error is less than this many times that of the best
+/// minimum.
 constexpr double nearly_as_good = 1.25;
 
 struct View {
@@ -54,7 +59,8 @@ class Cost final : public ceres::CostFunction {
         set_num_residuals(static_cast<int>(residuals.size()));
         mutable_parameter_block_sizes()->push_back(2);
     }
-    /// Parameters: log aperture (mm), 1/s (1/m).
+    /// Parameters of the lens: the logarithm of the aperture in mm, and 1/s in 1/m, where s is the focus
+    /// distance.
     bool Evaluate(const double* const* parameters, double* out, double** jacobians) const override {
         const LensPlace p{std::exp(parameters[0][0]), parameters[0][1]};
         residuals_.at(p, out, linear_from_);
@@ -85,11 +91,11 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 10;
-    // The error falls with the square of the step, so that after a fall of 1e-4 the next step is far below
-    // 0.1 %.
+    // The error falls with the square of the solver's step. After a fall of 1e-4 the next step is therefore
+    // far below 0.1 %.
     options.function_tolerance = tolerance;
-    // The solver ends once nearly undamped steps no longer lower the error: then it varies only by the steps
-    // in which `focus` places its discs, without a slope.
+    // The solver ends once nearly undamped steps no longer lower the error. The error then varies only
+    // because `focus` places its discs in steps, so it has no slope.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
@@ -143,7 +149,7 @@ void refuse_one_depth() {
          "at two or more)");
 }
 
-/// Adds the standard errors at the minimum. Throws if they exceed `most_error`.
+/// Adds the standard errors of the lens parameters at the minimum. Throws if they exceed `most_error`.
 void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& out) {
     std::vector<double> r(residuals.size()), jacobian(2 * residuals.size());
     residuals.at(out.best.place, r.data(), last_linear_from);
@@ -173,8 +179,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
         cov += a * b;
     }
     const double error_a = std::sqrt(var_a), error_b = std::sqrt(var_b);
-    // determinant / (aa bb) is 1 - correlation^2 of the two derivatives. Below 1e-4 they differ only by the
-    // error of the central differences.
+    // determinant / (aa bb) is 1 - correlation^2 of the two derivatives, by aperture and by focus. Below 1e-4
+    // the derivatives differ only by the error of the central differences.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
         refuse_one_depth();
@@ -271,7 +277,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // The minima are sorted by error / spread, since each was measured over its own pixels.
+    // The minima are sorted by their error divided by the variation (`spread`) of the image, since each error
+    // was measured over other pixels.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -34,15 +34,16 @@ struct LensFromPictureSettings {
     int starts = 3;   ///< minima of the rough search that are refined, 1 to 16
 };
 
-/// Fits `focus` (scatter, 256 depths) to the image by least squares, with Levenberg-Marquardt. The parameters
-/// are log(F/n) and 1/s, in which CoCs are nearly linear. The iterations start from the best minima of
-/// `blur_search`, since the error has a minimum with the focus on either side of a sharp surface. A residual
-/// is a difference of `picture_tone` in a pixel; above 0.02 it counts linearly [huber1964]. Each start is
-/// refined twice, over the `reliable_pixels` of the lens with which the refinement begins. Derivatives are
-/// central differences over ±3 % of the aperture and of the range of 1/depth: smaller differences would show
-/// the steps in which `focus` places its discs. Standard errors come from sums over blocks of pixels
-/// [white1980], since residuals are correlated within a CoC. They do not contain the systematic errors of
-/// `focus` (docs/lens.md).
+/// Fits the lens so that `focus` (scatter, 256 depths) reproduces the image, by least squares with
+/// Levenberg-Marquardt. The parameters are log(F/n) and 1/s, for the focal length F, f-number n and focus
+/// distance s; circles of confusion (CoC) are nearly linear in them. The iterations start from the best
+/// minima of `blur_search`, since the error has a minimum with the focus on either side of a sharp surface. A
+/// residual is a difference of `picture_tone` in a pixel; above 0.02 it counts linearly [huber1964]. Each
+/// start is refined twice, over the `reliable_pixels` of the lens with which the refinement begins.
+/// Derivatives are central differences over ±3 % of the aperture and of the range of 1/depth: smaller
+/// differences would show the steps in which `focus` places its discs. Standard errors come from sums over
+/// blocks of pixels [white1980], since residuals are correlated within a CoC. They do not contain the
+/// systematic errors of `focus` (docs/lens.md).
 ///
 /// Throws Error(invalid_input), with the reason, if the image has another size than the file, values that are
 /// not finite, constant colour, no blur or another view, if it does not determine both aperture and focus, or

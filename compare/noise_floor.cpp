@@ -13,7 +13,8 @@ namespace {
 constexpr int greatest_block_px = 16;
 constexpr std::size_t wanted_blocks = 64;
 
-// Sums over the values of a block, with the image's differences A and B from the two references.
+// Sums over the values in a block of pixels. A and B are the differences of the image from the two
+// references.
 struct Sums {
     double product = 0;     // A B
     double preference = 0;  // A^2 - B^2
@@ -35,9 +36,9 @@ double square(double v) {
     return v * v;
 }
 
-// Estimates, from two noisy values r1 and r2, how far an encoding f shifts their mean. For errors of variance
-// v the shift is f'' v / 2. The mean of f(r1) and f(r2) differs from f((r1 + r2) / 2) by half the shift on
-// average.
+// Estimates by how much an encoding f, such as sRGB, shifts the mean of noisy values, from two of them, r1
+// and r2. For errors of variance v the shift is f'' v / 2. On average, the mean of f(r1) and f(r2) differs
+// from f((r1 + r2) / 2) by half the shift.
 double encoding_bias(float r1, float r2, float f1, float f2) {
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -
                 static_cast<double>(srgb_from_linear(0.5F * (r1 + r2))));

@@ -14,7 +14,8 @@ namespace {
 
 /// Number of depths of `focus`, large enough that its image changes smoothly with the lens.
 constexpr int levels = 256;
-/// Half the difference in log aperture of a central difference; see `lens_from_picture`.
+/// Half the difference in the logarithm of the aperture over which a derivative is taken; see
+/// `lens_from_picture`.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
 /// Size of the cache: the images of two lenses, each with the four images of its derivatives.
@@ -54,7 +55,8 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
 }
 
 const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place) {
-    // The solver returns the logarithm of the aperture, whose exponential is rounded.
+    // The solver works with the logarithm of the aperture, so an aperture that it returns to differs by
+    // rounding.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
         if (same(at.aperture_mm, place.aperture_mm) &&

@@ -19,7 +19,8 @@ class PictureResiduals {
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
-    /// Selects the pixels of all further residuals: one entry per pixel of the image, 0 for unused ones.
+    /// Selects the pixels that all further residuals use. `pixels` has one entry per pixel of the image, 0
+    /// for unused ones.
     void use(const std::vector<char>& pixels);
     /// Number of residuals, one per selected pixel.
     [[nodiscard]] std::size_t size() const { return used_.size(); }
@@ -27,10 +28,10 @@ class PictureResiduals {
 
     /// Robust residuals of `focus` through a lens; above `linear_from` they count linearly.
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Derivatives by log aperture and by 1/s (1/m), interleaved. `focus_step_per_m`: half the difference in
-    /// 1/s over which they are taken.
+    /// Derivatives of the residuals by the logarithm of the aperture and by 1/s (1/m) for the focus distance
+    /// s, interleaved. `focus_step_per_m`: half the difference in 1/s over which they are taken.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// The same residuals for any image, and for a constant image of the median tone.
+    /// The robust residuals of any image, and of a constant image of the median tone, instead of `focus`.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 

@@ -39,7 +39,7 @@ double mean_squared(const Image& a, const Image& b, const PixelMask& mask, doubl
     return sum / (3 * pixels);
 }
 
-// Mean of the values without the `dropped` greatest ones, added in their given order.
+// Mean of the values without the `dropped` greatest ones. The values are added in their given order.
 double trimmed_mean(const std::vector<double>& values, std::size_t dropped) {
     if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
     const std::size_t kept = values.size() - dropped;

@@ -9,9 +9,11 @@ namespace {
 
 /// Rows read at a time.
 constexpr int rows_per_band = 64;
-/// A pixel over which the CoC's diameter changes by at least this much is a depth edge.
+/// Change of the diameter of the circle of confusion (CoC) within a pixel, px, from which the pixel counts as
+/// a depth edge.
 constexpr double edge_px = 1;
-/// Added to the CoC's radius: half the diagonal of the emitting and of the receiving pixel, 1.41 px in all.
+/// Margin that is added to the radius of a circle of confusion, px. It is half the diagonal of the emitting
+/// pixel and of the receiving pixel, 1.41 px in all, rounded up.
 constexpr double margin_px = 1.5;
 
 std::size_t index_of(const RecordedDepths& d, int x, int y) {

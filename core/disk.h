@@ -1,4 +1,4 @@
-// Tests for free disk space before work is spent on output that would not fit.
+// Tests whether output will fit on the disk, before work is spent on it.
 #pragma once
 
 #include <cstdint>

@@ -18,9 +18,9 @@ namespace postlens {
 namespace fs = std::filesystem;
 namespace {
 
-// Paths of the existing temporary files, for the signal handler. Whichever side exchanges a pointer for null
-// owns its text, so neither side reads text that the other has freed. If there are more files than slots, the
-// signal handler does not remove the excess ones.
+// Paths of the existing temporary files, for the signal handler. A thread owns a path's text once it has
+// exchanged the pointer to it for null, so neither the signal handler nor an OutputFile reads text that the
+// other has freed. If there are more files than slots, the signal handler does not remove the excess files.
 constexpr std::size_t slot_count = 64;
 std::array<std::atomic<char*>, slot_count> g_temporaries{};
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");
@@ -100,9 +100,9 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              is_file ? fmt::format("{} is a file; expected a folder", folder.string())
                      : fmt::format("folder {} does not exist", folder.string()));
     }
-    // The name keeps the target's extension, by which image writers choose the format. The process id shows
-    // which process owns the file. The number distinguishes several files of one process, and processes with
-    // equal ids (in containers).
+    // The temporary name keeps the target's extension, by which image writers choose the format. The process
+    // id in the name shows which process owns the file. The number distinguishes several files of one
+    // process, and files of processes with equal ids (in containers).
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;
     for (int number = 0; fd < 0; ++number) {

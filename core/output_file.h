@@ -23,8 +23,8 @@ class OutputFile {
     OutputFile(OutputFile&&) = delete;
     OutputFile& operator=(OutputFile&&) = delete;
 
-    /// Path with the folder and the extension of the target, as image writers choose the format by the
-    /// extension. The file exists, is empty, and is used by this object only.
+    /// Path of the temporary file. It has the folder and the extension of the target, because image writers
+    /// choose the format by the extension. The file exists, is empty, and is used by this object only.
     [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_; }
     [[nodiscard]] const std::filesystem::path& target() const { return target_; }
 

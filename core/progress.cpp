@@ -56,7 +56,7 @@ class Bar {
 }  // namespace
 
 std::string duration_text(double duration_s) {
-    // Limited to a thousand days, so that the conversion to an integer is defined.
+    // Durations are limited to a thousand days, so that the conversion to an integer is defined.
     constexpr double longest_s = 1000 * 86400.0;
     const auto seconds =
         static_cast<std::int64_t>(duration_s > 0 ? std::min(duration_s, longest_s) + 0.5 : 0);

@@ -17,7 +17,8 @@ inline constexpr int sample_lanes = 16;
     return x ^ (x >> 31);
 }
 
-/// The same for 32-bit words, with multipliers and shifts of low bias, from C. Wellons' search.
+/// Mixes the bits of a 32-bit word, bijectively, with multipliers and shifts of low bias from C. Wellons'
+/// search.
 [[nodiscard]] constexpr std::uint32_t mix32(std::uint32_t x) {
     x = (x ^ (x >> 16)) * 0x7feb352dU;
     x = (x ^ (x >> 15)) * 0x846ca68bU;

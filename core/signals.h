@@ -11,8 +11,8 @@ namespace postlens {
 /// the process by its default action. Only for programs, because a library must not install signal handlers.
 void cancel_on_signals(Job& job);
 
-/// Whether the signal that cancelled the job says that the work is to be taken up again elsewhere, as SIGTERM
-/// and SIGUSR1 of a batch system do, and not that it is unwanted.
+/// Whether the signal that cancelled the job means that the work is to be continued elsewhere. SIGTERM and
+/// SIGUSR1 of a batch system mean this; other signals mean that the result is not wanted.
 [[nodiscard]] bool is_asked_to_requeue();
 
 }  // namespace postlens

@@ -22,7 +22,8 @@ struct Polynomial {
 constexpr std::array<Polynomial, 4> polynomials{
     {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}}};
 
-/// Direction numbers, bit-reversed: element k is combined by exclusive or if bit k of the index is set.
+/// Direction numbers of the Sobol sequence, bit-reversed. The point of an index is the exclusive or of the
+/// elements k for which bit k of the index is set.
 constexpr Directions directions(int dimension) {
     Directions v{};
     if (dimension == 0) {  // van der Corput sequence: the bits of the index, mirrored at the binary point
@@ -75,7 +76,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return tables;
 }
 
-/// Dimension 1: the index times Pascal's triangle modulo 2, which is a product of five simple matrices.
+/// Dimension 1 of the Sobol sequence: the index times Pascal's triangle modulo 2. That matrix is the product
+/// of five simple matrices.
 [[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
     x ^= (x >> 1) & 0x55555555U;
     x ^= (x >> 2) & 0x33333333U;
@@ -110,7 +112,7 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// The words of samples first .. first + lanes - 1 are low[i] ^ high if `first` is a multiple of 16, because
+/// If `first` is a multiple of 16, the words of samples first .. first + lanes - 1 are low[i] ^ high, because
 /// the upper bits of these indices are equal.
 struct AlignedWords {
     const std::uint32_t* low;

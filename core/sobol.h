@@ -41,12 +41,13 @@ inline constexpr int sobol_dimensions = 5;
 /// Writes to `u` coordinate `dimension` (0 .. 4) of the five-dimensional sequence, scrambled with `seed`, for
 /// samples first .. first + lanes - 1; lanes = 16 or 1, first + lanes <= 2^20.
 void sobol_joint(int dimension, std::uint32_t seed, int first, int lanes, float* u);
-/// The same for all five dimensions and 16 samples.
+/// Writes all five dimensions of the scrambled sequence (sobol_joint) for 16 samples.
 void sobol_joint_16(const std::array<std::uint32_t, sobol_dimensions>& seeds, int first,
                     const std::array<float*, sobol_dimensions>& u);
 
-/// Points for further dimensions than five: each set uses the sequence's first one or two dimensions, in its
-/// own shuffled order [burley2020]. Samples first .. first + lanes - 1, lanes = 16 or 1.
+/// Points for the dimensions beyond the first five. Each set of points uses the first one or two dimensions
+/// of the sequence, in its own shuffled order [burley2020]. Writes samples first .. first + lanes - 1, lanes
+/// = 16 or 1.
 class SobolPadding {
   public:
     /// n: samples of a pixel, 1 .. 2^20; the order is shuffled among the first 2^k >= n indices.

@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// All of `text` as a decimal number ("1", "-.5", "+2e-3"). Infinite or NaN if the text says so, and infinite
-/// on overflow. None if the text is not a number.
+/// Converts all of `text`, a decimal number such as "1", "-.5" or "+2e-3". The result is infinite or NaN if
+/// the text says so, and infinite on overflow. Empty if the text is not a number.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 
 /// At most 40 characters of text from a file, unprintable ones replaced, in single quotes.

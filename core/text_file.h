@@ -11,8 +11,8 @@ namespace postlens {
 /// bytes.
 std::uintmax_t check_regular_file(const std::filesystem::path& path);
 
-/// The whole file as text. Throws Error(invalid_input) as above, and if the file is larger than
-/// `largest_bytes`.
+/// The whole file as text. Throws Error(invalid_input) if the path is not a readable regular file, or if the
+/// file is larger than `largest_bytes`.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& path, std::uintmax_t largest_bytes);
 
 }  // namespace postlens

@@ -28,7 +28,8 @@ void parallel_chunks(std::size_t count, std::size_t grain,
     const auto work = [&](std::size_t first_chunk) {
         const JobScope scope(job);
         for (std::size_t c = first_chunk; c < chunks; c += thread_number) {
-            // Relaxed, because synchronisation between chunks would hide races between them.
+            // The load is relaxed, because synchronisation between chunks would hide races between them from
+            // ThreadSanitizer.
             if (failed.load(std::memory_order_relaxed)) return;
             try {
                 throw_if_interrupted();
@@ -64,7 +65,8 @@ void parallel_chunks(std::size_t count, std::size_t grain,
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               const JobScope scope(job);
-                              // A range of TBB may have many grains; one test per range would be too rare.
+                              // A range that TBB hands out may be many times `grain` indices long, so one
+                              // test for cancellation per range would be too rare.
                               for (std::size_t begin = range.begin(); begin != range.end();) {
                                   throw_if_interrupted();
                                   const std::size_t end = begin + std::min(grain, range.end() - begin);

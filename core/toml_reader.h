@@ -1,5 +1,6 @@
-// Typed reading of TOML tables: every error has its line and column, every unknown key its nearest known one.
-// toml++ takes seconds to compile, so only .cpp files that read TOML include this header.
+// Typed reading of TOML tables. Every error states its line and column, and the error for an unknown key
+// names the nearest known key. toml++ takes seconds to compile, so only .cpp files that read TOML include
+// this header.
 #pragma once
 
 #include <filesystem>
@@ -83,7 +84,7 @@ class TomlTable {
         if (!value) fail_here("has no '{}' (expected one)", key);
         return *std::move(value);
     }
-    /// Throws if both keys are present. For keys of which each defines the same value.
+    /// Throws if both keys are present. For two keys that define the same value.
     void refuse_both(std::string_view a, std::string_view b) const;
 
     /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ..." with the position of the value of `key`.
@@ -92,7 +93,7 @@ class TomlTable {
                               Args&&... args) const {
         fail_at_node(*table_->get(key), fmt::format(format, std::forward<Args>(args)...));
     }
-    /// The same with the position of the table.
+    /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ..." with the position of the table.
     template <typename... Args>
     [[noreturn]] void fail_here(fmt::format_string<Args...> format, Args&&... args) const {
         fail_at_node(*table_, fmt::format(format, std::forward<Args>(args)...));

@@ -21,7 +21,8 @@ constexpr float least_step_px = 1;
 constexpr float farthest_px = 512;
 
 /// Searches the surroundings of opaque pixels for farther surfaces. Stores one signed CoC radius per pixel:
-/// that of the sample at which its stack becomes opaque, or infinity where the stack does not.
+/// that of the sample at which its stack of samples becomes opaque, or infinity if the stack never becomes
+/// opaque.
 class Search {
   public:
     Search(const ForeignPicture& picture, const FocusGeometry& geometry)
@@ -39,7 +40,8 @@ class Search {
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
                 double left = 1;
                 float last = nothing_px_;
-                // Behind the first opaque sample, the last that is known is what an estimate must lie behind.
+                // A pixel may have further samples behind the first opaque one. The estimate must lie behind
+                // the last of them.
                 for (std::uint64_t k = p_.offsets[i]; k < p_.offsets[i + 1]; ++k) {
                     left *= 1 - static_cast<double>(p_.samples[k].alpha);
                     last = radius_px(p_.samples[k].spread_inverse_z());
@@ -52,6 +54,8 @@ class Search {
             if (std::isfinite(r)) widest_px_ = std::max(widest_px_, std::abs(r));
         }
         find_translucent();
+        parallel_for(directions.size(),
+                     [&](std::size_t d) { find_steps(directions[d], steps_to_farther_[d]); });
     }
 
     [[nodiscard]] std::size_t pixels() const {
@@ -91,7 +95,7 @@ class Search {
         if (opaque_[here] == 0) return {};
         std::array<Find, directions.size()> finds{};
         std::size_t count = 0;
-        for (const Direction& d : directions) {
+        for (std::size_t d = 0; d < directions.size(); ++d) {
             if (const Find f = look(x, y, d, last_px_[here]); f.distance_px > 0) finds[count++] = f;
         }
         if (count == 0) return {};
@@ -184,23 +188,51 @@ class Search {
         return static_cast<float>(geometry_.coc_diameter_px(static_cast<double>(inverse_z)) / 2);
     }
 
-    [[nodiscard]] Find look(int x, int y, const Direction& d, float own_px) const {
-        Find found;
-        float before_px = own_px;
-        walk(x, y, d, own_px, [&](float distance_px, int u, int v) {
-            const float last_px = last_at(u, v);
-            const bool here = begins(before_px, last_px, own_px);
-            before_px = last_px;
-            if (!here || !reach_each_other(distance_px, own_px, last_px)) return false;
+    /// Per stored pixel, the number of steps in a direction to the first pixel whose last sample is farther
+    /// than that of the pixel before it by at least `least_step_px` of CoC radius. 0: none within
+    /// `most_steps`.
+    void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
+        constexpr std::uint16_t most_steps = static_cast<std::uint16_t>(farthest_px) + 1;
+        steps.assign(pixels(), 0);
+        for (int row = 0; row < height_; ++row) {
+            // A pixel's neighbour in this direction comes before it.
+            const int y = d.dy > 0 ? height_ - 1 - row : row;
+            for (int column = 0; column < width_; ++column) {
+                const int x = d.dx > 0 ? width_ - 1 - column : column, u = x + d.dx, v = y + d.dy;
+                if (!is_stored(u, v) && !in_raster(u, v)) continue;
+                std::uint16_t& here = steps[index(x, y)];
+                if (last_at(u, v) - last_px_[index(x, y)] >= least_step_px) {
+                    here = 1;
+                } else if (is_stored(u, v)) {
+                    const std::uint16_t next = steps[index(u, v)];
+                    here = next == 0 || next >= most_steps ? 0 : static_cast<std::uint16_t>(next + 1);
+                }
+            }
+        }
+    }
+
+    /// The first surface in a direction that begins farther than the pixel's own, near enough to be
+    /// disoccluded.
+    [[nodiscard]] Find look(int x, int y, std::size_t direction, float own_px) const {
+        const Direction& d = directions[direction];
+        const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
+        const float limit_px = std::min(farthest_px, std::abs(own_px) + widest_px_ + 1);
+        for (int s = 0; is_stored(x, y);) {
+            const int steps = steps_to_farther_[direction][index(x, y)];
+            s += steps;
+            const float distance_px = static_cast<float>(s) * step_px;
+            if (steps == 0 || distance_px > limit_px) return {};
+            x += steps * d.dx;
+            y += steps * d.dy;
+            const float last_px = last_at(x, y);
+            if (last_px - own_px < least_step_px || !reach_each_other(distance_px, own_px, last_px)) continue;
             auto stack =
-                is_stored(u, v) ? p_.stack(p_.x_begin + u, p_.y_begin + v) : std::span<const StackSample>();
+                is_stored(x, y) ? p_.stack(p_.x_begin + x, p_.y_begin + y) : std::span<const StackSample>();
             while (!stack.empty() && radius_px(stack[0].spread_inverse_z()) - own_px < least_step_px)
                 stack = stack.subspan(1);
-            found = {distance_px, stack.empty() ? nothing_px_ : radius_px(stack[0].spread_inverse_z()),
-                     stack};
-            return true;
-        });
-        return found;
+            return {distance_px, stack.empty() ? nothing_px_ : radius_px(stack[0].spread_inverse_z()), stack};
+        }
+        return {};
     }
 
     [[nodiscard]] static std::uint32_t id_of(const Find& f) { return f.stack.empty() ? 0 : f.stack[0].id; }
@@ -208,9 +240,9 @@ class Search {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Moves the finds of the id with the largest weight to the front, in their order, and returns their
-    /// number. Other ids are dropped, so that a small emitter beside an edge does not colour all that is
-    /// behind the edge.
+    /// Keeps only the surfaces found of one object, that with the largest weight: moves them to the front, in
+    /// their order, and returns their number. The others are dropped, so that a small emitter beside an edge
+    /// does not colour all that is behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -248,6 +280,7 @@ class Search {
     float nothing_px_;
     bool has_ids_;
     std::vector<float> last_px_;
+    std::array<std::vector<std::uint16_t>, directions.size()> steps_to_farther_;
     std::vector<std::uint8_t> opaque_, fills_;
     float widest_px_ = 0;
 };

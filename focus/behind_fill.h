@@ -19,20 +19,23 @@ struct Behind {
     bool fills = false;  ///< the pixel is translucent and only empty space lies behind it and its neighbours
 };
 
-/// One estimate per stored pixel, row by row. From an opaque pixel, searches eight directions for a farther
-/// surface: an increase of signed CoC radius by at least a pixel, at a distance of at most the sum of both
-/// CoC radii plus a pixel. If samples have ids, only the id with the largest sum of 1 / squared distance
-/// counts. The nearest farther surface gives the depth. The colour is the mean over the surfaces found whose
-/// CoC radius differs from it by less than a pixel, weighted by 1 / squared distance. Empty space counts as
-/// farther than all surfaces, and is not blurred. A translucent pixel is treated like an opaque one if only
-/// empty space was found behind it in every direction (`fills`). The result does not depend on the number of
-/// threads.
+/// Estimates the surface behind every stored pixel, row by row. From an opaque pixel, eight directions are
+/// searched for a farther surface: an increase of signed CoC radius by at least a pixel, at a distance of at
+/// most the sum of both CoC radii plus a pixel. If samples have ids, only the id with the largest sum of 1 /
+/// squared distance counts.
+///
+/// The nearest of the farther surfaces gives the depth. The colour is the mean of the surfaces found whose
+/// CoC radius differs from that of the nearest by less than a pixel, weighted by 1 / squared distance. Empty
+/// space counts as farther than all surfaces, and is not blurred. A translucent pixel is treated like an
+/// opaque one if only empty space was found behind it in every direction (`fills`). The result does not
+/// depend on the number of threads.
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry);
 
 /// For each pixel of a window, row by row: upper bound of the share of the pixel that shows empty space after
-/// blurring, 1 or more meaning all of it. For a pixel with samples, it is the area of the empty pixels within
-/// the bounding square of the pixel's CoC, divided by the area of the CoC, so that it holds for every shape
-/// of an edge within the CoC. For an empty pixel it is 1. A translucent sample counts as covering its pixel.
+/// blurring; 1 or more means all of the pixel. For a pixel with samples, the bound is the area of the empty
+/// pixels within the bounding square of the pixel's CoC, divided by the area of the CoC. It thus holds for
+/// every shape of an edge within the CoC. For an empty pixel the bound is 1. A translucent sample counts as
+/// covering its pixel.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window);
 

@@ -12,7 +12,8 @@
 namespace postlens {
 namespace {
 
-/// Tests which nodes W misplaces for some lens point.
+/// Tests which reflected and transmitted nodes are reprojected to a wrong position for some lens point,
+/// because their matrix W is only a linear approximation.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)
@@ -29,7 +30,7 @@ class Misplaced {
     double px_per_bend_;
 };
 
-/// Half the width of a node's blur, from the root mean square of the singular values of (1/focus - W), px.
+/// Half the width of a node's blur, px: the root mean square of the singular values of (1/focus - W), scaled.
 double blur_px(const Record& r, const FocusGeometry& lens) {
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),

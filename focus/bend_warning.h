@@ -10,17 +10,18 @@
 
 namespace postlens {
 
-/// A warning of code "nonlinear". Its share is that of the image's pixels with a visible node, brighter than
-/// 1/255, that W misplaces by more than half a pixel for some lens point:
-/// (film distance / pixel pitch) w_bend (D / 2)^2 > 0.5 px, with the aperture's diameter D. None if no pixel
-/// has one, for a pinhole, and for files without w_bend (`SampleHeader::has_bend`). Reads the records once,
-/// or not at all if `frame` holds their errors (FocusFrame::largest_bends). The result does not depend on the
-/// number of threads. With `crop`, only these pixels of the traced image count.
+/// A warning of code "nonlinear", with the share of the image's pixels that show a misplaced node. That is a
+/// visible node, brighter than 1/255, that W reprojects with an error of more than half a pixel for some lens
+/// point: (film distance / pixel pitch) w_bend (D / 2)^2 > 0.5 px, with the aperture's diameter D. None if no
+/// pixel shows a misplaced node, for a pinhole, and for files without w_bend (`SampleHeader::has_bend`).
+///
+/// Reads the records once, or not at all if `frame` holds their errors (FocusFrame::largest_bends). The
+/// result does not depend on the number of threads. With `crop`, only these pixels of the traced image count.
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 
-/// Images of the light that W misplaces: the radiance of the nodes that bend_warning counts, each spread over
-/// a square as wide as its blur.
+/// Images of the light that W reprojects to wrong positions: the radiance of the nodes that bend_warning
+/// counts, each spread over a square as wide as its blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
@@ -30,8 +31,8 @@ class MisplacedLight {
     [[nodiscard]] std::vector<float> picture() const {
         return any_ ? summed_up(light_) : std::vector<float>();
     }
-    /// Misplaced radiance times the error of its position as seen from the lens's rim, px, limited to
-    /// farthest_px; no elements if no node is misplaced.
+    /// Per pixel, misplaced radiance times the error of its position, px, as seen from the lens's rim. The
+    /// error is limited to farthest_px. No elements if no node is misplaced.
     [[nodiscard]] std::vector<float> moved_px() const {
         return any_ ? summed_up(moved_) : std::vector<float>();
     }

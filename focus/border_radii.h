@@ -15,10 +15,10 @@ struct BorderRadii {
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// Includes the CoC of a sample in pixel row y of the source. Several threads may add different rows at
-    /// the same time.
+    /// Takes the CoC of a sample in pixel row y of the source into account. Several threads may add different
+    /// rows at the same time.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
-    /// Includes a CoC at all corners of the pixel (x, y).
+    /// Takes a CoC into account at all corners of the pixel (x, y).
     void note_pixel(const RasterWindow& source, int x, int y, double radius_px);
 };
 

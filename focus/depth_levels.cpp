@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Largest step of the CoC diameter between levels of linear spacing, px: about twice the half pixel of
-/// LevelTable, because at most `most_linear_levels` of them exist.
+/// Largest step of the CoC diameter between depth levels with equal steps of z', px. It is about twice the
+/// half pixel of LevelTable, because there are at most `most_linear_levels` such levels.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {

@@ -32,12 +32,14 @@ struct DepthRange {
 /// Largest CoC diameter in the range, px.
 [[nodiscard]] double largest_coc_px(const DepthRange& range, const FocusGeometry& geometry);
 
-/// A set of depth levels. A sample uses the level nearest to its depth, in the chosen spacing.
+/// A set of depth levels. A sample uses the impulse response of the level nearest to its depth, in the chosen
+/// spacing.
 ///
-/// With K given: K equal steps from the nearest to the farthest finite z', and one more level for infinity
-/// [potmesil1981]. Without K, inverse spacing uses the levels of LevelTable, which lie around the focus:
-/// samples in focus are exactly sharp, and equal CoCs in front of and behind the focus share a level. Without
-/// K, linear spacing uses as many levels as quantise the CoC by half a pixel, at most `most_linear_levels`.
+/// With the number of levels K given: K equal steps from the nearest to the farthest finite z', and one more
+/// level for infinity [potmesil1981]. Without K, inverse spacing uses the levels of LevelTable, which lie
+/// around the focus: samples in focus are exactly sharp, and equal CoCs in front of and behind the focus
+/// share a level. Without K, linear spacing uses as many levels as quantise the CoC by half a pixel, at most
+/// `most_linear_levels`.
 class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
@@ -52,13 +54,14 @@ class DepthLevels {
     DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
                 std::optional<int> depths);
 
-    /// The level for an inverse depth, 1/m; 0 is infinity. Inverse depths outside the range, for example
-    /// negative ones (images behind the lens), may have none if K was given or the spacing is linear.
+    /// The level for an inverse depth, 1/m; 0 is infinity. If the number of levels was given or the spacing
+    /// is linear, inverse depths outside the range may have no level, for example negative ones (images
+    /// behind the lens).
     [[nodiscard]] std::optional<std::uint32_t> level_of(double inverse_depth_per_m) const {
         if (around_focus_) return table_->level_of(geometry_.coc_diameter_px(inverse_depth_per_m));
         return level_from_nearest(inverse_depth_per_m);
     }
-    /// Whether the levels are those of LevelTable: then every inverse depth has one, and levels_of may be
+    /// Whether the levels are those of LevelTable. Every inverse depth then has a level, and levels_of may be
     /// used.
     [[nodiscard]] bool around_focus() const { return around_focus_; }
     /// level_of for several inverse depths; `level` has as many elements. Requires around_focus().

@@ -17,8 +17,8 @@ constexpr double widest_skirt_px = 256;
 /// pixel.
 constexpr double disc_from_px = 2048;
 
-/// CoC radius, px. An elliptical CoC, as of a node seen in mirrors or glass, gets the disc of its mean
-/// radius.
+/// CoC radius, px. The elliptical CoC of a node that is seen in a mirror or through glass is replaced by a
+/// disc of its mean radius.
 double radius_of(const glm::dmat2& map_px) {
     return std::abs(map_px[0].x + map_px[1].y) / 2;
 }

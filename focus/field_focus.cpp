@@ -31,7 +31,8 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     };
 }
 
-/// Motion classes of objects: one per moving object, and class 0 for all others, which only the camera moves.
+/// Divides objects into classes that move alike on the raster: one class per moving object, and class 0 for
+/// all objects that only the camera's motion moves.
 class Motions {
   public:
     explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
@@ -142,11 +143,13 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // A moving surface and the nodes seen in it move differently, so child nodes are drawn for themselves.
+    // A moving mirror and what it reflects move differently on the raster, so reflected and transmitted nodes
+    // are drawn for themselves.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // With motion, highlights seen in moving objects and those of large moving surfaces stay in the views.
+    // With motion, highlights reflected by moving objects and highlights of large moving surfaces are not
+    // spread by impulse responses: the views show them.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
                                    [this](std::uint32_t id, double u) {
@@ -171,8 +174,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // With rays, the choice of highlights needs all surfaces at once (leave_to_lens), so strips have
-        // none.
+        // With rays, the choice of highlights needs all surfaces at once (leave_to_lens). Surfaces that are
+        // read strip by strip therefore have no highlights.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -194,7 +197,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
                                                  p.moving());
 }
 
-/// The field without its surfaces and sets of views, which the caller adds.
+/// The description of the light field without its surfaces and sets of views, which the caller adds.
 PatchField FieldFocuser::outline() const {
     const Prepared& p = *prepared_;
     PatchField field;

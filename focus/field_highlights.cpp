@@ -18,13 +18,15 @@ namespace {
 
 /// Smaller semi-axis of the CoC, px, from which views would show a highlight as separate dots.
 constexpr double spread_from_px = 2;
-/// Area of all highlights of a sheet, px^2, below which they are spread at any blur, as few views hit them.
+/// Area of all highlights of a sheet (one surface within a square of the raster), px^2, below which they are
+/// spread by their impulse response however little they are blurred, as few views hit them.
 constexpr float small_px2 = 4;
-/// Edges of the squares in which highlights of one sheet are merged, px: for a blur of spread_from_px or
-/// more, and for less.
+/// Edges of the squares in which the highlights of one surface are merged, px: merged_px for a blur of
+/// spread_from_px or more, merged_sharp_px for less.
 constexpr float merged_px = 0.5F, merged_sharp_px = 0.125F;
-/// A moving highlight becomes one source per instant, and these form a streak. The more instants it needs,
-/// the larger the squares: up to these numbers of instants 1/8 px and 1/4 px, else merged_px.
+/// Limits of the number of instants whose sources form the streak of a moving highlight. The more instants a
+/// streak needs, the larger are the squares in which highlights are merged: 1/8 px up to the first limit, 1/4
+/// px up to the second, else merged_px.
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
 /// Largest number of sources of all moving highlights, unless each would have fewer than least_moments.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
@@ -34,22 +36,24 @@ constexpr float brightest = 1;
 constexpr int band_px = SeenTile::edge;  // height of a row of tiles; sources are indexed by these rows
 /// A surface hides a highlight if its 1/z' is larger than the highlight's by more than this factor.
 constexpr float nearer = 1.02F;
-/// Smallest cost limit of all visibility samples of a tile, in views of the tile.
+/// Smallest limit of the total cost of a tile's visibility samples, in units of the cost of one view of the
+/// tile.
 constexpr std::size_t least_drawn = 64;
-/// Smallest cost of one visibility sample, in views of the whole tile.
+/// Smallest cost of one visibility sample, in units of the cost of one view of the whole tile.
 constexpr double least_cost = 0.1;
 /// Edge of the squares whose highlights share their visibility, px.
 constexpr double group_px = 1.5;
 /// Positions in a pixel at which visibility is sampled: no two share a row or a column.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// Per visibility sample, the position of the highlight in its group, in standard deviations: mean 0 and
-/// variance 1 along each axis. It is uncorrelated with drawn_samples; correlation would make the edges of
-/// shadows too soft or too hard.
+/// Per visibility sample, the position that stands for the highlights of a group, in standard deviations from
+/// their centre: mean 0 and variance 1 along each axis. These positions are uncorrelated with drawn_samples,
+/// because correlation would make the edges of shadows too soft or too hard.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// Standard deviation of the shadows' positions, px, up to which a group has a single shadow: the position of
-/// a sample in its pixel then matters more.
+/// Neighbouring highlights that share their visibility samples each cast a shadow of an occluder into their
+/// blur. If the standard deviation of the shadows' positions is at most this, px, a single shadow stands for
+/// all.
 constexpr double told_apart_px = 0.3;
 
 double light_of(const std::array<float, 3>& rgb) {
@@ -58,7 +62,7 @@ double light_of(const std::array<float, 3>& rgb) {
 
 }  // namespace
 
-/// The highlights over one set of views, with tables of the views nearest to each lens point.
+/// The highlights for one set of views, with tables of the views nearest to each lens point.
 class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
@@ -98,7 +102,8 @@ class FieldHighlights::OverViews final : public Lights {
         if (s.u < 0 || timed_.empty()) return always_;
         return timed_[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
     }
-    /// The groups that reach the tile, with their visibility samples per pixel.
+    /// The groups of neighbouring highlights whose light reaches the tile, with their visibility samples per
+    /// pixel.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
@@ -154,7 +159,7 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     kernels_ = std::make_unique<KernelTable>(std::vector<double>{}, reach, *model_);
     KernelNumberCache cache(*kernels_);
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
-        // Highlights of one sheet in the same square are merged.
+        // Highlights of one surface that lie in the same small square are merged.
         const PatchLens lens = patch_lens(geometry);
         std::map<std::uint32_t, int> moments;  // instants needed, per moving sheet
         std::map<std::tuple<std::uint32_t, int, int>, std::pair<Highlight, double>> merged;
@@ -319,8 +324,8 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
 
-// Groups the sources of one sheet that lie in one square of group_px. Visibility is computed once per group,
-// so the position error of an occluder's shadow is less than that.
+// Groups the highlights of one surface that lie in the same square of group_px. Visibility is computed once
+// per group, so the shadow of an occluder is displaced by less than group_px.
 void FieldHighlights::group_sources() {
     std::map<std::tuple<bool, std::uint32_t, int, int, bool>, std::uint32_t> known;
     for (Source& s : sources_) {
@@ -371,8 +376,8 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // The cost of a visibility sample is its area. All of them may cost as much as the views of the tile, or
-    // as least_drawn views if there are fewer.
+    // The cost of a visibility sample is its area. All visibility samples together may cost as much as the
+    // views of the tile, or as least_drawn views if the tile has fewer.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -406,9 +411,10 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                                              Part& part) const {
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Offset of the sample positions. It differs between groups, so that many highlights behind one edge do
-    // not all miss it. It is made from the group's position, because group numbers depend on the crop. It
-    // differs between sets, so that the difference of two sets includes the error of this sampling.
+    // Random offset of the positions at which the visibility of a group of highlights is sampled. It differs
+    // between groups, so that the samples of many highlights do not all miss the same occluder. It is made
+    // from the group's position, because the group's number depends on the crop. It also differs between sets
+    // of views, so that the difference between two images includes the error of this sampling.
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
@@ -433,8 +439,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         });
     };
     find_before({0, 0});
-    // The highlights of an emitter lie side by side and cast separate shadows. If the shadows lie apart, each
-    // visibility sample uses one of four positions with the standard deviation of the group's sources.
+    // An occluder in front of an emitter casts one shadow for each of the emitter's highlights. If these
+    // shadows lie apart, each visibility sample uses one of four positions, which have the standard deviation
+    // of the highlights in the group.
     double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
     const double s_per_m = of_.geometry_.inverse_focus_per_m;
     for (const PlacedPatch& p : before) {

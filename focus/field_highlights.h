@@ -14,16 +14,16 @@
 
 namespace postlens {
 
-/// The rule that selects highlights, for `tree_sheets`: in the mean of a few views, they would appear once
-/// per view, as ghosts. Selects nothing for apertures whose impulse response varies over the image or is not
-/// the aperture's shape.
+/// The rule that selects highlights, for `tree_sheets`. In the mean of a few views, a highlight would appear
+/// once per view, as a ghost. The rule selects nothing for apertures whose impulse response varies over the
+/// image or is not the aperture's shape.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
-/// The highlights that the rule took from the sheets. The light of a highlight reaches a pixel through one
-/// lens point, and counts if that point sees the highlight. For primary nodes this is computed exactly, by
-/// rasterising the nearer surfaces in the view of PointRays. For reflected and transmitted nodes, for moving
-/// ones, and for all but the brightest highlights of a tile, the views nearest to the lens point (and to the
-/// instant) decide.
+/// The highlights that were taken out of the recorded surfaces. The light of a highlight reaches a pixel
+/// through one lens point, and counts if that lens point sees the highlight. For highlights that are seen
+/// directly, this is computed exactly, by rasterising the nearer surfaces along the rays from the highlight
+/// (PointRays). For reflected, transmitted and moving highlights, and for all but the brightest highlights of
+/// a tile, it is decided by the views nearest to the lens point (and to the instant).
 class FieldHighlights {
   public:
     /// Keeps a reference to `sheets`. `window`: the image's pixels. `motion`: null if nothing moves.
@@ -61,15 +61,15 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of its sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that its kernels reach
     };
-    /// A group that reaches a tile: its sources there, and the visibility samples per pixel; 0: the views
-    /// decide.
+    /// A group of neighbouring highlights whose light reaches a tile: its highlights there, and the number of
+    /// visibility samples per pixel; 0: the views decide whether the highlights are visible.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;
     };
     void group_sources();
     void add_source(const HighlightMotion::Moment& m, const SheetMesh& mesh, KernelNumberCache& cache);
-    /// The visible share of a group in each pixel of a part of a tile.
+    /// In each pixel of a part of a tile, the share of a group of highlights that is visible.
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};

@@ -15,7 +15,8 @@ namespace {
 /// Factor and margin by which a kernel may exceed its CoC: coarsened kernels have rounded sizes, and their
 /// positions have an error of up to a pixel.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// Sheets that reach farther than this from their square, px, are kept, up to a total of most_far_bytes.
+/// Surfaces that some view displaces by more than this from their square of the raster, px, are kept in
+/// memory, up to a total of most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
@@ -34,7 +35,7 @@ std::size_t bytes_of(const PatchMesh& m) {
     return bytes_of(m.patches) + bytes_of(m.planes) + bytes_of(m.follows);
 }
 
-/// The sheets for whose reach `wanted` returns true.
+/// The surfaces for which `wanted` returns true, given the raster rows in which views may show them.
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
     std::vector<std::uint8_t> which;

@@ -20,7 +20,8 @@
 
 namespace postlens {
 
-/// Sheets and patches per instant; the patches keep references to the sheets.
+/// Per recorded instant, the sheets (surfaces within squares of the raster) and their planar patches. The
+/// patches keep references to the sheets.
 struct FieldSurfaces {
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
@@ -40,14 +41,14 @@ using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMe
 inline constexpr double most_surface_bytes_of_record = 400;
 
 /// Reads the surfaces of an image in strips: for each strip those that reach it in any view. The first read
-/// finds how far the surfaces of each row of squares reach, and keeps the few that reach far. Later strips
-/// then only read the rows close to them.
+/// finds how far the surfaces of each row of squares reach, and keeps the few that reach far. For later
+/// strips, only the rows close to the strip are read.
 class FieldStrips {
   public:
-    /// Keeps references to its arguments. `views`: a field without instants; surfaces that lens points within
-    /// its lens_reach_px see are included. `lens_box_px`: half the width and height of the lens, as
-    /// LensShift::lens_px, which limits the reach of highlights. `motion`: motion of highlights; null: none
-    /// moves.
+    /// Keeps references to its arguments. `views`: a field without instants. Surfaces that are seen from a
+    /// lens point within its lens_reach_px are included. `lens_box_px`: half the width and height of the
+    /// lens, as LensShift::lens_px, which limits the reach of highlights. `motion`: motion of highlights;
+    /// null: no highlight moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, const PatchLens& lens,
                 const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px,
                 const HighlightMotion* motion);
@@ -71,12 +72,13 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Sheets of neighbouring squares that reach far, with the reach of each.
+    /// Surfaces of neighbouring squares that views displace far, with the raster rows that each surface
+    /// reaches.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;
     };
-    /// A row of squares.
+    /// A row of squares of the raster.
     struct Row {
         Reach near;  ///< union of the reaches of the surfaces that are not kept
         std::vector<Far> far;
@@ -85,7 +87,7 @@ class FieldStrips {
         bool known = false;
         std::vector<Row> rows;
     };
-    /// The reach of each sheet.
+    /// Per sheet (surface within a square of the raster), the raster rows in which views may show it.
     [[nodiscard]] std::vector<Reach> reach_of(const PatchMesh& mesh, std::size_t instant) const;
     void note(const TreeSheets& some, const std::vector<Reach>& primary, const std::vector<Reach>& deeper,
               std::size_t part, int y, Row& row);

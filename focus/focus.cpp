@@ -66,7 +66,7 @@ Image traced_picture(FocusFrame& frame, const RasterWindow& window, const std::o
     return image;
 }
 
-/// Adds all rows of the frame. `Splats` is SplatTables or LayerSplats.
+/// Adds all rows of the frame to `Splats`, the tables of impulse responses: SplatTables or LayerSplats.
 template <typename Splats>
 void take_in(FocusFrame& frame, Splats& splats) {
     frame.visit_rows(frame.file().y_begin(), frame.file().y_end(),
@@ -74,7 +74,8 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
-/// How an image is divided into strips if its splats exceed the memory limit.
+/// How an image is divided into strips if its splats, the impulse responses of its samples, exceed the memory
+/// limit.
 struct StripPlan {
     double splats_per_record;
     std::size_t bytes_of_splat;
@@ -82,9 +83,10 @@ struct StripPlan {
     int block_px;            ///< edge of the blocks of pixels that are scattered to together
 };
 
-/// Makes an image whose splats exceed the memory limit, bit-identical to the image made at once. Reads the
-/// records several times: to find the kernels of all rows, to find which pixels each splat reaches, and for
-/// each strip to keep the splats that reach it. `draw(part)` makes one part of the image.
+/// Makes an image strip by strip if its splats exceed the memory limit. The result is bit-identical to the
+/// image made at once. The records are read several times: to find the kernels of all rows, to find which
+/// pixels each splat reaches, and for each strip to keep the splats that reach it. `draw(part)` makes one
+/// part of the image.
 template <typename Splats, typename Draw>
 void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const std::optional<Crop>& crop,
                const Draw& draw) {
@@ -166,8 +168,9 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
-        // A pixel's samples mostly merge into few splats, at most one per record on average. Sums per surface
-        // and unsorted rows need memory as well, so the splats of a strip get a sixth of the limit.
+        // A pixel's samples mostly merge into few splats, at most one per record on average. The sums of each
+        // surface and rows before sorting need memory as well, so the splats of a strip get a sixth of the
+        // limit.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
                    [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
@@ -211,7 +214,7 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
                                             rough(100 * unknown_share))});
     }
-    // The share of a pixel's light that is not recorded, from which `hybrid` traces the pixel.
+    // Largest share of a pixel's light that may be missing in the records without a warning.
     constexpr float visible = 0.02F;
     const double below = static_cast<double>(std::count_if(unknown_below.begin(), unknown_below.end(),
                                                            [](float u) { return u > visible; })) /

@@ -16,7 +16,8 @@
 
 namespace postlens {
 
-/// planner/hybrid.h has `hybrid`, planner/auto_picture.h has `automatic`; focus_picture has the others.
+/// The methods of making an image. focus_picture makes all but `hybrid` (planner/hybrid.h) and `automatic`
+/// (planner/auto_picture.h).
 enum class FocusMethod { pinhole, scatter, layers, lightfield, hybrid, automatic };
 
 struct FocusSettings {
@@ -65,7 +66,7 @@ struct FocusResult {
 /// out of range, if the crop exceeds the image, or if an orthographic file gets a finite f-number;
 /// Error(invalid_input) if the file is damaged.
 [[nodiscard]] FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings);
-/// The same for a single image of a file.
+/// Makes a single image of a file. Throws what focus_picture for a FocusFrame throws.
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);
 
 /// The pinhole image, summed from the records: bit-identical to part 0 of the file.

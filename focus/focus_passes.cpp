@@ -18,8 +18,9 @@ namespace {
 
 /// Coverages below this are left out of a Cryptomatte, as renderers leave them out.
 constexpr float least_coverage = 1e-4F;
-/// Blurred edges show more objects than sharp ones. The number of ranks must not depend on what part of an
-/// image is made, so that parts have the same channels.
+/// Smallest number of ranks (objects per pixel) of a Cryptomatte. It is above the usual number, because
+/// pixels at blurred edges show more objects. It does not depend on what part of an image is made, so that
+/// all parts have the same channels.
 constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {
@@ -30,7 +31,8 @@ float alpha_of(const Image& image, std::size_t pixel) {
     return image.alpha.empty() ? 1.0F : image.alpha[pixel];
 }
 
-/// What the pinhole sees: the sample at which the composited alpha reaches one half.
+/// Signed CoC diameter of what the pinhole sees in each pixel: of the sample at which the composited alpha
+/// reaches one half.
 Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry) {
     const auto width = static_cast<std::size_t>(picture.width);
     Image::Plane out = plane("CoC", width * static_cast<std::size_t>(picture.height));
@@ -105,7 +107,8 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
     if (!source.manifest.empty()) image.texts.emplace_back(key + "manifest", source.manifest);
 }
 
-/// From two independent halves of the views: half their difference has the standard deviation of their mean.
+/// Adds the channel with the standard error of the mean of `a` and `b`, the images of two independent halves
+/// of the views: half their difference has the standard deviation of their mean.
 void add_error(const Image& a, const Image& b, Image& image) {
     Image::Plane error = plane("error", a.rgb.size() / 3);
     for (std::size_t k = 0; k < error.values.size(); ++k) {

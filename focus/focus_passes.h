@@ -1,4 +1,5 @@
-// What compositors want beside a focused image of another program: channels for the same file.
+// Further channels for compositors in the file of a focused image: CoC, shares by depth, Cryptomatte and
+// error.
 #pragma once
 
 #include <string>
@@ -17,11 +18,12 @@ struct FocusPasses {
     [[nodiscard]] bool any() const { return coc || sides || cryptomatte || error; }
 };
 
-/// Adds the channels to a focused image. Shares behind the lens are found by views (stack_field.h), as many
-/// as `settings.views`, and scaled so that they add up to the image's alpha, by whatever method that was
-/// made. A pixel in focus has a CoC diameter of at most 1 px. CoC is 0 where nothing is hit or nothing is
-/// stored, and negative in front of the focus. Throws Error(wrong_arguments) if the image has no Cryptomatte
-/// or a pass does not go with the method or the impulse response, and Error(out_of_memory).
+/// Adds the channels to a focused image. The share of each object in a blurred pixel is found from
+/// `settings.views` views through the lens (stack_field.h), and scaled so that a pixel's shares add up to the
+/// alpha of the image, whatever method made the image. A pixel in focus has a CoC diameter of at most 1 px.
+/// CoC is 0 where nothing is hit or nothing is stored, and negative in front of the focus. Throws
+/// Error(wrong_arguments) if the image has no Cryptomatte or a channel is not available with the method or
+/// the impulse response, and Error(out_of_memory).
 void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings, const FocusPasses& passes,
                       Image& image);
 

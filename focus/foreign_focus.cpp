@@ -43,7 +43,8 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Corners of all pixels of known content: the stored ones, and the others of the raster, which are empty.
+/// Window of the corners of all pixels whose content is known: the stored pixels, and the other pixels of the
+/// raster, which are empty.
 RasterWindow known_corners(const ForeignPicture& p) {
     return {std::min(0, p.x_begin), std::max(p.width, p.x_end) + 1, std::min(0, p.y_begin),
             std::max(p.height, p.y_end) + 1};
@@ -161,8 +162,8 @@ class Spread {
 
     void spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
-            // `layers` composites empty space as the farthest surface. `scatter` averages what arrives, so it
-            // needs the largest share of each pixel that may stay empty.
+            // `layers` composites empty space as the farthest surface. `scatter` divides by the weights that
+            // arrive, so it needs for each pixel the largest share that may stay empty.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels();
             } else {
@@ -196,7 +197,7 @@ class Spread {
     std::vector<float> nothing_;  ///< nothing_in_reach, for `scatter`
 };
 
-/// Fills what no view shows of an opaque picture, and says how much that is.
+/// Fills the parts of an opaque image that no view shows, and adds a warning with their share.
 void fill_unseen(StackField& field, const RasterWindow& drawn, std::vector<FocusWarning>& warnings) {
     std::vector<float> seen(field.unseen.size());
     double unseen = 0;
@@ -284,7 +285,8 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& se
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(picture, settings.framing, geometry);
-    // Blur and magnification commute, so the image is blurred at its own resolution.
+    // Blur and magnification commute, so the image is blurred at its own resolution, where circles of
+    // confusion are smaller by the zoom.
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
     FocusResult out;

@@ -18,9 +18,10 @@ namespace postlens {
 struct HighlightRule;
 struct TreeSheets;
 
-/// Rows [y_begin, y_end) of the frame's own instant. `band` has one more row above and below, if the file has
-/// it. `samples`: the point samples, one element per `rows_per_task` rows; empty if they are not kept.
-/// `plain`: those that are plain corners, likewise.
+/// Rows [y_begin, y_end) of the records of the frame's own instant. `band` has one more row above and below,
+/// if the file has it. `samples`: the point samples, one element per `rows_per_task` rows; empty if they are
+/// not kept. `plain`: the samples at corners of undivided pixels (plain_corners.h), in elements of as many
+/// rows.
 struct FrameRows {
     /// find_point_samples also reads one row above and one below, so a task has several rows.
     static constexpr int rows_per_task = 8;
@@ -30,13 +31,13 @@ struct FrameRows {
     std::span<const PlainCorners> plain;
 };
 
-/// The data that images of any lens share: records, point samples, and sheets of the light field. One thread
-/// at a time may use it; several may call visit_rows if the frame keeps its rows and has been visited once.
-/// Images are bit-identical whether data are kept or not.
+/// The data that images of any lens share: records, point samples, and the surfaces (sheets) of the light
+/// field. One thread at a time may use a frame. Several threads may call visit_rows if the frame keeps its
+/// rows and has been visited once. Images are bit-identical whether data are kept or not.
 class FocusFrame {
   public:
-    /// `many`: keeps the records of the frame's own instant, for scattering, and the sheets of every instant
-    /// in use, for the light field. Keeps a reference to `file`.
+    /// `many`: keeps the records of the frame's own instant, for scattering, and the surfaces (sheets) of
+    /// every instant in use, for the light field. Keeps a reference to `file`.
     explicit FocusFrame(const SampleFileReader& file, bool many = false);
 
     [[nodiscard]] const SampleFileReader& file() const { return file_; }
@@ -47,13 +48,14 @@ class FocusFrame {
     /// memory.
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
-    /// The sheets of an instant, valid until the next call for the same instant. All rules must have the same
-    /// limit. `also` is called once for each row of the file, for instant 0 only.
+    /// The sheets (surfaces within squares of the raster) of a recorded instant, valid until the next call
+    /// for the same instant. The rules of all calls must have the same limit. `also` is called once for each
+    /// row of the file, for instant 0 only.
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// The largest w_bend per pixel of at least the rows [y_begin, y_end) of the image. If the sheets of
-    /// instant 0 were made before, the records are not read again.
+    /// Per pixel, the largest error w_bend of the linear reprojection by W, for at least the rows [y_begin,
+    /// y_end) of the image. If the surfaces of instant 0 were made before, the records are not read again.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
   private:

@@ -6,11 +6,13 @@
 
 namespace postlens {
 
-/// A ray that hits a surface cannot know which part of the surface's radiance is a highlight. So per surface
-/// (path and ids; for primary nodes that do not move also the square of the sheet) either all radiance above
-/// the limit is a highlight or none is. None is if rays get different radiance there (SightRays::steady), or
-/// if a nearer surface hides a part of it. Restricts `rule` accordingly, applies it to the sheets, and
-/// returns the radiance that rays must leave out.
+/// Restricts `rule` so that rays can tell which radiance is a highlight, applies it to `sheets`, and returns
+/// the radiance that rays must leave out.
+///
+/// A ray only knows which surface it hits. So either all radiance of a surface above the limit is a
+/// highlight, or none of it is. None of it is a highlight if rays get different radiance from the surface
+/// (SightRays::steady), or if a nearer surface hides a part of the highlight. A surface is identified by its
+/// path and ids, and, if it is seen directly and does not move, also by its square of the raster.
 [[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, bool moves,
                                            HighlightRule& rule);
 

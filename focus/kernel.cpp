@@ -14,14 +14,15 @@
 namespace postlens {
 namespace {
 
-/// Inner runs shorter than this become taps, because the differences at both ends cost as much as a few taps.
-/// Measured with bench/scatter_bench.cpp; values from 4 to 12 px are about equally fast.
+/// Smallest length of the uniform inside of a kernel row, px. A shorter inside is stored as single values
+/// (taps), because the differences at its ends cost as much as a few taps. Measured with
+/// bench/scatter_bench.cpp; values from 4 to 12 px are about equally fast.
 constexpr int shortest_inner_px = 6;
 
 /// Radius of the disc that replaces an ellipse of size 0, px. Its kernel equals that of a vanishing CoC.
 constexpr double smallest_ellipse_px = 1e-4;
 
-/// The nearest number of steps.
+/// A length in steps of `step_px`, rounded to the nearest integer.
 std::int32_t steps(double px, double step_px) {
     const double exact = px / step_px;
     return static_cast<std::int32_t>(exact + std::copysign(0.5, exact));
@@ -42,7 +43,7 @@ Kernel kernel_of_rows(const Rows& source, KernelReach reach) {
                       .inner_end = std::clamp(span.inner_end, -reach.x, reach.x),
                       .x_end = std::min(span.x_end, reach.x),
                       .tap = static_cast<std::uint32_t>(out.taps.size())};
-        // A row that lies wholly outside the reach stays in the kernel, but has no pixels.
+        // A row whose columns all lie outside the kernel's limits stays in the kernel, but has no pixels.
         if (row.x_begin >= row.x_end) row.x_begin = row.inner_begin = row.inner_end = row.x_end = 0;
         const auto left_taps = static_cast<std::size_t>(span.inner_begin - span.x_begin);
         const bool all_taps = row.inner_end - row.inner_begin < shortest_inner_px;
@@ -165,7 +166,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         return key.level;
     }
     if (built_) {
-        // After `build` the table is only read, so no lock is needed.
+        // After `build` the table of kernel numbers is only read, so no lock is needed.
         return number_of_key_.at(key.packed());
     }
     const std::lock_guard lock(mutex_);
@@ -243,7 +244,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     coarsen_ellipses(memory_limit_bytes);
     channels_ = model_.has_channels() ? 3 : 1;
     kernel_of_.assign(keys_.size(), 0);
-    // Keys that coarsening made equal share the first one's kernel.
+    // Keys that became equal by coarsening share the kernel of the first of them.
     std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> place_of;
     std::vector<std::uint32_t> to_build;
     std::size_t total = 0;

@@ -19,8 +19,8 @@
 namespace postlens {
 
 /// One row of a kernel; columns are relative to the splat's anchor. Pixels in [inner_begin, inner_end) have
-/// the kernel's `inner` value. The other pixels of [x_begin, x_end) have one tap each, from left to right; if
-/// all have one, inner_begin == inner_end == x_end.
+/// the kernel's `inner` value. The other pixels of [x_begin, x_end) have one value (tap) each, from left to
+/// right. If all pixels have a tap, inner_begin == inner_end == x_end.
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
@@ -46,8 +46,8 @@ struct Kernel {
 
 /// The kernel of an ellipse whose centre is (phase_x, phase_y) px from the anchor, clipped to `reach`.
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// The kernel of an outline, and of a grid of values, where every pixel gets a tap. Both are relative to the
-/// anchor.
+/// The kernel of an outline, relative to the anchor and clipped to `reach`. A second overload makes the
+/// kernel of a grid of values, in which every pixel has its own value (tap).
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -70,7 +70,7 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, unit 1/phase_steps px
 
-    // Only for apertures that are not round or that vary over the image:
+    // The following members are used only for apertures that are not round or that vary over the image.
     bool is_map = false;  ///< half_height .. map_yy are then the columns of a 2x2 map, in steps
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -78,10 +78,11 @@ struct KernelKey {
     std::int32_t cell_log2 = 0;  ///< the cell's width is 2^cell_log2 px; 0: one cell for the whole image
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
-    /// `fine`: for highlights, in which an error of a few percent of the disc's radius is visible as an error
-    /// of brightness.
+    /// Key of an ellipse. `fine`: quantises it more finely, for highlights: there an error of a few percent
+    /// of the disc's radius is visible as an error of brightness.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// Maps are quantised to this many leading bits of their largest number, but not below a step.
+    /// The 2x2 maps from aperture to image are quantised to this many leading bits of their largest entry,
+    /// but not more finely than a step.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return is_fine ? fine_step_px : ellipse_step_px; }
@@ -92,7 +93,7 @@ struct KernelKey {
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Number of bits of the key's largest number, in steps.
+    /// Number of bits of the key's largest size, which is counted in steps.
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -109,17 +110,17 @@ struct KernelKey {
     void round_map(int bits);
 };
 
-/// Kernels by number. Any thread may request numbers at any time; `build` then makes the kernels of all
-/// requested keys. The number of a key depends on timing; its kernel does not.
+/// Kernels by number. Any thread may request the number of a key at any time; `build` then makes the kernels
+/// of all requested keys. The number of a key depends on the timing of threads; its kernel does not.
 class KernelTable {
   public:
     /// `disc_radius_px`: the radius of each level. The disc of level i with phase (0, 0) has the number i.
     /// `model` makes the impulse responses; it must outlive the table.
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
-    /// The number of a key. After `build`, the key must have been requested before.
+    /// The number of a key. After `build`, only keys that were requested before may be passed.
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
-    /// Marks the phase (0, 0) disc of a level as needed.
+    /// Marks the disc of a depth level at subpixel position (0, 0) as needed.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
     /// Makes the kernels, in parallel. Call it once, after all keys are requested. If the kernels of ellipses
     /// need more than `memory_limit_bytes`, ellipses are coarsened (KernelKey::coarsen), one octave of size
@@ -127,7 +128,7 @@ class KernelTable {
     /// exceed the memory.
     void build(std::size_t memory_limit_bytes = default_memory_bytes);
     static constexpr std::size_t default_memory_bytes = std::size_t{384} << 20;
-    /// Frees memory after `build`; number_of may not be called afterwards.
+    /// Frees the memory of the keys after `build`; number_of may not be called afterwards.
     void forget_keys() { number_of_key_ = {}; }
 
     /// The kernel of a number for a channel, which is less than channels().
@@ -139,9 +140,10 @@ class KernelTable {
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
-    /// Count of numbers, after `build`. The numbers of unused discs refer to the kernel of another number.
+    /// Count of kernel numbers, after `build`. The numbers of discs that are not needed refer to the kernel
+    /// of another number.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
-    /// Count of levels that have a kernel of any phase, after `build`.
+    /// Count of depth levels that have a kernel at any subpixel position, after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
     /// The ellipse of a key, for a round aperture.
     [[nodiscard]] Ellipse outline(const KernelKey& key) const;

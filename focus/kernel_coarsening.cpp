@@ -53,15 +53,16 @@ void KernelKey::coarsen(int times) {
     const std::int32_t unit = std::int32_t{1} << std::max(0, extent_bits() - bits);
     if (unit == 1) return;
     round_to(unit);
-    // Step of the phase: half a step of the shape, at most a pixel.
+    // Subpixel positions (phases) are rounded to half a step of the shape, at most to a pixel.
     const std::int32_t step = std::min(phase_steps, 2 * unit);
     phase_x = nearest_multiple(phase_x, step);
     phase_y = nearest_multiple(phase_y, step);
 }
 
-// All kernels within one octave of size are coarsened equally often, which bounds the relative error of their
-// size. If all kernels had the same absolute step, the step that saves enough memory on large kernels would
-// round small ones to 0.
+// Coarsening quantises sizes and positions more coarsely, so that more samples share a kernel. All kernels
+// within one octave of size are coarsened equally often, which bounds the relative error of their size. If
+// all kernels had the same absolute step, the step that saves enough memory on large kernels would round
+// small kernels to size 0.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {
@@ -81,8 +82,9 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // Of keys with the same coarsened shape, one represents all in the next step, as they nearly always
-        // stay equal. Sorting makes that choice independent of the order in which threads requested the keys.
+        // One of the keys with the same coarsened shape represents them all in the next step, as equal keys
+        // nearly always stay equal. Sorting makes the choice independent of the order in which threads
+        // requested the keys.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)
@@ -101,8 +103,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             left.swap(kept);
         }
     });
-    // Relative error of an outline's size, which doubles with each coarsening. All shapes count the same, as
-    // their frequency is unknown.
+    // Relative error of an outline's size, which doubles with each coarsening. All shapes have the same
+    // weight, as it is unknown how many samples have each shape.
     const auto error = [](std::size_t octave, std::size_t times) {
         const int bits = std::min(static_cast<int>(octave), KernelKey::ellipse_bits);
         return std::ldexp(1.0, static_cast<int>(times) - bits);

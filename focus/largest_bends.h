@@ -10,17 +10,17 @@ namespace postlens {
 /// Smallest radiance that an image of 8 bits per channel shows.
 inline constexpr float darkest_shown = 1.0F / 255;
 
-/// Largest w_bend, m^-2 (records/record.h), of the nodes of layer 0 in each pixel that are brighter than
-/// darkest_shown. It does not depend on the lens: for an aperture of diameter D, W misplaces such a node by
-/// up to (film distance / pixel pitch) w_bend (D / 2)^2 px.
+/// Per pixel, the largest w_bend, m^-2 (records/record.h), of the nodes that the pinhole sees there and that
+/// are brighter than darkest_shown. w_bend does not depend on the lens: for an aperture of diameter D, the
+/// reprojection by W has an error of up to (film distance / pixel pitch) w_bend (D / 2)^2 px.
 class LargestBends {
   public:
     /// For rows [y_begin, y_end) of the image of `header`, which has no overscan.
     LargestBends(const SampleHeader& header, int y_begin, int y_end);
-    /// Adds the records of rows [y_begin, y_end) of `band`, in parallel. Rows outside the image part are
-    /// skipped.
+    /// Adds the records of rows [y_begin, y_end) of `band`, in parallel. Rows outside of the rows given to
+    /// the constructor are skipped.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Whether it contains all these rows of the image.
+    /// Whether this object has the values of all rows [y_begin, y_end) of the image.
     [[nodiscard]] bool covers(int y_begin, int y_end) const { return y_begin >= y_begin_ && y_end <= y_end_; }
     /// The values of row y, one per pixel of the image's width.
     [[nodiscard]] const float* row(int y) const {

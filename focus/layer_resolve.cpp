@@ -8,10 +8,12 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// Sum of a path's weights from which its own radiance is used. Below it, the substitute is blended in.
+/// Sum of the weights of a path's nodes at a pixel, from which their own radiance is used. With a smaller
+/// sum, the path's radiance scattered with the kernel of the mirror or glass is blended in.
 constexpr double enough_weight = 0.05;
 
-/// The nodes of one path at a pixel, and the radiance they have together.
+/// The nodes that one path (sequence of reflections and transmissions) has at a pixel, and their total
+/// radiance.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
@@ -26,8 +28,9 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the radiance of a path to a surface, in proportion to its mask. It is distributed over the lens like
-/// the surface's own weight.
+/// Adds the radiance of a path (sequence of reflections and transmissions) to a surface, in proportion to
+/// `mask`, the share of the surface that shows the path. The radiance is distributed over the lens like the
+/// mask's weight.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -37,7 +40,8 @@ void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<doub
     }
 }
 
-/// Adds the radiance of a path to the fragment of its parent node `shown`, with the masks of that node.
+/// Adds the radiance of a path to the fragment (a surface's light at the pixel) of the mirror or glass that
+/// shows it. `shown`: the surface of that parent node. The radiance is weighted by the masks of `shown`.
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -46,7 +50,8 @@ void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     }
 }
 
-/// The fragment of one surface from its seen and its hidden term; one may be null.
+/// The light of one surface at a pixel, from the sums of the part that the pinhole sees (`seen`) and of the
+/// part that it does not see (`hidden`); one of them may be null.
 std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
@@ -55,8 +60,8 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Converts the nodes of a path to fragments, adds the radiance of the longer paths that continue it, and
-/// returns the sum of the weights.
+/// Converts the nodes of a path (sequence of reflections and transmissions) to fragments, one per surface.
+/// Adds the radiance of the longer paths that continue this path. Returns the sum of the nodes' weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -101,7 +106,8 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The continued path gives the radiance, so no substitute for the own nodes is needed.
+        // The longer path that continues this one provides the radiance, so this path's nodes need no
+        // substitute.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)

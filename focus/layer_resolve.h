@@ -10,7 +10,7 @@
 
 namespace postlens {
 
-/// The sums of a part at a pixel.
+/// The sums of the splats of one part (LayerPart: a surface, or what it reflects or transmits) at a pixel.
 struct LayerTerm {
     const LayerPart* part = nullptr;
     std::array<double, 3> rgb{};
@@ -23,14 +23,17 @@ struct LayerTerm {
 /// A smaller sum of weights counts as none.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Computes the fragment of a surface from the sums of all its parts, in the order of the parts. None if no
-/// light of the surface itself arrives at the pixel.
+/// Computes the light of a surface at a pixel (Fragment) from the sums of all its parts, in the order of the
+/// parts. None if no light of the surface itself arrives at the pixel.
 ///
-/// The nodes of each path form an image of their own: scattered with their own kernels and divided by their
-/// own weights. The share of the surface that has this path, its mask, is scattered with the surface's
-/// kernels, so that a mirror's outline is blurred as the mirror and not as its reflection. Where the mask
-/// arrives but no node of the path does, as beside the outline of a mirror that is more out of focus than its
-/// reflection, the path's colours scattered with the mask's kernels replace them.
+/// The nodes of each path (sequence of reflections and transmissions) form an image of their own: they are
+/// scattered with their own kernels and divided by their own weights. The share of the surface that shows
+/// this path, its mask, is scattered with the surface's kernels, so that a mirror's outline is blurred as the
+/// mirror and not as its reflection.
+///
+/// The mask may arrive at a pixel that no node of the path reaches, for example beside the outline of a
+/// mirror that is more out of focus than its reflection. There the path's colours, scattered with the mask's
+/// kernels, replace them.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

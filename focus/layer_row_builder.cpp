@@ -11,7 +11,7 @@ namespace {
 /// quarter or a whole pixel, so that they merge into few splats. A blurred edge changes by (step / radius)^2
 /// / 8 < 1e-3 of its height (see phases_of).
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Radii for which phases_of uses these steps.
+/// CoC radii, px, for which phases_of uses steps of a quarter pixel and of a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -56,7 +56,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
         KernelKey key = response.key;
-        // A disc much smaller than a pixel has the same kernel at all positions inside the pixel.
+        // A disc much smaller than a pixel has the same kernel at all positions inside the pixel, so the
+        // middle is used.
         constexpr std::int32_t middle = KernelKey::phase_steps / 2;
         const bool tiny = response.radius_px < tiny_px;
         key.phase_x = tiny ? middle * ((p.x > 0) - (p.x < 0)) : p.x;
@@ -132,9 +133,9 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// A ray that enters an object leaves it too, so the object's far side has no outline of its own and is masked
-// with the near side's kernel. The far side's own W may be that of a caustic and would blur the mask far too
-// much.
+// A ray that enters a glass object also leaves it, so the object's far side has no outline of its own. Its
+// mask is therefore blurred with the near side's kernel. The far side's own W may be that of a caustic, which
+// would blur the mask far too much.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -171,7 +172,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     covered_ = 0;
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
-        // As in `scatter`, only visible primary nodes at a finite depth count.
+        // As in `scatter`, only visible primary nodes at a finite depth determine the largest CoC.
         if (inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
         t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
@@ -204,8 +205,8 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds nodes that are hidden behind reflected or transmitted nodes. `surface`: the visible surface at which
-// their paths begin.
+// Adds nodes that are hidden behind reflected or transmitted nodes. `surface`: the visible mirror or glass at
+// which the paths of these nodes begin.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

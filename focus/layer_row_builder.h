@@ -30,12 +30,12 @@ class LayerSplats::RowBuilder {
     void begin_row(int y);
     void end_row();
     void add_light(const PixelLight& light);
-    /// The nodes of one layer of a point sample.
+    /// The shading tree nodes of one layer of a point sample; layer 0 is visible from the pinhole.
     struct Nodes {
         float x, y;
         std::span<const Record> records;
     };
-    /// A node, with the data that its children need.
+    /// A node of the current shading tree, with the data that its child nodes need.
     struct Met {
         const Record* node = nullptr;
         NodeResponse response;
@@ -49,11 +49,12 @@ class LayerSplats::RowBuilder {
     void add_tree(const PointSample& s, std::span<const Record> nodes, LayerPart::Kind kind);
     void add_hidden_chains(const PointSample& s, std::span<const Record> nodes, const NodeResponse& primary,
                            SurfaceKey surface);
-    /// The node of the current tree with this path; null: there is none.
+    /// The node of the current shading tree with this path; null if the tree has no such node.
     [[nodiscard]] const Met* met_at(NodePath path) const;
     /// The node whose kernel blurs the outline of `from`.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds the mask of the path that ends at `met`, a child of `from`, which was added before.
+    /// Adds the mask of the path that ends at node `met`: the share of its parent `from` that shows the path.
+    /// `from` was added before.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

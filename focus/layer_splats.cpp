@@ -68,7 +68,7 @@ void LayerSplats::add_rows(const FrameRows& rows) {
     });
     if (keep_ != Keep::strip) return;
     strip_rows_.settle();
-    // Rows are added from the top, so the tile rows above the next row are complete.
+    // Rows of the image are added from the top, so the rows of tiles above the next row are complete.
     join_rows(static_cast<std::size_t>(rows.y_end - source_.y_begin) / tile_px);
 }
 
@@ -160,8 +160,8 @@ void LayerSplats::find_reach(LayerCell& cell) const {
         cell.reach = i == 0 ? reach_of(all[i]) : around(cell.reach, reach_of(all[i]));
 }
 
-// Joins the rows of a row of tiles, sorted by cell, and frees the memory of these rows, so that there are
-// never two copies of all splats.
+// Joins the splats of all rows of a row of tiles, sorted by part and tile. Frees the memory of each row, so
+// that there are never two copies of all splats.
 std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
     const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
     std::vector<std::vector<Segment>> by_row(last_row - first_row);
@@ -238,7 +238,7 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // Rows that are not read again only have their kept splats, which reach far.
+    // Rows of the file that are not read again only provide the splats that were kept because they reach far.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
         std::map<LayerPart, std::uint32_t> number;

@@ -30,14 +30,15 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// A part of the image that has its own sums. Sorted by surface, then by path, parents first.
+/// Splats that are summed up separately: those of one surface, or of what it shows by reflection and
+/// transmission along one path. Parts are sorted by surface, then by path, parents first.
 struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< nodes that the pinhole sees
         hidden,       ///< nodes behind another surface
         mask,         ///< the nodes' colours, scattered with the kernels of their parent nodes
-        hidden_mask,  ///< the same for parents behind another surface
-        outer_mask,   ///< the same with the kernels that scatter the mask of the parent's path
+        hidden_mask,  ///< masks of parent nodes behind another surface
+        outer_mask,   ///< masks with the kernels that scatter the mask of the parent's path
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0: the surface itself
@@ -53,11 +54,11 @@ struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Lens radii per px: light that arrives d px from the anchor passed, on average, through the lens point
-    /// d * lens_per_px.
+    /// Where light passed through the lens, in lens radii per px: light that arrives d px from the anchor
+    /// passed, on average, through the lens point d * lens_per_px.
     float lens_per_px = 0;
-    /// Part of the weight that no lens point sees, as the surface in front moves with the node
-    /// (Fragment::covered).
+    /// Part of the weight that is hidden from all lens points, because the surface in front moves together
+    /// with this one over the lens (Fragment::covered).
     float covered = 0;
 };
 
@@ -90,7 +91,7 @@ class LayerSplats {
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// The same for rows whose point samples may already be found.
+    /// Adds corner rows whose point samples may already have been found.
     void add_rows(const FrameRows& rows);
     /// Call it before add_pixels: samples then lie at pixel centres.
     void take_pixels() { from_anchor_px_ = 0.5; }
@@ -99,7 +100,8 @@ class LayerSplats {
     /// Makes the kernels and sorts the splats. Call it after the last row.
     void finish();
 
-    /// As in SplatTables: for images whose splats would exceed a memory limit.
+    /// For images whose splats would exceed a memory limit. Call it before the first row: rows that are added
+    /// until finish() then keep no splats (SplatTables::survey).
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();

@@ -11,8 +11,9 @@
 
 namespace postlens {
 
-/// Sums of colour, weight and depth times kernel. As in PointScatter, the cost of a splat is proportional to
-/// its kernel's outline: the uniform inside of a row is stored as differences at its ends.
+/// Sums of colour, weight and depth times kernel. The cost of a splat is proportional to the length of its
+/// kernel's outline, because the uniform inside of a kernel row is stored as differences at its ends (as in
+/// PointScatter).
 class LayerSums {
   public:
     /// Sets the sums of the pixels of `rows` to 0. `with_lens`: lens moments are summed as well.
@@ -20,7 +21,7 @@ class LayerSums {
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     /// Adds splats with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
-    /// Adds up the differences. Call it after the last splat.
+    /// Adds up the differences along each row, which gives the sums. Call it after the last splat.
     void finish();
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }

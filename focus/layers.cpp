@@ -16,8 +16,8 @@ namespace {
 /// Width of a block, px. LayerSums need up to 280 B per pixel, so that those of a block fit the L2 cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
-/// Largest number of fragments and of sums in memory at a time, about 270 B each. A block with very many
-/// surfaces is processed in parts of a few rows.
+/// Largest number of fragments (surfaces at a pixel) and of their sums in memory at a time, about 270 B each.
+/// A block with very many surfaces is processed in parts of a few rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
 /// Stores the channels that one pass computes: all three, or one if each channel has its own kernels.
@@ -32,7 +32,8 @@ void store(const LayerSplats& splats, const std::array<double, 3>& rgb, std::siz
     }
 }
 
-/// Whether a part needs lens moments. Reflected and transmitted nodes are composited by alpha alone.
+/// Whether a part needs lens moments, which tell through which side of the lens its light passes. Reflected
+/// and transmitted nodes do not need them, as they are composited by alpha alone.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
@@ -42,11 +43,13 @@ class BlockLayers {
   public:
     explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
 
-    /// Makes the pixels of a block. `cells`: ascending indices of the cells that reach it.
+    /// Makes the pixels of a block. `cells`: ascending indices of the groups of splats (LayerCell) that reach
+    /// the block.
     void run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image);
 
   private:
-    /// The cells of one part: [begin, end) of the block's cells.
+    /// The elements [begin, end) of the block's groups of splats (LayerCell) that belong to one part
+    /// (LayerPart).
     struct PartCells {
         const LayerPart* part;
         std::size_t begin, end;
@@ -161,7 +164,8 @@ void BlockLayers::store_pixels(std::size_t channel, Image& image) {
     }
 }
 
-// A surface needs lens moments only where it may overlap another one.
+// Whether a surface may overlap another one in the block. Only then does it need lens moments, which tell
+// through which side of the lens its light passes.
 bool BlockLayers::meets_another(std::size_t surface) const {
     constexpr std::size_t few = 64;
     if (surfaces_.size() > few) return true;

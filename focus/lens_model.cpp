@@ -40,8 +40,8 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // The Frobenius norm bounds the displacement by the anisotropic part. 1.5: the pupil may be half as
-        // large again.
+        // The Frobenius norm bounds the displacement by the anisotropic part of the map. The factor 1.5
+        // allows for a pupil that is half as large again.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -72,8 +72,8 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // The map is gain R (I/s - W), with aperture radius R and focus distance s; this is the mean of W's
-    // diagonal.
+    // The map is gain R (I/s - W), with aperture radius R and focus distance s. The inverse depth is the mean
+    // of the diagonal of W.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -21,16 +21,17 @@ struct LensViewPoint {
     LensShift shift;
 };
 
-/// Whether the impulse response is that of an aperture of a thin lens, which has lens points.
+/// Whether the impulse response is that of a thin lens's aperture. Only then can an image be made from views
+/// through single points of the lens.
 [[nodiscard]] bool has_points(const Impulse& impulse);
 /// Throws Error(wrong_arguments) if the impulse response has no lens points (has_points).
 void check_has_points(const Impulse& impulse);
 
 /// Views [first, first + views) of a set: lens points distributed as the aperture's transmittance, with
 /// positions in the pixel and instants. They are five-dimensional Sobol points [joe2008] with Owen scrambling
-/// [owen1995]. Sets are scrambled independently, so half the squared difference of the means of two sets is
-/// an unbiased estimate of the squared error of either. Throws Error(wrong_arguments) if `views` is below 1
-/// or if the set would exceed most_lens_views.
+/// [owen1995]. Sets are scrambled independently: half the squared difference of the means of two sets is
+/// therefore an unbiased estimate of the squared error of either mean. Throws Error(wrong_arguments) if
+/// `views` is below 1 or if the set would exceed most_lens_views.
 [[nodiscard]] std::vector<LensViewPoint> lens_view_points(const Aperture& aperture,
                                                           const FocusGeometry& geometry, int views,
                                                           int set = 0, int first = 0);

@@ -12,13 +12,14 @@ constexpr double even_px = LevelTable::even_diameter_px;
 /// Step of the diameter just under half a pixel, so that the error of a CoC diameter is below a quarter
 /// pixel.
 constexpr double step_diameter_px = 0.49;
-/// Such a step would change the brightness of a small disc, as of a highlight, by a fifth. Small discs
-/// therefore have a step of a fiftieth of the diameter, at least an eighth of a pixel.
+/// Step of the diameter of small discs: a fiftieth of the diameter, at least an eighth of a pixel. A step of
+/// half a pixel would change the brightness of a small disc, for example of a highlight, by a fifth.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
-/// Smaller diameters count as 0: where leaves of different sizes meet, the recorded image is already about
-/// that soft. More blur lowers its PSNR from 47.0 to 45.3 dB at f/64, where CoCs are up to 0.3 px wide.
+/// CoC diameter, px, below which a sample is not blurred: where leaves of different sizes meet, the recorded
+/// image is already about that soft. Blur by smaller CoCs lowers the PSNR, at f/64 with CoCs up to 0.3 px
+/// from 47.0 to 45.3 dB.
 constexpr double sharp_below_px = 0.4;
 /// Number of levels per factor e of the diameter beyond even_px.
 constexpr double levels_per_e = 500;

@@ -9,9 +9,9 @@
 
 namespace postlens {
 
-/// Steps between levels grow with the diameter: an eighth of a pixel from 0.4 px on, then a fiftieth of the
-/// diameter, then half a pixel; from `even_diameter_px` on a 500th of the diameter. A CoC uses the nearest
-/// level. All lenses share the table.
+/// The quantised diameters of circles of confusion. The steps between them grow with the diameter: 1/8 px
+/// from 0.4 px on, then 1/50 of the diameter, then half a pixel; from `even_diameter_px` on 1/500 of the
+/// diameter. A CoC uses the nearest level. All lenses share the table.
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;
@@ -25,7 +25,7 @@ class LevelTable {
     /// The nearest level, computed by its definition, with logarithms. `diameter_px` must be finite; its sign
     /// is ignored.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
-    /// The same level, from the table if the diameter is below the table's end.
+    /// The nearest level, from the table if the diameter is below the table's end, else computed.
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);

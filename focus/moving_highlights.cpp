@@ -13,9 +13,9 @@ namespace {
 constexpr int looks = 64;
 /// Largest step from one instant of a streak to the next: px, or share of the CoC radius if that is more.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// Number of parts of a share of the exposure, one of which is the instant of a highlight if instants are
-/// jittered. The factors, 1/px, select the part from the raster position, so that highlights a quarter or
-/// half a pixel apart get different ones.
+/// For jittered instants: each share of the exposure is divided into this many parts, and the instant of a
+/// highlight lies in one of them. The factors, 1/px, choose the part by raster position, so that highlights a
+/// quarter or half a pixel apart get different parts.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
 /// Largest position and CoC radius, px. Beyond it no light of a highlight reaches the image.

@@ -17,11 +17,11 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// Area of all radiance above the limit in a sheet, px^2, below which it is spread as a streak. Views
-    /// alone show larger areas as streaks.
+    /// Area of a surface's highlights within a square of the raster, px^2, up to which they are spread as
+    /// streaks of impulse responses. For larger areas the views alone show a streak.
     static constexpr float largest_px2 = 64;
-    /// Smallest radiance above the limit that is spread as a streak. Less leaves no visible dots in the
-    /// views.
+    /// Smallest radiance above the highlights' limit that is spread as a streak. A dimmer highlight leaves no
+    /// visible dots in the mean of the views.
     static constexpr float least_radiance = 3;
 
     /// Motion of an object from the recorded instant to that at which the share `u` (0 to 1) of the exposure
@@ -30,7 +30,7 @@ class HighlightMotion {
     /// `moves`: whether an object moves on the raster. `lens`: determines the size of the impulse responses.
     HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens);
 
-    /// Whether the surface of a sheet is seen directly and moves.
+    /// Whether the surface with this key is seen directly and moves.
     [[nodiscard]] bool moves(const SheetKey& key) const { return key.path.bits() == 0 && moves_(key.id); }
     /// Whether a moving highlight is spread as a streak. `area_px2`: as in HighlightRule.
     [[nodiscard]] static bool takes(const Highlight& light, float area_px2);
@@ -45,11 +45,13 @@ class HighlightMotion {
     /// pixel, or a quarter of the smallest CoC radius if that is more. 1 if the highlight does not move.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
-    /// The highlight at `count` instants, one per equal share of the exposure. Leaves out instants at which
-    /// it lies behind the camera, or so far away that no light reaches an image. A highlight that does not
-    /// move gets a single one with u = -1. The instants are in the middles of the shares. If `turned`, they
-    /// are jittered by raster position instead, so that several highlights close together form a streak with
-    /// fewer instants than moments_wanted.
+    /// The highlight at `count` instants, one per equal share of the exposure. Instants are left out at which
+    /// the highlight lies behind the camera, or so far outside that no light reaches an image. A highlight
+    /// that does not move gets a single element with u = -1.
+    ///
+    /// Each instant is the middle of its share. If `turned`, it is jittered within the share by the raster
+    /// position instead, so that several highlights close together form a streak with fewer instants than
+    /// moments_wanted.
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 

@@ -34,15 +34,17 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
     return out;
 }
 
-// Sets what only responses of other than round apertures have: their own extent, and a cell of the image.
+// Completes the response of an aperture that is not round: its extent, and the part of the image (cell) in
+// which its kernel is used.
 void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
                                  const glm::dvec2& place_px) const {
     out.radius_px = response_->reach_px(map_px);
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // The depth of the level, not of the node: the transmittance must be that of the kernel, which the second
-    // rim vignettes. The node's depth loses 0.4 % of all light with levels half a pixel apart.
+    // The depth of the level is used, not that of the node: the transmittance must match the kernel, which
+    // the second rim vignettes. With the node's depth, 0.4 % of all light would be lost at levels half a
+    // pixel apart.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);

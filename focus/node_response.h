@@ -39,7 +39,7 @@ struct RasterWindow {
             static_cast<double>(y) - (window.y_begin + window.y_end) / 2.0};
 }
 
-/// A node's impulse response: the key without phase, and its size.
+/// A node's impulse response: the key of its kernel without a subpixel position, and its size.
 struct NodeResponse {
     KernelKey key;
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
@@ -61,7 +61,8 @@ class NodeResponses {
                                   const glm::dvec2& place_px) const;
     /// Transmittance of the lens. 1 if one kernel is used for the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Whether weights are scattered with the same kernel as light; otherwise with that of `whole`.
+    /// Whether the weights that normalise the image are scattered with the same kernel as the light. If not,
+    /// they are scattered with the kernel without vignetting (`whole`).
     [[nodiscard]] bool weighs_as_it_shines(const NodeResponse& response) const {
         return response.key.cell_log2 == 0 || model().weighs_as_it_shines();
     }

@@ -20,7 +20,7 @@ void apply_object_effects(ForeignPicture& picture, const ObjectEffects& effects,
     constexpr double nearest_m = 1e-3;
     for (const ObjectEffects::Offset& o : effects.offsets) {
         change(picture, o.object, [&](StackSample& s) {
-            if (s.inverse_z == 0) return;  // infinitely far stays so
+            if (s.inverse_z == 0) return;  // an infinitely far sample stays there
             const double z = 1 / static_cast<double>(s.inverse_z) + o.metres;
             s.moved_inverse_z = static_cast<float>(1 / std::max(z, nearest_m));
         });

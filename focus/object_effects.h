@@ -9,11 +9,13 @@
 namespace postlens {
 
 struct ObjectEffects {
-    /// Hide what is behind them, sharply, and are not in the image: neither their colour nor their alpha.
+    /// Holdouts: objects that hide what is behind them, with sharp edges, but add neither colour nor alpha to
+    /// the image.
     std::vector<ObjectChoice> holdouts;
-    /// Are not blurred.
+    /// Objects that are not blurred.
     std::vector<ObjectChoice> sharp;
-    /// Are blurred as if they were so much farther away, m; what they hide stays.
+    /// Objects that are blurred as if they were farther away by this distance, m. They still hide what they
+    /// hide at their own depth.
     struct Offset {
         ObjectChoice object;
         double metres = 0;
@@ -21,9 +23,9 @@ struct ObjectEffects {
     std::vector<Offset> offsets;
 };
 
-/// Changes the samples of a picture. What an object hides is decided by its own depth in every case. An
-/// offset that would move an object to the camera or behind it leaves it at a millimetre. Throws as
-/// `choose_samples`.
+/// Applies holdouts, sharp objects and offsets to the samples of a picture. An object's own depth always
+/// decides what it hides. An offset that would move an object to the camera or behind it places it 1 mm from
+/// the camera. Throws what `choose_samples` throws.
 void apply_object_effects(ForeignPicture& picture, const ObjectEffects& effects, double inverse_focus_per_m);
 
 }  // namespace postlens

@@ -10,14 +10,14 @@ namespace {
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
-/// The cells that a rectangle of the raster touches.
+/// Visits the square cells of the window that a rectangle of the raster touches.
 template <typename Visit>
 void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int rows, const Visit& visit) {
     const auto cell = [](double px, int begin, int count) {
         return static_cast<int>(
             std::clamp(std::floor((px - begin) / OneSurface::edge), -1.0, static_cast<double>(count)));
     };
-    // A margin of one pixel, for the pixel filter and for scattered kernels.
+    // The rectangle is widened by one pixel, for the pixel filter and for scattered kernels.
     const int x0 = std::max(0, cell(r.x_min - 1, window.x_begin, columns)),
               x1 = std::min(columns - 1, cell(r.x_max + 1, window.x_begin, columns)),
               y0 = std::max(0, cell(r.y_min - 1, window.y_begin, rows)),
@@ -77,7 +77,8 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Counts the recorded area per cell: if it is more than the cell's, the surface overlaps itself.
+            // Adds the patch's recorded area to each cell. If the sum exceeds the cell's area, the surface
+            // overlaps itself.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

@@ -20,9 +20,9 @@ struct OneSurface {
         return cells[static_cast<std::size_t>(y / edge) * static_cast<std::size_t>(columns) +
                      static_cast<std::size_t>(x / edge)] != 0;
     }
-    /// Share of the cells that are 1.
+    /// Share of the cells in which a single surface is seen (value 1).
     [[nodiscard]] double share() const;
-    /// Whether all cells of a rectangle of the window are 1.
+    /// Whether a single surface is seen in every cell that overlaps a rectangle of the window.
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
@@ -31,7 +31,8 @@ class OneSurfaceFinder {
   public:
     /// `lens_px`: half the width and height of the lens's box, times film distance / pitch, px m.
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
-    /// `deeper` may be empty.
+    /// Adds patches of directly seen surfaces, and of reflected and transmitted ones (`deeper`, which may be
+    /// empty).
     void add(const PatchMesh& primary, const PatchMesh& deeper);
     [[nodiscard]] OneSurface found() const;
 

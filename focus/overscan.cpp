@@ -18,7 +18,8 @@ std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, 
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));
     for (int i = begin; i < end; ++i) {
-        // Radii are recorded at corners; a pixel has one on either side.
+        // CoC radii are recorded at pixel corners. Along a side of the image, a pixel has one corner at
+        // either end.
         const auto at = static_cast<std::size_t>(i - first);
         const double reach = static_cast<double>(std::max(radii[at], radii[at + 1])) - margin_px;
         // 1e6 px is more than the size of any image.
@@ -48,7 +49,7 @@ std::optional<FocusWarning> overscan_warning(const BorderRadii& border, const Ra
     };
     const std::array<int, 4> most{largest(left), largest(right), largest(top), largest(bottom)};
     if (*std::max_element(most.begin(), most.end()) == 0) return std::nullopt;
-    // All sides have the same overscan, so the side that needs most decides.
+    // All sides of the image have the same overscan, so the side that needs the widest overscan decides.
     int needed_px = 0;
     for (std::size_t i = 0; i < 4; ++i) {
         if (most[i] > 0) needed_px = std::max(needed_px, margin[i] + most[i]);

@@ -8,10 +8,10 @@
 
 namespace postlens {
 
-/// A warning of code "overscan" if CoCs of the outermost records are larger than the recorded margin. The
-/// pixels that they reach miss light from beyond the records, and are normalised by the light that is
-/// recorded. The CoCs at the border of the records count, not the largest of the image. `crop`: only these
-/// pixels of the image count. None if no pixel is affected.
+/// A warning of code "overscan" if circles of confusion of the outermost records are larger than the
+/// overscan. The image pixels that these circles reach miss light from beyond the records, and are normalised
+/// by the light that is recorded. Only circles at the border of the records matter, not the largest circle of
+/// the image. `crop`: only these pixels of the image count. None if no pixel is affected.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
                                                            const RasterWindow& source,
                                                            const RasterWindow& picture,

@@ -9,9 +9,9 @@
 namespace postlens {
 namespace {
 
-/// CoC radius, px, from which a sample is a single disc at its own position, even if its weight differs
-/// between the pixels around it. Below, each pixel's part is placed inside that pixel, so that the image for
-/// a CoC of 0 is the pinhole image.
+/// CoC radius, px, from which a sample is scattered as a single disc at its own position, even if its weight
+/// differs between the pixels around it. For smaller radii, the part of the sample that belongs to a pixel is
+/// placed inside that pixel, so that the image for a CoC of 0 is the pinhole image.
 constexpr double one_disc_from_px = 2;
 
 /// Number of subpixel positions per px for kernels of this radius. A sample between them is distributed over
@@ -38,8 +38,8 @@ std::pair<float, float> shift_between_leaves(const PointSample& s) {
     return total > 0 ? std::pair(x / total, y / total) : std::pair(0.0F, 0.0F);
 }
 
-/// The phase nearest to a position inside a pixel, never on the pixel's border. `fraction`: position, 0 to 1
-/// px.
+/// The quantised subpixel position nearest to a position inside a pixel, but never on the pixel's border.
+/// `fraction`: the position, 0 to 1 px.
 std::int32_t phase_inside(float fraction) {
     return std::clamp(static_cast<std::int32_t>(std::lround(fraction * KernelKey::phase_steps)), 1,
                       KernelKey::phase_steps - 1);

@@ -16,7 +16,7 @@ struct Phase {
     float weight;
 };
 
-/// At most four positions.
+/// The subpixel positions over which a sample's impulse response is distributed: at most four.
 struct Phases {
     std::array<Phase, 4> items{};
     std::size_t count = 0;

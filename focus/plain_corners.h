@@ -1,5 +1,5 @@
-// Plain corners: undivided corner samples without reflections and refractions, stored as planes. Most samples
-// of a frame are plain corners.
+// Plain corners: samples at corners of undivided pixels, without reflections and refractions. They are stored
+// as arrays of depth, r, g and b. Most samples of a frame are plain corners.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// A corner whose four pixels are not divided.
+/// Whether a sample lies at a pixel corner and none of the four pixels around it is divided.
 [[nodiscard]] inline bool is_whole_corner(const PointSample& s) {
     return s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
 }
@@ -31,7 +31,7 @@ struct PlainCorners {
     /// All other point samples as indices into PointSamples::samples, in order: row i has
     /// [other_begin[i], other_begin[i + 1]).
     std::vector<std::uint32_t> others, other_begin;
-    /// Ranges of a row's plain corners.
+    /// The range of depths of a row's plain corners, and whether they have negative colours.
     struct Row {
         /// Smallest and largest 1/z' of corners at a finite depth, 1/m; least > greatest if there is none.
         double least_inverse = std::numeric_limits<double>::infinity(), greatest_inverse = 0;

@@ -13,11 +13,12 @@ namespace postlens {
 /// block.
 ///
 /// The pixels of a kernel's outline are added one by one. The uniform inside of a wide row is stored as
-/// differences: added at its first pixel, subtracted after its last, summed up later. All in double: in
-/// float, every bright sample would leave a rounding error to the right of it.
+/// differences: its value is added at its first pixel and subtracted after its last one; running sums along
+/// the row are taken later. All sums are in double, because in float every bright sample would leave a
+/// rounding error to its right.
 class PointScatter {
   public:
-    /// `channel`: uses the kernels of this channel, if they differ.
+    /// `channel`: the colour channel whose kernels are used, if the channels have their own kernels.
     explicit PointScatter(const SplatTables& tables, std::size_t channel = 0)
         : tables_(tables), channel_(channel) {}
 
@@ -31,7 +32,7 @@ class PointScatter {
     [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:
-    /// Splats of one source row and reach class that may reach rows_.
+    /// The splats of one source row that have similar reach (reach_classes) and may reach rows_.
     struct Pass {
         std::span<const Splat> splats;
         int y;

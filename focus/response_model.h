@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// The impulse response of a scene point: light through the aperture point q (lens radii) arrives at `map_px
-/// q`, plus what the model adds.
+/// Describes the impulse response of a scene point: light through the aperture point q (lens radii) arrives
+/// at `map_px q`, plus the displacement by the model's aberrations.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point, from the image's centre
@@ -43,8 +43,8 @@ class ResponseModel {
     /// Width of the part of the image, px, in which one kernel can be used for this map: within it the
     /// outline changes by less than half a pixel, or by little relative to its size. 0: the whole image.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
-    /// Whether weights are scattered with the same kernel as light. False: with the kernel without
-    /// vignetting.
+    /// Whether the weights that normalise the image are scattered with the same kernel as the light. False:
+    /// they are scattered with the kernel without vignetting.
     [[nodiscard]] virtual bool weighs_as_it_shines() const { return false; }
     /// Transmittance for a scene point at `place_px` from the image's centre.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
@@ -56,7 +56,8 @@ class ResponseModel {
     /// The kernel. Its values add up to 1 unless `reach` clips it, or to 0 if no light is transmitted.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
 
-    /// Radius from which on fewer subpixel positions are used, px, as kernels are expensive to make.
+    /// CoC radius, px, from which fewer subpixel positions are used, because the kernels of this model are
+    /// expensive to make.
     [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
 
     /// Whether red, green and blue have their own responses: then `channel_kernels` is called instead of

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Number of source rows added in float before the sums go to double, so that rounding stays below 1e-6 of a
-/// sum.
+/// Number of source rows whose light is summed in float before the sums are added to those in double, so that
+/// the rounding error stays below 1e-6 of a sum.
 constexpr int source_rows_per_flush = 32;
 /// Number of source rows that are filtered together, strip by strip. The sums of one strip and channel then
 /// stay in the L1 cache for CoC radii up to 64 px.
@@ -36,7 +36,7 @@ struct StripFilter {
     const double* running;  ///< sum of source colours before the strip's first pixel, times the inner share
 };
 
-/// Kernel rows dy, [begin, end), whose target rows lie in the block.
+/// The range [begin, end) of kernel rows dy whose target rows lie in the block of pixels.
 struct RowRange {
     int begin, end;
 };
@@ -86,8 +86,8 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// The same for a source row whose values are 1 in the kernel's whole reach: adds the sums of the kernel
-/// rows.
+/// Adds a filtered source row whose values are 1 in the kernel's whole reach: the result is then the sum of
+/// the kernel row.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -152,7 +152,7 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // Rows that no run has reached yet are moved as well, as zeros.
+    // Rows of the block that no run has reached yet are added as well, as zeros.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
     flush_rows(fresh_from_, end, true);

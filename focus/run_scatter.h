@@ -10,10 +10,10 @@ namespace postlens {
 /// Sums of colour times kernel, and of the kernel, over a block of pixels.
 ///
 /// Discs are centred on integer coordinates, so kernels are symmetric: a filtered source row serves two rows
-/// of the image, and taps come in pairs. The inside of a kernel row is a difference of running sums, in
-/// double, so that a bright sample leaves no rounding error where it does not reach. The other terms are
-/// positive; they are added in float for a few source rows, then in double. The order of every sum depends on
-/// the tables only.
+/// of the image, and the single values of a kernel row (taps) come in pairs. The inside of a kernel row is a
+/// difference of running sums, in double, so that a bright sample leaves no rounding error where it does not
+/// reach. The other terms are positive; they are added in float for a few source rows, then in double. The
+/// order of every sum depends only on the tables, not on threads.
 class RunScatter {
   public:
     /// Width of the strips that a block is divided into, px.
@@ -26,8 +26,8 @@ class RunScatter {
     RunScatter& operator=(const RunScatter&) = delete;
     RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Computes the sums of all runs that reach `block`, a part of tables.picture(). Returns false if none
-    /// does; then there are no sums.
+    /// Computes the sums of all runs (adjacent samples with the same disc) that reach `block`, a part of
+    /// tables.picture(). Returns false if no run reaches it; there are no sums then.
     bool run(const RasterWindow& block);
 
     /// The sums of `channel` (0 to 2: colour, 3: weight) of the strip_width pixels of a strip in row y;

@@ -41,7 +41,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     const double* __restrict g = sums[1];
     const double* __restrict b = sums[2];
     const double* __restrict weight = sums[3];
-    // Sums of differences leave rounding errors, which may be negative.
+    // Sums of differences have rounding errors, which may make a value slightly negative. Unless the scene
+    // has negative colours, values are clamped to 0.
     const double least = may_be_negative ? -std::numeric_limits<double>::infinity() : 0;
     for (int i = 0; i < strip_width; ++i) {
         const double scale = weight[i] > smallest_weight ? 1 / filled(weight[i], nothing[i]) : 0;
@@ -51,8 +52,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     }
 }
 
-/// Normalises and stores one channel, if channels have their own kernels. Of the sums, which were made with
-/// the channel's kernels, only its colour and the weight are used.
+/// Normalises and stores one colour channel, for models in which each channel has its own kernels. `points`
+/// has sums that were made with the channel's kernels; only the channel's colour and the weight are used.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();

@@ -13,13 +13,13 @@ inline constexpr double smallest_weight = 1e-12;
 /// Edge of the blocks in which images are made, px; the first block is at the upper left corner.
 inline constexpr int scatter_block_px = 256;
 
-/// Makes the image of the tables' image window; resizes `image`. In parallel; bit-identical for any number of
-/// threads. With `wanted`, blocks outside that part of the image are skipped; the others are the same bit for
-/// bit.
+/// Makes the image of the window `tables.picture()` and resizes `image`. Runs in parallel; the result is
+/// bit-identical for any number of threads. With `wanted`, blocks outside of that part of the image are
+/// skipped; the other blocks are bit-identical to those without it.
 void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
-/// The same image, computed by the definition, with every impulse response evaluated at every pixel in double
-/// precision: a slow and obvious reference for tests.
+/// Computes the image of scatter() by the definition, with every impulse response evaluated at every pixel in
+/// double precision: a slow and simple reference for tests.
 [[nodiscard]] Image scatter_reference(const SplatTables& tables);
 
 }  // namespace postlens

@@ -13,8 +13,9 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Smallest length of a run, px. Fewer corners are faster as single splats: the cost of a run grows with its
-/// whole reach, that of a splat with its kernel's outline. Measured with bench/scatter_bench.cpp.
+/// Smallest length, px, of a run of adjacent samples with the same disc. Fewer samples are faster as single
+/// splats, because the cost of a run grows with its whole reach, but that of a splat only with its kernel's
+/// outline. Measured with bench/scatter_bench.cpp.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
@@ -79,8 +80,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // Only primary nodes count, since W of other nodes is unbounded near a caustic, and only at a finite
-    // depth, since empty space has no visible CoC.
+    // The largest CoC is taken over primary nodes, since W of other nodes is unbounded near a caustic.
+    // Infinitely far nodes are left out, since the CoC of empty space is not visible.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -119,7 +120,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     add_splats(s, NodeResponses::whole(primary), {0, 0, 0}, 1);
 }
 
-// Has the same result as add_sample for each plain corner; a test compares them.
+// Adds the plain corners of a row (samples of undivided pixels without reflections). The result is that of
+// add_sample for each of them, which a test checks.
 void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
     const std::size_t width = level_.size(), at = row * width;
     const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);
@@ -249,7 +251,8 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // One px more on either side, as the subpixel position may be up to 1 px from the anchor.
+    // The reach is one px more on either side, as the subpixel position of a kernel may be up to 1 px from
+    // its anchor.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }
@@ -317,7 +320,7 @@ void SplatTables::find_reaches() {
     }
 }
 
-// Sorts splats by reach class; within a class they stay sorted by column.
+// Sorts the splats of a row by how far they reach (reach_classes); within a class they stay sorted by column.
 void SplatTables::sort_by_reach(SplatRow& row) const {
     const std::vector<Splat> unsorted = row.splats;
     std::vector<std::uint8_t> classes;
@@ -370,7 +373,7 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
     if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
-    // Rows that are not added again only have their kept splats, which reach far.
+    // Rows that are not added again only provide the splats that were kept because they reach far.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         std::vector<Splat> splats;
         for (const auto& far : strip_rows_.far(y)) {

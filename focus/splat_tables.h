@@ -55,8 +55,8 @@ inline constexpr std::size_t reach_classes = 6;
 struct SplatRow {
     std::vector<SplatRun> runs;  ///< sorted by column
     std::vector<Splat> splats;   ///< sorted by reach class, then by column
-    /// Class c has the splats [class_begin[c], class_begin[c + 1]); class_reach[c] is the union of their
-    /// reaches.
+    /// Reach class c, splats with similar reach, has the splats [class_begin[c], class_begin[c + 1]).
+    /// class_reach[c] is the union of their reaches.
     std::array<std::uint32_t, reach_classes + 1> class_begin{};
     std::array<Reach, reach_classes> class_reach{};
     /// Rows [run_dy_begin, run_dy_end) that the runs reach, relative to this row.
@@ -87,13 +87,14 @@ class SplatTables {
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// The same for rows whose point samples may already be found.
+    /// Adds corner rows whose point samples may already have been found.
     void add_rows(const FrameRows& rows);
     /// Adds row y of another program's image, sorted by column. Several threads may add different rows at the
     /// same time. Hidden samples are skipped.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Per pixel of the image, row by row: the largest share of the pixel that may be empty if the weights
-    /// that arrive add up to less than 1. Without a call, pixels are always divided by their sum of weights.
+    /// Lets empty space fill a share of pixels in which the arriving weights add up to less than 1. `most`:
+    /// per pixel of the image, row by row, the largest share that may be empty. Without this call, every
+    /// pixel is divided by its sum of weights.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Makes the kernels. Call it after the last row.
     void finish();
@@ -122,14 +123,16 @@ class SplatTables {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// Rows that the runs of any row reach, relative to their own row, and the same for splats of a class.
+    /// The rows that runs reach, relative to their own row, as the union over all rows of the image. Also the
+    /// same union for the splats of each reach class.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// The values of let_nothing_fill for row y of the image, raster px; null without them.
+    /// Per pixel of raster row y, the largest share of the pixel that may be empty (let_nothing_fill). Null
+    /// if let_nothing_fill was not called.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *

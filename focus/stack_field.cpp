@@ -18,12 +18,12 @@ namespace {
 
 /// Rows of the image that one task draws for all views.
 constexpr int rows_per_task = 32;
-/// Pixel corners, counted as x + 2 y.
+/// Number of a pixel's corners. The corner at (x, y), each 0 or 1, has the index x + 2 y.
 constexpr std::size_t corners = 4;
-/// Views between two looks whether the job is cancelled.
+/// Number of views that are drawn between two tests whether the job is cancelled.
 constexpr std::size_t views_per_look = 16;
 
-/// A sample as views draw it.
+/// A sample of a pixel's stack as a quadrilateral with a depth at each corner.
 struct Facet {
     std::array<float, corners> inverse_z{};  ///< at the corners of its pixel, 1/m
     StackSample sample;
@@ -112,7 +112,8 @@ class Facets {
             }
         });
     }
-    /// Only the corners change here, which no neighbour reads.
+    /// Sets the corner depths of `f` to the mean over the samples that continue its surface. Thread-safe,
+    /// because no neighbour reads the corners.
     void join(Facet& f, int x, int y) const {
         std::array<const Facet*, 9> around{};
         for (int v = 0; v < 3; ++v) {
@@ -154,7 +155,7 @@ class Facets {
     std::vector<std::pair<float, float>> ranges_;
 };
 
-/// A view: where it looks from, and which points of the pixels it takes.
+/// A view: its lens point, and its sample position within the pixels.
 struct View {
     float lens_x, lens_y;  ///< px m
     float inverse_focus_per_m;
@@ -216,7 +217,8 @@ class Band {
                                   static_cast<std::size_t>(x - s_.window.x_begin);
             const auto views = static_cast<float>(s_.views);
             for (std::size_t c = 0; c < 3; ++c) out.image.rgb[3 * k + c] = sums_[i].rgba[c] / views;
-            // A view that the lens blocks has no light, and no say in what is transparent.
+            // A view whose light the lens blocks is black, so colours are means over all views. It does not
+            // affect alpha, which is the mean over the other views.
             const float passed = passed_.empty() ? views : passed_[i];
             out.image.alpha[k] = passed > 0 ? std::min(sums_[i].rgba[3] / passed, 1.0F) : 1;
             if (!shares_.empty() && passed > 0) {
@@ -254,7 +256,8 @@ class Band {
                y + std::min(a, b) - margin_px <= static_cast<float>(y_begin_ + rows_);
     }
 
-    /// Finds the points of the view inside a quadrilateral; they are the whole coordinates of the raster.
+    /// Finds the view's sample points inside a quadrilateral. In the view's coordinates, they are at
+    /// integers.
     void meet(const View& v, const Facet& f, std::uint64_t number, int x, int y) {
         std::array<float, corners> px{}, py{};
         for (std::size_t c = 0; c < corners; ++c) {
@@ -281,11 +284,13 @@ class Band {
         }
     }
 
-    /// Of two triangles, either way round. Sides count as inside, so that neighbours leave no crack.
+    /// Whether a point lies in one of the quadrilateral's two triangles, whatever their orientation. The
+    /// sides count as inside, so that neighbours leave no crack.
     [[nodiscard]] static bool inside(const std::array<float, corners>& px,
                                      const std::array<float, corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
-            // From the corner that comes first, so that both neighbours of a side compute the same number.
+            // The side starts at the corner that comes first in order, so that both neighbours of the side
+            // compute the same number.
             return (px[b] - px[a]) * (y - py[a]) - (py[b] - py[a]) * (x - px[a]);
         };
         const float top = side(0, 1), right = side(1, 3), bottom = side(2, 3), left = side(0, 2),
@@ -302,12 +307,14 @@ class Band {
         const double share = static_cast<double>(f.threshold + v.threshold) * 0x1p-32;
         if (share < static_cast<double>(f.sample.alpha)) n = {z, number};
     }
-    /// Of equal depths the one that comes first hides the other.
+    /// Whether a quadrilateral is behind the nearest one so far. Of two at equal depth, the one with the
+    /// smaller number is in front.
     [[nodiscard]] static bool is_behind(float z, std::uint64_t number, const Nearest& n) {
         return z < n.inverse_z || (z == n.inverse_z && number > n.number);
     }
 
-    /// What nothing opaque hides adds its premultiplied light: the expected value is that of "over".
+    /// Adds the premultiplied light of all quadrilaterals that no opaque one hides. The expected value is
+    /// that of the operator "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {
@@ -343,7 +350,8 @@ class Band {
             of_pixel.push_back({s.id, side, s.alpha});
         }
     }
-    /// As in `passing` of the light field of sample files: by where the ray meets the plane in focus.
+    /// Finds the views whose light the lens transmits to each pixel, by where the view's ray meets the plane
+    /// in focus.
     void find_passing(const View& v) {
         passes_.resize(passed_.size());
         const glm::dvec2 middle((s_.window.x_begin + s_.window.x_end) / 2.0,

@@ -46,8 +46,9 @@ struct StackField {
 /// that are spread evenly over the views). `behind` adds one sample to the end of each stack whose estimate
 /// is known; it may be empty.
 ///
-/// Expected value: "over" along each ray through the lens. Same bits for any number of threads and any
-/// `drawn`. Throws Error(wrong_arguments) for a number of views out of range, and Error(out_of_memory).
+/// The expected value of the image is "over" along each ray through the lens. The result is bit-identical for
+/// any number of threads and any `drawn`. Throws Error(wrong_arguments) for a number of views out of range,
+/// and Error(out_of_memory).
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 

@@ -34,13 +34,13 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
     const double seen = behind_all ? 0 : left_, hidden = 1 - seen;
-    // The share that stays hidden from all lens points, because its occluder moves with it over the lens.
-    // Behind a translucent occluder it is measured by `independence`, as `composite` does for the part that
-    // is seen.
+    // Computes the share of the light that stays hidden from all lens points, because its occluder moves with
+    // it over the lens. Behind a translucent occluder, `independence` gives this share, as in `composite`.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
-        // Empty space is the same everywhere, so no occluder moves with it.
+        // Empty space looks the same from every lens point, so it counts as moving independently of every
+        // occluder.
         const double apart = surface == nothing     ? 1
                              : m.surface == surface ? 0
                              : opaque               ? std::min(1.0, std::abs(radius_px - m.radius_px))

@@ -14,9 +14,10 @@
 
 namespace postlens {
 
-/// Most items of a file's row reach only pixel rows close to it. The few that reach far are kept, so that for
-/// a strip only its own rows and those close to it must be read again. `Item`: an item of a row, for example
-/// a splat, that reaches several pixel rows.
+/// Decides which rows of the file are read again for each strip of the image. `Item`: an item of a row, for
+/// example a splat, that reaches several pixel rows. Most items reach only pixel rows close to their own. The
+/// few that reach far are kept in memory, so that for a strip only its own rows and those close to it must be
+/// read again.
 template <typename Item>
 class StripRows {
   public:
@@ -35,8 +36,8 @@ class StripRows {
           blocks_((picture.height() + block_px - 1) / block_px),
           rows_(static_cast<std::size_t>(source.height())) {}
 
-    /// Removes the items of a row; all its items are then added again, in order. Like add, thread-safe for
-    /// different rows.
+    /// Removes the items of a row, before all its items are added again, in order. Like `add`, it is
+    /// thread-safe for different rows.
     void begin_row(int y) {
         Row& to = row(y);
         to.first = std::numeric_limits<int>::max();
@@ -58,8 +59,9 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Called when some rows are complete. While the kept items exceed the memory limit, doubles the reach
-    /// from which items are kept, and drops the others.
+    /// Keeps the memory of kept items within the limit: as long as they exceed it, doubles the smallest
+    /// distance that an item must reach to be kept, and drops the items that reach less far. Call it when
+    /// some rows are complete.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -109,7 +111,8 @@ class StripRows {
         }
         return out - gone;
     }
-    /// The kept items of a row, which reach far, in order. A row that need not be read has only these.
+    /// The items of a row that are kept because they reach far, in order. A row that is not read again
+    /// provides only these.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }

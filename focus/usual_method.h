@@ -12,10 +12,10 @@ struct UsualMethod {
     std::string_view reason;  ///< "as the file has ..."
 };
 
-/// `layers` if the file has hidden surfaces, mirrors or glass; else `scatter`. Chosen on random scenes and on
-/// the samples (docs/focus.md): with hidden surfaces `layers` has the highest PSNR on most scenes. Without
-/// them the background of a blurred edge is not recorded, and the average that `scatter` takes has the
-/// smaller error.
+/// The default method for a sample file: `layers` if the file has hidden surfaces, mirrors or glass; else
+/// `scatter`. With hidden surfaces, `layers` has the highest PSNR on most random scenes and samples
+/// (docs/focus.md). Without hidden surfaces, the background of a blurred edge is not recorded, and `scatter`,
+/// which averages the light that arrives, has the smaller error.
 [[nodiscard]] UsualMethod usual_method(const SampleHeader& header);
 /// The default for an image of another program: `layers`.
 [[nodiscard]] UsualMethod usual_method_of_foreign_picture();

@@ -23,7 +23,8 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Share, 0 to 1, of light with this sum and this lens moment that the transmittance S lets pass.
+    /// Share, 0 to 1, of light that the transmittance S lets pass. The light is given by its sum and its lens
+    /// moment (sum of light times lens point).
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
         if (sum == 0) return 0;
         return std::clamp(mean + 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum, 0.0, 1.0);
@@ -72,8 +73,8 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// Light of a fragment after occlusion by the surfaces in front. `add` adds `times` a light; the colours and
-/// alpha are attenuated separately, each with its own lens moment.
+/// Light of a surface at the pixel after occlusion by the surfaces in front. `add` adds a light multiplied by
+/// `times`. Colours and alpha are attenuated separately, each by its own lens moment.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
@@ -115,13 +116,15 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // Surfaces that move with the fragment do not hide what the pinhole sees of it.
+        // Surfaces in front with a similar CoC move together with this surface over the lens. They do not
+        // hide the part of it that the pinhole sees.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // The coverage is at most what is still free, and at least the part that cannot be hidden.
+        // The surface's coverage is at most the share that is still free, and at least the part that cannot
+        // be hidden.
         const double least =
             std::min(f.seen.alpha + f.hidden.alpha, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = light.alpha > 0 ? std::clamp(light.alpha, std::max(least, 0.0), free.mean) : 0;
@@ -132,8 +135,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Upper bound of the moment of a part of the unit disc by its area, as a share: half the disc has
-        // 0.21, and a small part at the rim its own area.
+        // Upper bound of the lens moment of a part of the unit disc, given its area as a share of the disc.
+        // Half of the disc has the moment 0.21; a small part at the rim has a moment equal to its area.
         const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }

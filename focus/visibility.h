@@ -14,8 +14,8 @@ struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Light of a surface at a pixel, without occlusion: alpha, its coverage of the pixel, mean over the lens;
-/// colour times alpha; the lens moments of red, green, blue and alpha.
+/// Light of a surface at a pixel, without occlusion: its alpha, the mean over the lens of its coverage of the
+/// pixel; its colour times alpha; and the lens moments of red, green, blue and alpha.
 struct SurfaceLight {
     double alpha = 0;  ///< 0 or more
     std::array<double, 3> rgb{};
@@ -33,9 +33,9 @@ struct Fragment {
 /// signed radii of their circles of confusion, px. The 1 is the width of a pixel.
 [[nodiscard]] double independence(double radius_px, double other_px);
 
-/// Composites the fragments of a pixel and divides by their total coverage. Fragments must have positive
-/// alpha; without any the result is black. Sorts the fragments: nearest first; in one plane, smallest alpha
-/// first.
+/// Composites the fragments of a pixel, one per surface, and divides by their total coverage. Fragments must
+/// have positive alpha. Without fragments the result is black. The fragments are sorted: nearest first; in
+/// one plane, smallest alpha first.
 ///
 /// This is "over" [porter1984] per lens point. The transmittance T(q) of the fragments so far and the light
 /// E(q) of a fragment are linear functions of the lens point q, given by mean and moment. q is uniform over
@@ -44,9 +44,9 @@ struct Fragment {
 /// where e and e_q are the mean and the moment of E. A blurred edge that covers one side of the lens thus
 /// does not attenuate light that passes through the other side. Without moments this is plain "over".
 ///
-/// Surfaces with the same circle of confusion move together, so between them every lens point sees what the
-/// pinhole sees: the seen part of a surface is not attenuated by surfaces that move with it (see
-/// independence), and a part that is hidden by such a surface stays hidden (Fragment::covered).
+/// Surfaces with the same circle of confusion move together over the lens, so every lens point sees the same
+/// parts of them as the pinhole. The visible part of a surface is therefore not attenuated by surfaces that
+/// move with it (see independence), and a part that such a surface hides stays hidden (Fragment::covered).
 [[nodiscard]] std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry);
 
 }  // namespace postlens

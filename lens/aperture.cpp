@@ -20,8 +20,8 @@ constexpr double smallest_rim_scale = 0.05;
 /// of its area.
 constexpr double fine = 1e-5;
 
-/// Among running sums that end in 1, the index of the step that holds u, and the position of u within that
-/// step, [0, 1].
+/// For running sums that end in 1: the index of the step in which u lies, and the position of u within that
+/// step, 0 to 1.
 std::pair<std::size_t, double> step_of(const double* begin, const double* end, double u) {
     const double* at = std::min(std::upper_bound(begin, end, u), end - 1);
     const double before = at == begin ? 0 : at[-1];

@@ -51,16 +51,17 @@ class Aperture {
     /// Largest distance of a point of the aperture from its centre.
     [[nodiscard]] double farthest() const { return farthest_; }
 
-    /// Outline of the part that transmits light at a field position, with chords within `tolerance`. Empty if
-    /// there is none. Not for images.
+    /// Outline of the part of the aperture that transmits light at a field position, with chords within
+    /// `tolerance`. Empty if no light passes. Not for apertures given as images.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
     /// Outline of the second rim alone; a square around the whole aperture if the rim blocks nothing.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
     /// True if light through a point of the aperture also passes the second rim.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
-    /// Share of the aperture's light that passes the second rim; 1 without one. Exact for the disc. Other
-    /// shapes interpolate a table over field and rim_scale, accurate to 1e-3 for a rim_scale of 1.
+    /// Share of the aperture's light that passes the second rim; 1 if there is no second rim. Exact for the
+    /// disc. For other shapes it is interpolated in a table over field and rim_scale, with an error of 1e-3
+    /// at a rim_scale of 1.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture (ignoring the second rim), in proportion to the
@@ -78,7 +79,7 @@ class Aperture {
     void lay_transmission_table();
 
     /// Steps of the transmission table per axis of the field, over [-1, 1]. Interpolated values are slightly
-    /// too small: for a hexagon, 32 steps lose 0.05 % of the light and 64 steps 0.025 %, against 128 steps.
+    /// too small: for a hexagon, a table of 32 steps loses 0.05 % of the light against one of 128 steps.
     [[nodiscard]] int table_steps() const { return picture_ ? 32 : 64; }
     static constexpr int table_slices = 9;  ///< rim_scale 1, 0.9375, ... 0.5; at 0 the rim blocks nothing
     Impulse impulse_;

@@ -32,7 +32,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
         return static_cast<int>(
             std::clamp(std::ceil(centre + reach), static_cast<double>(low), static_cast<double>(high)));
     };
-    // The reach is enlarged slightly, so that rounding excludes no corner that lies on a pixel border.
+    // The response's reach is enlarged slightly, so that rounding does not exclude a corner of the outline
+    // that lies on a pixel border.
     const double reach = reach_px * (1 + 1e-9) + 1e-9;
     const int x_begin = begin(image.centre_px.x, reach, window.x_begin, window.x_end),
               x_end = end(image.centre_px.x, reach, x_begin, window.x_end),
@@ -82,7 +83,7 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     const double cell = 2.0 / std::max(whole.width, whole.height);
     const double narrower = aperture.half_extent().x / (whole.width * cell / 2);
     const CoarsePicture p = coarse_enough(whole, cell * scale * std::max(1.0, narrower));
-    // The combined cells of the last column and row are cut off at the image's border.
+    // Combined cells in the last column and row of the aperture's image are cut off at the image's border.
     const auto corner = [&](int x, int y) {
         return dvec2((std::min(x * p.step, whole.width) - whole.width / 2.0) * cell * narrower,
                      (std::min(y * p.step, whole.height) - whole.height / 2.0) * cell);
@@ -183,8 +184,8 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cats_eye the second rim moves over the field. The response is no more accurate than that movement,
-    // so chords within 0.02 px suffice.
+    // With cats_eye the outline changes with the field position, and one response serves a part of the image.
+    // Finer chords than 0.02 px would therefore not make it more accurate.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

@@ -18,7 +18,8 @@ void CellDeposit::add_point(const dvec2& p, double energy) {
 void CellDeposit::add(std::span<const dvec2> corners, double energy) {
     double twice = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        // Coordinates relative to the first corner keep the precision of a small cell far from the anchor.
+        // The polygon's coordinates are taken relative to its first corner, so that a small polygon far from
+        // the anchor does not lose precision.
         const dvec2 a = corners[i] - corners[0], b = corners[(i + 1) % corners.size()] - corners[0];
         twice += a.x * b.y - a.y * b.x;
     }
@@ -38,8 +39,9 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
         add_side(corners[i], corners[(i + 1) % corners.size()], density);
 }
 
-// A side adds the area to its right, with the sign of the density if the side runs upwards and with the
-// opposite sign if it runs downwards. To the right of the whole polygon these contributions cancel.
+// Adds the energy of the area to the right of a polygon's side. It has the sign of the density if the side
+// runs upwards and the opposite sign if the side runs downwards, so that the sum over all sides is 0 to the
+// right of the polygon.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;

@@ -15,8 +15,8 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     double xy = m[0].x * m[0].y + m[1].x * m[1].y;
     double yy = m[0].y * m[0].y + m[1].y * m[1].y;
     const double mean = (xx + yy) / 2;
-    // These squares of px neither overflow nor underflow, so std::hypot, which takes five times as long, is
-    // not needed.
+    // std::hypot is not needed here and takes five times as long: these squares of px neither overflow nor
+    // underflow.
     const double spread = std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
     const double det = m[0].x * m[1].y - m[0].y * m[1].x;
     const double smallest_squared = smallest_px * smallest_px;
@@ -76,7 +76,8 @@ EllipseRows::EllipseRows(const Ellipse& ellipse, double cx, double cy)
       y_begin_(static_cast<int>(std::floor(cy - ellipse.half_height))),
       y_end_(static_cast<int>(std::ceil(cy + ellipse.half_height))) {
     assert(ellipse.half_height > 0 && ellipse.half_chord > 0);
-    // An ellipse whose half height is lost in the rounding of cy + half_height still touches one row.
+    // A very flat ellipse, whose half height is lost in the rounding of cy + half_height, still touches one
+    // row.
     if (y_end_ == y_begin_) ++y_end_;
 }
 

@@ -39,17 +39,17 @@ struct CoverageRow {
 [[nodiscard]] double ellipse_coverage_reference(const Ellipse& ellipse, double cx, double cy, int x, int y,
                                                 int n);
 
-/// Coverage of one row, with its inner pixels as an interval. Pixels [inner_begin, inner_end) are completely
-/// covered and have the same value, so the cost is that of the outline. Pixels outside [x_begin, x_end) are
-/// not covered; x_begin <= inner_begin <= inner_end <= x_end.
+/// Coverage of the pixels of one row. Pixels [inner_begin, inner_end) are completely covered and have the
+/// same value, so only the pixels on the outline are stored. Pixels outside [x_begin, x_end) are not covered.
+/// x_begin <= inner_begin <= inner_end <= x_end.
 struct CoverageSpan {
     int x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     /// Shares of [x_begin, inner_begin), then of [inner_end, x_end).
     std::vector<double> edge_share;
 };
 
-/// Computes the coverage of rows in any order without visiting inner pixels: O(outline) for all rows
-/// together.
+/// Computes how much of each pixel of a row the ellipse covers, for rows in any order. Inner pixels are not
+/// visited, so all rows together take a time proportional to the length of the outline.
 class EllipseRows {
   public:
     EllipseRows(const Ellipse& ellipse, double cx, double cy);

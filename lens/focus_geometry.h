@@ -28,7 +28,7 @@ void check_film(const Film& film);
 struct FocusGeometry {
     double aperture_radius_m = 0;    ///< F / (2 n); 0 is a pinhole
     double inverse_focus_per_m = 0;  ///< 1/s; 0 when focused at infinity
-    double gain_px = 0;              ///< d / pitch after framing, px
+    double gain_px = 0;              ///< film distance d / pixel pitch, after framing, px
     double zoom = 1;                 ///< magnification of the raster about the image centre, from the framing
 
     /// Signed diameter of the circle of confusion, px: positive behind the focus. Finite for every inverse

@@ -23,8 +23,8 @@ double right_of(const Piece& p, double x) {
         return into - into * into / 2;
     };
     const double width = p.x_high - p.x_low;
-    // The piece is almost vertical, so the mean is taken as the value at its midpoint; the error is of second
-    // order.
+    // For an almost vertical piece, the value at its midpoint replaces the mean over its height. The error is
+    // of second order in the piece's width.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }

@@ -7,8 +7,9 @@
 
 namespace postlens {
 
-/// Computes the coverage of rows in any order without visiting inner pixels: O(outline) for all rows
-/// together. Values are shares of the polygon's area and add up to 1 over the plane. Row y covers [y, y + 1).
+/// Computes how much of each pixel of a row the polygon covers, for rows in any order. Inner pixels are not
+/// visited, so all rows together take a time proportional to the length of the outline. Values are shares of
+/// the polygon's area and add up to 1 over the plane. Row y covers [y, y + 1).
 class OutlineRows {
   public:
     /// `outline` is in px, of either orientation, and has an area of at least 1e-12 px^2.

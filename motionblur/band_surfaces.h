@@ -1,4 +1,4 @@
-// Reads rows of a sample file and turns them into leaves and surfaces, for code that iterates over pixels.
+// Reads rows of a sample file and turns their records into quadtree leaves and surfaces, pixel by pixel.
 #pragma once
 
 #include <functional>
@@ -9,13 +9,13 @@
 
 namespace postlens {
 
-/// Leaves and surfaces of the pixels in rows [y_begin, y_end).
+/// Quadtree leaves and surfaces of the pixels in rows [y_begin, y_end).
 struct BandSurfaces {
     int x_begin = 0, width = 0, y_begin = 0, y_end = 0;  ///< width: columns of the band, one more than pixels
     PixelLeaves leaves;
     SampleSurfaces surfaces;
 
-    /// Calls on_leaf(leaf) for the leaves of a pixel.
+    /// Calls on_leaf(leaf) for each quadtree leaf of a pixel.
     template <typename OnLeaf>
     void for_each_leaf(int x, int y, const OnLeaf& on_leaf) const {
         const std::size_t k = static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +
@@ -27,9 +27,9 @@ struct BandSurfaces {
 
 inline constexpr int band_rows = 32;
 
-/// Records of one instant in bands of `band_rows` rows of pixels, each with the row below, which holds the
-/// records on the lower border. Only some bands are in memory: objects move over a small part of a frame's
-/// rows.
+/// Records of one instant in bands of `band_rows` rows of pixels. Each band also has the row below, which
+/// holds the records on its lower border. Only some bands are in memory, because objects move over a small
+/// part of a frame's rows.
 class RecordBands {
   public:
     /// Keeps a reference to the file and reads nothing yet.
@@ -51,11 +51,12 @@ class RecordBands {
     void read(RecordBand& band) const;
 };
 
-/// Surfaces of the bands that contain rows [y_begin, y_end) and must be in memory. The others stay empty.
+/// Surfaces of the bands that contain rows [y_begin, y_end); these bands must be in memory. The elements of
+/// all other bands stay empty.
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 
-/// Finds the group to which an id belongs.
+/// Finds the group of objects with a common path to which an id belongs.
 class GroupTable {
   public:
     explicit GroupTable(const std::vector<MovingGroup>& groups);

@@ -1,4 +1,5 @@
-// Input of both methods of convolution: the nonzero parts of i1 and i2, and the window of the result.
+// Input of both methods of convolution: the nonzero parts of i1 (raster of an object) and of i2 (raster of
+// its path), and the window of the result.
 #pragma once
 
 #include <vector>
@@ -16,16 +17,17 @@ struct ColumnRange {
 struct ConvolutionTask {
     const Planes& i1;
     const PathRaster& i2;
-    CellWindow source;              ///< bounding box of the nonzero cells of i1, over all planes
-    CellWindow path;                ///< bounding box of the nonzero cells of i2
+    CellWindow source;              ///< bounding box of the object's nonzero cells, over all planes
+    CellWindow path;                ///< bounding box of the path's nonzero cells
     CellWindow out;                 ///< wanted cells of the result that nonzero cells may reach
     std::vector<ColumnRange> rows;  ///< per row of `source`, the range of its nonzero columns
 
-    /// Task for i1 = a and i2 = b. `out` is empty if the result is 0 everywhere in `wanted`.
+    /// Task that convolves a, the raster of an object, with b, that of its path. `out` is empty if the result
+    /// is 0 everywhere in `wanted`.
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
-    /// Row y of a plane of i1 as a pointer p such that p[x] is the cell in column x.
+    /// Row y of a plane of the object's raster, as a pointer p such that p[x] is the cell in column x.
     [[nodiscard]] const float* row(std::size_t plane, int y) const {
         return i1.planes[plane].data() +
                static_cast<std::ptrdiff_t>(y - i1.y_begin) * static_cast<std::ptrdiff_t>(i1.width) -

@@ -12,12 +12,12 @@
 namespace postlens {
 namespace {
 
-/// Sums over the point samples of one pixel, for the static surfaces between two groups neighbouring in
-/// depth.
+/// Sums over the point samples of one pixel, for the static surfaces whose depth lies between two moving
+/// groups of objects that are neighbours in depth.
 struct Between {
     std::array<double, 3> colour{};
-    /// Weight of the samples that show a surface in this interval of depth, and of those whose records reach
-    /// the interval.
+    /// `covered`: weight of the samples that show a surface in this interval of depth. `known`: weight of the
+    /// samples whose records reach as far as the interval.
     double covered = 0, known = 0;
 };
 
@@ -82,7 +82,7 @@ class Composite {
         }
     }
 
-    // Range of columns that the groups' windows cover in row y.
+    // Range of columns that the moving groups cover in row y.
     [[nodiscard]] std::pair<int, int> columns(int y) const {
         int begin = out_.image.width, end = 0;
         for (const auto* pictures : {&blurred_, &recorded_}) {

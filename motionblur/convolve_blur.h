@@ -19,11 +19,14 @@ struct ConvolveBlur {
     int direct_groups = 0, fft_groups = 0;
 };
 
-/// `still`: pinhole image of the records. `groups`: nearest first. `across_per_px`: size of a pixel on the
-/// film (sample_surfaces.h). i1 and i2 of a group have the same cells (cells_for); the quadtree's leaves are
-/// drawn into i1 without resampling. A pixel is composited front to back: the static surfaces in front of the
-/// nearest group, that group, the static surfaces behind it, and so on, each by its coverage among the
-/// samples that are known there.
+/// Blurs groups of objects that share a path. `still`: pinhole image of the records. `groups`: nearest first.
+/// `across_per_px`: size of a pixel on the film (sample_surfaces.h). The raster of a group and that of its
+/// path have the same cells (cells_for). The quadtree's leaves are drawn into the group's raster without
+/// resampling.
+///
+/// A pixel is composited front to back: the static surfaces in front of the nearest group, that group, the
+/// static surfaces behind it, and so on. The weight of a static surface is its coverage among the samples
+/// whose records reach that depth.
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
                                          const ShutterCurve& curve, double across_per_px);

@@ -1,5 +1,5 @@
-// Cuts a moving group with parallax into slices by depth. Each slice has its own i1 and moves on its own
-// path.
+// Cuts a moving group of objects with parallax into slices by depth. Each slice has its own raster and moves
+// on its own path.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -15,13 +15,15 @@ inline constexpr int most_slices = 64;
 /// Number of slices of a group with parallax, 2..most_slices.
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
-/// Largest area that the motion uncovers between parts of a group at different depths, or over which they
-/// come to overlap, as a share of the group's recorded area. Depth steps whose sides separate by less than
-/// 0.5 px do not count. DepthSlices cannot show this: it treats all parts as one opaque surface.
+/// Largest area that the motion uncovers between parts of a group at different depths, or over which these
+/// parts come to overlap, as a share of the group's recorded area. Depth steps whose sides separate by less
+/// than 0.5 px do not count. DepthSlices treats all parts as one opaque surface, so it is in error over this
+/// area.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
-/// A direction of the group's path, with the range of (path . direction), px.
+/// A direction along which a moving group's path extends, with the range of the path along it: the least and
+/// the greatest scalar product of path and direction, px.
 struct PathAxis {
     glm::dvec2 direction{1, 0};
     double low_px = 0, high_px = 0;
@@ -43,8 +45,8 @@ struct Stretch {
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// r, g, b and coverage of a slice. At time t the slice is `flat` plus the sum over the axes of stretched[a]
-/// * (path(t) . direction of axis a - low_px of axis a).
+/// r, g, b and coverage of a depth slice, linear in its position along the axes of the path. At time t the
+/// slice is `flat` plus the sum over the axes a of stretched[a] * (path(t) . direction of a - low_px of a).
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
@@ -61,7 +63,7 @@ class DepthSlices {
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Factor by which the group's path is multiplied for slice k.
+    /// Factor by which the path of the whole group is multiplied to give the path of slice k.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
     /// Window of every slice: the cells in which the group was recorded.

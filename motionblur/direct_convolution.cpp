@@ -18,8 +18,8 @@ constexpr int vectors = tile / lanes;
 constexpr std::size_t terms_per_flush = 32;
 /// A run of equal weights costs about as much as this many cells. Shorter runs are handled cell by cell.
 constexpr int run_cost = 6;
-/// Relative difference up to which weights count as equal: they are differences of accumulated light, which
-/// is rounded to 2^-53.
+/// Relative difference up to which two weights count as equal. The limit is above 0 because weights are
+/// differences of accumulated light, which is rounded to 2^-53.
 constexpr double equal_weights = 1e-9;
 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -29,13 +29,14 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double Doubles __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// Columns [begin, end) of a row of i2 that have the same weight.
+/// Columns [begin, end) of a row of the path's raster that have the same weight.
 struct PathRun {
     int y, begin, end;
     double weight;
 };
 
-/// i2 as runs in the order of rows, with runs of one cell, and their cost in units of cells.
+/// The path's raster as runs of equal weight, row by row. A run may be a single cell. The cost is in units of
+/// cells.
 struct PathRuns {
     std::vector<PathRun> runs;
     double cost = 0;
@@ -46,7 +47,7 @@ bool is_long(const PathRun& run) {
     return run.end - run.begin > run_cost;
 }
 
-/// Runs of the function weight(x, y) over the window.
+/// Divides the window into runs of cells with equal weight(x, y) along each row.
 template <typename Weight>
 PathRuns runs_of(const CellWindow& window, const Weight& weight) {
     PathRuns out;
@@ -89,7 +90,7 @@ struct Orientation {
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Transposing i1 and the result costs about as much as 12 cells.
+    // Transposing the object's raster and the result takes about as long as adding 12 cells of the path.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
@@ -113,13 +114,14 @@ void transpose(const Planes& from, const CellWindow& window, Planes& to) {
     });
 }
 
-/// One cell of i2, and the offset of the values that it weighs, relative to the tile's position.
+/// One cell of the path's raster, and the offset of the values that it weights, relative to the tile's
+/// position.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run of cells. It weighs the differences of the running sums at the offsets `high` and `low`, which are
-/// relative to the tile's position.
+/// A run of path cells with equal weight. It weights the difference of two running sums, at the offsets
+/// `high` and `low`, which are relative to the tile's position.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -128,7 +130,7 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of i2, and the ranges of its terms.
+/// A row of the path's raster, and the ranges of its terms.
 struct PathRow {
     int y;
     ColumnRange columns;
@@ -162,7 +164,8 @@ void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, st
     }
 }
 
-/// Convolves copies of the rows of i1 that are padded with zeros as far as any tile reads.
+/// Direct convolution. It reads copies of the object's rows that are padded with zeros as far as any tile
+/// reads.
 class DirectConvolution {
   public:
     DirectConvolution(const ConvolutionTask& task, PathRuns runs)
@@ -223,7 +226,7 @@ class DirectConvolution {
         });
     }
 
-    /// Computes the terms, whose offsets are relative to the tile, for each row of the path.
+    /// Computes the terms of each row of the path's raster, with offsets relative to the tile.
     void lay_terms() {
         const auto stride = static_cast<std::ptrdiff_t>(stride_);
         for (const PathRun& run : runs_.runs) {
@@ -321,9 +324,10 @@ double direct_cost_s(const ConvolutionTask& task) {
     // The number of additions is proportional to the wanted share of the full result.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // Measured with `one_object/direct` in convolution_bench: paths of 8 px give the cost of copying i1, the
-    // increase to 60 and 240 px at 45 degrees that of a cell, and paths along a row that of running sums. A
-    // value of a large array costs more, since the system first has to provide the memory.
+    // The costs are measured with `one_object/direct` in convolution_bench. Paths of 8 px give the cost of
+    // copying the object's raster. The increase to 60 and 240 px at 45 degrees gives the cost of a cell, and
+    // paths along a row give that of running sums. A value of a large array costs more, since the system
+    // first has to provide memory.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

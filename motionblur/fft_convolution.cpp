@@ -27,8 +27,9 @@ struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };
 
-/// Smallest transform for the result [x0, x1), into which no value may wrap around. The part of the source
-/// that contributes is [a, b); convolved with the path, it covers [a + p0, b + p1 - 1).
+/// Smallest size of a transform that computes the cells [x0, x1) of the result without values that wrap
+/// around. The part of the source that contributes is [a, b); convolved with the path, it covers [a + p0, b +
+/// p1 - 1).
 int needed_size(const Axis& axis, int x0, int x1) {
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
@@ -56,7 +57,8 @@ struct Tiling {
 };
 
 double transform_cost_s(double cells) {
-    // Time of one transform, measured with `one_object/fft` in convolution_bench for 300 cells and more.
+    // Time of a transform per step, measured with `one_object/fft` in convolution_bench for 300 cells and
+    // more.
     constexpr double s_per_step = 3.3e-10;
     return s_per_step * cells * std::max(1.0, std::log2(cells));
 }
@@ -124,7 +126,7 @@ void multiply(float* __restrict a, const float* __restrict b, std::size_t count)
     }
 }
 
-/// Minimum of 0 and the values.
+/// The least of the values, or 0 if all values are above 0.
 POSTLENS_MULTIVERSION
 float least_of(const float* values, std::size_t count) {
     float least = 0;
@@ -147,7 +149,8 @@ class FftConvolution {
         Buffers first = make_buffers();
         {
             const std::lock_guard lock(planner());
-            // Estimated plans are the same in every run. Measured ones could differ and give other bits.
+            // FFTW's estimated plans are the same in every run. Measured plans may differ between runs, and
+            // so may the bits of their results.
             forward_ = fftwf_plan_dft_r2c_2d(y_.size, x_.size, first.cells.get(), raw(first.spectrum.get()),
                                              FFTW_ESTIMATE);
             backward_ = fftwf_plan_dft_c2r_2d(y_.size, x_.size, raw(first.spectrum.get()), first.cells.get(),
@@ -221,7 +224,7 @@ class FftConvolution {
         path_ = std::move(buffers.spectrum);
     }
 
-    /// Computes, per row of the result, the range of columns that nonzero cells of i1 reach.
+    /// Computes, per row of the result, the range of columns that nonzero cells of the object's raster reach.
     void lay_reach() {
         std::vector<ColumnRange> path_rows;
         for (int y = task_.path.y_begin; y < task_.path.y_end; ++y) {
@@ -264,8 +267,8 @@ class FftConvolution {
         }
     }
 
-    /// Copies the part of i1 that contributes to the block. The block's first cell is at 0, and positions are
-    /// modulo the size. Returns whether no copied value is negative.
+    /// Copies the part of the object's raster that contributes to a block of the result. The block's first
+    /// cell is at 0, and positions are modulo the size. Returns true if no copied value is negative.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;

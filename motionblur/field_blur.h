@@ -34,20 +34,20 @@ struct FieldBlur {
 inline constexpr std::uint8_t wanted_mark = 2;
 
 /// Renders views at instants distributed as the shutter's transmission, each with its own sample position in
-/// the pixel. The records of the two recorded instants around a view's instant are reprojected to it and
-/// blended. Those of `ids` that stand still are not moved, whatever their keys say. `wanted_ids` (sorted):
-/// only tiles that these ids may touch are computed.
+/// the pixel. The records of the two recorded instants before and after a view's instant are reprojected to
+/// it and blended. Objects that `ids` marks as standing still are not moved, whatever their keys say.
+/// `wanted_ids` (sorted): only tiles that these objects may touch are computed.
 [[nodiscard]] FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& sheets,
                                    const FrameMotion& motion, const std::vector<IdMotion>& ids,
                                    const std::vector<std::uint32_t>& wanted_ids,
                                    const FieldBlurSettings& settings);
 
-/// Draws the views of a field, which has one set and class marks, in the tiles that overlap `crop`. Untouched
-/// pixels are black and not unknown.
+/// Draws the views of `field` in the tiles that overlap `crop`. The field must have a single set of views,
+/// with class_marks. Pixels over which nothing moves are black and not unknown.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
 /// Copies the pixels of `seen` that have one of `marks` into `image`, which has the same size. `behind`
-/// replaces the unknown share of a pixel; it may be empty if no pixel has one.
+/// provides the colour for the unknown share of a pixel; it may be empty if no pixel has an unknown share.
 void lay_over(Image& image, const PatchPicture& seen, std::uint8_t marks, const Image& behind);
 
 }  // namespace postlens

@@ -58,8 +58,8 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     constexpr std::size_t most_used = 512;  // ample for a cubic; the error is tested at all points
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
-    // The unknowns are differences from the straight line, so that those that few points leave undetermined
-    // become 0.
+    // The unknowns are the control points' differences from a straight line. Those that too few points
+    // determine become 0, as on the line.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
@@ -91,9 +91,9 @@ struct Segment {
     Cubic cubic;
 };
 
-/// Segments from the first point on, each as long as doubling and bisection find a cubic for it. `joined`:
-/// each segment begins where the previous one ends. Stops at `most` segments, even if they do not reach the
-/// last point.
+/// Lays segments one after the other, from the first point on. Each is as long as doubling and bisection find
+/// a cubic that follows its points. `joined`: each segment begins where the previous one ends. Stops at
+/// `most` segments, even if they do not reach the last point.
 std::vector<Segment> lay_segments(Points points, double tolerance_px, bool joined, std::size_t most) {
     std::vector<Segment> out;
     for (std::size_t first = 0; first + 1 < points.size() && out.size() < most;) {
@@ -142,7 +142,7 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Knot times of `count` segments, which are as dense at each time as the given segments.
+/// Knot times for `count` new segments: where the given segments are short, the new ones are short too.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {
@@ -165,7 +165,8 @@ std::vector<double> times_without_kinks(Points points, const std::vector<Segment
         const Segment& s = segments[i];
         const bool is_kink = i > 0 && pieces(i) <= short_pieces && pieces(i - 1) >= long_pieces &&
                              pieces(i + 1) >= long_pieces;
-        // The knot is in the middle of the segment's first piece.
+        // The knot at a jump of velocity lies between the first two points of the short segment, in the
+        // middle.
         if (is_kink) {
             times.back() = 0.5 * (points[s.first].time_s + points[s.first + 1].time_s);
         } else {
@@ -214,8 +215,8 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (best.error_px > tolerance_px)
         best = polyline_of(points);  // the rounding of a spline can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Lower limit of the number of segments: that of cubics which need not join, at twice the tolerance.
-    // Hardly any path has fewer.
+    // Lower limit of the number of segments: the number of cubics that need not join, at twice the tolerance.
+    // Hardly any path can be fitted with fewer segments.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

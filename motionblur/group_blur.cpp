@@ -57,7 +57,7 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) {
-    // Displacements, in cells, that bring a part of i1 into the frame.
+    // Displacements, in cells, that bring a part of the group's raster into the frame.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};
@@ -69,7 +69,7 @@ Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path
     return moved;
 }
 
-// Empty image of the part of the frame that the group can pass over.
+// An empty image over the part of the frame that the moving group can pass over.
 GroupPicture GroupBlur::nothing_over(const DepthSlices& slices, const MovingGroup& group) const {
     glm::dvec2 low(0), high(0);
     for (const PathPoint& p : group.path) {

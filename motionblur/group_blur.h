@@ -1,4 +1,5 @@
-// Motion blur of one moving group: i1 * i2, for the whole group or for each of its depth slices.
+// Motion blur of a moving group of objects: the convolution of its raster with that of its path, for the
+// whole group or for each of its depth slices.
 #pragma once
 
 #include "lens/shutter_curve.h"
@@ -19,7 +20,8 @@ class GroupBlur {
 
     /// Moves the whole group on its path.
     [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group);
-    /// Moves each slice on its own path and adds up the slices, which are parts of one opaque surface.
+    /// Moves each depth slice of the group on its own path and adds up the slices, which are parts of one
+    /// opaque surface.
     [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group);
 
     /// Numbers of convolutions so far, by method.

@@ -1,4 +1,4 @@
-// i1 of a moving group, and conversion of cells to pixels.
+// The raster (i1 of [potmesil1983]) of a moving group of objects, and conversion of its cells to pixels.
 #pragma once
 
 #include <optional>
@@ -23,7 +23,7 @@ struct GroupPicture {
 /// Cells per px for a group. Short paths, and paths that are parallel to neither axis, need finer cells.
 [[nodiscard]] int cells_for(const MovingGroup& group);
 
-/// Window of the cells in which a group's records can lie, within the rows and columns of `bands`.
+/// Window of the cells in which a moving group's records can lie, within the rows and columns of `bands`.
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
@@ -37,16 +37,16 @@ struct QuarterCells {
 [[nodiscard]] QuarterCells quarter_cells(const PointSample& leaf_at, float leaf_size, std::size_t corner,
                                          int cells_per_px);
 
-/// The nearest surface of the group at a point sample, or nullptr.
+/// The nearest surface at a point sample that belongs to the moving group, or nullptr.
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
-/// i1 of group g: at every position the nearest recorded surface of the group, from all layers, in cells of
-/// 1/cells_per_px px.
+/// Draws the raster of moving group g, in cells of 1/cells_per_px px: at every position the nearest recorded
+/// surface of the group, from all layers.
 [[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, int cells_per_px);
 
-/// Means of the cells over the pixels that lie in the frame.
+/// Converts a raster of cells to pixels: the mean of the cells in each pixel that lies in the frame.
 [[nodiscard]] GroupPicture in_pixels(const Planes& cells, int cells_per_px, int width, int height);
 
 }  // namespace postlens

@@ -42,7 +42,7 @@ class MotionBlur {
         find_motion();
         choose();
         prepare_convolution();
-        // Static surfaces may have other colours at a second recorded instant.
+        // Static surfaces may change colour between recorded instants, so their images are blended.
         const bool blends = file_.instants() > 1 && settings_.method != MotionMethod::convolve &&
                             settings_.exposure.close_s > settings_.exposure.open_s;
         const std::vector<std::uint32_t> convolved = ids_of(MotionMethod::convolve),
@@ -74,12 +74,14 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        // Neighbouring bands share a row. An id recorded only in that row keeps both bands.
+        // Neighbouring bands share a row. An object that is recorded only in that row keeps both bands in
+        // memory.
         bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_)
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // The records of an id at other instants may move differently, or may be its only ones.
+        // At other recorded instants, the records of an object may move differently, and some objects are
+        // recorded only there.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             IdExtents extents;
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
@@ -135,7 +137,7 @@ class MotionBlur {
         }
     }
 
-    // Rows of the raster in which a group is recorded or over which it passes.
+    // Rows of the raster in which a moving group of objects is recorded or over which it passes.
     [[nodiscard]] std::pair<int, int> rows_touched() const {
         double low = header_.height, high = 0;
         for (const MovingGroup& g : groups_) {
@@ -143,8 +145,8 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // The margin of 2 rows contains the quarter of a leaf beyond its corner and the half cell beyond a
-        // cell's centre.
+        // A margin of 2 rows is added, because a sample's quarter of a leaf extends beyond the sample, and a
+        // cell extends half a cell beyond its centre.
         const auto within = [&](double y) {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
@@ -152,9 +154,9 @@ class MotionBlur {
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
-    /// Finds the groups to convolve, and the surfaces of the rows that they touch. `automatic` leaves a group
-    /// with parallax to lightfield if it is more than one surface or if other surfaces lie in its range of
-    /// depth.
+    /// Finds the groups of objects to convolve, and the surfaces of the rows that they touch. `automatic`
+    /// leaves a group with parallax to lightfield if it is more than one surface or if other surfaces lie in
+    /// its range of depth.
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -228,7 +230,9 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Objects that move cover every pixel. Gaps are then filled from the views of the whole image.
+            // Here moving objects cover every pixel, so no static pixel can fill the background that they
+            // uncover. It is filled from the views, which are therefore drawn for the whole image and not
+            // only the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -250,9 +254,9 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Background colours for the pixels that moving objects cover in the records, from the pixels around
-    // them. If moving objects cover every pixel, the colours come from the views, wherever a view knows the
-    // pixel.
+    // Background colours for the pixels that moving objects cover in the records, interpolated from the
+    // pixels around them. If moving objects cover every pixel, the colours come from the pixels whose light a
+    // view knows.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();
@@ -334,7 +338,7 @@ void check_exposure(const Exposure& e) {
              "--shutter: closes before it opens (got {}:{}; expected finite seconds, OPEN not after CLOSE)",
              e.open_s, e.close_s);
     }
-    // The difference is not finite if one of the times is not, or if their difference overflows.
+    // The difference is not finite if one of the times is not finite, or if the subtraction overflows.
     if (!std::isfinite(e.close_s - e.open_s)) {
         fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)", e.open_s,
              e.close_s);

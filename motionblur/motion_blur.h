@@ -13,9 +13,11 @@
 
 namespace postlens {
 
-/// convolve: i1 * i2 for every moving group. lightfield: mean of views of the surfaces at many instants.
-/// automatic: convolve for objects that move parallel to the film (within 0.25 px) as a whole, or with
-/// parallax if they are one surface and nothing else lies in their range of depth; lightfield for all others.
+/// How moving objects are blurred.
+/// convolve: convolves the raster of the objects that share a path with the raster of the path.
+/// lightfield: averages views of the surfaces at many instants.
+/// automatic: convolve for objects that move parallel to the film (within 0.25 px) as a whole, and for those
+/// with parallax that are one surface with nothing else in its range of depth; lightfield for all others.
 enum class MotionMethod { automatic, convolve, lightfield };
 
 struct MotionBlurSettings {
@@ -61,9 +63,10 @@ struct MotionBlurResult {
 /// Throws Error(wrong_arguments) unless both times are finite and open_s <= close_s.
 void check_exposure(const Exposure& exposure);
 
-/// Deterministic: the same bits for any number of threads. If nothing moves between the recorded instant and
-/// the exposure, the result is the pinhole image, bit for bit. Throws Error(wrong_arguments) for settings out
-/// of range, Error(invalid_input) for paths of unknown ids and for a damaged file, Error(out_of_memory).
+/// Makes the image of a sample file with motion blur. The result is bit-identical for any number of threads.
+/// If nothing moves between the recorded instant and the exposure, it is the pinhole image, bit for bit.
+/// Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for paths of unknown ids and
+/// for a damaged file, Error(out_of_memory).
 [[nodiscard]] MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings);
 
 }  // namespace postlens

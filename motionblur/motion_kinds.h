@@ -12,7 +12,7 @@
 
 namespace postlens {
 
-/// Bounding box of an id's recorded surfaces: raster px and inverse depth, 1/m.
+/// Bounding box of the recorded surfaces of one object (id): raster px and inverse depth, 1/m.
 struct IdExtent {
     std::uint64_t records = 0;
     double x_min = 0, x_max = 0, y_min = 0, y_max = 0, inverse_z_min = 0, inverse_z_max = 0;
@@ -23,8 +23,8 @@ struct IdExtent {
 };
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
-/// Adds the primary nodes of all layers of a band to the boxes of their ids. `only`: sorted ids to consider;
-/// empty: all. Returns whether the band has any of them.
+/// Extends the bounding boxes of objects by the primary nodes of all layers of a band. `only`: sorted ids of
+/// the objects to consider; empty: all. Returns whether the band shows any of these objects.
 bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
 
 enum class MotionKind {
@@ -41,13 +41,14 @@ struct IdMotion {
     double largest_move_px = 0;  ///< largest displacement of a corner of the box; may be infinite
     /// Largest difference of a corner's displacement from the centre's; may be infinite.
     double deviation_px = 0;
-    /// The same, with the centre's displacement scaled to the corner's depth.
+    /// Largest difference of a corner's displacement from the centre's, after the latter is scaled to the
+    /// corner's inverse depth (parallax).
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean of its records, 1/m
 };
 
-/// The ids that do not stand still, in the order of `ids`.
+/// Ids of the objects that do not stand still, in the order of `ids`.
 [[nodiscard]] std::vector<std::uint32_t> moving_ids(const std::vector<IdMotion>& ids);
 
 /// Name of an id: "background" for 0, empty if the file has no name for it.
@@ -62,8 +63,8 @@ struct Exposure {
 inline constexpr double still_px = 0.01;
 inline constexpr double translation_px = 0.25;
 
-/// Tests the displacements of the box's corners and centre at evenly spaced instants and at the breaks of the
-/// motion.
+/// Classifies the motion of an object by the displacements of its bounding box's corners and centre, at
+/// evenly spaced instants and at the instants where its velocity may jump.
 [[nodiscard]] IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& extent,
                                 double recorded_s, const Exposure& exposure);
 

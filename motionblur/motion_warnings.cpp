@@ -50,7 +50,7 @@ std::uint64_t count_pixels(const SampleHeader& h, const std::vector<RecordBand>&
     std::vector<std::uint64_t> counts(bands.size(), 0);
     parallel_for(bands.size(), [&](std::size_t b) {
         const RecordBand& band = bands[b];
-        // The band's last row is also the first row of the next band, where it is counted.
+        // The band's last row is left out: it is also the first row of the next band, where it is counted.
         for (int y = std::max(0, band.y_begin); y < std::min(h.height, band.y_end - 1); ++y) {
             if (y % step != 0) continue;
             for (int x = 0; x < h.width; x += step) {
@@ -116,7 +116,7 @@ std::vector<MovingLight> lights_of(const SceneMotion& motion, const Exposure& ex
     return out;
 }
 
-/// Whether the path from p to the light crosses the sphere at instant i.
+/// Whether the segment from point p to the light crosses the sphere at instant i.
 bool crosses(const dvec3& p, const MovingLight& light, const MovingSphere& sphere, std::size_t i) {
     const dvec3 way = light.directional ? light.place[i] : light.place[i] - p;
     const dvec3 to = sphere.centre[i] - p;

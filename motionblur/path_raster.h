@@ -34,18 +34,18 @@ struct PathRaster {
 inline constexpr double most_path_cells = 1'000'000;
 inline constexpr double most_path_crossings = 200'000'000;
 
-/// Cell (i, j) holds the share of the shutter's light that arrives while the displacement (path minus
-/// `origin_px`, times cells_per_px >= 1) lies in [i - 1/2, i + 1/2) x [j - 1/2, j + 1/2). This is exact for
-/// pieces of constant velocity: each is cut at the cells' borders, and the weight of a part is a difference
-/// of the shutter's accumulated light. The weights sum to 1. With open_s == close_s there is one cell of
-/// weight 1. The path stands still before its first and after its last point.
+/// Draws the raster of a path. Cell (i, j) holds the share of the shutter's light that arrives while the
+/// displacement (path minus `origin_px`, times cells_per_px >= 1) lies in [i - 1/2, i + 1/2) x [j - 1/2, j +
+/// 1/2). This is exact for pieces of constant velocity: each is cut at the cells' borders, and the weight of
+/// a part is a difference of the shutter's accumulated light. The weights sum to 1. With open_s == close_s
+/// there is one cell of weight 1. The path stands still before its first and after its last point.
 ///
 /// `keep`: only these cells are computed, and the weights sum to the share of the light in them. The raster
-/// is empty if that is 0. A path of any length then takes a time bounded by its number of points times the
-/// window's width and height.
+/// is empty if no light arrives in these cells. The time is bounded by the number of points times the width
+/// and height of the window, however long the path is.
 ///
-/// `values`: one per point, linear in time between them. A cell then holds the integral of the value over its
-/// light instead of the light.
+/// `values`: one value per point, linear in time between the points. If given, a cell holds the integral of
+/// the value over the cell's light, instead of the light.
 ///
 /// Throws Error(wrong_arguments) for times out of order, for no points, for positions that are not finite or
 /// more than 1e13 cells away, for a raster longer than `most_path_cells` and for a path with more crossings

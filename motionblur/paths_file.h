@@ -38,8 +38,8 @@ struct ObjectPath {
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> resolve_ids(
     const std::vector<ObjectPath>& paths, const std::map<std::uint32_t, std::string>& names);
 
-/// Motion of the file's objects, of which `paths` replace the motion of their ids. Throws what resolve_ids
-/// throws.
+/// Motion of the sample file's objects. For objects that occur in `paths`, the path replaces the file's
+/// motion. Throws what resolve_ids throws.
 [[nodiscard]] FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>& paths);
 
 }  // namespace postlens

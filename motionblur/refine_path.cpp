@@ -11,7 +11,8 @@ namespace {
 
 using glm::dvec2;
 
-/// Number of points per segment in the first least-squares problem. Each round adds the worst of the others.
+/// Number of points per segment in the first least-squares problem. Each round adds the points with the
+/// largest error.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 

@@ -140,7 +140,7 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
         const auto pieces = static_cast<int>(std::max(1.0, std::floor(thinning * pieces_of(i))));
         for (int p = 1; p <= pieces; ++p) {
             const double time_s = p == pieces ? end_s : begin_s + (end_s - begin_s) * p / pieces;
-            // Instants that are equal after rounding give one point.
+            // Instants that are equal after rounding become a single point.
             if (time_s > out.back().time_s) out.push_back({time_s, at(time_s)});
         }
     }
@@ -182,7 +182,8 @@ std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at, std:
                    tested_tolerance * tolerance_px;
         });
     };
-    // All pieces are halved once before any is halved again, so that the limit of points affects all alike.
+    // All pieces are halved once before any piece is halved again, so that the limit on the number of points
+    // affects all pieces alike.
     for (int halving = 0; halving < most_halvings && pieces.size() < most_path_points; ++halving) {
         std::vector<Piece> next;
         next.reserve(2 * pieces.size());

@@ -66,10 +66,10 @@ class ScreenPath {
     std::vector<PathKnot> knots_;
 };
 
-/// The same for any function of time, e.g. the projection of a rigid motion. `breaks_s`: instants, in
-/// increasing order, at which its velocity may jump. The function is sampled with at least 16 pieces, and two
-/// between neighbouring breaks. Pieces are halved, at most 20 times, until they agree with the function at
-/// five unevenly spaced instants. `at` must return finite positions. Deterministic.
+/// Approximates any function of time, e.g. the projection of a rigid motion, by pieces of constant velocity.
+/// `breaks_s`: instants, in increasing order, at which its velocity may jump. There are at least 16 pieces,
+/// and at least two between neighbouring breaks. Pieces are halved, at most 20 times, until they agree with
+/// the function at five unevenly spaced instants. `at` must return finite positions. Deterministic.
 [[nodiscard]] std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at,
                                              std::span<const double> breaks_s, double open_s, double close_s,
                                              double tolerance_px = 0.01);

@@ -15,9 +15,9 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Share of the box's area in which a surface that belongs to no group lies between the group's nearest and
-/// farthest point. The order of depth is wrong there, since all slices are composited at the group's mean
-/// depth.
+/// Share of the box's area in which a surface that belongs to no moving group lies between this group's
+/// nearest and farthest point. There the order of depth is wrong, since all slices of the group are
+/// composited at its mean depth.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 

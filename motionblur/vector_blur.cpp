@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// If a smaller share of the image than this stands still, its static pixels do not serve as the background.
+/// Smallest share of static pixels in an image with which they serve as the background of moving pixels.
 constexpr double least_still_share = 0.01;
 
 void check(const VectorBlurSettings& s) {
@@ -29,8 +29,9 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Tolerance of the patches' positions, and overlap of the patches. The overlap is smaller than the distance
-/// of the views' sample positions from the sides of a pixel.
+/// Tolerance of the positions of patches, the planar parts of the image that are reprojected, and their
+/// overlap. The overlap is smaller than the distance of the views' sample positions from the sides of a
+/// pixel.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -110,7 +111,9 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // Without static pixels, gaps are filled from the views of the whole image.
+        // Without static pixels, the background that moving pixels uncover is interpolated from the views.
+        // With a crop, the views of the whole image are drawn for it, so that a crop does not change the
+        // result.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

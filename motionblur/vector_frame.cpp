@@ -94,7 +94,7 @@ class Reader {
         std::optional<ChannelGroup> other;
         auto found = find_vector_channels(file_, group_of(colours_), vectors, other);
         if (!found && other && choice.layer.empty()) {
-            // The first colours have no vectors; `other` is the group that has some.
+            // The first colours have no vectors; `other` is the group of channels that has vectors.
             if (const auto layer = layer_of(*other)) {
                 ForeignChoice with = choice;
                 with.layer = *layer;

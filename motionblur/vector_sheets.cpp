@@ -14,7 +14,7 @@ constexpr float same_depth = 0.02F, same_vector_px = 2, same_vector_share = 0.1F
 constexpr int edge = SheetMesh::square_px;
 constexpr std::size_t values = 5;  ///< values per cell: 1/z' and the four of W
 
-/// Sheets of one square of the raster. Their indices start at 0 in each square.
+/// The surfaces (sheets) of one square of the raster. Their indices start at 0 in each square.
 struct SquareSheets {
     std::vector<Sheet> sheets;
     std::vector<std::uint32_t> cells;  ///< SheetMesh::fine, which is equal to SheetMesh::coarse
@@ -112,8 +112,8 @@ class SheetMaker {
                 }
             }
         }
-        // A sheet is a connected set of cells that all move or all stand still, with depths close to that of
-        // its first cell.
+        // A sheet is a connected set of pixels that all move or all stand still and whose depths are close to
+        // that of its first pixel.
         std::vector<glm::ivec2> open, found;
         for (int i = 0; i < edge * edge; ++i) {
             const Cell& first = cells[static_cast<std::size_t>(i)];

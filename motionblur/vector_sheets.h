@@ -1,4 +1,4 @@
-// Turns an image with motion vectors into sheets whose cells have velocities.
+// Turns an image with motion vectors into sheets: connected surfaces whose pixels have velocities.
 #pragma once
 
 #include "motionblur/vector_frame.h"
@@ -9,11 +9,14 @@ namespace postlens {
 /// Ids of the sheets that `vector_sheets` makes.
 inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 
-/// Every pixel becomes a cell of one colour and one depth, since a pixel is the mean over its square. With
-/// samples spread over the pixel, static pixels keep their bits and moving edges between pixels get the right
-/// coverage. At a pixel corner, those of the four pixels that are one surface share the mean of their
-/// vectors, so that a surface that rotates or grows has no cracks; different surfaces separate. Pixels of the
-/// display window that the file does not store are black, static and infinitely far.
+/// Converts an image with motion vectors to sheets, connected surfaces within squares of the raster. Every
+/// pixel becomes a cell of one colour and one depth, since a pixel is the mean over its square. As the views'
+/// sample positions are spread over the pixel, static pixels keep their bits and moving edges between pixels
+/// get the right coverage.
+///
+/// At a pixel corner, those of the four pixels that belong to one surface share the mean of their vectors, so
+/// that a surface that rotates or grows has no cracks. Different surfaces separate. Pixels of the display
+/// window that the file does not store are black, static and infinitely far.
 ///
 /// A cell's W holds its velocity v, px per frame to the right and down, as (-v.x 0; -v.y 0). The view from
 /// the lens point (t, 0) (LensShift::lens_px) therefore shows the cell at its position t frames later. Throws

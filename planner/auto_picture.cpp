@@ -15,16 +15,16 @@
 namespace postlens {
 namespace {
 
-/// Views of every tile at the start: two halves of 8.
+/// Number of views of every tile at the start: 8 for each of the image's two independent halves.
 constexpr int first_views = 16;
 
 double db_of(double mse) {
     return -10 * std::log10(std::max(mse, 1e-12));
 }
 
-/// Plans the next step: doubles the views of tiles, at most once each, in the order of noise removed per
-/// added view, until the mean noise is below `wanted_mse`, assuming that twice the views halve a tile's
-/// noise.
+/// Plans the next step: doubles the number of views of tiles, at most once each, until the expected mean
+/// noise is below `wanted_mse`. The tiles where an added view removes most noise come first. Twice the views
+/// are assumed to halve the squared noise of a tile.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -55,8 +55,8 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Tiles to leave to rays because their sure view samples are wrong: those with the largest error, until the
-/// error of the remaining tiles is a quarter of the target.
+/// Tiles in which rays replace all view samples, because the records themselves are in error there. The tiles
+/// with the largest error are chosen, until the error of the remaining tiles is a quarter of the target.
 std::vector<std::uint8_t> most_biased(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_mse) {
     std::vector<std::size_t> order;
@@ -107,7 +107,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         StatedError error = stated_error(views.half(0), views.half(1), {}, CheckedPixels::Use::deciding);
         if (views.has_rays()) {
             std::vector<std::uint8_t> biased = biased_tiles(tiles);
-            // More views do not reduce this error. Above a quarter of the target it is cheaper to trace it.
+            // More views do not reduce the error of the records. If it is above a quarter of the target, rays
+            // instead of views are cheaper.
             if (error.bias_mse > most_mse / 4) {
                 const std::vector<std::uint8_t> more = most_biased(tiles, grid, most_mse);
                 for (std::size_t t = 0; t < biased.size(); ++t) biased[t] |= more[t];

@@ -14,8 +14,8 @@ inline constexpr double default_target_db = 40;
 
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
-    /// Wanted PSNR of the whole image, of sRGB values, 10 to 80 dB. None: default_target_db; then a bound
-    /// that misses the target causes no warning.
+    /// Wanted PSNR of the whole image, of sRGB values, 10 to 80 dB. None: default_target_db; then an error
+    /// bound that misses the target causes no warning.
     std::optional<double> target_db;
 };
 
@@ -30,10 +30,10 @@ struct AutoResult {
     TileGrid grid;
     std::vector<AutoTile> tiles;
     double mean_views = 0;
-    /// Share of the view samples that are unsure. Only without a scene.
+    /// Share of the view samples that the records do not determine. Only set without a scene.
     double unsure_share = 0;
-    /// Measured noise of the views, and the bound of noise and unsure samples together (records_bound.h).
-    /// Only without a scene, where `hybrid.stated` is empty.
+    /// Measured noise of the views; bound of the error by noise and by view samples that the records do not
+    /// determine (records_bound.h). Only set without a scene, where `hybrid.stated` is empty.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;
@@ -41,12 +41,17 @@ struct AutoResult {
     std::string plan;  ///< views, error and rays in one sentence, for the log
 };
 
-/// Starts with a few views per tile. Doubles the views of the tiles where this removes most error per cost,
-/// until the upper end of the 95 % interval of the error is below the target. With a scene, unsure view
-/// samples are rays; a tile becomes rays altogether where check rays find an error of its sure samples that
-/// exceeds the noise or keeps the image from its target. Without a scene, unsure samples stay as recorded,
-/// and their error is not measured. A crop does not change the views of a tile. Same bits for any number of
-/// threads. Throws what hybrid_picture throws.
+/// Makes a light field image with as many views per tile as the target error needs. Starts with a few views
+/// per tile. Doubles the number of views where this removes most error per cost, until the upper end of the
+/// 95 % interval of the error is below the target.
+///
+/// Unsure view samples are those that the records do not determine. With a scene, they are replaced by rays.
+/// Check rays also measure the error of the other samples: if it exceeds a tile's noise or keeps the image
+/// from its target, rays replace all view samples of the tile. Without a scene, unsure samples stay as
+/// recorded, and their error is not measured.
+///
+/// A crop does not change the views of a tile. The result is bit-identical for any number of threads. Throws
+/// what hybrid_picture throws.
 [[nodiscard]] AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings);
 
 }  // namespace postlens

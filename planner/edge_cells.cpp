@@ -10,9 +10,10 @@
 namespace postlens {
 namespace {
 
-/// Squared step (sRGB values, mean over channels) that shading does not exceed within a pixel: 0.1 squared.
+/// Squared difference of a cell's corners (sRGB values, mean over channels) above which an edge and not
+/// smooth shading is assumed: 0.1 squared.
 constexpr double least_edge = 0.01;
-/// Squared step below which the corners count as equal: 1/255 squared.
+/// Squared difference (sRGB values) below which the corners of a cell count as equal: 1/255 squared.
 constexpr double least_step = 1.5e-5;
 
 }  // namespace
@@ -96,10 +97,10 @@ double SpreadLight::error(double variance_share) const {
         return static_cast<double>(srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, light))) -
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
-    // An error of the amount of light changes the whole circle of confusion.
+    // `off` is the error of the highlight's total light. It changes all pixels of its circle of confusion.
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
-    // An error of the light's position moves the circle, which changes its rim. The brighter the light, the
-    // larger this error.
+    // An error of the highlight's position moves its circle of confusion, which changes the pixels at the
+    // rim. The brighter the highlight, the larger their error.
     const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
     constexpr int coverages = 8;
     double rim = 0;
@@ -113,9 +114,9 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // The cell is uniform or has smooth shading. For shading with the terms a x^2 + b y^2, the mean of the
-    // corners has the error (a + b) / 6. a and b are assumed to be half of the coefficient of x y, which the
-    // corners give.
+    // Here the cell is uniform or smoothly shaded. For shading with the terms a x^2 + b y^2, the mean of the
+    // corners has the error (a + b) / 6. The corners determine only the coefficient of x y; a and b are
+    // assumed to be half of it.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

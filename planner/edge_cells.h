@@ -13,7 +13,8 @@ namespace postlens {
 /// A random straight edge separates the corners of a square. The share of corners on one side estimates the
 /// share of area; this is the mean squared error of that estimate, from 200,000 random edges.
 inline constexpr double edge_cell_variance = 0.0388;
-/// The same for an edge parallel to a side of the square, uniformly distributed over it.
+/// The mean squared error of that estimate for an edge parallel to a side of the square, at a uniformly
+/// distributed position.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// Colour (sRGB and linear), id and depth at a corner of a cell.
@@ -25,9 +26,9 @@ struct CellCorner {
 [[nodiscard]] CellCorner cell_corner(const RecordBand& band, const PointSample& sample);
 
 struct CellStep {
-    /// Which corners the edge separates. none: nearly uniform. upright, level: two adjacent corners from the
-    /// other two, so the edge may be parallel to a side. slanted: one corner from three, or two opposite
-    /// ones.
+    /// Which corners of the cell the edge separates. none: no edge, the cell is nearly uniform. upright,
+    /// level: two adjacent corners from the other two, so the edge may be parallel to a side. slanted: one
+    /// corner from three, or two opposite corners from the other two.
     enum class Split { none, upright, level, slanted };
     Split split = Split::none;
     double square = 0;  ///< squared height of the step, mean over channels
@@ -37,14 +38,14 @@ struct CellStep {
     double high = 0, low = 0;
 };
 
-/// Radiance above 1 of some cells, spread over their circle of confusion. sRGB encoding clips it within the
-/// cells, but not where it is spread to.
+/// The radiance above 1 of some cells, and the error where their circle of confusion spreads it. sRGB
+/// encoding clips this radiance within the cells, but not where it is spread to.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Squared error from knowing the cells' edges by their corners, sRGB values, summed over pixels. The
-    /// variance of the radiance is multiplied by `variance_share`.
+    /// Squared error that arises because the cells' edges are known only by their corners: sRGB values,
+    /// summed over pixels. The variance of the radiance is multiplied by `variance_share`.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:
@@ -55,11 +56,12 @@ class SpreadLight {
     double coc_px_ = 0;    ///< diameter for the brightest corner
     double brightest_ = 1;
 };
-/// The step between the corners up-left, up-right, down-left, down-right of a cell.
+/// The difference of colour between the corners of a cell: up-left, up-right, down-left, down-right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
-/// Expected squared error of a pixel, from the steps of its cells. If an edge is parallel to the cells, they
-/// all have the same error, which adds up; if it is slanted, their errors are nearly independent.
+/// Expected squared error of a pixel, from the differences between the corners of its cells. If an edge is
+/// parallel to the cells' sides, all cells have the same error, which adds up. If it is slanted, their errors
+/// are nearly independent.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

@@ -18,16 +18,17 @@ namespace postlens {
 namespace {
 
 constexpr int views = 256;
-/// A cause explains a pixel if removing it leaves at most half of the error: a quarter of the squared error.
+/// A cause explains a pixel's error if an image without the cause has at most half of the error there: a
+/// quarter of the squared error.
 constexpr double explained = 0.25;
-/// Smallest estimated squared error that counts as the cause, as a share of the pixel's squared error.
-/// Estimates are accurate to an order of magnitude. That of the record density has a smaller limit: it comes
-/// from cells whose corners show an edge, and cells beside them may hide more edges.
+/// Smallest estimated squared error with which a cause counts as the cause of a pixel's error, as a share of
+/// the pixel's squared error. Estimates are accurate to an order of magnitude. The limit for the record
+/// density is smaller, because its estimate includes only edges that the corners of a cell show.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
-/// Share of a pixel's light that may be unknown by chance.
+/// Share of a pixel's light up to which missing records do not count as the cause of its error.
 constexpr float tolerated_unknown = 0.02F;
-/// Unexplained share of the squared error above which the scene is traced again.
+/// Share of the squared error without a known cause, above which the scene is traced again to find causes.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
@@ -50,7 +51,8 @@ bool is_wrong(const Image& a, const Image& b, std::size_t pixel, double above) {
 }
 
 /// Share of a pixel's light that may come from beyond the overscan: the part of the pixel's circle of
-/// confusion that lies outside. Its size is that of the largest circle along each side.
+/// confusion that lies outside. The circle is assumed to be as large as the largest one along that side of
+/// the image.
 class BeyondMargin {
   public:
     BeyondMargin(const SampleHeader& header, const FocusGeometry& geometry)
@@ -219,8 +221,9 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // Records of other instants show surfaces that rotated into view, but also other colours of
-            // surfaces that were visible. The colours are the cause if hardly any light was unknown.
+            // Records of other instants show surfaces that rotated into view, but also changed colours of
+            // surfaces that were visible before. If hardly any light was unknown, the changed colours are the
+            // cause.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {
@@ -229,7 +232,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
                                                static_cast<int>(k / static_cast<std::size_t>(h.width)));
-            // Light from beyond the overscan is also unknown to the views; it is subtracted.
+            // The views do not know light from beyond the overscan either. Its share is subtracted.
             const double unknown =
                 std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));

@@ -40,16 +40,20 @@ struct CauseMap {
     std::array<double, error_causes> error_share{};  ///< per cause, share of the wrong pixels' squared error
 };
 
-/// Finds the cause of each wrong pixel's error, in three steps.
+/// Finds the cause of the error of each wrong pixel (CauseRequest::wrong_above), in three steps.
 ///
 /// 1. Some causes can be removed: the image is made again with finer kernels (kernel_truncation), and by the
 ///    light field with many views. The latter removes visibility, path_and_depth_correlated with an open
 ///    shutter, record_density of a light field with fewer views, and curvature_of_w if another depth model
 ///    than W was used. A pixel whose error falls to half or less has that cause.
-/// 2. With `view.scene`, if a tenth of the error remains, the scene is traced again (error_trials).
-/// 3. For other pixels, the error of each remaining cause is estimated: hidden surfaces and light from beyond
-///    the overscan by the local contrast, nonlinear W by the radiance it moves, and the record floor. The
-///    largest is the cause if it is at least a tenth of the error; otherwise it is view-dependent shading.
+/// 2. With `view.scene`, if a tenth of the error is still unexplained, the scene is traced again
+/// (error_trials).
+/// 3. For pixels that are still unexplained, the error of each remaining cause is estimated. Hidden surfaces
+/// and
+///    light from beyond the overscan are estimated by the local contrast, nonlinear W by the radiance it
+///    moves, and the record density by the error of edges that are known only to a quadtree cell
+///    (record_floor). The cause with the largest estimate is chosen if that is at least a tenth of the error;
+///    otherwise view-dependent shading.
 ///
 /// Throws what hybrid_picture throws. The images' size must be the file's.
 [[nodiscard]] CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& reference,

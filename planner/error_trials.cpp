@@ -33,7 +33,8 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     return s;
 }
 
-/// Sets the lens and the shutter of the image, for which the trace then records enough.
+/// Sets the lens and the shutter of the image in the trace's settings, so that the trace records what they
+/// need.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
         // The f-number of a trace refers to the film distance instead of the focal length. The conversion

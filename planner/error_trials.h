@@ -1,4 +1,5 @@
-// Images from records that are traced again, each time with one limit of the records removed.
+// Images from new traces of the scene. Each trace removes one limit of the recorded data, such as hidden
+// surfaces.
 #pragma once
 
 #include <vector>
@@ -16,10 +17,11 @@ struct ErrorTrial {
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };
 
-/// Traces the file's scene as the file was traced, but with enough overscan for lens and shutter
-/// (frame_edge); with all hidden surfaces and, with a shutter, as many instants as the motion needs
-/// (hidden_surface); and with one level more, full shading trees and a search for narrow objects
-/// (record_density). The file must have been traced from `scene`. Throws what tracing and field_focus throw.
+/// Traces the file's scene again, in several trials; each removes the limit that is one cause of error.
+/// frame_edge: enough overscan for lens and shutter. hidden_surface: all hidden surfaces and, with a shutter,
+/// as many instants as the motion needs. record_density: one more level of subdivision, full shading trees
+/// and a search for narrow objects. The file must have been traced from `scene`. Throws what tracing and
+/// field_focus throw.
 [[nodiscard]] std::vector<ErrorTrial> error_trials(const SampleHeader& header, const Scene& scene,
                                                    const HybridSettings& view,
                                                    const FieldFocusSettings& by_field);

@@ -13,9 +13,10 @@
 namespace postlens {
 namespace {
 
-/// Number of scrambles that the pieces use in turn, and the step from one row of pieces to the next. Moving
-/// scenes use fewer, since every view has its own positions of the objects. The numbers are prime, so that a
-/// scramble repeats along a row, a column or a diagonal only after as many pieces.
+/// Number of scrambled sets of lens points that the image's square pieces use in turn, and the step from one
+/// row of pieces to the next. Moving scenes use fewer sets, since the objects must be placed for every view.
+/// The numbers are prime, so that a set repeats along a row, a column or a diagonal only after that many
+/// pieces.
 constexpr int scrambles = 61, scrambles_moving = 17, scrambles_down = 23;
 
 /// Linear interpolation of a pixel's values from `to` towards `from`, by `share`.

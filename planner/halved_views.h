@@ -15,18 +15,19 @@
 
 namespace postlens {
 
-/// Draws views of an image in steps, with a number of views per tile. With a scene, unsure view samples are
-/// rays.
+/// Draws views of an image in steps, with a number of views for each tile. With a scene, rays replace the
+/// view samples that the records do not determine.
 class HalvedViews {
   public:
     /// `focus.views` and `focus.method` are ignored. `first_set` numbers the first set of lens points; images
     /// whose numbers differ by at least 128 share no set. Throws what hybrid_picture throws.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Draws further views until each tile of `grid()` has `views[tile]` of them. If the number is odd, half
-    /// 0 has one more than half 1. Same bits for any number of threads.
+    /// Draws further views until each tile of `grid()` has `views[tile]` of them. If that number is odd, half
+    /// 0 has one view more than half 1. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// Redraws the tiles whose entry in `tiles` is not 0 with rays only. All their later views are rays, too.
+    /// Redraws the tiles whose entry in `tiles` is not 0: rays replace all their view samples, also in later
+    /// views.
     void leave_to_rays(const std::vector<std::uint8_t>& tiles);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -37,7 +38,7 @@ class HalvedViews {
     /// Half 0 or 1, as drawn so far.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Mean of all drawn views, with the sum of the checks of both halves.
+    /// Mean of all drawn views. Its comparisons with check rays are the sums over both halves.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:
@@ -58,7 +59,8 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// Mean of all views, with the shares within `crop` and the counts of rays. `stated` stays empty.
+/// The image as the mean of all views, with its statistics: shares of pixels within `crop` and counts of
+/// rays. `stated` stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

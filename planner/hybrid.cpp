@@ -15,8 +15,8 @@
 namespace postlens {
 namespace {
 
-/// Pixels whose records are insufficient: too much of their light is unknown or misplaced. The worst come
-/// first, ties in the order of the pixels.
+/// Pixels whose records are insufficient: too much of their light is unknown or misplaced. The worst pixels
+/// come first; equally bad ones are in the order of the image.
 std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vector<float>& misplaced,
                                         double tolerated, const std::optional<Crop>& crop) {
     std::vector<std::uint32_t> out;
@@ -33,8 +33,8 @@ std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vect
     return out;
 }
 
-/// Scattering costs about as much as this many views of the whole image. With few views it is worth while
-/// only if it replaces most of the image.
+/// Scattering costs about as much as this many views of the whole image. An image of few views is scattered
+/// only where that replaces most of its pixels.
 constexpr double scatter_costs_views = 200;
 
 /// Image from the records alone, without rays.

@@ -1,4 +1,4 @@
-// A light field image of a given number of views, with rays for unsure view samples.
+// A light field image of a given number of views, in which rays replace what the records do not determine.
 #pragma once
 
 #include <memory>
@@ -18,14 +18,16 @@ namespace postlens {
 
 struct HybridSettings {
     FocusSettings focus;  ///< lens, aperture, `views`, `crop`; `method` is ignored
-    /// Motion during the shutter. An open shutter excludes scattering: all of the image is light field.
+    /// Motion during the shutter. With an open shutter no pixel is scattered: all of the image is light
+    /// field.
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
-    /// The scene that the file was traced from. Rays into it replace unsure view samples; null: no rays.
+    /// The scene that the file was traced from. Rays into it replace view samples that the records do not
+    /// determine; null: no rays.
     const Scene* scene = nullptr;
-    /// For measurements, with a scene: replaces the choice of check rays (FieldViews::checked, for each
-    /// half). No decision and no statement is then made.
+    /// For measurements, with a scene: replaces the choice of the view samples that are compared with rays
+    /// (FieldViews::checked), for each half of the views. The image's error is then not stated.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     /// Without a scene: a pixel's records count as insufficient if a larger share of its light than this is
     /// unknown, or if nonlinear W moves more radiance than this.
@@ -49,9 +51,9 @@ struct HybridResult {
 };
 
 /// Throws Error(invalid_input) if the file was not traced from `scene`, and what focus_picture and
-/// render_picture throw. Same bits for any number of threads.
+/// render_picture throw. The result is bit-identical for any number of threads.
 [[nodiscard]] HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings);
-/// The same for a single image of a file.
+/// Makes a single image of a file. Throws what hybrid_picture for a FocusFrame throws.
 [[nodiscard]] HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings);
 
 }  // namespace postlens

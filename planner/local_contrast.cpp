@@ -9,7 +9,7 @@ namespace postlens {
 
 std::vector<float> local_contrast(const Image& image, int radius_px) {
     const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-    // Summed-area tables: of the values per channel, and of the squares of all channels together.
+    // Makes summed-area tables: one per channel of the values, and one of the sum of all channels' squares.
     const std::size_t stride = width + 1;
     std::vector<double> sums(3 * stride * (height + 1), 0), squares(stride * (height + 1), 0);
     for (std::size_t y = 0; y < height; ++y) {

@@ -8,16 +8,16 @@
 namespace postlens {
 
 /// Per pixel, the variance (sRGB values, mean over channels) of the image within a square of 2 radius_px + 1
-/// px. Same bits for any number of threads.
+/// px. The result is bit-identical for any number of threads.
 [[nodiscard]] std::vector<float> local_contrast(const Image& image, int radius_px = 32);
 
-/// Expected squared error (sRGB values) of a pixel if a share of its light is replaced by that of its
-/// neighbourhood, which has this variance.
+/// Expected squared error (sRGB values) of a pixel if a share of its light is replaced by light of its
+/// neighbourhood, whose values have the given variance.
 [[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
     return unknown_share * unknown_share * variance;
 }
-/// Expected squared error if this much light (sRGB values) of a pixel belongs elsewhere. A quarter of its
-/// square, as on average half of it is in the right pixel.
+/// Expected squared error of a pixel if `light` (sRGB values) of it is reprojected to a wrong position: a
+/// quarter of the square of `light`, as on average half of it still reaches the right pixel.
 [[nodiscard]] inline double misplaced_error(double light) {
     return light * light / 4;
 }

@@ -1,4 +1,4 @@
-// Checked settings of an image, as settings of the light field and of the ray tracer.
+// Checks the settings of an image and converts them to settings of the light field and of the ray tracer.
 #pragma once
 
 #include <string>

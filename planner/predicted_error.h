@@ -12,7 +12,7 @@ namespace postlens {
 struct PredictedTile {
     /// Error of the image against the light field of its records with infinitely many views.
     double method_mse = 0;
-    double bound_mse = 0;  ///< bound of the error of unsure view samples (records_bound.h)
+    double bound_mse = 0;  ///< error bound of view samples that the records do not determine
 };
 
 struct PredictedError {
@@ -20,8 +20,8 @@ struct PredictedError {
     std::vector<PredictedTile> tiles;  ///< 0 for tiles outside the crop
     /// PSNR of the image or its crop against the light field of its records with infinitely many views.
     double predicted_db = 0;
-    double bound_db = 0;      ///< the same, with the bound for unsure view samples added
-    double unsure_share = 0;  ///< share of unsure view samples
+    double bound_db = 0;      ///< PSNR with the error bound of view samples that the records do not determine
+    double unsure_share = 0;  ///< share of view samples that the records do not determine
     int views = 0;            ///< number of views drawn for the estimate
 };
 
@@ -29,10 +29,11 @@ struct PredictedError {
 /// framing is not the trace's, if the file is orthographic, or if the crop exceeds the image.
 void check_predictable(const SampleHeader& header, const FocusSettings& focus);
 
-/// Estimates the error of `image`, made for the lens, crop and shutter of `lens` with `views` views (0:
-/// another method). Draws two independent images a and b of as many other views, at least 64. The expectation
-/// of (image - a)(image - b) is the squared error of `image`, since the errors of a and b are independent.
-/// Throws what check_predictable and field_focus throw. Same value for any number of threads.
+/// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens` with `views` views
+/// (0: by another method than views). Draws two independent images a and b, each of `views` other views, at
+/// least 64. The expectation of (image - a)(image - b) is the squared error of `image`, since the errors of a
+/// and b are independent. Throws what check_predictable and field_focus throw. The result is bit-identical
+/// for any number of threads.
 [[nodiscard]] PredictedError predict_error(FocusFrame& frame, const HybridSettings& lens, const Image& image,
                                            int views);
 

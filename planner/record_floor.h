@@ -1,5 +1,5 @@
-// The record floor: the error of an image because records are point samples, so that edges are known only to
-// quadtree cells.
+// The record floor: the error of an image that arises because records are point samples, so that the position
+// of an edge is known only to within a quadtree cell.
 #pragma once
 
 #include <span>
@@ -12,13 +12,14 @@
 
 namespace postlens {
 
-/// Factor by which a circle of confusion reduces the squared error of an edge. It averages independent errors
-/// of the cells within it, so the factor is their number; along an edge that is `aligned` with the cells the
-/// errors are equal, and the factor is the number of cells across the edge.
+/// Factor by which a circle of confusion reduces the squared error of an edge. The circle averages the errors
+/// of the quadtree cells within it. If the errors are independent, the factor is the number of cells. Along
+/// an edge that is `aligned` with the cells the errors are equal, and the factor is the number of cells
+/// across the edge.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Factor for edges that all corners of a cell miss: error of all cells / error of the cells with a visible
-/// edge. Fitted (docs/planner.md).
+/// Factor for edges that pass between the corners of a cell unseen: error of all quadtree cells / error of
+/// the cells whose corners show an edge. Fitted (docs/planner.md).
 inline constexpr double floor_unseen = 1.4;
 
 /// Per pixel, the expected squared error (sRGB values, mean over channels) that the size of the quadtree

@@ -15,10 +15,12 @@
 namespace postlens {
 namespace {
 
-/// Number of views from which a pixel's share of unsure samples is known to a few hundredths.
+/// Number of views that give a pixel's share of view samples that the records do not determine to a few
+/// hundredths.
 constexpr int views_that_tell = 16;
 
-/// Rays that are not traced. Only the share of view samples that would be rays is needed.
+/// Stands in for a ray tracer, but traces nothing: only the share of view samples that rays would replace is
+/// needed.
 class NoRays final : public SightRays {
   public:
     void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,

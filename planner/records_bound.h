@@ -1,4 +1,4 @@
-// An upper bound of the error that unsure view samples cause where no rays replace them.
+// An upper bound of the error by view samples that the records do not determine, where no rays replace them.
 #pragma once
 
 #include <cmath>
@@ -16,18 +16,21 @@ namespace postlens {
 
 /// One value per pixel of the whole image; with a crop, only its pixels are valid.
 struct RecordsBound {
-    std::vector<float> unsure;  ///< share of unsure view samples
+    std::vector<float> unsure;  ///< share of view samples that the records do not determine
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels
     /// Means over the image or its crop.
     [[nodiscard]] double unsure_share(int width, const std::optional<Crop>& crop) const;
     [[nodiscard]] double mean_mse(int width, const std::optional<Crop>& crop) const;
 };
 
-/// A few views find the share of unsure samples (docs/light_field.md). An unsure sample is assumed to have
-/// any radiance between the darkest and the brightest of the pinhole image within the largest CoC of the
-/// pixel, and all of them are assumed to err in the same direction. The bound is mostly far above the error;
-/// radiance that the pinhole image does not contain can exceed it. `image`: scene-linear. `lens.scene` and
-/// the number of views are ignored. Throws what hybrid_picture throws.
+/// Bounds the error by unsure view samples, those that the records do not determine (docs/light_field.md). A
+/// few views find their share in each pixel. The radiance of an unsure sample is assumed to lie between the
+/// darkest and the brightest value of the pinhole image within the pixel's largest circle of confusion, and
+/// all unsure samples of a pixel are assumed to err in the same direction.
+///
+/// The bound is mostly far above the error. Radiance that the pinhole image does not contain can exceed it.
+/// `image`: scene-linear. `lens.scene` and the number of views are ignored. Throws what hybrid_picture
+/// throws.
 [[nodiscard]] RecordsBound records_bound(FocusFrame& frame, const HybridSettings& lens, const Image& image);
 
 }  // namespace postlens

@@ -16,7 +16,7 @@ std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
     return mix64(mix64(mix64(x) ^ y) ^ purpose);
 }
 
-/// Derivative of the sRGB transfer curve; 0 where it clamps values.
+/// Derivative of the sRGB transfer curve; 0 where values are clamped to [0, 1].
 double slope(double linear) {
     if (!(linear >= 0) || linear >= 1) return 0;
     return linear <= 0.0031308 ? 12.92 : 1.055 / 2.4 * std::pow(linear, 1 / 2.4 - 1);
@@ -26,7 +26,7 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Squared noise of the mean of both images in a pixel, mean over channels.
+/// Squared noise, in a pixel, of the mean of the images `a` and `b`; mean over channels.
 double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     double sum = 0;
     for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
@@ -36,7 +36,8 @@ double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     return sum / 3;
 }
 
-/// Product of both halves' mean residuals in a pixel, mean over channels.
+/// Squared error of the records in a pixel: product of the mean residuals (ray minus record) of the two
+/// independent halves, mean over channels.
 double bias_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     double sum = 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -85,8 +86,8 @@ void CheckedPixels::views(int x, int y, int set, int first, int count,
     const std::uint64_t h =
         hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
                 2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
-    // Two views per half and pixel: twice the rays divide the variance of the product of two noisy means by
-    // four; twice the pixels would divide it by two.
+    // Two views per half are checked in each checked pixel. Twice the rays per pixel divide the variance of
+    // the product of two noisy means by four; twice the pixels would divide it by two only.
     const auto views = static_cast<std::uint64_t>(count);
     out.push_back(static_cast<std::uint32_t>(h % views));
     if (views > 1) out.push_back(static_cast<std::uint32_t>((h + 1 + (h >> 32U) % (views - 1)) % views));
@@ -133,12 +134,12 @@ StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::op
     out.bias_mse = std::max(0.0, bias.mean());
     const double mse = out.mse();
     if (!(mse > 0)) return out;
-    // For a normal error that is the same in all pixels of a piece, its square s has variance 2 E(s)^2, and
-    // E(s^2) = 3 E(s)^2: so 2/3 s^2 estimates the variance. It counts twice: the noise estimate and the noise
-    // of this particular image both vary by it.
+    // Let a piece's error be normally distributed and equal in all its pixels. Its square s then has the
+    // variance 2 E(s)^2, and E(s^2) = 3 E(s)^2, so 2/3 s^2 estimates the variance. The variance counts twice,
+    // because the noise estimate and the noise of this particular image both vary by it.
     const double noise_variance = 2 * 2.0 / 3 * noise_squares / (pixels * pixels),
                  deviation = std::sqrt(noise_variance + bias.variance());
-    // 1.96 standard deviations: 95 % of a normal distribution, here of the logarithm.
+    // 95 % of a normal distribution, here of the error's logarithm, lie within 1.96 standard deviations.
     const double factor = std::exp(1.96 * deviation / mse);
     out.low_mse = mse / factor;
     out.high_mse = mse * factor;

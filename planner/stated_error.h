@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// Selects the view samples that are compared with rays. In each block of 4 x 4 px (2 x 2 px in small images)
-/// one random pixel is checked for the statement, another one for deciding which tiles become rays. A checked
-/// pixel has up to two random views of each half.
+/// Selects the view samples that are compared with rays. In each block of 4 x 4 px (2 x 2 px in small
+/// images), one random pixel is checked to state the image's error, and another one to decide in which tiles
+/// rays replace all view samples. In a checked pixel, up to two random views of each half are compared.
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
@@ -30,7 +30,7 @@ class CheckedPixels {
 /// Squared errors of sRGB values clamped to [0, 1], means over pixels and channels.
 struct StatedError {
     double noise_mse = 0;  ///< noise of the views: a quarter of the squared difference of two halves
-    double bias_mse = 0;   ///< error of the sure view samples, as check rays measure it
+    double bias_mse = 0;   ///< error of the records, as check rays measure it
     double low_mse = 0, high_mse = 0;  ///< 95 % interval of the image's error
     std::uint64_t check_rays = 0;
     [[nodiscard]] double mse() const { return noise_mse + bias_mse; }
@@ -39,17 +39,18 @@ struct StatedError {
     [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
 };
 
-/// The error of the mean of `a` and `b`: images with as many views, of independent sets, and with their
-/// checks.
+/// The error of the mean of `a` and `b`: two images with equally many views, from independent sets of lens
+/// points, and with comparisons of view samples with rays.
 ///
 /// Noise: the expectation of (a - b)^2 / 4 is the mean squared noise of (a + b) / 2. Bias: a checked pixel
 /// has two mean residuals (ray minus record), one per half; their noise is independent, so the expectation of
 /// their product is the squared error of the records. Residuals are converted to sRGB values by the slope of
 /// the sRGB curve at the image's value.
 ///
-/// The interval is normal in the logarithm. Its variance has three parts: that of the noise estimate and that
-/// of the image's own noise, which are equal and assume that the pixels of a piece (piece_px) err alike and
-/// pieces independently; and that of the products.
+/// The 95 % interval assumes that the error's logarithm is normally distributed. Its variance is the sum of
+/// three variances: of the noise estimate, of the image's own noise, and of the products of residuals. The
+/// first two are equal; they assume that the error is the same within a square piece of the image (piece_px),
+/// and independent between pieces.
 [[nodiscard]] StatedError stated_error(const FieldFocus& a, const FieldFocus& b,
                                        const std::optional<Crop>& crop,
                                        CheckedPixels::Use checks = CheckedPixels::Use::stating);
@@ -57,14 +58,14 @@ struct StatedError {
 /// Squared errors of a tile: sRGB values, means over pixels and channels.
 struct TileError {
     double noise_mse = 0;
-    double bias_mse = 0;        ///< estimated by the deciding checks; may be negative
+    double bias_mse = 0;        ///< error of the records, as check rays estimate it; may be negative
     double bias_deviation = 0;  ///< standard error of `bias_mse`
 };
 /// One per tile of TileGrid, row by row.
 [[nodiscard]] std::vector<TileError> tile_errors(const FieldFocus& a, const FieldFocus& b);
 
-/// 1 for tiles whose sure view samples have a significant error: it exceeds the noise and twice its own
-/// standard error.
+/// 1 for tiles in which view samples that the records determine have a significant error: it exceeds the
+/// noise of the views and twice its own standard error.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const std::vector<TileError>& tiles);
 
 }  // namespace postlens

@@ -60,7 +60,8 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
     out.grid = {h.width * coarser, h.height * coarser};
     out.tiles.resize(out.grid.count(), ByLevel{});
     FocusFrame frame(file);
-    // Circles of confusion are in pixels of the trace, which are cells of a quarter of a pixel here.
+    // Circles of confusion are measured in pixels of the planned trace. Such a pixel is 1/4 of a preview
+    // pixel wide.
     constexpr double px = 1.0 / coarser;
     const int last = file.y_end() - 1;  // the last row of samples has no pixels below it
     frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
@@ -104,9 +105,10 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
-            // At level L an edge crosses 2^L cells of a pixel, whose squared errors are proportional to the
-            // square of their area, 4^-L px^2. If the edge is parallel to the cells, the errors are equal and
-            // add up: 2^-2L. If it is slanted they are independent, and their squares add up: 2^-3L.
+            // At level L of the quadtree, an edge crosses 2^L cells of a pixel. Their errors are proportional
+            // to their area, 4^-L px^2. If the edge is parallel to the cells, the errors are equal and add
+            // up, so the squared error is proportional to 2^-2L. If it is slanted, the errors are independent
+            // and their squares add up to 2^-3L.
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -169,17 +171,19 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     if (!out.met) out.levels = most_levels;
     out.floor_db = out.floors_db[static_cast<std::size_t>(out.levels)];
     out.settings.subdivision.levels = out.levels;
-    // The overscan, in pixels of the trace, is what the preview found.
+    // Area of the planned trace, px. Its overscan is that of the preview, whose pixels are `coarser` times as
+    // wide.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
     const SmallThings things(scene, camera, asked.time_s.value_or(scene.time_s), 0, camera.width, 0,
                              camera.height);
-    // A split adds four cells.
+    // Each split of a cell into four adds samples.
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
-    // Hidden surfaces are recorded within the lens's reach beside an edge, plus a margin of a few pixels. The
-    // margin is wider in the preview, whose pixels are larger, so that its hidden records are scaled down.
+    // `trace` records hidden surfaces as far beside an edge as the lens may see behind it, plus a margin of a
+    // few pixels. The preview's larger pixels make this margin wider, so its number of hidden records is
+    // scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
@@ -187,8 +191,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // 2 reach_px is the difference between the CoCs of the nearest surface and of one at infinity: no two
-        // surfaces differ by more.
+        // 2 reach_px is the difference between the CoC diameters of the nearest surface and of one at
+        // infinity. No two surfaces of the scene differ by more.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

@@ -21,11 +21,13 @@ struct TracePlan {
     std::string text;               ///< the plan in one sentence, for the log
 };
 
-/// Traces a preview at a quarter of the width and height. The contrast and blur of its edges give the record
-/// floor of each level (record_floor.h). Chooses the coarsest level whose floor is at most half of the
-/// squared error that `target_db` allows, for the image and for nine of ten tiles. Hidden surfaces, overscan
-/// and keys follow the rules of `trace` for the lens and the shutter; hidden surfaces are skipped if all
-/// circles of confusion differ by less than half a pixel.
+/// Chooses the settings of a trace by a preview at a quarter of the width and height. The contrast and blur
+/// of the preview's edges give the record floor of each level of subdivision, the error of edges that are
+/// known only to a quadtree cell (record_floor.h). The coarsest level is chosen whose record floor is at most
+/// half of the squared error that `target_db` allows, for the image and for nine of ten tiles.
+///
+/// Hidden surfaces, overscan and recorded instants follow the rules of `trace` for the lens and the shutter.
+/// Hidden surfaces are skipped if all circles of confusion differ by less than half a pixel.
 ///
 /// Throws Error(wrong_arguments) if `asked` has neither for_f_number and for_focus_m nor for_shutter, and
 /// what trace_to_file throws. Writes a file to the system's temporary folder.

@@ -1,5 +1,5 @@
-// Finds out to which view and layer the channels of another program's file belong, from the words in the
-// names of channels and parts.
+// Finds out to which view and layer the channels of another program's OpenEXR file belong. The words in the
+// names of channels and parts decide.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +26,8 @@ inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward",
 /// View and layer of a channel or of the channels of one pass.
 ///
 /// Programs order names differently: LAYER.depth.Z, depth.LAYER.Z, or a part depth_LAYER with a channel Z. So
-/// all words of the part's name and of the channel's name, except its last one, form a set; without the words
-/// of the pass and of the view, the rest is the layer.
+/// the words of the part's name and of the channel's name, except the channel's last word, form a set. The
+/// words of the set that name neither the pass nor the view are the layer.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;  ///< from the part or the name, else the first view of `multiView`, else empty
@@ -55,11 +55,12 @@ struct GroupMatch {
     bool surmised = false;  ///< the names do not prove that it belongs to these colours
 };
 
-/// Selects the channel that belongs to the colours of the group `own`. It has the same view, and the same
-/// layer or one that contains it; of several, the one with the fewest words missing, then in the part of the
-/// colours, then with the lowest rank. If there is none, the only candidate of this view (or without a view)
-/// is taken and marked `surmised`, unless it belongs to other colours (`pictures`: the groups of all colours
-/// in the file). Else the result is empty: channels of another view or layer are never taken.
+/// Selects the channel that belongs to the colours of the group `own` (view and layer). The channel must have
+/// the same view, and the same layer or one that contains all words of that layer. Among several such
+/// channels, the one with the fewest words missing is taken, then one in the part of the colours, then the
+/// one with the lowest rank. If there is none, the only candidate of this view (or without a view) is taken
+/// and marked `surmised`, unless it belongs to other colours. `pictures` holds the groups of all colours in
+/// the file. Otherwise the result is empty: channels of another view or layer are never taken.
 [[nodiscard]] std::optional<GroupMatch> match_group(std::span<const GroupCandidate> candidates,
                                                     const ChannelGroup& own,
                                                     std::span<const ChannelGroup> pictures);

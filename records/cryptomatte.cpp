@@ -79,7 +79,7 @@ std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const 
     return out;
 }
 
-/// Finds sets by the names of their channels: the name of a set is the text before "00.R".
+/// Finds Cryptomattes by the names of their channels. The name of a Cryptomatte is the text before "00.R".
 std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     std::vector<std::string> out;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
@@ -95,7 +95,7 @@ std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     return out;
 }
 
-/// Sort key of a set by its name: objects first, then assets, then others.
+/// Sort key of a Cryptomatte by its name: objects first, then assets, then others.
 int kind(const std::string& name) {
     const auto has = [&](const char* upper, const char* lower) {
         return name.find(upper) != std::string::npos || name.find(lower) != std::string::npos;

@@ -12,7 +12,8 @@
 
 namespace postlens {
 
-/// One rank, two channels: an id, stored as the bits of a float, and its coverage of the pixel, 0 to 1.
+/// One rank of a Cryptomatte. It has two channels: an id, stored as the bits of a float, and the share of the
+/// pixel that the id covers, 0 to 1.
 struct MatteRank {
     std::size_t part = 0;
     std::string id, coverage;
@@ -27,7 +28,7 @@ struct Cryptomatte {
 
 struct Cryptomattes {
     std::vector<Cryptomatte> usable;
-    std::vector<std::string> problems;  ///< one line for each that is not usable
+    std::vector<std::string> problems;  ///< one line for each Cryptomatte that is not usable
 };
 
 /// Finds the Cryptomattes whose channels are in `part`, in other flat parts of its view, or in a separate

@@ -76,9 +76,9 @@ bool preview_fills(ByteView value) {
     return value.size() == sizeof(edges) + 4 * std::uint64_t{edges[0]} * edges[1];
 }
 
-/// Upper bound, with 4 bytes per channel, of the memory that the OpenEXR library allocates for the samples of
-/// a chunk when it opens a part. 0 without channels, or for a scanline part without a window. A scanline part
-/// may also have a tile size, so `tiled` decides.
+/// Upper bound of the memory that the OpenEXR library allocates for the samples of a chunk when it opens a
+/// part, with 4 bytes per channel. 0 without channels, or for a scanline part without a window. `tiled` says
+/// whether the part consists of tiles, because a scanline part may have a tile size as well.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");
@@ -90,7 +90,7 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         while (at < channels->size() && (*channels)[at] != 0) ++at;
         at += 1 + after_name;
     }
-    // These limits keep the products below from overflowing.
+    // Both numbers are limited, so that their products do not overflow.
     pixel = std::min<std::uint64_t>(pixel, 1U << 20U);
     constexpr std::uint32_t widest_tile = 1U << 20U;
     constexpr std::array<std::uint64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};

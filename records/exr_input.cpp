@@ -31,7 +31,7 @@ T load(const std::uint8_t* from) {
     return value;
 }
 
-/// Reads header bytes one after the other. Loads more of the file when the bytes in memory are used up.
+/// Reads the bytes of a header in order. Loads more of the file when the bytes in memory are used up.
 class HeaderReader {
   public:
     explicit HeaderReader(const InputFile& file) : file_(file) {}

@@ -11,9 +11,10 @@ namespace {
 constexpr float nothing_z = 1e9F;
 /// Largest relative difference between the depths of neighbouring pixels of one surface.
 constexpr double same = 0.05;
-/// Smallest difference of two depths that counts as a step, relative to the nearer depth.
+/// Smallest difference of two depths that counts as a depth edge ("step"), relative to the nearer depth.
 constexpr double least_step = 0.1;
-/// Largest change of depth from pixel to pixel on both sides of a step, relative to the step.
+/// Largest change of depth from pixel to pixel on both sides of a depth edge, relative to the difference of
+/// depth at the edge.
 constexpr double plateau = 0.1;
 constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus, from a filter with a radius of 2 px
 constexpr std::size_t few = 4;           ///< fewer edges are no evidence
@@ -83,8 +84,9 @@ class Mender {
         for (std::size_t x = 0; x < width_; ++x) look_along(x, width_, height_);
     }
 
-    /// Equal values are a plateau, also those of pixels that hit nothing, whatever value the file has for
-    /// them.
+    /// Whether the depths a and b of two neighbouring pixels are nearly equal, as on both sides of a depth
+    /// edge. Equal values always are, which includes pixels that hit nothing, whatever value the file has for
+    /// these.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
@@ -118,7 +120,7 @@ class Mender {
         }
     }
 
-    /// Extrapolates a plateau from its last two depths.
+    /// Extrapolates the depth of a surface beside an edge from the depths of the last two pixels.
     [[nodiscard]] static float goes_on(float last, float before, double step) {
         return is_plateau(step, last, before) && std::isfinite(before) ? last + (last - before) : last;
     }
@@ -127,7 +129,7 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // A pixel that is hardly mixed belongs to its plateau.
+        // A pixel whose depth is hardly mixed belongs to the surface on its side of the edge.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -145,7 +147,8 @@ class Mender {
         constexpr float hardly = 5e-4F;
         if (m.near_share > 1 - hardly || (m.near_share < hardly && alpha_[pixel] >= opaque)) return;
         const auto [it, is_new] = found_.try_emplace(pixel, m);
-        // A row or column along an edge meets only mixed depths, so the result with the larger step is kept.
+        // A row or column that runs along an edge meets only mixed depths. So of the results along rows and
+        // along columns, the one with the larger difference of depth is kept.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }
@@ -160,8 +163,8 @@ class Mender {
         out.mixed.push_back(m);
     }
 
-    /// Edge pixels in front of nothing take the depth of their surface, as a mean with an infinite depth is
-    /// infinite.
+    /// Edge pixels in front of nothing get the depth of their surface. Their own depth is useless, as a mean
+    /// with an infinite depth is infinite.
     void take_over_rims(FilteredDepths& out) {
         std::vector<std::pair<std::size_t, float>> rims;
         for (std::size_t i = 0; i < depth_.size(); ++i) {

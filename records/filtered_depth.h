@@ -1,5 +1,5 @@
-// Repairs depth channels that were filtered like colours, so that depths at silhouettes are multiplied by
-// coverage or are means of near and far.
+// Repairs depth channels that were filtered like colours. At silhouettes, such depths are multiplied by
+// coverage or are means of a near and a far depth.
 #pragma once
 
 #include <cstddef>
@@ -23,18 +23,18 @@ struct FilteredDepths {
 };
 
 /// Detects filtered depths and repairs them in `depth` (row by row, values as in the file; 0, 1e9 and more,
-/// infinity and NaN mean nothing was hit). `alpha` is per pixel, 0 to 1; 0 means that nothing was hit.
+/// infinity and NaN mean that nothing was hit). `alpha` is per pixel, 0 to 1; 0 means that nothing was hit.
 ///
-/// Multiplied by coverage: detected at edge pixels (0 < A < 1) next to opaque ones, if Z / A is within 5 % of
-/// the depth of a neighbour and Z is not. If at least 4 edge pixels, and four times as many as contradict,
-/// show this, all edge pixels are divided by alpha.
+/// Depths multiplied by coverage are detected at edge pixels (0 < A < 1) next to opaque ones: the depth Z
+/// divided by A is within 5 % of the depth of a neighbour, and Z is not. If at least 4 edge pixels show this,
+/// and four times as many as contradict it, all edge pixels are divided by alpha.
 ///
-/// Means of two depths: detected along rows and columns where up to 4 pixels lead monotonically from one
-/// depth to another that differs by 10 % or more; unfiltered depths jump there. If at least 4 edges show
+/// Means of two depths are detected along rows and columns: up to 4 pixels lead monotonically from one depth
+/// to another that differs by 10 % or more, where unfiltered depths would jump. If at least 4 edges show
 /// this, and at least half as many as there are jumps, each of their pixels counts as mixed, with the share
-/// (v - far) / (near - far) of the near surface. In front of nothing, an edge pixel with alpha belongs to its
-/// surface alone. Done only with `means`: a Cryptomatte describes mixed pixels better, and needs unchanged
-/// depths.
+/// (v - far) / (near - far) of the near surface for a depth v. An edge pixel in front of nothing that has
+/// alpha belongs to its surface alone. Means are repaired only with `means`: a Cryptomatte describes mixed
+/// pixels better, and needs unchanged depths.
 [[nodiscard]] FilteredDepths mend_filtered_depths(std::span<float> depth, std::span<const float> alpha,
                                                   std::size_t width, bool means = true);
 

@@ -21,9 +21,9 @@ struct FlatExr {
         ExrChannel::Type type = ExrChannel::Type::float32;
         const void* first = nullptr;
         enum class Layout {
-            pixels,   ///< among the other channels of a pixel
+            pixels,   ///< beside the other channels of the same pixel
             plane,    ///< the channel's values lie side by side, row after row
-            one_row,  ///< likewise, and every row is the one at `first`
+            one_row,  ///< as `plane`, but every row of the image is the row at `first`
         };
         Layout layout = Layout::pixels;
     };

@@ -41,7 +41,8 @@ std::optional<double> view_of(const ForeignFile& file, std::size_t part) {
     if (camera && ndc) {
         if (const auto tangent = half_width_tangent(*camera, *ndc)) return tangent;
     }
-    // The OpenEXR library writes 1 by default, so 1 means not stated.
+    // The OpenEXR library writes a screenWindowWidth of 1 by default, so the value 1 means that the width is
+    // not stated.
     const auto width = attribute(file, part, "screenWindowWidth");
     if (width && *width != 1) return *width / 2;
     return std::nullopt;

@@ -18,8 +18,8 @@ enum class DepthAlong {
 struct ForeignCameraChoice {
     std::optional<double> film_width_mm, film_distance_mm, focal_length_mm, metres_per_unit;
     std::optional<DepthAlong> depth_along;
-    /// The display window is so many pixels wider than the frame on every side, as where a program renders
-    /// beyond the frame by a larger film. `film_width_mm` is then the frame's.
+    /// Number of pixels by which the display window is wider than the frame on every side. Programs that
+    /// render beyond the frame do so by a larger film. `film_width_mm` is then the width of the frame's film.
     int overscan_px = 0;
 };
 

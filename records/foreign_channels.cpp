@@ -92,7 +92,7 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
-/// A part, a view and a layer.
+/// The owner of a channel: a part of the file, a view (such as the left eye's) and a layer, as words.
 using Owner = std::tuple<std::size_t, std::string, std::vector<std::string>>;
 
 Owner owner_of(const ChannelGroup& group) {
@@ -188,7 +188,7 @@ class Finder {
     void find_alpha() {
         out_.alpha_part = out_.part;
         out_.a = behind(part_, out_.layer, alpha_names);
-        // A lower-case a beside upper-case R, G, B is not the alpha of these colours.
+        // A channel named lower-case "a" beside upper-case R, G, B is not the alpha of these colours.
         if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
@@ -360,8 +360,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // All parts are equally good, so the candidate gets the part of the colours; the layer must
-            // match.
+            // All parts of the file are equally good for a Cryptomatte, so the candidate is entered with the
+            // part of the colours. Its layer must match the layer of the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

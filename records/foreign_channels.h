@@ -28,7 +28,7 @@ struct ForeignChannels {
     std::string id;                     ///< for deep parts, in the part of the colours; empty with `matte`
     std::optional<Cryptomatte> matte;   ///< of flat parts
     std::vector<std::string> problems;  ///< one line for each id channel or Cryptomatte that is not usable
-    std::vector<std::string> assumed;   ///< one line for each channel that is a guess or is not used
+    std::vector<std::string> assumed;   ///< one line for each channel that is uncertain or is not used
 };
 
 struct ForeignChoice {
@@ -49,18 +49,19 @@ struct ForeignChoice {
 
 /// Finds the channels of an image.
 ///
-/// Colours: searched in the parts and layers that `choice.layer` allows. It names a part, a view, or a layer
-/// by the text before the dot; else it allows any layer whose names have all of its words. Empty allows all.
-/// The first of these is taken: R, G, B; LAYER.Combined.R, .G, .B (Blender); the same with rgba, beauty or
-/// color; any layer with R, G, B; Y, with RY and BY if both exist (else grey); A with Z alone (black). Among
-/// equals, a layer with depth is preferred. Colour names may be lower case or whole words.
+/// Colours are searched in the parts and layers that `choice.layer` allows. It names a part, a view, or a
+/// layer by the text before the dot; else it allows any layer whose names have all of its words. An empty
+/// text allows all. The first of these is taken: R, G, B; LAYER.Combined.R, .G, .B (Blender); the same with
+/// rgba, beauty or color; any layer with R, G, B; Y, with RY and BY if both exist (else grey); A with Z alone
+/// (black). Among equals, a layer with depth is preferred. Colour names may be lower case or whole words.
 ///
-/// All other channels are those that belong to the colours (match_group): in any part for flat images, in the
-/// part of the colours for deep images. Alpha is A or alpha. Depth is Z, or V, Y or R of a pass named depth
-/// or similar. Ids distinguish surfaces. In a flat image they are a Cryptomatte (find_cryptomattes), which
-/// also states how edge pixels are mixed; else id, ID, objectid, object_id or IndexOB, each alone or followed
-/// by .X or .V. If a pass has its own file, only that file is searched. `assumed` and `problems` name
-/// channels that are a guess, or that are not used because they belong to another view or layer.
+/// All other channels are those that belong to the colours (match_group). They may be in any part for flat
+/// images, and are in the part of the colours for deep images. Alpha is A or alpha. Depth is Z, or V, Y or R
+/// of a pass named depth or similar. Ids distinguish surfaces. In a flat image they are a Cryptomatte
+/// (find_cryptomattes), which also states how edge pixels are mixed. Otherwise they are id, ID, objectid,
+/// object_id or IndexOB, each alone or followed by .X or .V. If a pass has its own file, only that file is
+/// searched. `assumed` and `problems` name channels that are uncertain, or that are not used because they
+/// belong to another view or layer.
 ///
 /// Throws Error(invalid_input), listing the channels of the file, if nothing fits.
 [[nodiscard]] ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoice& choice);

@@ -19,7 +19,7 @@ namespace postlens {
 
 namespace foreign {
 
-/// Memory that may be requested without comparison with the size of the file.
+/// Memory, bytes, that may be allocated for a file without a comparison with the size of the file.
 inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
 /// Upper bound of the compression ratio. Deflate, the densest method of OpenEXR, reaches 1032 to 1, and none
 /// compresses twice.

@@ -98,7 +98,8 @@ class Reader {
                  (std::min(out_.width, out_.height) - 1) / 2, out_.width, out_.height, file_.name());
         }
         const double of_frame = static_cast<double>(out_.width - 2 * margin) / out_.width;
-        // What the file says holds for all that it shows.
+        // The camera in the file describes the whole display window, so a film width of the frame is
+        // converted to one of the window.
         if (choice.film_width_mm) *choice.film_width_mm /= of_frame;
         out_.camera = foreign_camera(file_, out_.channels.part, choice);
         out_.camera.film_width_mm *= of_frame;
@@ -223,7 +224,7 @@ class Reader {
 
     float checked_alpha(float a) {
         if (a >= 0 && a <= 1) return a;
-        // Alphas that are sums of rounded values may exceed the range by this much.
+        // Amount by which an alpha that is a sum of rounded values may exceed the range from 0 to 1.
         constexpr float rounding = 2e-3F;
         if (!(a >= -rounding && a <= 1 + rounding)) ++bad_alphas_;
         return std::isnan(a) ? 1 : std::clamp(a, 0.0F, 1.0F);

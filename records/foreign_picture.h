@@ -21,9 +21,10 @@ struct StackSample {
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0: not stated in the file
-    /// Inverse depth of the circle of confusion, 1/m, where it is not that of the position; below 0: it is.
+    /// Inverse depth, 1/m, from which the circle of confusion is computed, if it is not the inverse depth of
+    /// the sample's position. Below 0: it is that of the position.
     float moved_inverse_z = -1;
-    bool holdout = false;  ///< hides what is behind it, and has neither colour nor alpha in an image
+    bool holdout = false;  ///< hides samples behind it, but adds neither colour nor alpha to an image
     [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }
 };
 
@@ -60,8 +61,8 @@ struct ForeignPicture {
         0};                            ///< start of each pixel's stack, row by row, and the end of the last
     std::vector<StackSample> samples;  ///< each stack nearest first
     /// Pixels that show several surfaces, in ascending order, and the shares of these surfaces, largest
-    /// first; the sample has the id of the largest. Empty without a Cryptomatte or averaged depths. Shares
-    /// below 1 % are left out.
+    /// first. The sample of such a pixel has the id of the largest share. Shares below 1 % are left out. Both
+    /// lists are empty if the image has neither a Cryptomatte nor depths that are means of two depths.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
     ForeignCamera camera;
@@ -82,8 +83,8 @@ struct ForeignPicture {
     /// The image of the display window, with every stack composited. `alpha` is empty if all pixels are
     /// opaque. Throws Error(out_of_memory).
     [[nodiscard]] Image flattened() const;
-    /// Depth at a raster position at which the composited alpha reaches one half, m; infinity if it does not.
-    /// Throws Error(wrong_arguments) outside the stored pixels.
+    /// Depth, m, at which the composited alpha of the stack at a raster position reaches one half; infinity
+    /// if it never does. Throws Error(wrong_arguments) outside the stored pixels.
     [[nodiscard]] double depth_at(double x, double y) const;
 };
 

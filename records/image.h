@@ -21,7 +21,7 @@ struct Image {
     /// `rgb` is radiance times 2^exposure_stops. Empty if unknown, as for another program's PNG, TIFF or
     /// JPEG.
     std::optional<double> exposure_stops = 0.0;
-    /// A further channel: one value a pixel, not exposed.
+    /// A further channel, with one value per pixel. The exposure does not apply to it.
     struct Plane {
         std::string name;
         std::vector<float> values;

@@ -11,11 +11,14 @@
 namespace postlens {
 namespace {
 
-/// Less than this of a pixel's light passes an opaque stack: the rest is rounding of alphas.
+/// Transmittance of a stack of samples below which the stack counts as opaque. The rest is rounding of
+/// alphas.
 constexpr double opaque_within = 1e-3;
-/// Inverse depths that differ by less, relative to the larger, are the same: they were stored as half floats.
+/// Largest relative difference of two inverse depths that count as equal. The depths were stored as half
+/// floats.
 constexpr float same_depth = 1.0F / 1024;
-/// A sample that is nearer by this share of its distance is not the same surface, seen with other noise.
+/// A sample that is nearer by more than this share of its distance is another surface, and not the same one
+/// with other noise.
 constexpr float nearer_by = 1.0F / 20;
 
 void check_same_view(const ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
@@ -23,7 +26,7 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
         fail(ExitCode::invalid_input, "{}: cannot lie behind (got {}x{} px; expected {}x{} px, as in front)",
              name, back.width, back.height, front.width, front.height);
     }
-    // A view is the ratio of both lengths.
+    // The field of view is given by the ratio of film width and film distance.
     const double view = front.camera.film_width_mm / front.camera.film_distance_mm,
                  other = back.camera.film_width_mm / back.camera.film_distance_mm;
     constexpr double rounding = 1e-4;
@@ -35,7 +38,7 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Inverse depth of the last opaque sample, and infinity where the stack lets light through.
+/// Inverse depth, 1/m, of the last sample of an opaque stack; infinity if the stack transmits light.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;

@@ -29,8 +29,8 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// Adds the left corners, on the pixel's lower edge, of the leaves of the cell of width `size` that begins at
-/// u. A cell is subdivided exactly if its centre sample exists.
+/// Adds the left corners of the quadtree leaves along the pixel's lower edge, for the quadtree cell of width
+/// `size` that begins at u. A cell is subdivided if and only if it has a sample at its centre.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

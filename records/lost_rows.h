@@ -18,9 +18,10 @@ struct LostRows {
     friend bool operator==(const LostRows&, const LostRows&) = default;
 };
 
-/// Replacement for row y, columns [x_begin, x_end): a point sample of a ray that hit nothing at the
-/// upper-left corner of every pixel, and further ones where leaves of the row above need them as their lower
-/// corners. `above` holds that row; nullptr if it is lost or does not exist. Offsets are as in RecordBand.
+/// Replacement for row y, columns [x_begin, x_end), of a damaged file. It has a point sample of a ray that
+/// hit nothing at the upper-left corner of every pixel. It has further such samples where quadtree leaves of
+/// the row above need them as lower corners. `above` holds the row above; nullptr if that row is lost or does
+/// not exist. Offsets are as in RecordBand.
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 

@@ -43,7 +43,7 @@ class MotionPath {
 
   private:
     struct Interval {
-        double begin_s = 0, per_s = 0;  // share = (t - begin) * per_s
+        double begin_s = 0, per_s = 0;  // position between the two keys: (t - begin_s) * per_s, 0 to 1
         glm::dvec3 translation{0}, translation_step{0};
         glm::dvec3 scale{1}, scale_step{0};
         glm::dquat from{1, 0, 0, 0}, to{1, 0, 0, 0};

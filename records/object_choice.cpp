@@ -39,7 +39,8 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
     return out;
 }
 
-/// Ids that a text may mean: by name, by the number itself and, in channels of floats, by the float.
+/// Ids that a text from an option may stand for: the id of that name, the number itself and, in channels of
+/// floats, the bits of that number as a float.
 std::vector<std::uint32_t> ids_of(const std::string& object) {
     std::vector<std::uint32_t> out{cryptomatte_id(object)};
     std::uint32_t number = 0;

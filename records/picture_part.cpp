@@ -23,7 +23,7 @@ constexpr const char* checksum_key = "checksum";
 constexpr const char* exposure_key = "exposure_stops";
 constexpr int most_side_px = 1 << 20;
 
-/// Of all values, in the order of the image.
+/// Checksum of all values of an image, in the order of the image.
 std::string checksum(const Image& image) {
     XXH3_state_t state;
     XXH3_64bits_reset(&state);
@@ -52,7 +52,7 @@ void mark_as_part(Image& image, const std::optional<Crop>& crop, const std::stri
     json[exposure_key] = image.exposure_stops ? nlohmann::ordered_json(*image.exposure_stops) : nullptr;
     std::sort(image.planes.begin(), image.planes.end(), [](const Image::Plane& a, const Image::Plane& b) {
         return a.name < b.name;
-    });  // as a file has them
+    });  // OpenEXR stores channels in the order of their names
     json[checksum_key] = checksum(cut(image, crop));
     image.texts.emplace_back(part_attribute, json.dump());
     image.exposure_stops = 0.0;

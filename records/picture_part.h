@@ -1,4 +1,4 @@
-// Parts of an image that are made apart from each other, and joined to the bits of the undivided image.
+// Parts of an image that are made separately, and joined to an image with the same bits as the undivided one.
 #pragma once
 
 #include <filesystem>
@@ -9,23 +9,24 @@
 
 namespace postlens {
 
-/// Marks an image of which `write_image` is to write a crop as a part. The exact values are then stored: they
-/// are not divided by the exposure, which the mark keeps. `mark` is a JSON object of the caller's.
+/// Marks an image so that `write_image` writes a crop of it as a part. The file then holds the exact values,
+/// which are not divided by the exposure; the mark holds the exposure. `mark` is a JSON object of the
+/// caller's.
 void mark_as_part(Image& image, const std::optional<Crop>& crop, const std::string& mark);
 
 struct PicturePart {
     Image image;       ///< the pixels of the part; with alpha only if the file stores it as floats
-    Crop place;        ///< where they lie in the whole
-    ImageSize whole;   ///< of the whole, px
+    Crop place;        ///< position of these pixels in the whole image
+    ImageSize whole;   ///< size of the whole image, px
     std::string mark;  ///< as `mark_as_part` got it
 };
 
 /// Reads a part. Empty if the file is an OpenEXR file without a mark. Throws Error(invalid_input) for a file
-/// that cannot be read, that is no OpenEXR file, or whose pixels have been changed since.
+/// that cannot be read, that is no OpenEXR file, or whose pixels have been changed after it was written.
 [[nodiscard]] std::optional<PicturePart> read_picture_part(const std::filesystem::path& path);
 
-/// Copies the pixels of a part, of the same channels, to their place in `whole`. Throws Error(invalid_input)
-/// for other channels.
+/// Copies the pixels of a part to their position in `whole`. Throws Error(invalid_input) if the part and
+/// `whole` have different channels.
 void paste(const PicturePart& part, const std::string& name, Image& whole);
 
 }  // namespace postlens

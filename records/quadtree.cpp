@@ -17,8 +17,8 @@ struct Place {
     int u = 0, v = 0;
 };
 
-/// Calls leaf(position, size) for the leaves of the cell, in the order up-left, up-right, down-left,
-/// down-right. All sums use this order. A cell is subdivided exactly if its centre sample exists.
+/// Calls leaf(position, size) for the leaves of a quadtree cell, in the order up-left, up-right, down-left,
+/// down-right. All sums use this order. A cell is subdivided if and only if it has a sample at its centre.
 template <typename HasSample, typename Leaf>
 void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& leaf) {
     const int half = size / 2;
@@ -94,7 +94,8 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // Neighbours may be divided more finely; samples between the positions of the table are not needed.
+        // Neighbouring pixels may be divided more finely than the table. Their samples that lie between the
+        // positions of the table are not needed.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -196,8 +197,8 @@ struct ColourRow {
     [[nodiscard]] Row<const ColourSample> view() const { return {samples.data(), offsets.data()}; }
 };
 
-/// Colours of the samples of pixels [x_begin, x_end) of row y. `top_edge_only`: only the samples that the row
-/// above needs.
+/// Colours of the samples of pixels [x_begin, x_end) of row y. `top_edge_only`: only the samples on the row's
+/// upper edge, which the row above needs.
 ColourRow colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, bool top_edge_only) {
     ColourRow row;
     row.samples.reserve(static_cast<std::size_t>(x_end - x_begin));
@@ -252,7 +253,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // A leaf is down-right of its up-left corner, and so on.
+                                       // A leaf lies in the quadrant of each corner that is opposite to the
+                                       // corner's own: down-right of its up-left corner, and so on.
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

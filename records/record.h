@@ -53,9 +53,10 @@ class NodePath {
     std::uint32_t bits_ = 0;
 };
 
-/// A 2x2 matrix in raster axes (x right, y down). W = (dX/dp)^-1 dX/dq, unit 1/m: rows are the direction in
-/// which the image of a node moves on the raster, columns the direction in which the lens point moves. For
-/// surfaces seen directly or in flat mirrors W = I / z'. See docs/sample_file.md.
+/// A 2x2 matrix in raster axes (x right, y down). A record's W, 1/m, says how the image of its node moves on
+/// the raster when the lens point moves: rows are the direction of the image's motion, columns the direction
+/// of the lens point's. W = (dX/dp)^-1 dX/dq, for a point X of the ray with tangent p at the pinhole and lens
+/// point q. For surfaces seen directly or in flat mirrors W = I / z'. See docs/sample_file.md.
 struct Mat2 {
     float xx = 0, xy = 0, yx = 0, yy = 0;
     friend constexpr bool operator==(const Mat2&, const Mat2&) = default;
@@ -78,9 +79,10 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0: visible from the pinhole
     Mat2 w;
-    /// Second-order error of the reprojection -W q, 1/m^2: at the rim of a lens of diameter D it is about
-    /// (film distance / pixel pitch) w_bend (D / 2)^2 px. 0: W is exact, or the error was not measured.
-    /// Infinity: other lens points do not see the node by this path. Has the precision of a half float.
+    /// Second-order error, 1/m^2, of the first-order displacement -W q of the node's image for a lens point
+    /// q. At the rim of a lens of diameter D the error is about (film distance / pixel pitch) w_bend (D /
+    /// 2)^2 px. 0: W is exact, or the error was not measured. Infinity: other lens points do not see the node
+    /// by this path. Has the precision of a half float.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

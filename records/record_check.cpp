@@ -9,7 +9,8 @@ bool is_dyadic(float position, int pixel) {
     const float offset = position - static_cast<float>(pixel);
     if (offset == 0) return true;
     const float steps = offset * position_steps;
-    // The last test refuses positions that were rounded, which happens far from the origin of wide rasters.
+    // The last of these tests refuses positions that were rounded to float, which happens far from the origin
+    // of wide rasters.
     return steps > 0 && steps < position_steps && steps == std::floor(steps) &&
            static_cast<float>(pixel) + offset == position;
 }

@@ -10,7 +10,8 @@
 
 namespace postlens {
 
-/// Bytes of a record before compression: 28, plus 16 for W, 2 for W.bend, 2 for the mark and 4 for the layer.
+/// Bytes of a record before compression: 28, plus those of optional channels: W 16, W.bend 2, mark 2,
+/// layer 4.
 [[nodiscard]] std::size_t bytes_per_record(RecordChannels channels);
 
 /// A scanline before compression, little-endian: int32 y; per pixel, the uint32 number of records up to and

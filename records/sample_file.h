@@ -76,7 +76,8 @@ enum class Damage {
 /// in `least_whole_share` at its own instant. An undamaged file reads the same with both settings.
 class SampleFileReader {
   public:
-    /// Limits how large an image a small file can claim to have.
+    /// If fewer than one row in this number is undamaged, the file is not read. The limit bounds the size of
+    /// the image that a small damaged file can claim to have.
     static constexpr std::size_t least_whole_share = 64;
 
     /// Colours are read as radiance times 2^exposure_stops. Absent: the header's exposure, so that 1 is

@@ -1,4 +1,5 @@
-// The parts of a sample file: their names, channels and windows, and the rows of the small parts `scanlines`.
+// The parts of a sample file: their names, channels and windows, and the rows of the small parts `scanlines`,
+// which summarise the records.
 #pragma once
 
 #include <array>

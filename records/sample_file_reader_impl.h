@@ -82,7 +82,7 @@ struct SampleFileReader::Impl {
     void check_record_count() const;
     /// Reads one row into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
-    /// Computes the records that replace a lost row, into `work.stand_ins`.
+    /// Computes the records that replace a lost row, and stores them in `work.stand_ins`.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
     /// Copies the records that replace row y into the band, from record `base` on.
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,

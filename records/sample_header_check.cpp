@@ -121,7 +121,8 @@ void check_sample_header(const SampleHeader& h, const std::string& file) {
            "0 to 262144");
     demand(h.subdivide_levels >= 0 && h.subdivide_levels <= 10, "subdivision levels", h.subdivide_levels,
            "0 to 10");
-    // The 24 bits of a float hold both the number of the pixel and the position within it.
+    // A float has 24 bits, which must represent both the index of the pixel and the position within the
+    // pixel.
     const int extent = std::max(h.width, h.height) + h.overscan_px + 1;
     demand(extent <= std::min(largest_extent_px, 1 << (24 - h.subdivide_levels)), "size with overscan",
            extent, "at most 2^(24 - subdivision levels) and 262144");

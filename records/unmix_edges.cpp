@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-/// Search radius for unmixed pixels, px. It is larger where depths are means, because a filter mixed more
-/// pixels.
+/// Radius, px, within which unmixed pixels of the same surface are searched. It is larger if depths are means
+/// of two depths, because the filter that made the means mixed more pixels.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Largest relative difference between depths at one position of a surface.
 constexpr double same_depth = 0.05;
@@ -122,8 +122,8 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // If mixed pixels count, the pixel itself is one of them, at distance 0; adding 0.5 avoids a
-            // division by 0.
+            // If mixed pixels count, the pixel itself is one of them, at distance 0. Adding 0.5 to the
+            // squared distance avoids a division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);
@@ -141,8 +141,8 @@ class Unmixer {
         }
     }
 
-    /// Changes the colours of the portions so that their sum, weighted with the shares, equals the pixel's
-    /// colour.
+    /// Changes the colours of the surfaces in a mixed pixel so that their sum, weighted with the surfaces'
+    /// shares, equals the pixel's colour.
     static void give_colours(const std::array<double, 4>& whole, std::vector<Portion>& portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
@@ -166,7 +166,8 @@ class Unmixer {
         }
     }
 
-    /// Limits a channel to 0 or more, and alpha to at most 1, without changing the weighted sum.
+    /// Limits channel `c` of each surface in a mixed pixel to 0 or more, and alpha to at most 1, without
+    /// changing the sum that is weighted with the surfaces' shares.
     static void keep_within(double whole, std::size_t c, std::vector<Portion>& portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;

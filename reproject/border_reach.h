@@ -13,13 +13,13 @@
 
 namespace postlens {
 
-/// A surface at the border of the records may continue beyond it. It is assumed to continue at constant
-/// depth, the nearest that is recorded at the border there.
+/// Where views may see surfaces beyond the border of the recorded pixels. A surface at the border is assumed
+/// to continue beyond it, at the nearest depth that is recorded there.
 class BorderReach {
   public:
-    /// `instant`: the number of `primary` among the field's instants.
+    /// `instant`: index of the field's instant whose patches of primary nodes are `primary`.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
-    /// Sets SeenTile::maybe_inverse_z in the pixels where a view may see such a surface.
+    /// Sets SeenTile::maybe_inverse_z in the pixels where a view may see a surface from beyond the border.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
   private:
@@ -44,12 +44,12 @@ class BorderReach {
         std::vector<Cell> cells;
         /// Largest displacement of a cell in any view: into the raster, and along the side.
         double deepest_px = 0, sideways_px = 0;
-        /// Includes a cell that is displaced by `moved_px`, with a tolerance of `around_px`.
+        /// Extends the bounds by a border cell whose displacement is `moved_px`, uncertain by `around_px`.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// Includes the moving cells in the views of a time span.
+        /// Extends the bounds by the moving border cells, in all views of a time span.
         void widen(const TimeSpanViews& span, const LensReach& lens);
     };
-    /// Position in a view, raster px along and across the side, of the middle of cell `i` on the side.
+    /// Where a view shows the middle of border cell `i`: raster px along and across the side of the raster.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

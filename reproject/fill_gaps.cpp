@@ -34,7 +34,7 @@ Level coarser(const Level& fine) {
     return out;
 }
 
-/// The coarse level's colour at a fine pixel's centre, linear between the four nearest.
+/// Colour of the coarse pyramid level at the centre of a fine pixel, interpolated bilinearly.
 void sample(const Level& coarse, int x, int y, float* rgb) {
     const int x0 = (x & 1) != 0 ? x / 2 : x / 2 - 1, y0 = (y & 1) != 0 ? y / 2 : y / 2 - 1;
     const float fx = (x & 1) != 0 ? 0.25F : 0.75F, fy = (y & 1) != 0 ? 0.25F : 0.75F;
@@ -66,8 +66,8 @@ void push(const Level& coarse, Level& fine) {
 void fill_gaps(Image& image, const std::vector<float>& weight) {
     std::vector<Level> levels(1);
     levels[0] = {image.width, image.height, image.rgb, weight};
-    // On the finest level weights are 0 or 1, so known pixels keep their colours. Colours in gaps are set to
-    // 0, as they need not be finite.
+    // On the finest level weights are 0 or 1, so known pixels keep their colours. Colours of pixels with
+    // weight 0 are set to 0, as they may be infinite or NaN.
     for (std::size_t i = 0; i < weight.size(); ++i) {
         const bool known = weight[i] > 0;
         levels[0].weight[i] = known ? 1.0F : 0.0F;

@@ -12,8 +12,8 @@ struct InstantShare {
 };
 
 /// The recorded instants before and after `time_s`, the earlier first, with the weights of linear
-/// interpolation; only the nearest one if `time_s` is outside of all. `instants_s`: at least one, in any
-/// order.
+/// interpolation. If `time_s` is before the first or after the last instant, only the nearest instant.
+/// `instants_s`: at least one, in any order.
 [[nodiscard]] std::vector<InstantShare> instants_around(const std::vector<double>& instants_s, double time_s);
 
 }  // namespace postlens

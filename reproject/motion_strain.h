@@ -10,9 +10,10 @@
 
 namespace postlens {
 
-/// The function PatchLens::motion.
+/// Function object for PatchLens::motion: how much the motions of all views distort a part of a surface.
 struct StrainOfMotions {
-    /// Per view, PatchView::Use::motions; `strain_views` views, spread evenly over the shutter, are enough.
+    /// Per view, the motion of each class of objects that move alike (PatchView::Use::motions).
+    /// `strain_views` views, spread evenly over the shutter, are enough.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 

@@ -28,7 +28,7 @@ struct TilePatches {
     std::vector<std::uint32_t> motion_class;
 };
 
-/// The patches [begin, end) of one path.
+/// The patches [begin, end) of one path, the sequence of reflections and transmissions from the eye.
 struct Chain {
     NodePath path;
     std::size_t begin = 0, end = 0;
@@ -47,7 +47,8 @@ struct Workplace {
     TileViews views;
     std::vector<double> light;
     std::array<std::uint8_t, SeenTile::pixels> touched{};
-    /// View samples that are rays: lines, their pixels and weights, and their radiance once traced.
+    /// View samples that are replaced by rays: lines of sight, their pixels and weights, and the traced
+    /// radiance.
     struct Traced {
         bool whole_tile = false;
         std::vector<SightLine> lines;
@@ -58,8 +59,8 @@ struct Workplace {
         std::array<std::uint8_t, SeenTile::pixels>
             uses{};  ///< per pixel, bits of the view's uses that are rays
     } traced;
-    /// Checked view samples: the pixels per view, with repetitions; lines and the radiance of the records;
-    /// residuals.
+    /// View samples that are compared with a ray: their pixels per view, with repetitions; their lines of
+    /// sight and the radiance of the records; the residuals, ray minus records.
     struct Checked {
         std::vector<std::vector<std::uint16_t>> pixels;
         std::vector<std::uint32_t> views;
@@ -71,10 +72,12 @@ struct Workplace {
     } checked;
 };
 
-/// Number of lines traced together: enough for efficient batches, few enough for the caches.
+/// Number of lines of sight that are traced together: enough for efficient batches, few enough for the
+/// caches.
 constexpr std::size_t lines_together = 4096;
 
-/// Number of views between tests for cancellation, as a tile with thousands of views takes long.
+/// Number of views that are drawn between tests for cancellation, as a tile with thousands of views takes
+/// long.
 constexpr std::size_t views_between_looks = 64;
 
 class Field {
@@ -134,7 +137,8 @@ class Field {
             [&](std::size_t i) {
                 const Patch& p = mesh.patches[i];
                 swept[i] = sweep.of(mesh, p, instant);
-                // A moving object must also be drawn over where it was recorded.
+                // A moving object is also assigned to the tiles where it was recorded, as pixels there get
+                // its mark (mark_recorded).
                 PatchPlace recorded;
                 if (marked() && marks_[instant][p.sheet] != 0 && place_patch(mesh, p, {}, {}, recorded))
                     swept[i].add(covered(p, recorded));
@@ -280,7 +284,7 @@ class Field {
         const PatchMesh& mesh = *field_.instants[v.uses[u].instant].primary;
         for (const std::uint16_t k : w.checked.pixels[view]) {
             const std::uint32_t texel = w.seen[u].texel[k];
-            // If both instants show one surface, only the first is checked.
+            // If both recorded instants show the same surface, only the first is compared with a ray.
             if (texel == SeenTile::no_texel || (w.traced.uses[k] >> u & 1U) != 0) continue;
             if (v.uses.size() == 2 && (u == 1 || share(v, u, k, w) == 0)) continue;
             const int x = k % SeenTile::edge, y = k / SeenTile::edge;
@@ -320,14 +324,15 @@ class Field {
         w.traced.weight.push_back(weight);
     }
 
-    /// Whether the primary surface of a view's use is sure in a pixel.
+    /// Whether the records determine the primary surface that use `u` of a view (a recorded instant
+    /// reprojected to it) shows in a pixel.
     [[nodiscard]] bool sure(const PatchView& v, std::size_t u, std::size_t k, const Workplace& w) const {
         const std::uint32_t texel = w.seen[u].texel[k];
         return texel != SeenTile::no_texel && !w.seen[u].may_be_hidden(k) &&
                !field_.instants[v.uses[u].instant].primary->unsure(texel);
     }
 
-    /// Replaces view samples by rays if their primary surface is unsure.
+    /// Replaces view samples by rays if the records do not determine their primary surface.
     void set_aside(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (int y = 0; y < at.height; ++y) {
             for (int x = 0; x < at.width; ++x) {
@@ -344,7 +349,8 @@ class Field {
         }
     }
 
-    /// Replaces samples of one use by rays if their reflected or transmitted nodes are unsure.
+    /// Replaces view samples from one recorded instant by rays if the records do not determine their
+    /// reflected or transmitted nodes.
     void set_aside_trees(const PatchView& v, std::size_t u, const TilePlace& at, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[u].instant].primary;
         for (int y = 0; y < at.height; ++y) {
@@ -419,7 +425,7 @@ class Field {
         }
     }
 
-    /// Collects the patches of a tile, for all sets.
+    /// Collects the patches that any view of any set may show in a tile.
     void gather(std::size_t tile, Workplace& w) const {
         w.primary.resize(field_.instants.size());
         w.deeper.resize(field_.instants.size());
@@ -452,7 +458,7 @@ class Field {
         }
     }
 
-    /// Copies a tile's patches to contiguous memory, as every view reads all of them.
+    /// Copies a tile's patches to contiguous memory, as every view reads all patches of the tile.
     void gather(const PatchMesh& mesh, const std::vector<std::uint32_t>& bin, TilePatches& out) const {
         out.mesh.sheets = mesh.sheets;
         out.mesh.overlap_px = mesh.overlap_px;
@@ -552,7 +558,7 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // In a piece that is left to rays, only highlights need the surfaces.
+        // Where all view samples of a tile are rays, only highlights need the reprojected surfaces.
         const bool drawn = lights || !w.traced.whole_tile;
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -578,8 +584,8 @@ class Field {
             set_aside(v, at, w);
         }
         const bool trees = trees_ && w.trees.any() && !w.traced.whole_tile;
-        // If both uses show one surface in a pixel, each has its share; otherwise only the nearer surface
-        // counts.
+        // If both recorded instants show the same surface in a pixel, their colours are blended; otherwise
+        // only the nearer surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
             if (rays && trees) set_aside_trees(v, u, at, w);
@@ -594,7 +600,7 @@ class Field {
         if (set.checked && w.checked.lines.size() >= lines_together) check(set, w.checked);
     }
 
-    /// Adds all pixels of a view with one use to the sums.
+    /// Adds all pixels of a view that is reprojected from a single recorded instant to the sums.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);
@@ -602,7 +608,8 @@ class Field {
             add_children(mesh, w.seen[0].texel[k], k, v.weight, trees, w);
     }
 
-    /// Adds one of two uses to the sums, or a use whose light the lens blocks in some pixels.
+    /// Adds a view's pixels from recorded instant `u` to the sums, where the view has two recorded instants
+    /// or the lens blocks its light in some pixels.
     void add_some(const PatchView& v, std::size_t u, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[u].instant].primary;
         for (int y = 0; y < at.height; ++y) {
@@ -623,7 +630,8 @@ class Field {
         }
     }
 
-    /// Adds what a primary texel shows by reflection and transmission.
+    /// Adds the light that a texel (one recorded colour of a primary surface) shows by reflection and
+    /// transmission.
     static void add_children(const PatchMesh& mesh, std::uint32_t texel, std::size_t k, double weight,
                              bool trees, Workplace& w) {
         const std::array<float, 3> following = mesh.following(texel);

@@ -1,4 +1,4 @@
-// The mean of many views of the sheets, each from its own lens point and at its own instant.
+// The mean of many views of the recorded surfaces, each from its own lens point and at its own instant.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,8 @@ struct PatchView {
     struct Use {
         std::size_t instant = 0;
         double share = 1;  ///< weight of its colour in pixels where both instants show the same surface
-        /// Motion of each class of objects from the instant to the view; empty: nothing moves.
+        /// Per class of objects that move alike, their motion from the recorded instant to the view's
+        /// instant; empty: nothing moves.
         std::vector<RasterMap> motions;
     };
     std::vector<Use> uses;  ///< one or two
@@ -44,18 +45,21 @@ struct PatchView {
 /// A set of views. An image, or some of its pieces, is the mean of them.
 struct PatchViews {
     std::vector<PatchView> views;
-    /// Whether this set draws a piece of the image (PatchField::piece_px); none: it draws all. Pieces that no
-    /// set draws stay black and unknown.
+    /// Whether this set draws a piece, a square of the image with edge PatchField::piece_px; none: it draws
+    /// all pieces. Pieces that no set draws stay black and unknown.
     std::function<bool(int x, int y, int width, int height)> wanted;
-    /// Adds highlights to a piece, given what every view sees there. Called from several threads. Null: none.
+    /// Adds highlights to a square piece of the image, given what every view sees there. Called from several
+    /// threads. Null: there are no highlights.
     const class Lights* lights = nullptr;
-    /// Traces unsure view samples. Null: they stay as recorded.
+    /// Traces a ray for each view sample that the records do not determine. Null: such samples stay as
+    /// recorded.
     const SightRays* rays = nullptr;
-    /// With rays: whether all view samples of the piece that has the pixel (x, y) are rays. None: no piece.
+    /// With rays: whether all view samples of the piece with the pixel (x, y) are rays. None: false
+    /// everywhere.
     std::function<bool(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` add, which rays leave out
-    /// With rays: appends the numbers of the views whose samples of the pixel (x, y) are compared with a ray,
-    /// in PatchPicture::checks. Does not change the image. None: no view is checked.
+    /// With rays: appends the numbers of the views whose samples of the pixel (x, y) are compared with a ray.
+    /// The comparisons go to PatchPicture::checks and do not change the image. None: no comparisons.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     /// Number of the image that this set draws. Sets of one image must draw different pieces.
     std::size_t picture = 0;
@@ -63,10 +67,11 @@ struct PatchViews {
 
 struct PatchField {
     std::vector<PatchInstant> instants;
-    /// The motion class of an object. Only called if objects move or there are marks.
+    /// The class of an object: objects of one class move alike. Only called if objects move or `class_marks`
+    /// is not empty.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// Per class, the bits that PatchPicture::touched gets where an object of the class is seen; 0 for a
-    /// class that does not move in any view. Empty: `touched` is not computed.
+    /// Per class of objects that move alike, the bits that PatchPicture::touched gets where a view sees such
+    /// an object; 0 for a class that does not move in any view. Empty: `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles where none of these bits can occur are not drawn
     /// Edge of a piece, px: SeenTile::edge divided by a power of two.
@@ -82,7 +87,7 @@ struct PatchField {
     glm::dvec2 lens_reach_px{0};
 };
 
-/// The primary surfaces that every view sees in a piece, at the instant of its first use.
+/// The primary surfaces that every view sees in a piece of the image, from the view's first recorded instant.
 struct TileViews {
     int x = 0, y = 0, width = 0, height = 0;            ///< px of the image
     static constexpr std::size_t row = SeenTile::edge;  ///< stride from one row of a view to the next
@@ -93,7 +98,7 @@ struct TileViews {
     const PatchMesh* patches = nullptr;
 };
 
-/// Highlights: radiance that was taken out of the sheets and is spread by its impulse response.
+/// Highlights: radiance that was taken out of the reprojected surfaces and is spread by its impulse response.
 class Lights {
   public:
     Lights() = default;
@@ -102,16 +107,16 @@ class Lights {
     Lights(Lights&&) = delete;
     Lights& operator=(Lights&&) = delete;
     virtual ~Lights() = default;
-    /// Whether any of it reaches a rectangle of the image, px.
+    /// Whether light of any highlight reaches a rectangle of the image, px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
-    /// Adds four values per pixel to `light`, in rows of TileViews::row pixels: r, g, b, and the mean square
-    /// of the radiance that single rays would find, of the brightest channel.
+    /// Adds four values per pixel to `light`, in rows of TileViews::row pixels: r, g, b, and the mean square,
+    /// in the brightest channel, of the highlights' radiance along single rays through the lens.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
 };
 
-/// Residuals of a pixel's checked views: radiance of the check ray minus that of the records. View samples
-/// that are rays anyway count as residual 0.
+/// Residuals of a pixel's views that are compared with a ray: the ray's radiance minus that of the records.
+/// View samples that the image takes from rays anyway count as residual 0.
 struct PixelCheck {
     std::uint32_t views = 0, rays = 0;
     std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
@@ -128,7 +133,8 @@ struct PatchPicture {
     /// Per pixel: share of the views' weight whose reflected or transmitted node is not recorded. A node that
     /// is dimmer than the pixel everywhere in the tile counts as much less (TreeSums).
     std::vector<float> unknown_below;
-    /// The part of `unknown_below` that too few other views see to replace it: it has the pinhole's radiance.
+    /// The part of `unknown_below` for which too few other views see the node: it gets the radiance that the
+    /// pinhole sees.
     std::vector<float> guessed_below;
     /// Per pixel: share of the views' weight that is rays. Empty for sets without rays.
     std::vector<float> traced;
@@ -136,14 +142,14 @@ struct PatchPicture {
     std::vector<PixelCheck> checks;
     /// Per pixel, the fourth value of `Lights`; empty without lights.
     std::vector<float> light_square;
-    /// Per pixel, with PatchField::class_marks: the marks of all moving objects that a view sees there or
-    /// that are recorded there; all bits if a view sees nothing recorded. 0: every view sees what is recorded
-    /// there.
+    /// Per pixel, the bits (PatchViews::class_marks) of all moving objects that are recorded there or that a
+    /// view sees there; all bits if a view sees nothing recorded. 0: every view sees what is recorded there.
     std::vector<std::uint8_t> touched;
 };
 
-/// Draws the sets into `out`, images of the field's size; pieces that no set draws keep their values. The
-/// result is bit-identical for any number of threads and for any grouping of sets into calls.
+/// Draws the sets of views into `out`, images of the field's size. Square pieces of the image that no set
+/// draws keep their values. The result is bit-identical for any number of threads and any division of sets
+/// into calls.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

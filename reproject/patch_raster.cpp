@@ -10,11 +10,12 @@
 namespace postlens {
 namespace {
 
-/// Smallest determinant of a patch's map. A patch with less is seen edge-on and has no area.
+/// Smallest determinant of a patch's map to the view. Below it the patch is seen edge-on and covers no
+/// sample.
 constexpr double smallest_area = 1e-6;
 
-/// Number of samples of a row that are processed together; few_lanes if the patch covers no more samples of a
-/// row.
+/// Number of samples of a row that are processed together: few_lanes if the patch covers at most that many
+/// samples of each row, else most_lanes.
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
@@ -58,7 +59,7 @@ Seen seen_in(SeenTile& tile) {
     return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
 }
 
-/// Element n is 1 << n. Not every instruction set can shift each lane by its own number of bits.
+/// Element n is 1 << n: a table, as not every instruction set can shift each lane by its own number of bits.
 alignas(64) constexpr std::uint32_t bit[most_lanes] = {
     1,       1U << 1, 1U << 2,  1U << 3,  1U << 4,  1U << 5,  1U << 6,  1U << 7,
     1U << 8, 1U << 9, 1U << 10, 1U << 11, 1U << 12, 1U << 13, 1U << 14, 1U << 15};
@@ -120,8 +121,8 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws the samples with a bit in `found` whose leaf is not empty. One by one, since a SIMD gather of
-/// sixteen is no faster, and about half of the bits are 0.
+/// Draws the samples with a bit in `found` whose leaf of the patch's quadtree is not empty. The loop is
+/// scalar: a SIMD gather of sixteen samples is no faster, since about half of the bits are 0.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));

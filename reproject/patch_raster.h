@@ -110,22 +110,24 @@ struct WantedPixels {
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
 
-/// Writes to `wanted` the pixels of `part` in which a node of `in`, with texels of `in_mesh`, has a child of
-/// the bounces `bounce` (child_bit) that is drawn for itself. `part` must contain all pixels with such
-/// children. Clears `out` in these pixels; the other pixels in the part's rows get an infinite inverse depth,
-/// so that nothing is drawn there. Where `in` needs a node but misses it, its child may still be seen:
-/// `around` returns the id of the missing node's nearest ancestor that is seen. Without `around`, such pixels
-/// are not wanted.
+/// Finds the pixels of `part` in which a node of `in`, with texels of `in_mesh`, has a child node for the
+/// bounces `bounce` (child_bit) that is drawn for itself, and writes them to `wanted`. `part` must contain
+/// all pixels with such child nodes. Clears `out` in these pixels. The other pixels in the rows of `part` get
+/// an infinite inverse depth, so that nothing is drawn there.
+///
+/// Where `in` needs a node but misses it, the view may still see that node's child. `around` returns the id
+/// of the missing node's nearest ancestor that the view sees. Without `around`, such pixels are left out.
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
 /// Bounding box of the pixels of a tile whose surface has child nodes that are drawn for themselves.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// As draw_patch, for a patch of reflected or transmitted nodes: draws it only in pixels that need a node
-/// shown by the sheet's parent object. A mirrored patch is drawn as well, but none that is stretched to more
-/// than `largest_torn_px` per raster px. Where the parent is missing (WantedPixels::any_gaps), a `bent` patch
-/// is not drawn. `out`: as find_wanted leaves it.
+/// Draws a patch of reflected or transmitted nodes with a depth test, only in pixels that need a node shown
+/// by the object that reflects or transmits the patch. A patch may be mirrored, as seen in a mirror. It is
+/// not drawn if the view stretches a raster px to more than `largest_torn_px`. A patch with nonlinear W
+/// (Patch::bent) is not drawn in pixels where the parent node is missing (WantedPixels::any_gaps). `out`: as
+/// find_wanted leaves it.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

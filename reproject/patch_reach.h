@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Bounds of a patch without motion in any view: its centre, which is affine in the lens point, and half of
-/// its largest extent over all lens points.
+/// Bounds, in any view, of a patch that does not move: its centre, which is an affine function of the lens
+/// point, and half of its largest extent over all lens points.
 struct PatchReach {
     float x = 0, y = 0;                     ///< centre in the pinhole's view, raster px
     float xx = 0, xy = 0, yx = 0, yy = 0;   ///< W of the centre, 1/m
@@ -16,7 +16,7 @@ struct PatchReach {
 
     struct Bounds {
         float x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< raster px
-        /// Whether the rectangle [left, right] x [top, bottom] is disjoint from it.
+        /// Whether these bounds are disjoint from the rectangle [left, right] x [top, bottom].
         [[nodiscard]] bool misses(float left, float right, float top, float bottom) const {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }

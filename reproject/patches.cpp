@@ -10,12 +10,14 @@
 namespace postlens {
 namespace {
 
-/// Largest error of a cell's position at the lens's rim, as a share of the CoC radius.
+/// Largest error of a cell's reprojected position, for a lens point at the lens's rim, as a share of the CoC
+/// radius.
 constexpr double exact_share = 0.02;
-/// Largest Patch::back_per_m of a hidden patch, as a share of its 1/z'.
+/// Largest amount by which depth tests move a patch of a hidden surface back (Patch::back_per_m), as a share
+/// of its inverse depth 1/z'.
 constexpr double most_back = 0.02;
-/// Smaller semi-axis of the CoC, px, from which cells are uniform squares (SheetMesh::coarse): these add 1/12
-/// px^2 to the blur's variance of 9 px^2.
+/// Smaller semi-axis of the circle of confusion, px, from which each pixel of a surface is drawn as a uniform
+/// square (SheetMesh::coarse). The square adds only 1/12 px^2 to the blur's variance of 9 px^2.
 constexpr double coarse_from_px = 6;
 
 /// Least-squares planes over the cells of a patch, with origin at the patch's corner. Each cell counts at
@@ -48,7 +50,7 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// The largest difference of a fitted value from the cell's own plane.
+    /// The largest difference between the fitted planes and the planes of the single pixel (x, y).
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         each(x, y, planes, [&](double px, double py, const std::array<double, values>& v) {
@@ -67,7 +69,7 @@ class Fit {
 
   private:
     static constexpr std::size_t first_moving =
-        values == 1 ? 0 : 1;  ///< with W, 1/z' has no effect on positions
+        values == 1 ? 0 : 1;  ///< first value that affects positions: with W stored, 1/z' does not
     template <typename Visit>
     void each(int x, int y, const CellPlane* planes, const Visit& visit) const {
         for (const double oy : {-0.25, 0.25}) {
@@ -155,7 +157,8 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // A sheet with W moves with the object that shows it, so its own depth has no effect on its position.
+        // A reflected or transmitted surface moves with the object that shows it, so its own depth has no
+        // effect on its position.
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -186,7 +189,8 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // Limited to a share of its depth, since `within` has no bound for a very small aperture.
+            // The value is limited to a share of the patch's 1/z', since `within` is unbounded for a very
+            // small aperture.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -302,7 +306,7 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
 
 namespace {
 
-/// 1/z' of a part of a patch: value at the part's corner, slopes by x and y.
+/// Inverse depth 1/z' of a part of a patch: its value at the part's corner and its slopes by x and y.
 glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& part) {
     const CellPlane& plane = mesh.planes[whole.first_plane];
     const glm::dvec2 slope(plane.x, plane.y);

@@ -75,9 +75,10 @@ class FrameMotion {
 
     /// Displacement on the raster, px, as a function of time.
     using Displacement = std::function<glm::dvec2(double time_s)>;
-    /// Replaces the motion of the object and of the camera, for this object.
+    /// Replaces the motion of one object on the raster, including the share that the camera's motion has in
+    /// it.
     void set_displacement(std::uint32_t id, Displacement displacement, std::vector<double> breaks_s);
-    /// Replaces the rigid motion of the object in the world; the camera moves as before.
+    /// Replaces the rigid motion of one object in the world. The camera's motion stays.
     void set_keys(std::uint32_t id, const std::vector<TransformKey>& keys);
 
     /// Map from the raster at one instant to the raster at another, for the object `id` (0: background at

@@ -31,8 +31,8 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // The slope is depth difference over width, at the nearer end: dz / z is the relative difference of 1/z,
-    // and the width is z times the tangent.
+    // Slope of the surface: depth difference dz over width, at the nearer end. dz / z is the relative
+    // difference of 1/z, and the width is z times the tangent.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -46,8 +46,8 @@ double across_per_px(const SampleHeader& h) {
 namespace {
 
 /// Calls take(visible, first, last) for each run of records that share a sample and a layer, and done() after
-/// each sample. `visible` is the sample's first record of layer 0. Layer 0 comes first, then the deeper ones
-/// in ascending order. Records at positions without a point sample of layer 0 are skipped.
+/// each sample. `visible` is the sample's first record of layer 0, the surfaces visible from the pinhole. A
+/// sample's layers come in ascending order. Records at positions without a sample of layer 0 are skipped.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -92,7 +92,7 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     }
 }
 
-/// The node of a run that has this path; null if there is none.
+/// The record with the given path (reflections and transmissions from the eye) among [first, last), or null.
 const Record* node_at(const Record* first, const Record* last, NodePath path) {
     const Record* found = std::lower_bound(
         first, last, path, [](const Record& r, NodePath p) { return r.path.bits() < p.bits(); });
@@ -115,8 +115,8 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
 
 namespace {
 
-/// Finds, for each node of a run, the index of its parent in the run; its own index if the parent is not in
-/// the run.
+/// Finds for each node in [first, last) the index of its parent node. A node whose parent is not among them
+/// gets its own index.
 void find_parents(const Record* first, const Record* last, std::vector<std::uint32_t>& parents) {
     const auto count = static_cast<std::uint32_t>(last - first);
     parents.resize(count);
@@ -132,13 +132,13 @@ Mat2 w_of(const Record& r) {
     return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
 }
 
-/// The greater singular value of a - b.
+/// The greater singular value of a - b: how far the matrices a and b differ.
 float departure(const Mat2& a, const Mat2& b) {
     const float xx = a.xx - b.xx, xy = a.xy - b.xy, yx = a.yx - b.yx, yy = a.yy - b.yy;
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds each node of a run to the `below` and `strays` of all its ancestors.
+/// Adds each node's radiance and W to all its ancestors: to TreeSurface::below and TreeSurface::strays.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

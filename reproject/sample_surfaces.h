@@ -31,8 +31,9 @@ struct TreeSurface {
     std::uint8_t mark = 0;        ///< Record::mark
     /// Radiance of the whole subtree of the reflected child, and of the transmitted one.
     std::array<std::array<float, 3>, 2> below{};
-    /// Per child, the largest difference between W of a node of its subtree and W of this node: spectral
-    /// norm, 1/m. Infinity if a node of the subtree is brighter than `bright_above` of find_trees.
+    /// Per child, the largest difference between the matrix W of a node in the child's subtree and W of this
+    /// node: spectral norm, 1/m. Infinity if a node of the subtree is brighter than `bright_above` of
+    /// find_trees.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
@@ -52,8 +53,8 @@ struct SampleSurfaces {
     std::vector<std::uint32_t> offsets;
 };
 
-/// Finds the surfaces of `points`, which are from the rows of `band` from y_begin on. Skips layers without a
-/// primary node.
+/// Finds the surfaces of the samples `points`, which were read from `band`, its rows from y_begin on. Skips
+/// layers without a primary node, the surface that the eye ray itself hits.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
 /// The nodes of some point samples: sample i has [offsets[i], offsets[i + 1]), the nearest layer first, and
@@ -64,10 +65,12 @@ struct SampleTrees {
     bool any_below = false;  ///< false: all `below` are black
 };
 
-/// As find_surfaces, with one surface per node: primary nodes of all layers go to `primary`, the others to
-/// `deeper`. A layer without a primary node has surfaces hidden within a reflection or refraction of layer 0;
-/// of these, nodes whose parent is recorded are used. Nodes brighter than `bright_above` in any channel are
-/// never drawn as part of their parent (TreeSurface::strays).
+/// Finds the surfaces of the samples `points`, one per node: primary nodes of all layers go to `primary`,
+/// reflected and transmitted nodes to `deeper`. `points` were read from `band`, its rows from y_begin on.
+///
+/// A layer without a primary node contains surfaces that are hidden within a reflection or refraction of
+/// layer 0. Of these, nodes whose parent is recorded are used. Nodes brighter than `bright_above` in any
+/// channel are never drawn as part of their parent (TreeSurface::strays).
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

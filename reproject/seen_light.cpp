@@ -32,7 +32,8 @@ POSTLENS_MULTIVERSION void add_seen_light(std::span<const Texel> texels, const S
             std::memcpy(&sum, sums[k].data(), sizeof sum);
             sum += weights * __builtin_convertvector(light, Double4);
             std::memcpy(sums[k].data(), &sum, sizeof sum);
-            // Always written, but counted only if the texel has children: a branch would be hard to predict.
+            // The pixel is always written to the list, but counted only if its texel has child nodes: a
+            // branch would be hard to predict.
             with_children.pixels[count] = static_cast<std::uint16_t>(k);
             count += t.children() != 0 ? 1 : 0;
         }

@@ -1,4 +1,4 @@
-// Sums of the primary nodes' radiance over the views of a tile.
+// Sums, per pixel of a tile, the radiance of directly visible surfaces over all views.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// Adds the texels' colours that a view sees in the tile's first `width` x `height` pixels. `with_children`
-/// gets the pixels whose texel has child nodes.
+/// Adds the colours of the texels, recorded squares of surfaces, that a view sees in the tile's first `width`
+/// x `height` pixels. `with_children` gets the pixels whose texel has reflected or transmitted child nodes.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);
 

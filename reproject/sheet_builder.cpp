@@ -82,7 +82,8 @@ void SheetBuilder::add_leaf(const Leaf& leaf, int cell) {
         add_group(keys_.of_node[begin[0]], begin, x, y, leaf.size, cell, leaf);
         return;
     }
-    // Groups the n-th node of a key at each corner with the n-th nodes of the key at the other corners.
+    // Groups the n-th node of a surface (SheetKey) at each corner of the leaf with its n-th nodes at the
+    // other corners.
     groups_.clear();
     for (std::size_t k = 0; k < 4; ++k) {
         for (std::uint32_t i = begin[k]; i < trees_.offsets[leaf.corner[k] + 1]; ++i) {
@@ -154,7 +155,7 @@ void SheetBuilder::add_group(std::uint32_t key, const std::array<std::uint32_t, 
 
 SheetBuilder::Beside SheetBuilder::beside(std::uint32_t corner, const TreeSurface& of, float size) const {
     Beside out;
-    // The nodes of a corner are sorted, nearest first.
+    // The nodes at a corner of the leaf are sorted, nearest first.
     for (std::uint32_t i = trees_.offsets[corner]; i < trees_.offsets[corner + 1]; ++i) {
         const TreeSurface& s = node(i);
         if (s.path != of.path || s.parent_id != of.parent_id) continue;
@@ -198,7 +199,7 @@ bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
 }
 
 void SheetBuilder::add_sheets(std::span<const Piece* const> pieces) {
-    // Parts of a cell that cannot be one surface, each with its range of 1/z'.
+    // The parts of a pixel whose depths differ too much for one surface, each with its range of 1/z'.
     struct Part {
         float low = 0, high = 0;
         std::vector<const Piece*> pieces;
@@ -371,7 +372,7 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*
     if (begin == end) return SheetNode::none;
     const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     if (pieces[begin]->size >= size) {
-        // A surface that is recorded here takes precedence over one that may extend to here.
+        // A piece that is recorded at this place takes precedence over a surface that only may extend to it.
         const auto there = std::find_if(at(begin), at(end), [](const Piece* p) { return !p->maybe; });
         return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
     }

@@ -1,4 +1,4 @@
-// Builds the sheets of one square of the raster from its quadtree leaves.
+// Builds the sheets of one square of the raster, one per surface seen there, from the quadtree leaves.
 #pragma once
 
 #include <span>
@@ -11,16 +11,18 @@
 
 namespace postlens {
 
-/// The pixels of a square: the first `rows` rows of the leaves' band, columns [first_pixel, last_pixel).
+/// The pixels of a square of the raster: the first `rows` rows of the leaves' band, columns [first_pixel,
+/// last_pixel).
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
     int x = 0, y = 0;  ///< raster px
 };
 
-/// If all four corners of a leaf see one surface, the leaf gets their mean. If a corner sees another surface,
-/// or the depth jumps, each corner gets the adjacent quarter of the leaf. Parts of one key within a cell that
-/// cannot be one surface become different sheets.
+/// Builds sheets from the samples at the corners of quadtree leaves. If all four corners of a leaf see one
+/// surface, the leaf gets their mean. If a corner sees another surface, or the depth jumps, each corner gets
+/// the adjacent quarter of the leaf. Parts of one object whose depths differ too much for one surface become
+/// different sheets.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.
@@ -41,7 +43,7 @@ class SheetBuilder {
         bool cut_before = false;  ///< Highlight::cut_before
         bool maybe = false;       ///< SheetNode::maybe: the surface of node[0] may extend into this quarter
     };
-    /// The n-th node of a key at each corner of a leaf.
+    /// The n-th node, counted from the nearest, that a surface (SheetKey) has at each corner of a leaf.
     struct Group {
         std::uint32_t key = 0;
         std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
@@ -50,15 +52,16 @@ class SheetBuilder {
     void add_leaf(const Leaf& leaf, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
                    float size, int cell, const Leaf& leaf);
-    /// Whether a corner of a leaf shows a surface nearer than a given one (`before`), or one farther than it
-    /// without showing the given one itself (`behind`).
+    /// Which other surfaces the corners of a leaf show beside a given one. `before`: a corner shows a nearer
+    /// one. `behind`: a corner shows a farther one, and not the given one.
     struct Beside {
         bool before = false, behind = false;
     };
     [[nodiscard]] Beside beside(std::uint32_t corner, const TreeSurface& of, float size) const;
-    /// Whether the corners' colours differ as at an edge of a shadow or a texture.
+    /// Whether the colours at the leaf's corners differ so much that an edge of a shadow or a texture crosses
+    /// it.
     [[nodiscard]] bool has_contrast(const Piece& piece) const;
-    /// Whether all corners have a mark (RecordMark).
+    /// Whether the records at all corners have a mark, for example for fine texture (RecordMark).
     [[nodiscard]] bool is_marked(const Piece& piece) const;
     [[nodiscard]] bool has_contrast_below(const Piece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
@@ -71,13 +74,14 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const Piece& piece);
     template <std::size_t values>
     void fit(std::span<const Piece* const> pieces, CellPlane* planes) const;
-    /// Assigns the highlights from `first_light` on to the texel added last, which has this area, px^2.
+    /// Assigns the highlights from index `first_light` on to the texel that was added last; `area`: its area,
+    /// px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] bool continuous(float low, float high, float size) const;
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
 
-    /// A sheet under construction; cells in the square's order.
+    /// A sheet under construction. Its pixels are in the order of the square's pixels.
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;
@@ -100,15 +104,15 @@ class SheetBuilder {
     std::vector<Piece> pieces_;
     std::vector<const Piece*> sorted_;      ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// Per key: the number of its pieces, later their end in sorted_; and the first group of the current
-    /// leaf. Reset to 0 and `none` after use.
+    /// Per key, that is per surface: the number of its pieces, later their end in sorted_; and its first
+    /// Group at the current leaf. Reset to 0 and `none` after use.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
     std::vector<Draft> drafts_;
     std::size_t drafts_used_ = 0;
     SheetKey key_;  ///< key of the drafts
     std::vector<const Piece*> tree_pieces_;
-    /// Mean over the texels of a cell, weighted by area.
+    /// Mean of the texels within a pixel, weighted by area.
     struct Mean {
         std::array<double, 3> rgb{};
         std::array<std::array<double, 3>, 2> below{};

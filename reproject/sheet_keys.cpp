@@ -8,8 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Largest relative difference of 1/z' at which a surface counts as closely behind another. With a larger
-/// one, the planes of both keep their order, as their depths have errors of about a percent.
+/// Largest relative difference of 1/z' at which a surface counts as closely behind another. At a larger
+/// difference, the planes fitted to the two surfaces keep their order, as their errors are about 1 % of the
+/// depth.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {

@@ -1,4 +1,4 @@
-// Numbers the distinct sheet keys of nodes.
+// Numbers the distinct sheet keys of nodes; a key says to which surface a node belongs.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ struct SheetKeys {
     std::vector<std::uint32_t> of_node;  ///< index into `keys`
 };
 
-/// Finds the keys of all nodes of `trees`.
+/// Finds for each node of `trees` the key of its surface: object, path and reflecting object.
 void find_sheet_keys(const SampleTrees& trees, SheetKeys& out);
 
 }  // namespace postlens

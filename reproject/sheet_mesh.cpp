@@ -17,13 +17,13 @@ std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint3
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// Number of elements of each list that precede those of one task in the joined mesh.
+/// Per list of the joined mesh, the number of elements that precede those of one task.
 struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// Size of a list, bytes, from which its freed memory is returned to the system, so that it is not held
-/// beside that of the joined list. Returning less memory would take as long as the rest of the join.
+/// Size of a list, bytes, from which its memory is returned to the system once it is copied to the joined
+/// list. Returning smaller lists as well would take as long as the rest of the join.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
 /// Joins the meshes of all tasks, list by list. Renumbers their elements, which each task counts from 0, and
@@ -84,7 +84,8 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
 
 constexpr int edge = SheetMesh::square_px;
 
-/// A row of squares, with its quadtree leaves, nodes and sheet keys.
+/// A row of squares of the raster, with its quadtree leaves, nodes and the surfaces (sheet keys) of the
+/// nodes.
 struct Strip {
     int y = 0, y_end = 0;
     PixelLeaves leaves;
@@ -114,8 +115,8 @@ void clear(SheetMesh& m) {
     m.highlights.clear();
 }
 
-/// Number of strips, of `edge` rows each, that are read together from row y on: enough work for several
-/// threads, and few enough records to stay in a cache.
+/// Number of strips, of `edge` raster rows each, that are read together from row y on: enough work for
+/// several threads, but few enough records to stay in a cache.
 std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y,
                            const SheetChoice& choice) {
     constexpr std::size_t least = 4, most = 64;
@@ -163,7 +164,7 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row holds no pixels, only their lower corners.
+        // The strip's last row only provides the lower corners of the pixels above it.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];

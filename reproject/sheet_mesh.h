@@ -27,7 +27,8 @@ struct SheetKey {
     }
 };
 
-/// A linear function of raster position: `value + x * dx + y * dy`; dx, dy are px from the owner's origin.
+/// A linear function of raster position: `value + x * dx + y * dy`, where dx and dy are px from the origin of
+/// the pixel or patch that has the function.
 struct CellPlane {
     float value = 0, x = 0, y = 0;
 };
@@ -36,7 +37,7 @@ struct CellPlane {
 struct Texel {
     float r = 0, g = 0, b = 0;  ///< scene-linear radiance of this node, without its children
     std::uint32_t info = 0;     ///< as `info_of` packs it
-    /// `unsure`: some of unsure_bit and unsure_below_bit.
+    /// Packs the sheet's number and flags into `info`. `unsure`: unsure_bit, unsure_below_bit, both, or 0.
     [[nodiscard]] static constexpr std::uint32_t info_of(std::uint32_t sheet, std::uint8_t children,
                                                          std::uint32_t unsure = 0) {
         return sheet << sheet_shift | unsure | children;
@@ -48,7 +49,7 @@ struct Texel {
     /// Whether an edge of the surface, of a shadow or of a texture cuts the leaf, so that its corners do not
     /// determine its colour.
     [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
-    /// The same for the radiance of its child nodes.
+    /// Whether such an edge cuts the leaf in the radiance of the reflected and transmitted child nodes.
     [[nodiscard]] bool unsure_below() const { return (info & unsure_below_bit) != 0; }
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
@@ -84,7 +85,7 @@ struct Highlight {
     bool cut_before = false;
 };
 
-/// A texel with radiance above the limit.
+/// A texel, the colour of one quadtree leaf, with radiance above the highlights' limit.
 struct BrightTexel {
     std::uint32_t texel = 0;
     std::uint32_t first_light = 0, lights = 0;  ///< its elements of SheetMesh::bright
@@ -97,19 +98,21 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// Per cell, the root of its quadtree. `coarse` is for surfaces blurred over several pixels: a cell that
-    /// the sheet fills is a single leaf.
+    /// Per cell (raster pixel of a sheet), the root of its quadtree. `coarse` is for surfaces that are
+    /// blurred over several pixels: there, a cell that the sheet fills is a single leaf.
     std::vector<std::uint32_t> fine, coarse;
-    /// Per cell `values` planes with origin at the cell's centre, 1/m: 1/z', then, with W, its xx, xy, yx,
-    /// yy.
+    /// Per cell, `values` linear functions with origin at the cell's centre, 1/m: 1/z' and, for reflected and
+    /// transmitted nodes, the entries xx, xy, yx, yy of the matrix W.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< per cell, with W: its largest Record::w_bend
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
-    /// Per texel, TreeSurface::below; empty without child nodes.
+    /// Per texel, the radiance of its reflected and transmitted subtrees (TreeSurface::below). Empty if there
+    /// are no child nodes.
     std::vector<std::array<std::array<float, 3>, 2>> below;
-    /// All radiance above the limit, and the texels, fine and coarse, that have it.
+    /// All radiance above the highlights' limit, and the texels of `fine` and `coarse` that have such
+    /// radiance.
     std::vector<Highlight> bright;
     std::vector<BrightTexel> bright_texels;
     std::vector<Highlight> highlights;  ///< the elements of `bright` that are taken out of the texels
@@ -117,13 +120,15 @@ struct SheetMesh {
     [[nodiscard]] bool has_w() const { return values == 5; }
 };
 
-/// Sheets of the primary nodes, and of the reflected and transmitted ones.
+/// Sheets (surfaces within squares of the raster) of the primary nodes, and of reflected and transmitted
+/// nodes.
 struct TreeSheets {
     SheetMesh primary;
     SheetMesh deeper;  ///< with W; empty without such nodes
 };
 
-/// Which radiance is spread as a highlight: the part above `above`, per channel, if `takes` returns true.
+/// Decides which radiance is spread as a highlight: per channel, the part above `above`, if `takes` returns
+/// true.
 struct HighlightRule {
     float above = 1;
     /// `key`: key of the highlight's sheet. `area_px2`: area of all radiance above the limit in that sheet.
@@ -133,18 +138,18 @@ struct HighlightRule {
 /// Per sheet, the area of its radiance above the limit, px^2.
 [[nodiscard]] std::vector<float> bright_areas(const SheetMesh& mesh);
 
-/// Selects sheets of an instant. Selected sheets are bit-identical to those without a selection, but have
-/// other numbers.
+/// Selects which sheets of an instant are made. A selected sheet is bit-identical to the one made without a
+/// selection, but its number differs.
 struct SheetChoice {
     /// Whether the row of squares that begins at raster row y is read; none: all rows are.
     std::function<bool(int y)> rows;
-    /// Removes the sheets that are not needed from `some`, which has those of `squares_per_part` neighbouring
-    /// squares: the `part`th group from the left in the row of squares at y. Highlights are not taken out
-    /// yet. Called from several threads. None: all sheets are needed.
+    /// Removes the sheets that are not needed from `some`, which holds the sheets of `squares_per_part`
+    /// neighbouring squares of the raster: part number `part` from the left, in the row of squares at raster
+    /// row y. Called from several threads, before highlights are taken out. None: all sheets are needed.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Called for rows of squares that are not read: appends their sheets that are needed nevertheless, left
-    /// to right.
+    /// Called for each row of squares that is not read, at raster row y. Appends the sheets of this row that
+    /// are needed nevertheless, from left to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
@@ -155,8 +160,8 @@ struct SheetChoice {
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Applies another rule with the same limit. The result is bit-identical to that of `tree_sheets` with this
-/// rule.
+/// Takes highlights out of existing sheets by another rule with the same limit. The result is bit-identical
+/// to that of `tree_sheets` with this rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// A mesh with a subset of the sheets of another.
+// Copies some of the sheets (surfaces within squares of the raster) of a mesh into another mesh.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Copies the sheets whose entry of `wanted` is not 0, in the same order, with their cells and texels. Call
-/// it before take_highlights.
+/// Copies the sheets whose entry in `wanted` is not 0, in the same order, with their pixels, quadtrees and
+/// colours. Call it before take_highlights.
 [[nodiscard]] SheetMesh sheet_subset(const SheetMesh& mesh, std::span<const std::uint8_t> wanted);
 
 }  // namespace postlens

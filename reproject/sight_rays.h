@@ -1,4 +1,4 @@
-// Interface to a ray tracer: radiance along the lines of sight of view samples.
+// Interface to a ray tracer, which finds the radiance along rays that replace view samples.
 #pragma once
 
 #include <array>
@@ -17,7 +17,8 @@ struct SightLine {
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     double light_before = 0.5;  ///< share of the exposure that is over at the ray's instant, 0 to 1
-    /// Seed of the ray's samples of lights and lobes. Views of one set are stratified; sets are independent.
+    /// Seed of the ray's samples of lights and lobes. They are stratified over the views of one set and
+    /// independent between sets.
     std::uint32_t set = 0, view = 0;
 };
 
@@ -26,7 +27,7 @@ struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
     /// Whether a node is clamped. Arguments: its path; the id of the reflecting or transmitting object before
     /// it, and its own id; for a primary node the raster position, px, at which the pinhole sees it. None: no
-    /// node is.
+    /// node is clamped.
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
 };
 
@@ -43,8 +44,8 @@ class SightRays {
     /// Thread-safe. A line's result does not depend on the other lines of the call.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Whether every ray that reaches an object by `path` gets the same radiance from the same point of it.
-    /// False if lights or lobes are sampled there: the part above a limit then differs from ray to ray.
+    /// Whether all rays that reach a point of an object by `path` get the same radiance from it. False if
+    /// lights or lobes are sampled there: the radiance above a limit then differs from ray to ray.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
 };
 

@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// The earliest and the latest view within a 64th of the exposure; equal if there is only one. All other
-/// views of that span see a moving surface between its positions in these two, with a deviation by the
-/// curvature of its path, which is less than the distance between the two positions.
+/// The earliest and the latest view within a time span, 1/64 of the exposure; equal if there is only one. In
+/// all other views of the span, a moving surface lies between its positions in these two views. The curvature
+/// of its path moves it off that line by less than the distance of the two positions.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;

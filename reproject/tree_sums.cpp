@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Share of the needed views that must have a node so that their mean replaces the missing ones. With a
-/// smaller share, the pinhole's radiance is blended in.
+/// Of the views that need a reflected or transmitted node, the share that must have it so that their mean
+/// replaces the node in the others. With a smaller share, the radiance seen from the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -76,8 +76,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // A sheet has the id of the object that shows it, so it is not drawn where the missing parent would
-        // be another object.
+        // A reflected or transmitted surface knows the id of the object that shows it. It is not drawn where
+        // the missing parent node would lie on another object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -207,8 +207,8 @@ TreeSums::Unknown TreeSums::sum_up(std::size_t k, double weight, std::array<doub
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // Views that miss the parent count as the mean of the others for this path too, except for those that
-        // have this path's node nevertheless.
+        // For a view that misses the parent node, the other views' mean also replaces this child node, unless
+        // the view has the child node nevertheless.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

@@ -10,26 +10,31 @@
 
 namespace postlens {
 
-/// Use for each view of a tile: begin_use; begin_chain and drawing, path by path; add for each pixel. After
-/// all views: end_views, then sum_up for each pixel. If a view needs a node that was not recorded, the mean
-/// of the other views replaces it; if hardly any view has it, the pinhole's radiance does.
+/// Order of calls. For each view of a tile: begin_use; begin_chain and drawing, path by path; add for each
+/// pixel. After all views: end_views, then sum_up for each pixel.
 ///
-/// A view may lack a node but have its children: W does not describe the far side of a glass ball, which is
-/// seen through a caustic, but it describes the scene behind the ball. Nodes inside one object are therefore
-/// also drawn where their parent is needed but missing.
+/// If a view needs a node that was not recorded, the mean of the other views replaces it. If hardly any view
+/// has the node, the radiance seen from the pinhole replaces it.
+///
+/// A view may lack a node but have its child nodes. For example, W does not describe the far side of a glass
+/// ball, which is seen through a caustic, but it describes the scene behind the ball. Nodes inside one object
+/// are therefore also drawn where their parent node is needed but missing.
 class TreeSums {
   public:
     /// `paths`: all paths that may occur, in any order, with repetitions. `at`: the pixels in use.
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Starts a use of a view. `primary`: the primary surfaces it sees; must stay valid until all is added.
+    /// Starts a view, or one of its two recorded instants. `primary`: the primary surfaces that the view
+    /// sees; it must stay valid until all pixels are added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// The cleared tile to draw the nodes of `path` into, after those of its parent; `wanted` gets the pixels
-    /// that need them. Null if no pixel does, or if `begin` did not have the path.
+    /// The cleared tile into which the nodes of `path` are drawn, after the nodes of the parent path.
+    /// `wanted` gets the pixels that need a node of `path`. Null if no pixel needs one, or if `begin` did not
+    /// get the path.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
-    /// Whether pixel k is sure: every node that is drawn for itself is seen, its leaf is not cut by an edge,
-    /// and its patch is not bent.
+    /// Whether the records determine the reflected and transmitted light of pixel k. That is so if every node
+    /// that is drawn for itself is seen, no edge cuts the node's leaf, and the node's W is linear
+    /// (Patch::bent is false).
     [[nodiscard]] bool sure(std::size_t k) const;
     /// Radiance of the nodes that are drawn for themselves in pixel k. Requires sure(k).
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
@@ -43,23 +48,23 @@ class TreeSums {
         double all = 0, guessed = 0;
     };
     /// Adds the nodes of all views to `sum`, a pixel's radiance times `weight`. If views lack child nodes,
-    /// nodes drawn by bent patches count as unknown as well.
+    /// nodes whose patches have nonlinear W (Patch::bent) count as unknown as well.
     Unknown sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {
         std::array<double, 3> seen{};  ///< weight times radiance, with child nodes drawn as part of the node
         std::array<double, 3>
-            instead{};                 ///< the same of the pinhole's radiance, for views that miss the node
+            instead{};                 ///< weight times the pinhole's radiance, for views that miss the node
         double known = 0, wanted = 0;  ///< weight of the views that have the node, and of those that need it
         double beside = 0;             ///< weight of views that miss the node, but have its descendants
         double alone = 0;              ///< weight of views that have the node, but miss its parent
-        double bent = 0;               ///< part of `known` that is drawn by bent patches
+        double bent = 0;               ///< part of `known` drawn by patches with nonlinear W
         double total = 0;              ///< weight that the node gets after all views, set by sum_up
     };
     static constexpr std::uint32_t no_chain = 0xFFFFFFFFU;
     using Children = std::array<std::uint32_t, 2>;  ///< per bounce, an index into chains_, or no_chain
-    /// The nodes of one path in the tile.
+    /// The nodes that share one path (sequence of reflections and transmissions from the eye), in the tile.
     struct Chain {
         NodePath path;
         std::size_t parent = 0;  ///< index into chains_; its own index if the parent is the primary surface
@@ -68,8 +73,8 @@ class TreeSums {
         Children children{no_chain, no_chain};
         std::unique_ptr<SeenTile> seen;
         std::vector<Sums> sums;
-        /// Largest radiance of a node of this path in the tile; after end_views, with that of its
-        /// descendants.
+        /// Largest radiance of a node of this path in the tile. After end_views it includes the radiance of
+        /// the node's descendants.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -79,9 +84,11 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// Adds the descendants of a node that is missing in pixel k. Returns whether there are any.
+    /// Adds the descendants of a node that is missing in pixel k. Returns whether the node has descendants
+    /// there.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Id of the object that should show a path's node in pixel k: of its nearest ancestor that is seen.
+    /// Id of the object that should show the node of a path in pixel k: the object of the node's nearest
+    /// ancestor that the view sees.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
 

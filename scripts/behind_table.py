@@ -1,12 +1,13 @@
 #!/usr/bin/python3
-"""What pictures behind a picture are worth: the table of docs/compositing.md.
+"""Measures how much images behind an image reduce the error: the table of docs/compositing.md.
 
     behind_table.py BUILD OUT [--spp N]
 
-BUILD is a built folder (build/release). The scene of bars is traced through a pinhole three times, whole, without what is near,
-and with the wall alone, and written as another program would have it (bench/foreign_export.cpp), with an overscan and with or
-without a Cryptomatte. Each stack is focused and held against rays through the lens, two independent halves of N samples a pixel
-each; errors are those above their noise. OUT gets the table as behind.md, the scenes and the pictures.
+BUILD is a build folder (build/release). A scene of bars is traced through a pinhole three times: whole, without the
+near objects, and with the wall alone. bench/foreign_export.cpp writes the images as another program would, with an
+overscan, and with or without a Cryptomatte. Each stack of images is focused and compared to distributed rays through
+the lens, of which there are two independent halves of N samples per pixel each. The noise of the rays is subtracted
+from the errors. OUT receives the table as behind.md, the scenes and the images.
 """
 
 import argparse
@@ -27,7 +28,7 @@ ROWS = [("cryptomatte", 1), ("cryptomatte", 2), ("cryptomatte", 3), ("none", 1),
 
 
 def without(scene, names):
-    """The scene's text less some of its objects."""
+    """The text of the scene without some of its objects."""
     parts = re.split(r"(?m)^(?=\[\[)", scene)
     kept = [p for p in parts if not (p.startswith("[[object]]") and re.search(r'name = "(.*)"', p)[1] in names)]
     return "".join(kept)

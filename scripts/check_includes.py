@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Holds what the sources include against what the READMEs of their folders allow, so that arrows point one way.
+"""Checks that the sources include only folders that their READMEs allow, and that the dependencies have no cycles.
 
     check_includes.py
 
-Every folder of the libraries and programs has a README.md with a sentence "May include `core/`, `lens/`.", or "May include
-nothing of postlens". A name stands for the folder and those within it; within such a folder, for the folder itself alone.
-Fails where a file includes what its folder may not, where a folder may include what no file of it does, and where two
-folders may include each other, if only by way of others.
+Every folder of the libraries and programs has a README.md with a sentence "May include `core/`, `lens/`.", or "May
+include nothing of postlens". A name stands for the folder and its subfolders; within such a folder, for the folder
+itself alone. The check fails if a file includes a folder that its README does not allow, if a README allows a folder
+that no file includes, or if two folders may include each other, directly or through other folders.
 """
 
 import os
@@ -26,7 +26,7 @@ def folders():
 
 
 def allowed_by(folder):
-    """The folders that a README names, or None where it does not say."""
+    """The folders that a README allows, or None if it has no such sentence."""
     try:
         with open(os.path.join(HERE, folder, "README.md"), encoding="utf-8") as file:
             text = file.read()

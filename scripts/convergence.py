@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""How the noise of `postlens render` falls with the samples, sampler by sampler: the table and the plot of docs/accuracy.md.
+"""Measures the noise of `postlens render` by number of samples and sampler: the table and plot of docs/accuracy.md.
 
     convergence.py BUILD OUT [--size WxH] [--reference-spp N] [--seeds N]
 
-BUILD is a built folder (build/release); OUT gets convergence.csv, .md, .svg and .png. The scene is
-samples/scenes/motion.toml through a lens of 50 mm at f/1.4, focused at 4 m, with the shutter open from 0 s to 1 s. The
-reference has two independent halves, and errors are those above its noise. The plot needs gnuplot (Debian: gnuplot-nox).
+BUILD is a build folder (build/release). OUT receives convergence.csv, .md, .svg and .png. The scene is
+samples/scenes/motion.toml through a lens of 50 mm at f/1.4, focused at 4 m, with the shutter open from 0 s to 1 s.
+The reference has two independent halves, whose noise is subtracted from the errors. The plot needs gnuplot (Debian:
+gnuplot-nox).
 """
 
 import argparse

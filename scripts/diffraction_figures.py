@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""The figures of docs/diffraction.md: responses over u, and where diffraction takes over.
+"""Draws the figures of docs/diffraction.md: impulse responses, and the f-number from which diffraction dominates.
 
     diffraction_figures.py BUILD OUT
 
-BUILD is a built folder (build/release); OUT gets diffraction_responses.png and diffraction_crossover.svg and .png. Responses
-are those of 50 mm f/4 at 550 nm, focused at 1 m, each in a frame 1.3 times as wide as its disc and scaled to its own
-brightest pixel, to the power 1/2. Needs oiiotool (Debian: openimageio-tools) and gnuplot (gnuplot-nox).
+BUILD is a build folder (build/release). OUT receives diffraction_responses.png and diffraction_crossover.svg and
+.png. The impulse responses are those of a lens of 50 mm f/4 at 550 nm, focused at 1 m. Each is drawn in a frame 1.3
+times as wide as its disc, scaled to its own brightest pixel and raised to the power 1/2. Needs oiiotool (Debian:
+openimageio-tools) and gnuplot (gnuplot-nox).
 """
 
 import argparse
@@ -46,7 +47,7 @@ def run(*arguments):
 
 
 def response(postlens, out, u):
-    """The response for u as a grey PNG."""
+    """Draws the impulse response for a defocus u as a grey PNG."""
     diameter_m = FOCAL_MM / STOP / 1000
     wave_m = WAVE_NM * 1e-9
     film_mm = FOCAL_MM / (1 - FOCAL_MM / 1000 / FOCUS_M)

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Every way to focus a scene against distributed rays: speed and accuracy from one run, as docs/light_field.md has them.
+"""Compares time and error of every focus method with distributed rays for a scene: tables of docs/light_field.md.
 
     focus_table.py BUILD OUT SCENE --f-number N --focus M [--focal-length MM] [--size WxH] [--subdivide LEVELS]
                    [--reference-spp N] [--rays N,N,...] [--repeat K] [--metres-per-unit X]
 
-BUILD is a built folder (build/release); OUT gets the table as focus.md, the pictures and a side by side of each with the
-reference, which has two independent halves of N samples a pixel; errors are those above its noise. Seconds are those of the
-command's own clock, from opening the sample file to the written picture, the least of K runs that take turns. A reference
-that OUT already has is used again.
+BUILD is a build folder (build/release). OUT receives the table as focus.md, the images, and each image side by side
+with the reference. The reference has two independent halves of N samples per pixel, whose noise is subtracted from
+the errors. Seconds are measured by the command, from opening the sample file to the written image. They are the least
+of K runs, in which the methods take turns. A reference that is already in OUT is used again.
 """
 
 import argparse
@@ -57,7 +57,7 @@ def main():
     common = ["--quiet", "--json"]
     scene = ["--metres-per-unit", o.metres_per_unit, "--size", o.size]
     lens = ["--f-number", o.f_number, "--focus", o.focus]
-    # The trace has the camera's film distance; the focal length only changes the diameter of the lens.
+    # The trace uses the camera's film distance, so the focal length only changes the diameter of the lens.
     length = ["--focal-length", o.focal_length] if o.focal_length else []
     levels = ["--subdivide", o.subdivide] if o.subdivide else []
     trace = run(postlens, "trace", o.scene, "-o", out("frame.exr"), *scene, *levels, "--overscan", "auto", "--for-f-number",
@@ -93,7 +93,7 @@ def main():
                      f"{c['affected_psnr_above_noise_db']:.1f} | {c['relmse_above_noise']:.2g} | "
                      f"{f'{100 * again:.1f} %' if again else ''} |")
     lines.append("")
-    lines.append(f"{100 * c['affected_share']:.0f} % of the pixels affected; the reference is good to "
+    lines.append(f"{100 * c['affected_share']:.0f} % of the pixels are affected. The noise of the reference is at "
                  f"{c['noise_psnr_db']:.1f} dB. Trace {trace['seconds']:.2f} s.")
     with open(out("focus.md"), "w", encoding="utf-8") as file:
         file.write("\n".join(lines) + "\n")

@@ -11,7 +11,7 @@ BLUE, ORANGE, GREY, GREEN = "#0072b2", "#d55e00", "#888888", "#009e73"
 
 
 class Drawing:
-    """y points up, one unit a pixel; 720 x height."""
+    """A figure of 720 x height px. y points up, and a unit is a pixel."""
 
     def __init__(self, height):
         self.height, self.items = height, []
@@ -71,7 +71,7 @@ def coc(path):
 
 
 def hidden(path):
-    """The rim of the lens sees past the edge of what is near."""
+    """Points near the rim of the lens see past the edge of a near object."""
     d = Drawing(280)
     lens, radius, edge, wall = 560, 70, 330, 90
     sees = lambda z, y, x: y + (z - y) * (lens - x) / (lens - edge)  # height at x of the line from (lens, y) through (edge, z)
@@ -93,7 +93,7 @@ def hidden(path):
 
 
 def mirror(path):
-    """A thing in a flat mirror is as far as its path is long; a mirror ball's image is near its surface."""
+    """In a flat mirror, an object's image is as far away as its path is long; in a mirror ball it is near."""
     d = Drawing(280)
     eye, glass = 640, 380
     thing, y = 540, 95

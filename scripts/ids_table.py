@@ -1,13 +1,14 @@
 #!/usr/bin/python3
-"""What ids are worth in another program's picture: the table of docs/inputs.md.
+"""Measures how much ids in another program's image reduce the error: the table of docs/inputs.md.
 
     ids_table.py BUILD OUT [--spp N]
 
-BUILD is a built folder (build/release). Each scene is traced through a pinhole and written as another program would have it
-(bench/foreign_export.cpp): a flat picture with the depth of what fills most of a pixel or the mean of all, without ids, with
-one id a pixel, or with a Cryptomatte. Each is focused by `layers` and `scatter` and held against rays through the lens, two
-independent halves of N samples a pixel each; errors are those above their noise. OUT gets the table as ids.md and the flat
-pictures.
+BUILD is a build folder (build/release). Each scene is traced through a pinhole, and bench/foreign_export.cpp writes
+it as another program would: a flat image whose depth is that of the surface that fills most of a pixel, or the mean
+over the pixel, and without ids, with one id per pixel, or with a Cryptomatte. Each image is focused by the methods
+`layers` and `scatter` and compared to distributed rays through the lens, of which there are two independent halves of
+N samples per pixel each. The noise of the rays is subtracted from the errors. OUT receives the table as ids.md and
+the flat images.
 """
 
 import argparse

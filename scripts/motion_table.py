@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Motion blur by every method against distributed rays: the table and the pictures of docs/motion.md.
+"""Compares every method of motion blur with distributed rays: the table and the images of docs/motion.md.
 
     motion_table.py BUILD OUT [--reference-spp N] [--rays N,N,...] [--subdivide LEVELS] [SCENE ...]
 
-BUILD is a built folder (build/release); OUT gets motion.csv, motion.md, the blurred pictures and a side by side of each with
-the reference. Scenes are those of samples/scenes/motion, the shutter is open from 0 s to 1 s. The reference has two
-independent halves of N samples a pixel each; errors are those above its noise. Renders of the methods and of the rays are timed
-one after the other, scene by scene: compare times of a row with those of the same scene only. A reference that OUT already
-has is used again.
+BUILD is a build folder (build/release). OUT receives motion.csv, motion.md, the blurred images, and each image side
+by side with the reference. The scenes are those of samples/scenes/motion, and the shutter is open from 0 s to 1 s.
+The reference has two independent halves of N samples per pixel each, whose noise is subtracted from the errors.
+Methods and rays are timed one after the other, scene by scene, so only times of the same scene should be compared. A
+reference that is already in OUT is used again.
 """
 
 import argparse

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""What mirrors and glass show, by every method and depth model against distributed rays: the table of docs/refocus.md.
+"""Compares reflections and refractions by every method with distributed rays: the table of docs/refocus.md.
 
     optics_table.py PROGRAM OUT [--size WxH] [--spp N] [--views M] [--methods NAME,...] [--threads N] [SCENE ...]
 
-PROGRAM is the postlens program (build/release/apps/postlens); OUT gets optics.md, refocus.png, the pictures and the cuts.
-Scenes are those of samples/scenes/optics at f/1.4, each focused on the mirror or the glass and on what it shows. The reference
-has two independent halves of N / 2 samples a pixel each; errors are those above its noise, "inside" in a window well inside the
-mirror or the glass. What OUT already has is used again, also by a run that asks for fewer methods. Needs oiiotool (Debian:
-openimageio-tools).
+PROGRAM is the postlens program (build/release/apps/postlens). OUT receives optics.md, refocus.png, the images and
+crops of them. The scenes are those of samples/scenes/optics at f/1.4, each focused once on the mirror or the glass
+and once on the objects that it shows. The reference has two independent halves of N / 2 samples per pixel each, whose
+noise is subtracted from the errors. "inside" is the error in a window well inside the mirror or the glass. Files that
+are already in OUT are used again, even by a run with fewer methods. Needs oiiotool (Debian: openimageio-tools).
 """
 
 import argparse
@@ -76,7 +76,7 @@ class Case:
                           "--for-f-number", "1.4", "--for-focus", str(self.focus_m), "--subdivide", "4")
 
     def focus(self, name):
-        """The picture by a method; the warnings, or nothing where the method is not asked for and was not before."""
+        """Makes the image of a method and returns its warnings; None if the method is not selected and has no image."""
         told = self.out(f".{name}.json")
         if not os.path.exists(told):
             if name not in self.options.methods:
@@ -90,7 +90,7 @@ class Case:
             return json.load(f)["warnings"]
 
     def decibels(self, name, ending):
-        """PSNR above the reference's noise, dB."""
+        """PSNR of an image, dB, without the noise of the reference."""
         c = self.postlens("compare", self.out(f".{name}{ending}"), self.out(f".rays.a{ending}"), "--noise",
                           self.out(f".rays.b{ending}"))
         self.noise[ending] = c["noise_psnr_db"]
@@ -112,7 +112,7 @@ class Case:
 
 
 def picture(options):
-    """OUT/refocus.png: a flat mirror and a glass ball, focused on what they show, by four methods from left to right."""
+    """Writes OUT/refocus.png: a mirror and a glass ball, focused on the objects in them, by four methods."""
     height = int(options.size.split("x")[1])
     side, parts = height * 3 // 4, []
     for scene, focus_m, left in [("flat_mirror", 5.4, height * 17 // 20), ("glass_ball", 0.95, height // 2)]:

@@ -1,8 +1,9 @@
-"""Random scenes, for checks of what no scene made by hand shows: write(seed) gives the same one every time.
+"""Random scenes for tests, which show errors that scenes made by hand do not. write(seed) always gives the same scene.
 
-Each has a camera that looks at 3 to 12 things from 1 to 12 m away, one to three lights and most often a floor. Its kind follows from
-the seed: plain, mirror, glass, texture (a checker), area (lights that have an extent), gloss (mirrored and refracted rays that
-spread) or motion (things that fly and turn while the shutter is open from 0 to 1 s).
+Each scene has a camera that looks at 3 to 12 objects from 1 to 12 m away, one to three lights and most often a floor.
+The seed determines the kind of scene: plain, mirror, glass, texture (a checker), area (lights that have an extent),
+gloss (reflections and refractions by rough surfaces) or motion (objects that move and turn while the shutter is open
+from 0 to 1 s).
 """
 
 import dataclasses
@@ -25,7 +26,7 @@ class RandomScene:
         return ["--f-number", str(self.f_number), "--focus", f"{self.focus_m:.6g}"]
 
     def traced_for(self):
-        """What `trace` is told of the lens and the shutter."""
+        """The options with which `trace` records for the lens and the shutter of the scene."""
         out = ["--for-f-number", str(self.f_number), "--for-focus", f"{self.focus_m:.6g}", "--overscan", "auto"]
         return out + (["--for-shutter", "0:1", "--keys", "auto"] if self.shutter else [])
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Puts a file between two marks of a document: splice.py DOCUMENT MARK FILE
+"""Replaces the text between two marks of a document by a file: splice.py DOCUMENT MARK FILE
 
 The marks are comments, "<!-- MARK -->" and "<!-- end of MARK -->", each on a line of its own.
 """

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""A sweep against rays of equal error, picture by picture: how many times less it takes, as docs/sweep.md has it.
+"""Compares the time of a sweep with that of rays of equal error, image by image: the table of docs/sweep.md.
 
     sweep_table.py BUILD OUT SCENE --size WxH --trace "OPTIONS" --sweep "OPTIONS" [--every K] [--reference-spp N]
                    [--rays N,N,...] [--repeat K] [--metres-per-unit X]
 
-BUILD is a built folder (build/release); OUT gets the file, the sweep and the table as sweep.md. Every K-th picture of the sweep, the
-first one half of that from its beginning, is held against a render of N samples a pixel; rays of its error have as many samples as lie between two of --rays by their errors
-(whole frame, dB against the logarithm of the number), and take what lies between the times of these. Seconds are elapsed ones of
-whole commands, start-up and files included: medians of K rounds, in each of which everything has its turn.
+BUILD is a build folder (build/release). OUT receives the sample file, the sweep and the table as sweep.md. Every K-th
+image of the sweep, from image K / 2 on, is compared to a reference of N samples per pixel. The number of samples with
+which rays have the error of the image is interpolated between two numbers of --rays (PSNR of the whole frame, dB,
+over the logarithm of the number), and so is their time. Seconds are wall times of whole commands, which include
+start-up and files. They are medians over the rounds of --repeat, in each of which all commands run once.
 """
 
 import argparse
@@ -23,7 +24,7 @@ import time
 
 
 def run(*arguments):
-    """The seconds that a command takes, and what it says."""
+    """Runs a command. Returns its wall time, s, and its JSON report."""
     start = time.perf_counter()
     result = subprocess.run(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
     seconds = time.perf_counter() - start
@@ -33,7 +34,7 @@ def run(*arguments):
 
 
 def between(rays, db):
-    """Samples a pixel and seconds of rays that are `db` from the reference; `rays`: {spp: (dB, seconds)}."""
+    """Samples per pixel and seconds of rays with a PSNR of `db`, interpolated in `rays`: {spp: (dB, seconds)}."""
     ladder = sorted(rays)
     low, high = ladder[0], ladder[1]
     for at in ladder[1:]:

@@ -26,5 +26,10 @@ scripts/check_readme.sh
 if $sanitize; then
     scripts/test_sanitized.sh asan
 fi
+if [[ $packages == peers ]]; then
+    ctest --test-dir build/release -L peers --output-on-failure --no-tests=error
+else
+    echo "peers: skipped, the tests inside Blender and on Slurm (scripts/test.sh --peers)"
+fi
 # At the end, so that the last lines say how many tests passed.
-ctest --test-dir build/release --parallel "$(nproc)" --output-on-failure --no-tests=error
+ctest --test-dir build/release -LE peers --parallel "$(nproc)" --output-on-failure --no-tests=error

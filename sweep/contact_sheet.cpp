@@ -25,7 +25,7 @@ std::size_t columns_for(std::size_t pictures, std::size_t wanted) {
 }
 
 /// Source pixels [begin, end) that a pixel of the smaller image covers, along one axis. `first` and `last`
-/// are the covered parts of the first and the last one.
+/// are the covered parts of the first and of the last source pixel, 0 to 1.
 struct Span {
     int begin = 0, end = 0;
     double first = 1, last = 1;

@@ -20,7 +20,7 @@ struct FrameDepths {
 [[nodiscard]] FrameDepths frame_depths(FocusFrame& frame);
 
 /// Share of the traced pixels, 0 to 1, whose circle of confusion has a diameter below `limit_px`, in px of
-/// the image. 1 without a geometry, which an orthographic file lacks, because it has no lens.
+/// the image. An orthographic file has no lens and therefore no `geometry`; the result is then 1.
 [[nodiscard]] double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeometry>& geometry,
                                     double limit_px);
 

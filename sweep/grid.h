@@ -36,11 +36,11 @@ struct SweepGrid {
     std::size_t row = 1;
 };
 
-/// All combinations. Impulse responses vary slowest, then shutters, focal lengths and f-numbers; focus
-/// distances vary fastest. A name always has f-number "f" and focus distance "s"; it has focal length "F",
-/// shutter "t" and the impulse response only if these vary. Numbers have 4 digits, or as many as make the
-/// values of a list distinct. Throws Error(wrong_arguments) for more than `most_pictures` images and for a
-/// missing list, and the errors of reading a prescription.
+/// All combinations of the settings. Impulse responses vary slowest, then shutters, focal lengths and
+/// f-numbers; focus distances vary fastest. A name always has f-number "f" and focus distance "s". It has
+/// focal length "F", shutter "t" and the impulse response only if these vary. Numbers have 4 digits, or as
+/// many as make the values of a list distinct. Throws Error(wrong_arguments) for more than `most_pictures`
+/// images and for a missing list, and the errors of reading a prescription.
 [[nodiscard]] SweepGrid sweep_grid(const SweepAxes& axes);
 
 /// Replaces the conversion in a pattern such as "NAME.%04d" or "%d.exr" by the number `i`. Empty if the

@@ -128,7 +128,8 @@ MadePicture PictureMaker::moving(const SweepSetting& s, const FocusSettings& foc
                                       {h.film_distance_mm, h.pixel_pitch_mm});
     }
     for (const MotionWarning& w : r.warnings) out.warnings.push_back({w.code, w.share, w.text});
-    // Parts of the image may be convolved, so its error is predicted without a number of views.
+    // Motion blur may convolve parts of the image instead of averaging views, so its error is predicted
+    // without a number of views.
     predict(out, settings);
     return out;
 }

@@ -159,7 +159,8 @@ class Sweep {
         std::future<std::string> drawn;  // declared after `sheet`, which it reads
         Progress progress("sweep", pictures_to_make());
         try {
-            // Images of an earlier run are recorded first, so that an interruption does not lose them.
+            // Images that an earlier run has made are entered in the table first, so that an interruption
+            // does not lose them.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
             make_the_others(sheet ? &*sheet : nullptr, progress);
             // The contact sheet is encoded while the last images are written.
@@ -252,7 +253,7 @@ class Sweep {
         return fmt::format("{:016x}", XXH3_64bits(key.data(), key.size()));
     }
 
-    /// Whether a picture of the grid is made by this share.
+    /// Whether image i of the sweep belongs to the share that this run makes.
     [[nodiscard]] bool is_mine(std::size_t i) const {
         if (!settings_.share) return true;
         return i % static_cast<std::size_t>((*settings_.share)[1]) ==
@@ -264,7 +265,8 @@ class Sweep {
         return count;
     }
 
-    /// Rows of earlier runs: of this table and, without a share, of the tables of all shares.
+    /// Rows of the table from earlier runs: those of this run's table and, if the run makes the whole sweep,
+    /// those of the tables of all shares.
     [[nodiscard]] std::map<std::string, SweepRow> earlier_rows() const {
         constexpr std::uintmax_t largest_bytes = 64'000'000;
         if (!settings_.resume) return {};
@@ -415,7 +417,8 @@ class Sweep {
 
     /// Computes what the figures of all images need: depths, and the gradient energy of the pinhole image.
     void prepare() {
-        // The light field's frame keeps sheets instead of records, so the records are read by a second frame.
+        // The frame of a light field keeps prepared surfaces instead of records, so a second frame reads the
+        // records.
         FocusFrame once(file_);
         FocusFrame& frame = by_records() ? maker_.frame() : once;
         depths_ = frame_depths(frame);
@@ -432,12 +435,13 @@ class Sweep {
                                 .image);
     }
 
-    // Notes the warning about errors of W, under the same conditions as the command focus.
+    // Notes the warning about errors of W, the matrix that moves the image of a node with the lens point,
+    // under the same conditions as the command `focus`.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The warning depends on the area of the lens only, so it is computed once per area.
+        // The warning depends on the lens only by its area, so it is computed once per area.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);

@@ -25,9 +25,10 @@ struct SweepSettings {
     /// Keep an image of an earlier run in the same folder if sweep.json shows that it was made with equal
     /// settings from an equal file, and if its checksum shows that it is unchanged.
     bool resume = false;
-    /// Makes only picture I, I + N, I + 2 N, ... of the sweep, given as {I, N}. Their table is
-    /// sweep.I-of-N.json; there is neither sweep.csv nor contact.png. A sweep of all pictures with `resume`
-    /// in the same folder then keeps the pictures of all shares, and writes the tables and the contact sheet.
+    /// Makes only the images I, I + N, I + 2 N, ... of the sweep, a share given as {I, N}. Their table is
+    /// sweep.I-of-N.json; there is neither sweep.csv nor contact.png. A later sweep of all images with
+    /// `resume` in the same folder keeps the images of all shares, and writes the tables and the contact
+    /// sheet.
     std::optional<std::array<int, 2>> share;
     /// Further files that the images depend on, such as files that the settings name. Their contents are part
     /// of every settings_key.

@@ -21,7 +21,7 @@ offers() {
 }
 
 offers "focus" fo
-offers "trace image records render focus motionblur shoot sweep lens compare chart view info" ""
+offers "trace image records render focus motionblur shoot sweep lens compare chart view merge info" ""
 offers "coc" lens c
 offers "scatter layers lightfield hybrid auto pinhole" focus a.exr --method ""
 offers "layers lightfield" focus a.exr --method l

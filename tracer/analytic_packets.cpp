@@ -32,7 +32,8 @@ void drop_start(Crossings<T>& c) {
     }
 }
 
-// Intersects one primitive with every valid ray of a packet; `of(rays, i)` returns the crossings of ray i.
+// Intersects one primitive with every valid ray of a packet. `of(rays, i)` returns the distances at which ray
+// i crosses the primitive.
 template <typename Found>
 void intersect_item(const RTCIntersectFunctionNArguments* args, const Found& of) {
     const auto& context = context_of(args->context);

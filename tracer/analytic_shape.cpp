@@ -16,9 +16,9 @@ dmat4 frame(const dvec3& x, const dvec3& y, const dvec3& z, const dvec3& origin)
     return {glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(z, 0), glm::dvec4(origin, 1)};
 }
 
-// A right-handed frame whose z is a given unit axis and whose x is the object's +X made perpendicular to it
-// (+Y where the axis is close to X). For the axis +Z it is the object's own frame. It fixes where u = 0
-// lies (docs/scene_format.md).
+// A right-handed frame whose z is a given unit axis. Its x is the object's +X made perpendicular to that
+// axis, or +Y where the axis is close to X. The frame fixes where the texture coordinate u is 0
+// (docs/scene_format.md).
 dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
     const dvec3 hint = std::abs(axis.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - axis * glm::dot(hint, axis));
@@ -38,8 +38,8 @@ void quadratic(T a, T half_b, T c, T shift, int part, Crossings<T>& out) {
 
 template <typename T>
 void sphere_crossings(const glm::vec<3, T>& o, const glm::vec<3, T>& d, Crossings<T>& out) {
-    // t is measured from the point of the line nearest to the centre, so that no large terms cancel at any
-    // distance of the origin.
+    // Measures the ray's t from the point of the ray nearest to the sphere's centre, so that no large terms
+    // cancel at any distance of the ray's origin.
     const T dd = glm::dot(d, d);
     const T tc = -glm::dot(o, d) / dd;
     const glm::vec<3, T> l = o + tc * d;
@@ -232,7 +232,8 @@ LocalGeometry local_geometry(const AnalyticShape& shape, int part, const dvec3& 
             const double norm = std::sqrt(1 + k * k);
             const dvec2 e(p.x / rho, p.y / rho);
             out.normal = dvec3(e.x, e.y, -k) / norm;
-            // Only a rotation about the axis changes the normal: d(e) = (I - e e^T) d(xy) / rho.
+            // The normal of a cone changes only by rotation about its axis. For the unit vector e = (x, y) /
+            // rho that points away from the axis, d(e) = (I - e e^T) d(x, y) / rho.
             const double s = 1 / (rho * norm);
             out.shape_operator =
                 dmat3(dvec3(e.y * e.y, -e.x * e.y, 0) * s, dvec3(-e.x * e.y, e.x * e.x, 0) * s, dvec3(0));

@@ -1,4 +1,5 @@
-// Shapes with an analytic formula. Each has its own canonical frame, from which one affine map places it.
+// Shapes with an analytic formula. Each shape is defined in its own canonical frame, and an affine map places
+// it in object space.
 #pragma once
 
 #include <glm/glm.hpp>

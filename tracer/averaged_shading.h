@@ -1,5 +1,5 @@
-// Counts the materials and lights of a scene whose effect a trace averages over directions into the records'
-// radiance.
+// Counts the materials and lights of a scene whose radiance varies over directions. A trace records the mean
+// of that radiance.
 #pragma once
 
 #include <cstdint>

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// The node of `layer` at `path`, or else the node of layer 0 there: a hidden layer that begins after a
-/// bounce has no nodes before it. Null if there is neither.
+/// The node of `layer` at `path`, or else the node of layer 0 at `path`: a hidden layer that begins after a
+/// bounce has no nodes before that bounce. Null if neither layer has a node there.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {

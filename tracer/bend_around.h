@@ -1,5 +1,5 @@
-// Estimates the nonlinear W (`w_bend`) of a node from the samples around it where these are small. That saves
-// the rays that would measure it.
+// Estimates the nonlinear W (`w_bend`, the second-order error of a node's W over the lens) from the samples
+// around the node where their values are small. The estimate saves the rays that would measure it.
 #pragma once
 
 #include <array>
@@ -22,12 +22,12 @@ struct ChainNode {
     std::span<const std::uint32_t> ids;  ///< one per bounce of `path`
 };
 
-/// Greatest `w_bend` of those nodes in the four samples that have the path of `node` through the same
-/// objects, 1/m^2. Empty if the value at `node` may differ, that is:
+/// Greatest `w_bend`, 1/m^2, of those nodes in the four samples that have the path of `node` through the same
+/// objects. Empty if the value at `node` may differ, that is:
 /// - if a sample has no such node;
 /// - if no such node lies on the object of `node`;
 /// - if the value exceeds `little`, unless all four samples have a node on the object of `node` and their
-///   values agree within a factor of two.
+/// values agree within a factor of two.
 [[nodiscard]] std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node,
                                                float little);
 

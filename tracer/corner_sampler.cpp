@@ -80,7 +80,7 @@ class BandSampler {
 
     // Traces batches of points and appends their samples in order. `fill(i, keys)` writes the `sizes[i]`
     // points of batch i. `traced(index, sample)` is called for every sample. `around(key)` returns samples
-    // nearby that were traced before. All three are called from any thread.
+    // near a point that were traced before it. All three functions are called from any thread.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(Key)>& around = {}) {
@@ -115,8 +115,8 @@ class BandSampler {
         for (const RayCounts& c : spent) counts += c;
     }
 
-    // A record's radiance without its noisy part. Cells are split by its contrast, because noise would split
-    // every cell.
+    // A record's radiance without its noisy part. The contrast of this part decides which cells split,
+    // because noise would split every cell.
     [[nodiscard]] static glm::vec3 steady(const TracedSamples& chunk, std::size_t record) {
         const Record& r = chunk.records[record];
         const glm::vec3 all(r.r, r.g, r.b);
@@ -239,8 +239,8 @@ class BandSampler {
         return false;
     }
 
-    // Lists the nodes at a leaf's corners between which the texture has contrast. Only leaves of the smallest
-    // size to which contrast subdivides are examined.
+    // Lists the nodes at the corners of a leaf (an undivided cell) between which the texture has contrast.
+    // Only leaves of the smallest size that contrast can produce are examined.
     void mark_leaf(const Cell& c, std::size_t row) {
         if (!tracer_.has_textures() ||
             c.size > std::max(1U, unit_ >> std::min(settings_.colour_levels, settings_.levels)))
@@ -266,8 +266,8 @@ class BandSampler {
         }
     }
 
-    // The n-th node of the first corner, and the node of the same path and id at each other corner. Empty if
-    // a corner has none.
+    // The n-th node of the first corner, and at each other corner the node with the same path and id. Empty
+    // if a corner has no such node.
     [[nodiscard]] static std::optional<std::array<std::uint32_t, 4>> nodes_like(const Seen* s, int count,
                                                                                 std::uint32_t n) {
         std::array<std::uint32_t, 4> node{s[0].first + n};
@@ -313,7 +313,7 @@ class BandSampler {
         const ColourRange range = texture->range(low, high);
         if (range.low == range.high) return false;
         for (int channel = 0; channel < 3; ++channel) {
-            // Model of the radiance: plus + times * texel, where texel is the texture's colour.
+            // The radiance is modelled as plus + times * texel, where texel is the texture's colour.
             double times = 0, plus = HUGE_VAL;
             std::array<double, 4> texel{};
             for (int i = 0; i < count; ++i) {
@@ -363,8 +363,8 @@ class BandSampler {
                (!things_.empty() && small_things_ask(c, hidden));
     }
 
-    // A cell's corners can all miss a narrow object, so such objects split cells by themselves. Objects
-    // behind the farthest visible node are ignored, unless a corner of the cell has hidden layers.
+    // A cell's corners can all miss a narrow object, so a cell that may contain such an object is split.
+    // Objects behind the farthest visible node are ignored, unless a corner of the cell has hidden layers.
     [[nodiscard]] bool small_things_ask(const Cell& c, bool hidden) const {
         float farthest = 0;
         bool edge = false;
@@ -381,9 +381,9 @@ class BandSampler {
         return size > wanted.find_px || (edge && size > wanted.outline_px);
     }
 
-    // Hidden layers split cells by the same criteria as visible ones. Corners that lack a layer are left out
-    // of its comparison. A hidden layer that begins after a bounce has no primary node, so layers are
-    // compared with those whose first node has the same path.
+    // Hidden layers split cells by the same criteria as visible ones. Corners that lack a layer do not take
+    // part in its comparison. A hidden layer that begins after a bounce has no primary node, so a layer is
+    // compared only with layers whose first node has the same path.
     [[nodiscard]] bool hidden_layers_differ(const Cell& c) const {
         std::array<std::uint32_t, 4> at{};
         for (std::size_t i = 0; i < 4; ++i) at[i] = samples_[c.corner[i]].visible;
@@ -402,7 +402,8 @@ class BandSampler {
         }
     }
 
-    // The path of the first node of the layer that begins at `at`; `none` after the last layer.
+    // The path of the first node of the layer that begins at index `at` of the sample's records; `none` after
+    // the last layer.
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const {
         const Sample& s = samples_[sample];
         return at < s.count ? chunks_[s.chunk].records[s.first + at].path.bits() : none;

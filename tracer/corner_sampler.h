@@ -1,5 +1,5 @@
-// Samples pixel corners and subdivides cells recursively into 2x2. Cells share corners; each point sample is
-// traced once.
+// Traces point samples at the corners of pixels, and divides pixels recursively into 2x2 cells. Cells share
+// their corners, so each point is traced once.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,8 @@ struct SampledWindow {
 /// a cell
 /// - if the primary ids of its corners differ, down to `edge_levels`;
 /// - if the contrast of its corners' colours, or of the texture between them, exceeds `threshold`, down to
-///   `colour_levels`;
-/// - if different lights are shadowed at its corners, down to `colour_levels`;
+/// `colour_levels`;
+/// - if its corners are shadowed from different lights, down to `colour_levels`;
 /// - if the narrow objects in `things` require it, down to `levels`.
 /// The first three criteria also apply to every hidden layer. Needs memory for one band only. The result does
 /// not depend on the number of threads. Returns the number of rays.

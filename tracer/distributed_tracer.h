@@ -43,8 +43,8 @@ class DistributedTracer {
     /// Keeps references to scene and sampler.
     DistributedTracer(const RayScene& scene, const Sampler& sampler, const DistributedSettings& settings);
 
-    /// Traces the shading trees of all rays and sets `eye.radiance`. Thread-safe. The same rays in the same
-    /// groups give the same bits.
+    /// Traces the shading trees of all rays and sets `eye.radiance`. Thread-safe. Calls with the same rays in
+    /// the same order give the same bits.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
     /// Whether eye rays are passed to Embree with its coherent flag. The flag doubles the speed with a

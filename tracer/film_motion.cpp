@@ -13,10 +13,12 @@ using glm::dvec3;
 
 namespace {
 
-// Testing more balls than this costs more than the ray that the test may save.
+// Limit of the number of bounding balls that a ray is tested against. More tests would cost more than the ray
+// that they may save.
 constexpr std::size_t most_balls = 64;
 
-// Translation of the pinhole that counts as rounding of keys that only rotate it, m per m from the origin.
+// Translation of the pinhole that counts as rounding error, in m per m of the camera's distance from the
+// origin. Below it, the keys of the motion are taken to rotate the camera only.
 constexpr double still = 1e-9;
 
 }  // namespace

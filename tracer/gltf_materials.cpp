@@ -109,7 +109,8 @@ class MaterialReader {
     void read_extensions(const JsonPlace& m, MetallicRoughness& s) {
         if (const auto e = m.extension("KHR_materials_ior")) {
             s.ior = e->number("ior", 0, 100).value_or(1.5);
-            // The extension uses 0 for a Fresnel term of 1 at all angles (a mirror), which is not supported.
+            // In KHR_materials_ior, an index of refraction of 0 means that the surface is a mirror at all
+            // angles, which postlens does not support.
             if (s.ior < 1) {
                 notes_.add("an index of refraction below 1 is taken as 1.5");
                 s.ior = 1.5;

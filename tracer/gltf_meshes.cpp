@@ -121,8 +121,8 @@ class PrimitiveReader {
         mesh_.uvs.reserve(t->count);
         for (std::size_t i = 0; i < t->count; ++i) {
             const double u = source.scale.x * t->values[2 * i], v = source.scale.y * t->values[2 * i + 1];
-            // KHR_texture_transform applies scale, rotation (clockwise with v downwards) and offset. The
-            // mesh's own v runs upwards.
+            // KHR_texture_transform applies a scale, then a rotation (clockwise, as v runs downwards) and
+            // then an offset. The mesh's own v runs upwards.
             mesh_.uvs.emplace_back(c * u + s * v + source.offset.x, 1 - (-s * u + c * v + source.offset.y));
         }
     }

@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// A node of the scene that is shown. Its `frame` is the nearest animated node: itself or an ancestor.
+/// A node of the scene that is shown. `frame` is the nearest animated node, which is the node itself or an
+/// ancestor. The node does not move relative to it.
 struct GltfNode {
     std::size_t index = 0;             ///< in the document
     glm::dmat4 world_from_node{1};     ///< at rest, that is without animations
@@ -28,12 +29,13 @@ class GltfNodes {
               double metres_per_unit, SceneNotes& notes);
 
     [[nodiscard]] const std::vector<GltfNode>& nodes() const { return nodes_; }
-    /// The placement of a frame in the world at an instant.
+    /// The placement in the world, at an instant, of the animated node `frame`.
     [[nodiscard]] Placement frame_at(std::size_t frame, double time_s) const;
-    /// The instants of the keys of a frame and of the frames above it, ascending.
+    /// The instants of the keys of the animated node `frame` and of its animated ancestors, ascending.
     [[nodiscard]] std::vector<double> frame_times_s(std::size_t frame) const;
-    /// The greatest error of a frame's placement at the instants of its keys, relative to its size. The error
-    /// arises because a placement cannot represent shear.
+    /// The greatest error, relative to its size, of the placement of the animated node `frame` at the
+    /// instants of its keys. The error arises because a placement (translation, rotation, scale) cannot
+    /// represent shear.
     [[nodiscard]] double frame_shear(std::size_t frame) const;
 
   private:

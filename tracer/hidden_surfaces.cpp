@@ -14,10 +14,11 @@ using glm::dvec3;
 using Places = std::vector<std::optional<dvec2>>;
 
 // Smallest displacement on the film that reveals a surface, px. A pixel is the mean of at least four corners,
-// in which a smaller one is not visible.
+// in which a smaller displacement is not visible.
 constexpr double same_place_px = 0.25;
 
-// Limit of the surfaces that one ray enters or leaves, which bounds the cost of rays through foliage.
+// Largest number of surfaces that one ray enters or leaves. The limit bounds the cost of rays through
+// foliage.
 constexpr int most_crossings = 256;
 
 bool is_flat(const Shape& shape) {
@@ -31,10 +32,10 @@ struct Chain {
     HitKey key;           // last hit
     double t = 0;         // distance of the last hit, m
     double here_t = 0;    // distance of the first of the hits that coincide with the last one, m
-    bool beyond = false;  // the next ray starts behind t, not just before it
+    bool beyond = false;  // the ray continues from behind t, not from just before t
     int crossings = 0;
     int layers = 0;                      // number of surfaces hit so far
-    int kept = 0;                        // number of surfaces returned so far
+    int kept = 0;                        // number of hidden surfaces returned so far
     bool still = false;                  // one of the surfaces so far does not move
     std::vector<std::uint32_t> entered;  // objects that the ray is inside of
     struct Met {
@@ -62,14 +63,15 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Distance along the ray, m, at which its next part starts. It is just before the last hit, so that
-    // coincident surfaces (a box on a floor) are found. The hit primitive itself is excluded by its key.
+    // Distance along the ray, m, from which the ray continues. It is just before the last hit, so that
+    // coincident surfaces (a box on a floor) are found. The key of the last hit excludes the primitive that
+    // was hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
     }
 
-    // Adds the next hit. Returns false if the chain has ended.
+    // Adds the next hit of the ray to its chain of surfaces. Returns false if the chain has ended.
     bool advance(Chain& c, const HitKey& key, double t) {
         if (++c.crossings == most_crossings) return false;
         const FirstHit& e = eye_[c.ray];
@@ -110,8 +112,8 @@ class Follower {
         take(c, key, s);
     }
 
-    // Adds the next layer, which is a surface or the background, and returns it to the caller if it is
-    // wanted.
+    // Adds the next layer to the chain. The layer is a surface or the background, and is returned to the
+    // caller if the caller wants it.
     void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const int layer = c.layers++;
         const bool visible = layer == 0;
@@ -143,8 +145,8 @@ class Follower {
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
     }
 
-    // Whether some lens point sees the surface behind all surfaces in front. Adds its inverse depth to the
-    // chain.
+    // Whether some lens point sees surface `s` behind all surfaces of the chain. Adds the inverse depth of
+    // `s` to the chain.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -156,8 +158,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // The image in a mirror or glass has another depth than the surface itself, most often a greater one,
-        // so it is visible farther behind an edge.
+        // An object that is seen in a mirror or glass appears at another depth than the surface of the
+        // mirror, most often a greater one. So it is visible farther behind an edge.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -173,8 +175,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // Whether every surface in front moves away from this one on the film at some instant. Adds its raster
-    // positions to the chain.
+    // Whether, at some instant, every surface of the chain has moved away from surface `s` on the film. Adds
+    // the raster positions of `s` to the chain.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

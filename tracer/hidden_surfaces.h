@@ -1,5 +1,5 @@
-// Hidden surfaces: what an eye ray would hit next if it passed through its first hit. A wide lens sees them
-// past edges, an open shutter once the object in front has moved away.
+// Hidden surfaces: those that an eye ray would hit next if it passed through its first hit. A wide lens sees
+// them past edges. An open shutter records them once the object in front has moved away.
 #pragma once
 
 #include <cstdint>
@@ -17,18 +17,20 @@ namespace postlens {
 /// Which hidden surfaces find_hidden_surfaces returns.
 struct HiddenLayers {
     static constexpr int most = 16;
-    /// Limit with `motion`. Each hidden surface costs as much shading as a visible one, and images seldom
-    /// reveal more than four on one ray.
+    /// Largest number of hidden surfaces per ray with `motion`. Each hidden surface costs as much shading as
+    /// a visible one, and images seldom reveal more than four on one ray.
     static constexpr int most_uncovered = 4;
-    /// Limit with `lens` alone: a lens sees less far behind an edge than objects move.
+    /// Largest number of hidden surfaces per ray with `lens` alone. A lens sees less far behind an edge than
+    /// moving objects reveal.
     static constexpr int most_seen_past = 3;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
-    /// Not null: returns only surfaces that motion may reveal, at most `most_uncovered`: at some instant,
-    /// every surface in front has moved away from it on the film by more than a quarter of a pixel.
+    /// If not null, returns only surfaces that motion may reveal, at most `most_uncovered`. Motion reveals a
+    /// surface if, at some instant, every surface in front has moved away from it on the film by more than a
+    /// quarter of a pixel.
     const FilmMotion* motion = nullptr;
-    /// Not null: returns surfaces that some lens point may see (in addition to those of `motion`), behind
-    /// reflections and refractions as well.
+    /// If not null, returns surfaces that some lens point may see, in addition to those that `motion` may
+    /// reveal. They include surfaces behind reflections and refractions.
     const LensReach* lens = nullptr;
 
     [[nodiscard]] bool all() const { return motion == nullptr && lens == nullptr; }

@@ -18,9 +18,9 @@ namespace postlens {
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::string& file);
 
 /// A JSON value and its position in the document, e.g. "materials[2].emissiveFactor". Keeps references to the
-/// document and the file's name. The accessors take a key of this object and return nothing if it is missing.
-/// They throw Error(invalid_input) "FILE: PLACE what (got X; expected Y)" if the value under it has another
-/// type or is out of range.
+/// document and the file's name. The accessors take a key of this JSON object and return nothing if the key
+/// is missing. They throw Error(invalid_input) "FILE: PLACE what (got X; expected Y)" if the value of the key
+/// has another type or is out of range.
 class JsonPlace {
   public:
     JsonPlace(const std::string& file, const nlohmann::json& value, std::string where)

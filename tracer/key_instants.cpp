@@ -15,12 +15,13 @@ namespace {
 
 using glm::dvec3;
 
-// Spacing of the keys. Halfway between two keys a ball has turned by 7.5 degrees since the nearer key; the
-// part of its silhouette that neither key shows is 1 - cos 7.5 degrees, 0.9 %, of its radius.
+// Spacing of the keys, the instants at which a moving scene is recorded, as the angle by which the view of an
+// object turns between two keys. Halfway between two keys a ball has turned by 7.5 degrees since the nearer
+// key. Neither key shows a part of its silhouette of 1 - cos 7.5 degrees, 0.9 %, of its radius.
 constexpr double degrees_per_key = 15;
 
-// Number of steps over the shutter, in addition to the keys of the motion. Directions are assumed to turn by
-// less than 180 degrees between two steps.
+// Number of steps into which the shutter interval is divided, in addition to the keys of the motion.
+// Directions are assumed to turn by less than 180 degrees between two steps.
 constexpr int steps = 512;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -38,7 +39,8 @@ struct View {
     }
 };
 
-// `views`, and the views at those keys that lie between the first and the last of them.
+// The camera poses `views`, and the poses at those keys of the camera's motion that lie between the first and
+// the last of them.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;

@@ -1,5 +1,5 @@
-// Chooses the instants of a shutter at which a scene is recorded: enough to record surfaces that turn into
-// view.
+// Chooses the instants of a shutter interval at which a scene is recorded. There are enough instants to
+// record the surfaces that become visible when objects turn.
 #pragma once
 
 #include <vector>

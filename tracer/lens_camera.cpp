@@ -49,7 +49,8 @@ LensCamera::Frame LensCamera::frame_at(double time_s) const {
             pose.direction(rest_.forward)};
 }
 
-// Computes everything in float: the error of a tangent is 2^-24 of the raster's half width, at most 1e-4 px.
+// Computes everything in float. The error of a tangent is then 2^-24 of the raster's half width, at most 1e-4
+// px.
 POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Optics& optics, Local& out) {
     constexpr float quarter = std::numbers::pi_v<float> / 4;
     for (std::size_t i = 0; i < lanes; ++i) {
@@ -75,8 +76,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
-// The field position that Aperture uses: the tangent of a direction divided by that of the image's corner, as
-// seen from the pinhole.
+// The field position, as Aperture defines it: the tangent of a direction as seen from the pinhole, divided by
+// the tangent of the direction to the image's corner.
 dvec2 LensCamera::field_of(const dvec2& tangent) const {
     return tangent * lens_.gain_px / (0.5 * std::hypot(width_, height_));
 }
@@ -252,7 +253,8 @@ double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     const Frame f = frame_at(time_s);
     const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
     if (!(depth > 0)) return 0;
-    // The scale is unbounded close to the plane of the lens, where points lie far outside of the image.
+    // A clamp of the depth keeps the scale finite close to the plane of the lens, where points lie far
+    // outside of the image.
     return lens_.gain_px / std::max(depth, 0.02 * distance);
 }
 

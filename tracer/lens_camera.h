@@ -41,11 +41,11 @@ class LensCamera {
         std::array<glm::dvec2, 16> lens;
         alignas(64) std::array<float, 16> time;
     };
-    /// Adds the rays of given lens points, which equal those of the other add_rays except for rounding.
+    /// Adds rays through given lens points. They equal the rays of the other add_rays except for rounding.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
-    /// Adds one group of 16 rays to the batch, with unit directions, and with times if the batch has them. If
-    /// `loses_rays()`, appends the lens's transmittance for each ray to `weights`; rays of transmittance 0
+    /// Adds one group of 16 rays to the batch, with unit directions, and with times if the batch has times.
+    /// If `loses_rays()`, appends the lens's transmittance for each ray to `weights`. Rays of transmittance 0
     /// hit nothing.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
     /// Whether the transmittance of some rays through the lens may be below 1. If not, `weights` stays empty.
@@ -60,7 +60,7 @@ class LensCamera {
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
     /// The raster position, px, at which the pinhole sees a point of a ray. The ray goes through the lens
-    /// point `unit` (lens radii) and crosses the plane in focus where the pinhole sees it at (x, y); the
+    /// point `unit` (lens radii) to the position in the plane in focus that the pinhole sees at (x, y). The
     /// point is at distance `t` m from the lens. Not for a real lens.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 

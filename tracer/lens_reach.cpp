@@ -15,7 +15,7 @@ namespace {
 constexpr int tile = 16;
 
 /// Position at which this thread's last search ended, probably in the same pyramid. Samples are sorted by
-/// position, so the next search often succeeds there.
+/// position, so the next search often succeeds at that position.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid) {
     thread_local std::array<MinMaxPyramid::Hint, 64> hints;
     return hints[std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) % hints.size()];
@@ -118,10 +118,10 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
         const double radius = k * (nearest - behind) + margin_px;
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
-    // An edge of the covers shows as a lower inverse depth nearby, within the displacement of the covers at
-    // the lens's rim. A surface nearer than the covers may hide that edge; the lower inverse depth then lies
-    // beyond it, within the larger displacement of that surface. The first test uses an upper bound of all
-    // displacements and rejects most cases.
+    // The covers are the surfaces in front of the hidden one. Next to an edge of the covers the inverse depth
+    // is lower, and the lens sees past the edge if it lies within the displacement of the covers at the
+    // lens's rim. If a surface nearer than the covers hides the edge, the larger displacement of that surface
+    // applies. The first test uses an upper bound of all displacements and rejects most cases.
     const double radius = k * (covers.nearest - behind) + margin_px;
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;

@@ -28,8 +28,9 @@ dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
            static_cast<double>(k);
 }
 
-// Point i of the visibility test: eight points on the outline, then one in each quarter. The eight points of
-// a sphere's outline are rotated at random, because occluders between them are missed.
+// Point i of the test whether an area light is visible: eight points on its outline, then one in each
+// quarter. The eight points of a sphere's outline are rotated at random, because occluders between fixed
+// points would be missed at every surface point.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
     constexpr double inside = 1 - 1e-6;
@@ -54,8 +55,8 @@ double extent_angle(const ExtentLit& p) {
     return 2 * std::atan2(size / 2, distance);
 }
 
-// The mean over the light source without shadows. The cells are halved until the mean changes little and a
-// cell is narrower than the highlight.
+// Mean radiance over the light source, without shadows. The cells into which the source is divided are halved
+// until the mean changes little and a cell is narrower than the specular highlight.
 dvec3 unshadowed(const ExtentLit& p) {
     const double highlight = p.material->has_highlight() ? std::sqrt(p.material->shininess) : 0;
     const double needed = std::min(extent_angle(p) * highlight, static_cast<double>(LightMeans::most_cells));

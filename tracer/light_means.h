@@ -24,17 +24,18 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Noise-free result for decisions: the unshadowed radiance times 1 if the source is fully visible, 0 if
-    /// it is hidden, and 1/2 otherwise.
+    /// Radiance without noise, for decisions about subdivision: the unshadowed radiance times 1 if the light
+    /// source is fully visible, 0 if it is hidden, and 1/2 otherwise.
     glm::dvec3 steady{0};
 };
 
-/// Twelve shadow rays, eight to the outline of the source and one to each quarter, test its visibility. Where
-/// they agree, the result is the unshadowed mean times the transmittance. Where they differ, the source is
-/// divided into k^2 cells of equal share, and one jittered point of each cell is shaded with its own shadow
-/// ray. A straight shadow edge crosses about k cells, so the standard deviation is L / (2 k^1.5) for an
-/// unshadowed radiance L; k is chosen for 2/255 of white (radiance 1), 4 to `most_cells`. A pixel is the mean
-/// of at least four such records, which leaves 1/255.
+/// Averages the radiance over an area light. Twelve shadow rays, eight to the outline of the source and one
+/// to each quarter, test its visibility. Where they agree, the result is the unshadowed mean times the
+/// transmittance. Where they differ, the source is divided into k^2 cells of equal share, and one jittered
+/// point of each cell is shaded with its own shadow ray. A straight shadow edge crosses about k cells, so the
+/// standard deviation is L / (2 k^1.5) for an unshadowed radiance L. k is 4 to `most_cells`, and is chosen
+/// for a standard deviation of 2/255 of white (radiance 1). A pixel is the mean of at least four such
+/// records, which leaves 1/255.
 class LightMeans {
   public:
     static constexpr int most_cells = 16;

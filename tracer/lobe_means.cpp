@@ -16,10 +16,11 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 255;  // standard deviation relative to white
-// Limit of the weight of another hit's ray. It bounds the variance from rays at the edge of that hit's lobe.
+// Largest weight that a hit gives to a ray of another hit. The limit bounds the variance from rays at the
+// edge of the other hit's lobe.
 constexpr double most_weight = 8;
 
-// Two hits share rays only if this is true: their axes differ by less than the width of the wider lobe.
+// Whether two hits may share rays: the axes of their lobes differ by less than the width of the wider lobe.
 bool overlap(const LobeHit& a, const LobeHit& b) {
     const double width2 = 1 / std::max(1.0, std::min(a.exponent, b.exponent));
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
@@ -105,7 +106,8 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Traces the rays from `first` on, of any groups. They are sorted by the number of nodes left.
+// Traces the rays from index `first` on, sorted by the number of nodes that may still follow on their paths.
+// The rays may belong to any groups of hits.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;

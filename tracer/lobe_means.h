@@ -1,6 +1,6 @@
-// Mean radiance over wide lobes of reflection and transmission. The mean is nearly the same from every lens
-// point, so it needs no record of its own: it is added to the record of the surface. The samples of a batch
-// share their rays.
+// Mean radiance over wide lobes of reflection and transmission. Rays of all samples of a batch are shared to
+// compute the mean. The mean is nearly the same from every lens point, so it is added to the record of the
+// surface instead of a record of its own.
 #pragma once
 
 #include <cstdint>

@@ -58,7 +58,7 @@ class MeshReader {
 
   private:
     void add_obj(const std::string& bytes, std::vector<ReferredFile>& referred) {
-        // The importer takes ownership.
+        // Assimp's importer takes ownership of this object.
         auto* const files = new MeshFiles(path_, as_utf8(bytes));
         Assimp::Importer importer;
         importer.SetIOHandler(files);

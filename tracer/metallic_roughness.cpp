@@ -43,7 +43,8 @@ Material whitted_material(const MetallicRoughness& from) {
     m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
     if (from.roughness > smoothest) {
         if (m.reflects()) m.reflection_exponent = m.shininess;
-        // Light that passes because alpha is below 1 is not spread.
+        // Transmitted light is spread over a lobe only if alpha is 1: light that passes because alpha is
+        // below 1 keeps its direction.
         if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
     }
     return m;

@@ -1,4 +1,5 @@
-// A raster of values that can be searched quickly for values below a cone around a position.
+// A raster of values with a fast search around a position for values that are below a limit. The limit falls
+// with the distance from the position, as a cone does.
 #pragma once
 
 #include <cstdint>
@@ -14,28 +15,29 @@ class MinMaxPyramid {
     /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]; NaN: none.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// Selects the values v at a distance d <= `radius` from `at` for which top - v >= least and
-    /// top - v >= slope d.
+    /// A cone around the position `at`. It selects the values v at a distance d <= `radius` from `at` for
+    /// which top - v >= least and top - v >= slope d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// The square or value that an earlier search found. A search tests it first, as it is likely to be found
-    /// again by a cone nearby. It may come from another pyramid.
+    /// The square or value that an earlier search found. A search tests this square first, because a cone
+    /// nearby probably selects the same values. The hint may come from another pyramid.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };
     /// Whether the cone selects any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// Like any_in, but several times faster for wide cones. It may also be true because of a value that is
-    /// outside of the cone by up to an eighth of the radius. The result does not depend on the hint.
+    /// Like any_in, but several times faster for wide cones. The result may also be true because of a value
+    /// that lies outside of the cone by up to an eighth of the radius. The result does not depend on the
+    /// hint.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
     /// The least of all values; infinity if there is none.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// The greatest value within `radius` of `at`, or a greater one within 9/8 of the radius; `floor` if all
-    /// are less.
+    /// The greatest value within `radius` of `at`. It may be a greater value that lies within 9/8 of the
+    /// radius. If all values are below `floor`, the result is `floor`.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
     /// An upper bound of greatest(at, radius, floor), from a few squares.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;

@@ -23,7 +23,7 @@ class NffTokens {
     /// The next word, on this line or a later one; empty at the end of the file. Valid until the next line is
     /// read.
     [[nodiscard]] std::optional<std::string_view> next();
-    /// Like `next`, but the word is not taken.
+    /// The word that `next` would return, which is not taken.
     [[nodiscard]] std::optional<std::string_view> peek();
     /// Takes the remaining words on the line of the last word taken.
     [[nodiscard]] std::vector<std::string> rest_of_line();

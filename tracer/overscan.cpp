@@ -30,8 +30,8 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// Whether a surface seen at a position outside of the frame moves into the frame, or so close to it that a
-// surface up to the next sample does.
+// Whether a surface that is seen at a position outside of the frame moves into the frame. The test includes a
+// margin of one sample spacing, because a surface between this sample and the next may move in as well.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
     constexpr double stays_px = 0.25;  // a smaller displacement is not visible

@@ -12,7 +12,8 @@ inline const RayContext& context_of(const RTCIntersectContext* context) {
     return *reinterpret_cast<const RayContext*>(context);
 }
 
-// Views of Embree's ray and hit arrays: the field order of RTCRay and RTCHit, each field N wide.
+// Access to the fields of Embree's ray and hit packets. Fields are in the order of RTCRay and RTCHit, N
+// values each.
 struct Rays {
     float *ox, *oy, *oz, *tnear, *dx, *dy, *dz, *time, *tfar;
     unsigned* id;

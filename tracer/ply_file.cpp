@@ -130,7 +130,7 @@ class PlyReader {
                 "corners)",
                 uvs.size(), corners.size());
         }
-        // Earlier corners of faces without texture coordinates get (0, 0).
+        // Corners of earlier faces, which have no texture coordinates, get (0, 0).
         out_.corner_uvs.resize(out_.corners.size() - corners.size(), glm::dvec2(0));
         for (std::size_t i = 0; i < corners.size(); ++i)
             out_.corner_uvs.emplace_back(uvs[2 * i], uvs[2 * i + 1]);
@@ -272,8 +272,8 @@ class PlyReader {
     PlyFormat format_ = PlyFormat::ascii;
     PlyFile out_;
     std::vector<double> scalars_;
-    // The lists of a face that are kept, first the corners, then the texture coordinates: indices of their
-    // properties, and their entries.
+    // The two lists of a face that are kept, the corners and the texture coordinates: the index of the
+    // property that holds each list, and the entries of each list.
     std::array<std::optional<std::size_t>, 2> kept_lists_;
     std::array<std::vector<double>, 2> lists_;
     bool is_line_start_ = true;

@@ -56,7 +56,8 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // Limit of the number of darts: ten times the average number that the last point needs.
+    // Limit of the number of random points that are tried: ten times the average number that the last point
+    // needs.
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
     DartGrid grid(poisson_distance_share * densest_distance(n));

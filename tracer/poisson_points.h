@@ -22,14 +22,14 @@ struct PoissonPattern {
 /// densest_distance(n) on the torus. Random points are tried until n of them keep the distance. A pattern
 /// that leaves no room before that is started anew.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
-/// Minimum distance relative to the densest arrangement. Random points leave no more room when their discs
-/// cover 0.547 of the area, which is a share of 0.777. At 0.7, one dart in a hundred still finds room for the
-/// last point.
+/// Minimum distance of points, relative to that of the densest arrangement. Random points leave no room for
+/// another when their discs cover 0.547 of the area, which corresponds to 0.777. At 0.7, one random point in
+/// a hundred still finds room as the last point.
 inline constexpr double poisson_distance_share = 0.7;
 
-/// n points on the circle [0, 1), none nearer than poisson_distance_share / n. Uniform points are placed on
-/// the length that the minimum distances leave, which is the exact distribution of random points with that
-/// distance.
+/// n points on the circle [0, 1), none nearer to another than poisson_distance_share / n. Independent uniform
+/// points are placed on the length that remains without the minimum distances, which gives the exact
+/// distribution of random points with that minimum distance.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 
 /// Points of a pixel: one of `patterns` patterns, shifted at random on the torus, in random order. More than

@@ -7,9 +7,9 @@
 
 namespace postlens {
 
-/// Element k is an upper bound of the radiance of a subtree with k nodes along a path, k = 0 to max_depth. It
-/// is 1e100 or more if a light whose attenuation vanishes at distance 0 may touch a surface, judged by the
-/// surfaces' bounding volumes.
+/// Element k of the result is an upper bound of the radiance of a subtree of the shading tree that has at
+/// most k nodes along a path, k = 0 to max_depth. The bound is 1e100 or more if a light whose attenuation
+/// vanishes at distance 0 may touch a surface, judged by the surfaces' bounding volumes.
 [[nodiscard]] std::vector<double> radiance_bounds(const Scene& scene, int max_depth);
 
 }  // namespace postlens

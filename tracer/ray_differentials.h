@@ -1,5 +1,6 @@
-// Ray differentials through mirrors and glass [igehy1999]: derivatives of a ray by its tangent p at the
-// pinhole and by its lens point q. W, which says how a node of the shading tree refocuses, follows from them.
+// Ray differentials through mirrors and glass [igehy1999]: derivatives of a ray by the tangent p of its
+// direction at the pinhole and by its lens point q. They determine the matrix W of a node, which says how the
+// image of the node moves when the lens point moves.
 #pragma once
 
 #include <array>
@@ -36,11 +37,11 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator,
                                        double eta);
 
-/// W = (dX/dp)^-1 dX/dq of the ray's point X, 1/m, raster axes. At a fold, where dX/dp has no inverse, the
-/// entries are huge but finite.
+/// The matrix W = (dX/dp)^-1 dX/dq of the ray's point X, 1/m, along the raster's axes. At a fold, where dX/dp
+/// has no inverse, the entries are huge but finite.
 [[nodiscard]] Mat2 refocus_matrix(const RayDifferentials& differentials);
 
-/// W of a ray that leaves the scene: X is its direction instead of its point.
+/// The matrix W of a ray that leaves the scene. X is then the direction of the ray instead of a point.
 [[nodiscard]] Mat2 refocus_matrix_at_infinity(const RayDifferentials& differentials);
 
 }  // namespace postlens

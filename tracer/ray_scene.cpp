@@ -87,10 +87,10 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// Embree 3.13 splits time in its hierarchy, and tests all rays of a packet for occlusion wherever one of them
-// belongs. A ray may therefore meet instances that do not exist at its time, which this filter rejects. It
-// may also meet a surface once for each time interval; that matters if every crossing filters light, and
-// `one_by_one` avoids it.
+// Embree 3.13 splits time in its hierarchy, and tests all rays of a packet for occlusion if one of them is in
+// an interval of time. A ray may therefore meet instances that do not exist at its time; this filter rejects
+// them. A ray may also meet a surface once for each time interval. Repeated meetings matter if every crossing
+// filters light, and `one_by_one` avoids them.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {

@@ -65,8 +65,8 @@ class RayBatch {
     void add(const glm::dvec3& o, const glm::dvec3& d, float far, const HitKey& from = {}, float at = 0) {
         const auto i = static_cast<std::size_t>(count);
         if (i == ox.size()) grow();
-        // All seven are converted before the first store: the compiler must assume that a store of a float
-        // changes the pointers of the other arrays, and would load them again.
+        // All seven numbers are converted before the first store. The compiler must assume that a store of a
+        // float changes the pointers of the other arrays, and would load these pointers again.
         const auto o0 = static_cast<float>(o.x), o1 = static_cast<float>(o.y), o2 = static_cast<float>(o.z);
         const auto d0 = static_cast<float>(d.x), d1 = static_cast<float>(d.y), d2 = static_cast<float>(d.z);
         float *to_ox = ox.data() + i, *to_oy = oy.data() + i, *to_oz = oz.data() + i;
@@ -128,8 +128,8 @@ class RayScene {
     /// Derivative of the outward unit normal at the hit: d(normal) = shape_operator * d(position), 1/m. Only
     /// for objects that do not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
-    /// Distance by which to move a ray's origin off a surface at `p`, m: just above the rounding error of
-    /// single precision there, far below the size of any object.
+    /// Distance, m, by which the origin of a ray that starts on a surface at `p` is moved off the surface. It
+    /// is just above the rounding error of single precision at `p` and far below the size of any object.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;

@@ -1,5 +1,5 @@
 // Data of Embree's callbacks: the sets of analytic shapes, and the context of a batch of rays. Only
-// ray_scene*.cpp and the files of packets include this.
+// ray_scene*.cpp and *_packets.cpp include this file.
 #pragma once
 
 #include <array>
@@ -60,7 +60,8 @@ struct SphereSet {
     }
 };
 
-/// All other analytic shapes that do not move, each with an affine map to its local frame.
+/// Analytic shapes that do not move, other than the spheres of SphereSet, each with an affine map to its
+/// local frame.
 struct AnalyticSet {
     struct Item {
         AnalyticShape shape;

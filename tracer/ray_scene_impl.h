@@ -30,7 +30,7 @@ struct TriangleFrame {
     glm::uvec3 corners;
     glm::dvec3 a, cross, gradient1, gradient2;
     double area2;
-    glm::dmat4 object_from_world;  // at the ray's time only if `surface` needs it: see Impl::triangle
+    glm::dmat4 object_from_world;  // of the ray's time only if `surface` needs it (Impl::triangle)
 };
 
 // An instance of a mesh that is shared or moves. A moving mesh has several instances, each of which exists

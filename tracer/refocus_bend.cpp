@@ -15,20 +15,22 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Limit of the Newton steps. The derivatives stay those of the pinhole, so each step gains about one digit;
-// near caustics the steps oscillate. If a ray is not settled after the last step, the estimated residual is
-// added to its error; if its steps grow, its error is infinite.
+// Largest number of Newton steps by which the ray from a lens point to a node is found. The derivatives stay
+// those of the pinhole, so each step gains about one digit; near caustics the steps oscillate. If a ray has
+// not converged after the last step, its estimated residual is added to its error. If the steps grow, the
+// error is infinite.
 constexpr int most_steps = 5;
-// A ray is settled if the estimated residual is at most 5 % of its departure, or its last step at most 0.1
-// px.
+// A ray has converged ("is settled") if its estimated residual is at most 5 % of its departure from the
+// prediction by W, or if its last step is at most 0.1 px.
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// Assumed residual after the first step, relative to that step. Later residuals are estimated from the ratio
-// of the last two steps.
+// Assumed residual after the first Newton step, relative to that step. Later residuals are estimated from the
+// ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Fraction of settled_px. If the departures on one side of the lens are smaller, the other side is skipped.
+// Fraction of settled_px. If the departures of the rays on one side of the lens are smaller than this, the
+// rays of the other side are skipped.
 constexpr double straight_share = 0.5;
 
-// Limit of the surfaces that a ray may pass that are not part of the node's path.
+// Largest number of surfaces that a ray may pass through and that are not part of the node's path.
 constexpr int most_passed = 16;
 
 // A ray from a lens point that is adjusted until it reaches a node.
@@ -36,7 +38,7 @@ struct Probe {
     std::uint32_t node = 0;
     dvec2 q{0}, predicted{0}, tangent{0};
     double last_step = infinity;
-    double departure = 0, unsettled = 0;  // distance of `tangent` from `predicted`, and its residual error
+    double departure = 0, unsettled = 0;  // distance of `tangent` from `predicted`; estimated residual
     bool converges = false;
     // The current part of the ray.
     dvec3 origin{0}, direction{0}, off{0};
@@ -103,7 +105,7 @@ class Prober {
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
-        // Only the component of the miss perpendicular to the ray counts.
+        // Only the component of the distance from the target that is perpendicular to the ray counts.
         const auto across = [](const dvec3& v, const dvec3& d) { return v - d * glm::dot(v, d); };
         const dvec3 r = across(miss, p.direction);
         const dvec3 a = across(n.by_tangent[0], n.direction), b = across(n.by_tangent[1], n.direction);
@@ -118,7 +120,7 @@ class Prober {
     std::span<const BentNode> nodes_;
 };
 
-// Traces all open probes up to their last bounce.
+// Traces all probes (rays from lens points) whose search has not ended, up to their last bounce.
 void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& probes,
             const std::vector<std::uint32_t>& open, std::uint64_t& rays_spent) {
     thread_local RayBatch batch;
@@ -148,20 +150,22 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 
 namespace {
 
-/// Greatest tangent of a ray. Beyond it, W is that of a fold, or the steps diverge.
+/// Greatest tangent of a ray from a lens point. A larger tangent means that the node lies at a fold of the
+/// image, where W is unbounded, or that the Newton steps diverge.
 constexpr double widest_tangent = 1e3;
 
 bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Finds the rays from lens points that reach nodes, and their departures from the prediction by W.
+/// Finds the rays from lens points that reach given nodes, and the distances of their tangents from the
+/// tangents that W predicts.
 struct Search {
     std::vector<Probe> probes;
-    std::vector<std::uint32_t> open;  ///< probes that have not settled
+    std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
     // Per node:
     std::vector<bool> ended;       ///< one of its rays is lost
-    std::vector<double> greatest;  ///< greatest departure of its settled rays
+    std::vector<double> greatest;  ///< greatest departure of its rays that have converged
     std::vector<double> at_least;  ///< lower bound of the greatest departure of all its rays
 
     void begin(std::span<const BentNode> nodes) {
@@ -183,7 +187,8 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Departure of a ray that is not hidden, as a tangent; infinite if the ray was not found.
+    /// Distance of a ray's tangent from the tangent that W predicts. Infinite if the ray was not found. Not
+    /// for hidden rays.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -196,7 +201,7 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // One lost ray makes the error of its node infinite.
+        // A ray that cannot be found makes the error of its node infinite.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -246,8 +251,9 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // Departures are of second order and equal on both sides of the lens up to third order. If two rays at
-    // right angles have small departures, the opposite two have as well. This holds for most nodes.
+    // The departures of rays from the prediction by W are of second order, so they are equal on both sides of
+    // the lens up to third order. If two rays at right angles have small departures, the two rays on the
+    // opposite sides have small departures too. This holds for most nodes.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -264,7 +270,7 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // Nodes of which all rays were hidden have an infinite error.
+    // A node whose rays are all hidden has an infinite error.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

@@ -1,5 +1,5 @@
-// Measures the error of W. The image of a node behind mirrors and glass moves by -W q for a lens point q only
-// to first order; the second-order error is measured with exact rays from the rim of a lens.
+// Measures the error of the matrix W. The image of a node behind mirrors and glass moves by -W q for a lens
+// point q only to first order. The second-order error is measured with exact rays from the rim of a lens.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace postlens {
 /// The objects at which a path has bounced so far.
 struct Bounces {
     std::array<std::uint32_t, NodePath::max_bounces> object{};  ///< index into Scene::objects, per bounce
-    bool flat = true;  ///< all are reflections at flat surfaces: W is exact
+    bool flat = true;  ///< all bounces are reflections at flat surfaces, so W is exact
 };
 
 /// A node after at least one bounce, and the target that a ray from another lens point must reach.

@@ -29,7 +29,7 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Renders each tile in rounds of a few samples. A round traces the same rays together in any schedule, and
+// Renders each tile in rounds of a few samples per pixel. The rays of a round are always traced together, and
 // sums are added sample by sample, so threads and interruptions do not change the bits of the result.
 class Renderer {
   public:
@@ -68,10 +68,11 @@ class Renderer {
         }
     }
 
-    /// Blocks of samples, of all or of a share.
+    /// The blocks into which the samples of a pixel are divided: all blocks, or those of a share of the
+    /// samples.
     struct Blocks {
         int begin = 0, end = 0;
-        bool with_open = false;  ///< blocks have several groups, and are added up
+        bool with_open = false;  ///< a block has several groups of samples; blocks are added up
     };
     static Blocks blocks_of(const RenderSettings& settings) {
         const int spp = settings.spp / (settings.halves ? 2 : 1), group = std::min(spp, RayBatch::group),
@@ -172,7 +173,8 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // A block's sum begins at 0: a part that holds this block alone has the same bits.
+            // The sum of a block begins at 0, so a part of the render that holds only this block has the same
+            // bits.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {
@@ -202,7 +204,7 @@ class Renderer {
     int block_groups_;  ///< groups of samples in a block
     int begin_, end_;   ///< the groups to render
     int columns_;
-    bool is_part_;                    ///< every block of the state is one of the samples' blocks
+    bool is_part_;                    ///< the state keeps the sum of every block apart
     std::vector<std::size_t> tiles_;  ///< the wanted tiles, as indices in the whole image
     std::vector<std::unique_ptr<Sampler>> samplers_;
     std::vector<std::unique_ptr<DistributedTracer>> tracers_;

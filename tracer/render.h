@@ -51,8 +51,9 @@ struct RenderSettings {
 
     double metres_per_unit = 1;        ///< with which the scene was read; only recorded
     double checkpoint_interval_s = 5;  ///< interval at which the unfinished image is saved
-    /// The wanted part of the image. Tiles of 8 px outside of it stay black; the others have the same bits as
-    /// without a crop. Files hold the crop alone (see write_image). A run may be resumed with another crop.
+    /// The crop of the image that is rendered. Tiles of 8 px outside of the crop stay black; the other tiles
+    /// have the same bits as without a crop. Files hold the crop alone (see write_image). A run may be
+    /// resumed with another crop.
     std::optional<Crop> crop;
     std::string part_mark;  ///< files are parts with this mark (records/picture_part.h); empty: pictures
     /// With `part_mark`: the file is a part that holds a share of the samples of every pixel, part

@@ -133,7 +133,7 @@ double RenderSetup::depth_at(double x, double y, const CameraModel& model, doubl
 std::string RenderSetup::fingerprint(const RenderSettings& s) const {
     const auto exact = [](double v) {
         return fmt::format("{}", v);
-    };  // shortest text from which the same number is read
+    };  // the shortest text that is read as the same number
     const nlohmann::ordered_json json = {
         {"scene", scene_.sha256},
         {"metres_per_unit", exact(s.metres_per_unit)},

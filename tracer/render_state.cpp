@@ -28,7 +28,8 @@ namespace {
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
 constexpr const char* part_attribute = "postlens:part";
-/// Of a part: halves, blocks, and whether a block is left open.
+/// Name of a file attribute of a part of a render. It holds the number of halves, the blocks, and whether a
+/// block is unfinished.
 constexpr const char* layout_attribute = "postlens:layout";
 
 // Number of 32-bit words, one per channel: three floats of colour, then for each half a sample count and
@@ -279,7 +280,7 @@ void read_state(const std::filesystem::path& path, const std::string& settings, 
     read_pixels(*in, bad, state);
 }
 
-std::optional<RenderPart> read_render_part(const std::filesystem::path& path) {
+std::optional<RenderPart> read_render_part(const std::filesystem::path& path, bool facts_only) {
     const Bad bad = [&](const std::string& what) {
         fail(ExitCode::invalid_input, "{}: is a damaged part ({})", path.string(), what);
     };
@@ -310,8 +311,16 @@ std::optional<RenderPart> read_render_part(const std::filesystem::path& path) {
             static_cast<double>(std::filesystem::file_size(path)))
         bad("it is too short for its pixels");
     const int w = static_cast<int>(width), h = static_cast<int>(height);
+    const double stops = layout["exposure_stops"].get<double>();
+    if (facts_only) {
+        out.state.width = w;
+        out.state.height = h;
+        out.state.halves = halves;
+        out.state.exposure_stops = stops;
+        return out;
+    }
     require_memory(RenderState::bytes(w, h, halves, blocks, with_open), path.string() + ": the part");
-    out.state = RenderState(w, h, halves, layout["exposure_stops"].get<double>(), blocks, with_open);
+    out.state = RenderState(w, h, halves, stops, blocks, with_open);
     read_pixels(*in, bad, out.state);
     return out;
 }

@@ -23,16 +23,16 @@ enum class SamplerKind {
     sobol,     ///< Owen-scrambled Sobol points [owen1995, burley2020]
 };
 
-/// Identifies an independent point set. The first three are the dimensions of an eye ray, which are jointly
-/// well distributed; `sample_set` makes others.
+/// Identifies an independent point set. The first three sets hold the dimensions of an eye ray, which are
+/// jointly well distributed; `sample_set` makes the other sets.
 struct SampleSet {
     std::uint32_t id;
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
-/// The set for a purpose (an area light, a glossy bounce ...) and two further numbers, such as the path and
-/// the index of the light. Never one of the three above. Distinct arguments give distinct sets, except with
-/// a probability of 2^-32.
+/// The point set for a purpose (an area light, a glossy bounce ...) and two further numbers, such as the path
+/// and the index of the light. It is never one of the three sets of an eye ray. Distinct arguments give
+/// distinct sets, except with a probability of 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
     const std::uint32_t id = high_word(word);

@@ -32,13 +32,14 @@ struct Material {
     glm::dvec3 reflection{0};
     glm::dvec3 transmission{0};
     double ior = 1;  ///< index of refraction inside; 1 outside
-    /// True: `reflection`, `specular` and `transmission` hold at normal incidence. Towards grazing incidence
-    /// they change to the values below with Schlick's weight (1 - cos)^5 [schlick1994].
+    /// True if `reflection`, `specular` and `transmission` are the values at normal incidence. Towards
+    /// grazing incidence they change to the `_grazing` values with Schlick's weight (1 - cos)^5
+    /// [schlick1994].
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
     /// Exponents of the lobes cos^n about the exact directions of reflection and refraction; infinity: exact
-    /// directions only. A trace averages over lobes that are wider than the lens (lobe_means.h), and uses the
-    /// exact direction for the others.
+    /// directions only. A trace replaces the radiance over a lobe that is wider than the lens by its mean
+    /// (lobe_means.h), and uses the exact direction for narrower lobes.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
@@ -139,8 +140,8 @@ struct Camera {
     glm::dvec3 look_at{0, 0, -1};
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
-    /// At most one is set, for perspective: the film distance d (the focal length focused at infinity), or a
-    /// field of view.
+    /// For a perspective camera. At most one of these is set: the film distance d (the focal length if the
+    /// lens is focused at infinity), or a field of view.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
     std::optional<double> vertical_fov_degrees;
@@ -149,7 +150,7 @@ struct Camera {
     bool fov_between_pixel_centres = false;
     double orthographic_width_m = 1;
     int width = 960, height = 540;   ///< raster, px
-    std::optional<double> f_number;  ///< this and the next two: defaults, copied to the sample file
+    std::optional<double> f_number;  ///< default, copied to the sample file, as are the next two
     std::optional<double> focus_m;
     std::optional<double> exposure_s;
     std::vector<TransformKey> keys;  ///< rigid motion; empty: still

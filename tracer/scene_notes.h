@@ -1,4 +1,5 @@
-// Notes of scene readers about defaults, changes and skipped content. Equal notes are merged, with a count.
+// Notes that readers of scenes make about defaults, changes and skipped content. Equal notes are merged, with
+// a count.
 #pragma once
 
 #include <cstddef>

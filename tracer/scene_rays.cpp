@@ -46,7 +46,7 @@ void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& le
     for (std::size_t first = 0; first < lines.size(); first += lanes) {
         const std::size_t count = std::min(lanes, lines.size() - first);
         for (std::size_t i = 0; i < lanes; ++i) {
-            // The last group is filled up with copies of its last line, whose rays are dropped.
+            // The last group of 16 rays is filled up with copies of its last line, whose rays are dropped.
             const SightLine& line = lines[first + std::min(i, count - 1)];
             samples.x[i] = static_cast<float>(line.x + line.place.x);
             samples.y[i] = static_cast<float>(line.y + line.place.y);

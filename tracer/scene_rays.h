@@ -26,8 +26,9 @@ class SceneRays : public SightRays {
     const RenderSetup& setup_;
     Sampler sampler_;
     DistributedTracer tracer_;
-    bool steady_mirrors_ = true;                  ///< no material reflects or transmits into a lobe
-    std::unordered_set<std::uint32_t> unsteady_;  ///< ids of objects whose lights or lobes are sampled
+    bool steady_mirrors_ = true;  ///< no material reflects or transmits into a lobe
+    std::unordered_set<std::uint32_t>
+        unsteady_;  ///< ids of objects whose radiance depends on sampled lights or lobes
     mutable std::mutex mutex_;
     mutable RayCounts counts_;
 };

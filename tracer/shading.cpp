@@ -109,7 +109,8 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     if (n_l == 0 || (!front && m.diffuse_transmission == dvec3(0))) return out;
     dvec3 intensity = l.intensity;
     if (!directional) {
-        // Attenuation of a sphere is measured from its centre, so that its radius only affects shadows.
+        // The attenuation of a spherical light is computed from the distance to its centre, so that its
+        // radius only affects shadows.
         const double r = l.kind == Light::Kind::sphere ? glm::length(placed.position - s.position) : distance;
         intensity /= l.attenuation.x + r * (l.attenuation.y + r * l.attenuation.z);
     }

@@ -75,9 +75,9 @@ struct Continuation {
 [[nodiscard]] glm::dvec3 refracted_direction(const Continuation& c, const Facing& f,
                                              const glm::dvec3& direction);
 
-/// True if a lobe cos^exponent is wider than a lens of this radius seen from the surface. The distance from
-/// the lens, m, is measured along the path. The width of a lobe is 1 / sqrt(exponent), rad, its standard
-/// deviation per axis for large exponents. False for an infinite exponent.
+/// True if a lobe cos^exponent at a surface is wider than a lens of this radius appears from the surface.
+/// `distance_m` is the distance from the lens, measured along the path. The width of a lobe is 1 /
+/// sqrt(exponent), rad, its standard deviation per axis for large exponents. False for an infinite exponent.
 [[nodiscard]] bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m);
 
 /// True if a material reflects or transmits.

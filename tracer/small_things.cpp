@@ -172,7 +172,8 @@ void SmallThings::add(const Object& object, std::uint32_t index, double brightne
     }
     if (!tapers && glm::length(axes->half[0]) <= 4 * glm::length(axes->half[1])) {
         const double narrower = turn_to_sight(camera, *axes);
-        // An object whose image is at most four times as long as wide is one piece without an axis.
+        // An object whose image is at most four times as long as wide is treated as one piece without an
+        // axis.
         if (!(narrower > 4)) {
             add_piece(axes->centre, axes->centre, axes->half, brightness, index, camera);
             return;
@@ -224,7 +225,8 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // Only compact objects need fine outlines: along a line, the errors of neighbouring cells cancel.
+    // Only compact bright objects need small cells at their outline. Along an elongated object the errors of
+    // neighbouring cells cancel.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
 }

@@ -20,12 +20,12 @@ class SmallThings {
   public:
     /// Width in px above which an object is not narrow, because corners of undivided pixels hit it.
     static constexpr double widest_px = 1.5;
-    /// Largest cell near a narrow object, relative to the object's width. It is so small that a corner hits
-    /// the object at any position.
+    /// Largest size of a quadtree cell near a narrow object, relative to the object's width. Such a cell is
+    /// so small that one of its corners hits the object at any position.
     static constexpr double find_share = 0.5;
-    /// Largest cell along the outline of a compact object brighter than white, relative to its width. The
-    /// area of a disc then has an error of 1.2 % (Kendall 1948), and so has the brightness of its circle of
-    /// confusion.
+    /// Largest size of a quadtree cell along the outline of a compact object brighter than white, relative to
+    /// the object's width. The area of a disc then has an error of 1.2 % (Kendall 1948), and so has the
+    /// brightness of its circle of confusion.
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;

@@ -42,7 +42,7 @@ template <int N>
     alignas(64) float near[N], far[N], t[N];
     sphere_packet<N>(rays, {c.x, c.y, c.z, r * r}, near, far);
     for (int i = 0; i < N; ++i) {
-        // The far crossing counts for rays that start inside.
+        // For a ray that starts inside of the sphere, the far crossing counts.
         const float first = near[i] > rays.tnear[i] ? near[i] : far[i];
         const bool hit =
             first > rays.tnear[i] && first <= rays.tfar[i] && near[i] <= far[i] && args->valid[i] != 0;

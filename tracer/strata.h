@@ -28,7 +28,8 @@ class Strata {
     /// point never leaves its cell. `permuted`: sample i is in cell p(i), where p is a random permutation
     /// chosen by `key`; else in cell i.
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
-    /// Like fill_2d, but in one dimension, with n equal intervals of [0, 1).
+    /// Writes points as fill_2d does, but in one dimension, with one point in each of n equal intervals of
+    /// [0, 1).
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;
 
   private:

@@ -25,9 +25,10 @@ class TexelRanges {
     /// Computes the ranges of `rgb`, an image of `width` x `height` texels. Keeps no reference to `rgb`.
     TexelRanges(std::span<const float> rgb, int width, int height);
 
-    /// The range of texels [x_first, x_last] x [y_first, y_last] of the same `rgb`. Outside of the image,
-    /// texels repeat (`wrap_x`, `wrap_y`) or continue the border. If the rectangle is longer than 9 texels,
-    /// the range includes texels around it, up to two fifths of its greater length on each side.
+    /// The range of the colours of texels [x_first, x_last] x [y_first, y_last] of the same `rgb`. Outside of
+    /// the image, texels repeat (`wrap_x`, `wrap_y`) or continue the border. If the rectangle is longer than
+    /// 9 texels, the range also includes texels around the rectangle, up to two fifths of its greater length
+    /// on each side.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

@@ -16,9 +16,9 @@ namespace {
     const double d = c - offset;
     const double quotient = d / size;
     const double cell = std::floor(quotient);
-    // Rounding can move the quotient across a border only very near to it; there the sign of the remainder
-    // decides. This sign is exact: fma rounds once, and `lost` restores the rounding error of the subtraction
-    // (Knuth's two-sum).
+    // Rounding can move the quotient across the border of a cell only very near to the border, where the sign
+    // of the remainder decides. This sign is exact: fma rounds once, and `lost` restores the rounding error
+    // of the subtraction (Knuth's two-sum).
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;

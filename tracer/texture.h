@@ -55,9 +55,9 @@ class Texture {
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// The range of colours between two texture positions: of all cells or texels that overlap their bounding
-    /// box. For positions half an image or more apart, a seam is assumed between them, and only the colours
-    /// at the two positions count.
+    /// The range of colours in the bounding box of two texture positions: of all cells or texels that overlap
+    /// the box. If the positions are half an image or more apart, a seam of the texture is assumed between
+    /// them, and only the colours at the two positions count.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

@@ -22,8 +22,8 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Margin around the records in which edges are searched. Surfaces seen past farther edges only affect the
-// border of the records, px.
+// Margin around the recorded pixels, px, in which edges are searched. Surfaces that a lens sees past edges
+// beyond the margin only affect the border of the records.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -85,7 +85,7 @@ class Instant {
         }
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
-    // From this call on, hidden surfaces that a lens sees past edges in the window are also recorded.
+    // After this call, hidden surfaces that a lens sees past edges in the window `w` are recorded as well.
     void look_through_lens(const TraceSettings& settings, const SampledWindow& w) {
         if (!settings.for_f_number || settings.hidden_layers ||
             camera_.projection == Camera::Projection::orthographic)
@@ -146,8 +146,8 @@ class Radiance {
     RecordBand band_;
 };
 
-// Radius of the widest lens that the file is for, m: of `for_f_number`, else of the camera's f-number, else
-// of f/1.4.
+// Radius, m, of the widest lens for which the sample file is made. It is the lens of `for_f_number`, else of
+// the camera's f-number, else of f/1.4.
 double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     const Camera& of = find_camera(scene, settings.camera_name);
     const CameraModel camera(of, scene.time_s, settings.camera);

@@ -20,8 +20,8 @@ struct TraceSettings {
     std::string camera_name;       ///< empty: the scene's first
     std::optional<double> time_s;  ///< empty: the scene's
     SubdivisionSettings subdivision{.levels = 2};
-    /// With `for_f_number`: subdivides the edges of objects to at least `lens_levels`. `subdivision.levels`
-    /// then limits the subdivision by contrast.
+    /// With `for_f_number`: subdivides cells at the edges of objects to at least `lens_levels`.
+    /// `subdivision.levels` then limits only the subdivision by contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
     bool seek_small_things = true;  ///< subdivides at narrow objects (SmallThings), unless `levels` is 0
@@ -38,7 +38,7 @@ struct TraceSettings {
     /// `for_shutter` may reveal, and those that a lens of `for_f_number` sees past edges; none without both.
     std::optional<int> hidden_layers;
     bool hidden_auto =
-        false;  ///< an empty `hidden_layers` is meant: requires `for_shutter` or `for_f_number`
+        false;  ///< `hidden_layers` is empty on purpose: requires `for_shutter` or `for_f_number`
     /// Number of evenly spaced instants of `for_shutter` that are recorded, 1 to 64, in addition to the
     /// frame's instant unless it is one of them. 1: only the frame's instant. Empty: as many as the motion
     /// needs, which requires `for_shutter`.

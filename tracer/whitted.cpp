@@ -57,8 +57,8 @@ struct LobeTarget {
     dvec3 share{0};
 };
 
-// Items that are filled in place, field by field, and reused. Building items elsewhere and copying them took
-// longer than the shading.
+// An array whose items are filled in place, field by field, and reused. Building items elsewhere and copying
+// them took longer than the shading.
 template <typename T>
 struct Pool {
     std::vector<T> items;
@@ -83,12 +83,14 @@ struct Workspace {
     std::vector<std::uint32_t> order;
     std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
     std::vector<HiddenHit> hidden;
-    // Hits after a bounce behind which a lens may see hidden surfaces, and the rays of these hits.
+    // Hits of reflected and refracted rays behind which a lens may see hidden surfaces, and the rays of these
+    // hits.
     std::vector<FirstHit> chain_hits;
     std::vector<PathRay> chain_rays;
     std::vector<Bounces> chain_bounces;     // only if nonlinear W is measured
     std::vector<std::uint32_t> next_layer;  // of each sample
-    // Only if nonlinear W is measured: bounces by index of the differentials, and the nodes to measure.
+    // Used only if the nonlinear W of nodes is measured: the bounces of each ray by index of its
+    // differentials, and the nodes to measure.
     Pool<Bounces> bounces, next_bounces;
     std::vector<BentNode> bent;
     std::vector<float> bends;
@@ -386,7 +388,7 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
         }
     }
     if (refracts) {
-        bounces.flat = false;  // W depends on the angle behind flat glass, too
+        bounces.flat = false;  // behind glass, even flat glass, W depends on the angle
         if (measures_bends()) w.next_bounces.add() = bounces;
         const dvec3 direction = refracted_direction(c, f, ray.direction);
         ++counts.refract;
@@ -434,7 +436,7 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
             const Shadow& shadow = w.shadows[i][k];
             Node& node = w.nodes[shadow.node];
             node.radiance += shadow.radiance * batch.transmittance[k];
-            // The shadow of a light that contributes less than this is not visible.
+            // Radiance of a light's contribution below which its shadow is not visible.
             constexpr double little = 0.005;
             if (largest(shadow.radiance * (1.0 - dvec3(batch.transmittance[k])) * node.throughput) > little)
                 node.source.shadows |= 1U << (i % 32U);
@@ -485,8 +487,8 @@ void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
     end_generation(w);
 }
 
-// Stores the hit of a ray after a bounce if a lens may see hidden surfaces behind it. The exit from a glass
-// object is left out, because the transmitted ray sees the surfaces behind it.
+// Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. A hit where the
+// ray leaves a glass object is not stored, because the transmitted ray sees the surfaces behind it.
 void WhittedTracer::Impl::keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key,
                                      Workspace& w) const {
     if (!refocus || ray.path.depth() > LensReach::most_bounces) return;
@@ -506,7 +508,7 @@ void WhittedTracer::Impl::keep_chain(const PathRay& ray, const SurfacePoint& s, 
     if (measures_bends()) w.chain_bounces.push_back(w.bounces[ray.differentials]);
 }
 
-// Adds a hidden node as if nothing were in front of it: it is the root of its own shading tree.
+// Adds a hidden surface as the root of its own shading tree, shaded as if nothing were in front of it.
 void WhittedTracer::Impl::root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w,
                                RayCounts& counts) const {
     if (ray.path.bits() != 0) {
@@ -550,8 +552,8 @@ void WhittedTracer::Impl::trace_hidden(Workspace& w, RayCounts& counts) const {
     if (!w.chain_hits.empty()) trace_hidden_in_chains(w, counts);
 }
 
-// Traces hidden surfaces after a bounce. Each surface becomes a separate layer of its sample, without a
-// primary node.
+// Traces hidden surfaces that are seen by reflection or refraction. Each surface becomes a separate layer of
+// its sample, without a primary node.
 void WhittedTracer::Impl::trace_hidden_in_chains(Workspace& w, RayCounts& counts) const {
     find_hidden_surfaces(rays, hidden, w.chain_hits, w.hidden, counts.hidden);
     std::sort(w.hidden.begin(), w.hidden.end(), [&](const HiddenHit& a, const HiddenHit& b) {
@@ -572,7 +574,8 @@ void WhittedTracer::Impl::trace_hidden_in_chains(Workspace& w, RayCounts& counts
     while (w.rays.count > 0) generation(w, counts);
 }
 
-// Stores a node for which W may not be exact. `s` is null if the ray hit nothing.
+// Stores a node whose matrix W may not be exact, so that its error is measured. `s` is null if the ray hit
+// nothing.
 void WhittedTracer::Impl::keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const {
     const Bounces& bounces = w.bounces[ray.differentials];
     if (bounces.flat) return;
@@ -599,7 +602,8 @@ void WhittedTracer::Impl::trace_bends(Workspace& w, RayCounts& counts) const {
     for (std::size_t i = 0; i < w.bent.size(); ++i) w.nodes[w.bent[i].node].record.w_bend = w.bends[i];
 }
 
-// Takes nonlinear W from samples nearby where possible. The nodes that must be measured stay in w.bent.
+// Takes the nonlinear W (`w_bend`) of nodes from samples nearby where possible. The nodes that must be
+// measured stay in w.bent.
 void WhittedTracer::Impl::take_bends_around(Workspace& w,
                                             const std::function<SamplesAround(std::size_t)>& around) const {
     const auto little = static_cast<float>(little_bend_px * camera.tangent_per_px /

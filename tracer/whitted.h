@@ -22,7 +22,9 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that cannot contribute as much are not traced
     bool refocus_matrices = true;    ///< computes W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius for which nonlinear W is measured; 0: not measured
-    /// Lens radius that decides which lobes of rough surfaces are averaged (lobe_is_wide); 0: all of them.
+    /// Lens radius, m. A rough surface whose lobe is wider than this lens (lobe_is_wide) is recorded with the
+    /// mean radiance over its lobe, and other surfaces with the radiance of the exact direction. 0: all lobes
+    /// are averaged.
     double lens_radius_m = 0;
     bool lit = true;  ///< false: ignores lights, for callers that only need positions
 };
@@ -51,8 +53,8 @@ struct ColourSource {
     std::uint32_t shadows = 0;         ///< bit i: a light of index i modulo 32 is occluded
 };
 
-/// Records of a batch: sample i has records [offsets[i], offsets[i + 1]), sorted by layer, then path, the
-/// primary first.
+/// The records of a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]), sorted by layer
+/// and then by path, the primary node first.
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
@@ -77,11 +79,12 @@ class WhittedTracer {
 
     /// Traces point samples at raster positions, px; fastest if groups of 16 lie close together. Thread-safe.
     /// `around(i)`, if given, returns samples within a pixel of positions[i] that were traced before. The
-    /// nonlinear W of a node is taken from them if `bend_around` finds that it is small (little_bend_px), and
-    /// measured otherwise.
+    /// nonlinear W of a node is taken from these samples if `bend_around` finds that it is small
+    /// (little_bend_px), and measured otherwise.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// Error at the rim of the lens, px, below which nonlinear W counts as small.
+    /// Error of a node's image position at the rim of the lens, px, below which the node's nonlinear W counts
+    /// as small.
     static constexpr double little_bend_px = 0.125;
 
     /// True if a material reflects or transmits, so that there can be nodes after a bounce.

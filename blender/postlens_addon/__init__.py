@@ -1,4 +1,4 @@
-"""postlens in Blender: renders the scene once through a pinhole and applies the camera's lens and shutter afterwards."""
+"""The postlens add-on for Blender: renders the scene through a pinhole, then applies the camera's lens and shutter."""
 
 bl_info = {
     "name": "postlens",

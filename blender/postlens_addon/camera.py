@@ -1,4 +1,4 @@
-"""Blender's camera as postlens' options. Knows nothing of operators or panels."""
+"""Converts Blender's camera to options of postlens. This module does not depend on operators or panels."""
 
 import math
 from dataclasses import dataclass
@@ -7,12 +7,12 @@ from mathutils import Vector
 
 
 class CameraError(Exception):
-    """What the camera is that postlens cannot be."""
+    """The camera has a property that postlens does not support."""
 
 
 @dataclass(frozen=True)
 class Film:
-    """A raster and the film that it stands for; pixels are square."""
+    """The size of an image in pixels, and the film and film distance of its camera. Pixels are square."""
 
     width_px: int
     height_px: int
@@ -24,14 +24,14 @@ class Film:
         return self.distance_mm / self.width_mm * self.width_px
 
     def with_margin(self, margin_px):
-        """The same view with `margin_px` more pixels on every side."""
+        """The film of the same camera, enlarged by `margin_px` pixels on every side."""
         width = self.width_px + 2 * margin_px
         return Film(width, self.height_px + 2 * margin_px, self.width_mm * width / self.width_px, self.distance_mm)
 
 
 @dataclass(frozen=True)
 class Lens:
-    """What blurs: distances in metres along the camera's axis; Cycles takes Blender's unit for a metre."""
+    """The camera's lens. Distances are along the camera's axis in metres; one Blender unit is a metre, as in Cycles."""
 
     focal_length_mm: float
     f_number: float
@@ -45,18 +45,18 @@ class Lens:
         return self.focal_length_mm * 1e-3 / (2 * self.f_number)
 
     def coc_radius_px(self, distance_m, film):
-        """Of a point in front of the pinhole; infinity is allowed. Positive behind the focus."""
+        """Radius, px, of the circle of confusion at `distance_m` (may be infinite). Positive behind the focus."""
         return self.aperture_radius_m * film.pixels_per_radian * (1 / self.focus_m - 1 / distance_m)
 
     def distance_in_front_m(self, radius_px, film):
-        """In front of the focus, the distance of which circles have this radius."""
+        """The distance in front of the focus, m, at which circles of confusion have the radius `radius_px`."""
         return 1 / (1 / self.focus_m + radius_px / (self.aperture_radius_m * film.pixels_per_radian))
 
     def options(self):
         impulse = "disc"
         if self.blades >= 3:
-            # Cycles has the middle of a side to the right at no rotation, and turns towards the top; postlens counts
-            # from a corner, and towards the bottom.
+            # At rotation 0, Cycles' aperture polygon has the middle of a side on the right, and its rotation
+            # turns towards the top. postlens measures the angle of a corner, and turns towards the bottom.
             impulse = f"polygon:{self.blades}:{-math.degrees(self.rotation_rad) - 180 / self.blades:.9g}"
         out = ["--f-number", f"{self.f_number:.9g}", "--focal-length", f"{self.focal_length_mm:.9g}"]
         out += ["--focus", f"{self.focus_m:.9g}", "--impulse", impulse]
@@ -66,7 +66,7 @@ class Lens:
 
 
 def film_of(scene, camera):
-    """Film of a perspective camera. Raises CameraError."""
+    """The film of a camera. Raises CameraError if the camera is not a perspective camera with square pixels."""
     data = camera.data
     if data.type != "PERSP":
         raise CameraError(f"camera {camera.name}: is {data.type.lower()} (expected a perspective camera)")
@@ -87,7 +87,7 @@ def film_of(scene, camera):
 
 
 def lens_of(camera, depsgraph):
-    """Lens at the frame that `depsgraph` is evaluated at. Raises CameraError where nothing is in focus."""
+    """The lens at the frame of `depsgraph`. Raises CameraError if the focus distance or the f-number is not above 0."""
     evaluated = camera.evaluated_get(depsgraph)
     dof = evaluated.data.dof
     focus_m = dof.focus_distance

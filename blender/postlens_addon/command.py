@@ -1,4 +1,4 @@
-"""The installed `postlens` as a child process: its words, its answer, its end."""
+"""Runs the installed program `postlens` as a child process."""
 
 import json
 import os
@@ -8,15 +8,15 @@ import threading
 
 
 class CommandError(Exception):
-    """What the command says of its failure."""
+    """The command failed; the text is its error message."""
 
 
 class Cancelled(Exception):
-    """The user's wish."""
+    """The user has cancelled the work."""
 
 
 def find(path):
-    """The program at `path`, or that of the search path. Raises CommandError where there is none."""
+    """Path of the program: `path`, or `postlens` on the search path. Raises CommandError if there is no program."""
     program = path or shutil.which("postlens") or ""
     if not program or not os.access(program, os.X_OK) or os.path.isdir(program):
         raise CommandError(
@@ -26,7 +26,7 @@ def find(path):
 
 
 def run(program, words, cancelled=lambda: False):
-    """Runs a command; returns what it says with --json. Raises CommandError and Cancelled."""
+    """Runs a command and returns its JSON report (--json). Raises CommandError and Cancelled."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
     child = subprocess.Popen(
         [program, *words, "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment

@@ -1,4 +1,4 @@
-"""The buttons: one picture, a range of frames, and the same by postlens' own tracer."""
+"""The operators behind the panel's buttons: one image or a range of frames, rendered by Blender or by postlens."""
 
 import bpy
 from bpy.props import BoolProperty
@@ -27,7 +27,7 @@ def job_of(scene, animation):
 
 
 def show(path):
-    """Puts a picture into the image editors. Returns the image."""
+    """Loads an image file and shows it in all image editors. Returns Blender's image."""
     image = bpy.data.images.get(IMAGE)
     if image is None:
         image = bpy.data.images.load(path)
@@ -43,7 +43,7 @@ def show(path):
 
 
 class Pictures:
-    """What both operators do: one picture after the other, so that Blender stays at hand between them."""
+    """Base of both operators. Makes one image after the other, so that Blender stays responsive between images."""
 
     animation: BoolProperty(name="All frames", default=False, description="Every frame of the scene's range")
 
@@ -55,7 +55,7 @@ class Pictures:
         self.job, self.made, self.count = job, self.make(job), 0
 
     def step(self):
-        """Whether there is more to do."""
+        """Makes the next image. Returns whether more images follow."""
         try:
             _, path = next(self.made)
         except StopIteration:
@@ -111,7 +111,7 @@ class Pictures:
         if more:
             return {"RUNNING_MODAL"}
         context.window_manager.event_timer_remove(self.timer)
-        self.made.close()  # puts the scene's frame back
+        self.made.close()  # restores the scene's current frame
         self.end(context)
         return {"CANCELLED" if self.cancel else "FINISHED"}
 

@@ -1,4 +1,4 @@
-"""Renders what postlens reads: a pinhole picture with passes, and what stands behind its near objects."""
+"""Renders the input of postlens: a pinhole image with passes, and a second image without the near objects."""
 
 import contextlib
 import math
@@ -8,23 +8,24 @@ import bpy
 
 from . import camera as cameras
 
-# Objects that a ray of the camera can meet.
+# Types of objects that a camera ray can hit.
 SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME"}
-# No margin is wider than this share of the frame: what is more blurred at its border is guessed from inside.
+# Largest margin around the frame, as a share of the frame's shorter side. Light that the lens spreads into the
+# frame from beyond the margin is not rendered, and is estimated from the pixels inside.
 WIDEST_MARGIN = 0.25
-# From this radius of its circles on, what a blurred edge lets through can be seen.
+# Smallest radius of a circle of confusion, px, at which the surfaces behind a blurred edge become visible.
 VISIBLE_RADIUS_PX = 1.0
 
 
 @contextlib.contextmanager
 def kept(*places):
-    """Puts back what the body changes: pairs of a thing of Blender's and the names of its properties."""
+    """Restores properties after the body. `places`: pairs of a Blender object and the names of its properties."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
     try:
         yield
     finally:
         for thing, name, value in reversed(before):
-            with contextlib.suppress(ReferenceError):  # removed meanwhile
+            with contextlib.suppress(ReferenceError):  # the object was removed in the body
                 setattr(thing, name, value)
 
 
@@ -38,7 +39,7 @@ def nearest_depth(scene, camera, depsgraph):
 
 
 def margin_px(scene, camera, depsgraph, lens, film):
-    """How far beyond the frame the lens reaches: pixels that have to be rendered there."""
+    """Number of pixels to render beyond the frame on each side, because the lens spreads their light into it."""
     nearest = lens.coc_radius_px(nearest_depth(scene, camera, depsgraph), film)
     farthest = lens.coc_radius_px(math.inf, film)
     widest = int(WIDEST_MARGIN * min(film.width_px, film.height_px))
@@ -46,13 +47,13 @@ def margin_px(scene, camera, depsgraph, lens, film):
 
 
 def hidden_before(scene, camera, depsgraph, distance_m):
-    """Objects that end nearer than a distance; what reaches beyond it, such as a floor, is not among them."""
+    """Objects that lie entirely nearer than a distance; objects that extend beyond it, such as a floor, do not."""
     return [o for o in shapes(scene) if o.visible_camera and cameras.depths_of(o, camera, depsgraph)[1] < distance_m]
 
 
 @contextlib.contextmanager
 def pinhole(scene, camera, film, vectors):
-    """The scene as it has to be rendered: no lens, no shutter, the wider film, and the passes."""
+    """Sets up the scene for the body: a pinhole without shutter, the given film, and the passes that postlens needs."""
     render, data = scene.render, camera.data
     layers = [(layer, ("use_pass_z", "use_pass_vector", "use_pass_cryptomatte_object", "pass_cryptomatte_depth"))
               for layer in scene.view_layers]  # fmt: skip
@@ -67,7 +68,8 @@ def pinhole(scene, camera, film, vectors):
         *layers,
     ):  # fmt: skip
         scene.camera = camera
-        # A shift is counted in the larger side of the frame, which the margin changes.
+        # A camera shift is a share of the larger side of the frame. The margin changes that side, so the shift
+        # is converted.
         larger = max(render.resolution_x, render.resolution_y) * render.resolution_percentage / 100
         if data.sensor_fit != "AUTO":
             larger = render.resolution_x if data.sensor_fit == "HORIZONTAL" else render.resolution_y
@@ -89,7 +91,7 @@ def pinhole(scene, camera, film, vectors):
 
 
 def render_to(scene, path):
-    """Renders a still picture; returns when it is written. Raises RuntimeError with Blender's words."""
+    """Renders a still image and writes it to `path`. Raises RuntimeError with Blender's message."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
     scene.render.filepath = path
     bpy.ops.render.render(write_still=True, scene=scene.name)
@@ -97,7 +99,7 @@ def render_to(scene, path):
 
 @contextlib.contextmanager
 def without(objects):
-    """The camera's rays pass these objects; light, shadows and mirrors still meet them."""
+    """Makes these objects invisible to camera rays in the body. Light, shadows and reflections still include them."""
     with kept(*((o, ("visible_camera",)) for o in objects)):
         for o in objects:
             o.visible_camera = False

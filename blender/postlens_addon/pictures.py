@@ -1,4 +1,4 @@
-"""From Blender's scene to a focused picture: what is rendered, what is asked of postlens, in which order."""
+"""Makes focused images of a Blender scene: renders the passes and runs the postlens commands, frame by frame."""
 
 import os
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from . import command, passes
 
 @dataclass
 class Job:
-    """Pictures of frames through the scene's camera."""
+    """The frames to make images of, and the settings of these images."""
 
     scene: object
     folder: str
@@ -20,7 +20,7 @@ class Job:
     method: str = "layers"
     views: int = 256
     behind: bool = True
-    behind_distance_m: float = 0  # 0: from where in front of the focus circles can be seen
+    behind_distance_m: float = 0  # 0: the distance at which blur becomes visible
     only_lens_changes: bool = False
     cancelled: object = lambda: False
     progress: object = lambda share, text: None
@@ -32,7 +32,7 @@ class Job:
 
 @dataclass
 class Passes:
-    """What was rendered of a frame."""
+    """The files that were rendered for a frame."""
 
     film: object
     margin_px: int
@@ -41,7 +41,7 @@ class Passes:
 
 
 def at_frame(job, frame):
-    """Sets the scene to a frame. Returns its camera, its lens and its film."""
+    """Sets the scene to a frame. Returns its camera, dependency graph, lens and film."""
     job.scene.frame_set(frame)
     camera = job.scene.camera
     if camera is None:
@@ -51,7 +51,7 @@ def at_frame(job, frame):
 
 
 def widest_margin(job):
-    """The margin that suffices for the lens of every frame."""
+    """The margin, px, that suffices for the lenses of all frames."""
     widest = 0
     for frame in job.frames:
         camera, depsgraph, lens, film = at_frame(job, frame)
@@ -60,7 +60,7 @@ def widest_margin(job):
 
 
 def farthest_split(job):
-    """Of all frames, the farthest distance before which objects are hidden."""
+    """The distance, m, such that objects before it are left out of the second image; the farthest over all frames."""
     if job.behind_distance_m > 0:
         return job.behind_distance_m
     farthest = 0
@@ -87,7 +87,7 @@ def render_passes(job, frame, margin_px, split_m):
 
 
 def layer_words(scene):
-    """The view layer whose picture is taken, as the file names it."""
+    """Command-line words that select the first view layer in a file with several view layers."""
     return ["--layer", scene.view_layers[0].name] if len(scene.view_layers) > 1 else []
 
 
@@ -104,9 +104,9 @@ def focus_words(job, made, lens, output):
 
 
 def blur_motion(job, made, frame):
-    """Smears the front picture along its vectors, before the lens. Returns the passes of the result."""
+    """Applies motion blur to the front image by its motion vectors, before the lens. Returns the path of the result."""
     shutter = job.scene.render.motion_blur_shutter
-    # Blender's own shutter is open around the frame by default.
+    # Blender's shutter interval is centred on the frame by default.
     begin = {"START": 0.0, "CENTER": -shutter / 2, "END": -shutter}[
         getattr(job.scene.cycles, "motion_blur_position", "CENTER") if hasattr(job.scene, "cycles") else "CENTER"
     ]
@@ -125,7 +125,7 @@ def take_warnings(job, frame, said):
 
 
 def focus_frames(job):
-    """Makes the pictures; yields (frame, path) for each. Raises CameraError, CommandError, Cancelled, RuntimeError."""
+    """Makes the images; yields (frame, path) for each. Raises CameraError, CommandError, Cancelled, RuntimeError."""
     start = job.scene.frame_current
     try:
         margin, split = widest_margin(job), farthest_split(job)
@@ -141,7 +141,7 @@ def focus_frames(job):
                 words[1] = blur_motion(job, made, frame)
                 words += ["--depth-file", made.front, "--ids-file", made.front]
                 if layer_words(job.scene):
-                    del words[-6:-4]  # the smeared picture has one layer
+                    del words[-6:-4]  # the motion-blurred image has a single layer
             said = command.run(job.program, words, job.cancelled)
             take_warnings(job, frame, said)
             yield frame, output
@@ -151,7 +151,7 @@ def focus_frames(job):
 
 
 def trace_frames(job):
-    """The same by postlens' own tracer, from the scene as glTF; yields (frame, path)."""
+    """Exports each frame as glTF, and traces and focuses it with postlens; yields (frame, path)."""
     start = job.scene.frame_current
     try:
         for i, frame in enumerate(job.frames):

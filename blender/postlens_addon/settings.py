@@ -1,4 +1,4 @@
-"""What the user chooses, kept with the scene."""
+"""The settings of the add-on, which Blender stores with the scene."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty

@@ -1,4 +1,4 @@
-"""The add-on in Blender without a window: pictures against Cycles' own lens, cameras, what is put back, failures.
+"""Tests the add-on in Blender without a window: images against Cycles' lens, cameras, restored settings, failures.
 
     blender -b --factory-startup -noaudio --python-exit-code 1 -P addon_test.py -- POSTLENS [TEST...]
 """
@@ -18,7 +18,7 @@ program = Program(words()[0]) if words() else None
 
 
 def all_settings(scene):
-    """Every plain property that a render of ours may touch."""
+    """The values of all plain properties that the add-on may change during a render."""
     out = {}
     camera = scene.camera.data
     places = {"render": scene.render, "image": scene.render.image_settings, "camera": camera, "dof": camera.dof,
@@ -70,7 +70,8 @@ class Addon(unittest.TestCase):
         self.assertGreater(found["two"], found["flat"] + 2)
 
     def test_blades_turn_and_squeeze_as_in_cycles(self):
-        # One small light out of focus is the aperture's own picture; behind the focus it stands upright.
+        # The image of a small light source out of focus has the shape of the aperture. It is upright behind the
+        # focus.
         scene = self.scene("160x90", 64, f_number=0.25, focus_m=1.2)
         ball = next(o for o in scene.objects if o.name.startswith("light at 9 m"))
         for other in list(scene.objects):
@@ -111,7 +112,8 @@ class Addon(unittest.TestCase):
                     self.assertAlmostEqual(wide.width_mm / wide.width_px, film.width_mm / film.width_px)
 
     def test_what_is_beyond_the_frame_is_the_same_view(self):
-        # A margin and a shifted sensor: the inner part of the wide pinhole picture is the pinhole picture.
+        # Tests a margin with a shifted sensor: the inner part of the pinhole image with margin equals the
+        # pinhole image without margin.
         from postlens_addon import camera as cameras
         from postlens_addon import passes
 
@@ -125,7 +127,7 @@ class Addon(unittest.TestCase):
         for name, margin in (("exact", 0), ("wide", 13)):
             program("focus", self.path(name + ".exr"), "-o", self.path(name + ".png"), *flat, "--overscan", str(margin))
         said = program("compare", self.path("wide.png"), self.path("exact.png"))
-        self.assertGreater(said["psnr_db"], 24)  # 16 samples a pixel, placed anew: edges have a noise of 1/8
+        self.assertGreater(said["psnr_db"], 24)  # 16 samples per pixel at other positions: edges have a noise of 1/8
 
     def test_the_focus_object_counts_along_the_axis(self):
         from postlens_addon import camera as cameras
@@ -145,7 +147,7 @@ class Addon(unittest.TestCase):
         before = all_settings(scene)
         bpy.ops.postlens.focus()
         self.assertEqual(all_settings(scene), before)
-        # Also where the render or the command fails.
+        # Settings are restored even if the render or the command fails.
         os.chmod(self.path("front.0000.exr"), 0o400)
         scene.postlens.folder = "/dev/null/nowhere"
         self.fails(bpy.ops.postlens.focus)

@@ -1,4 +1,4 @@
-"""Scenes and pictures for the add-on's tests; runs inside Blender."""
+"""Scenes and images for the tests of the add-on. Runs inside Blender."""
 
 import json
 import os
@@ -17,12 +17,12 @@ BARS = os.path.join(ROOT, "samples", "scenes", "bars.toml")
 
 
 def words():
-    """What follows -- on Blender's command line."""
+    """The words that follow -- on Blender's command line."""
     return sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 
 
 def bars(size, spp, f_number=1.4, focus_m=5, seed=0):
-    """The scene of thin bars before a wall in Cycles, its camera's lens wide open; the add-on is registered."""
+    """Builds a Cycles scene of thin bars in front of a wall, seen through a wide lens, and registers the add-on."""
     import postlens_addon
 
     if hasattr(bpy.types.Scene, "postlens"):
@@ -35,7 +35,7 @@ def bars(size, spp, f_number=1.4, focus_m=5, seed=0):
 
 
 def by_cycles(scene, path, spp, seed):
-    """The reference: the same camera with Cycles' own depth of field."""
+    """Renders the reference: the same camera with Cycles' own depth of field."""
     scene.cycles.samples, scene.cycles.seed = spp, seed
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.filepath = path
@@ -44,7 +44,7 @@ def by_cycles(scene, path, spp, seed):
 
 
 class Program:
-    """The postlens command."""
+    """Runs the postlens program."""
 
     def __init__(self, path):
         self.path = os.path.abspath(path)
@@ -56,7 +56,7 @@ class Program:
         return json.loads(done.stdout)
 
     def psnr_db(self, picture, halves):
-        """Above the noise of a reference of two independent halves."""
+        """The error of an image without the noise of the reference, which is measured from two independent halves."""
         said = self("compare", picture, halves[0], "--noise", halves[1])
         return said["psnr_above_noise_db"], said["noise_psnr_db"]
 

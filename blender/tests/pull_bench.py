@@ -1,9 +1,9 @@
-"""What a pull of focus costs in Blender: passes rendered once and focused by postlens, against Cycles' own lens.
+"""Measures the time of a focus pull in Blender: passes rendered once and focused by postlens, against Cycles' lens.
 
     blender -b --factory-startup -noaudio --python-exit-code 1 -P pull_bench.py -- POSTLENS [SIZE [FRAMES]]
 
-Cycles' error falls with the square root of its samples, so its seconds at equal error are those of the reference,
-times the ratio of both squared errors.
+Cycles' error falls with the square root of its samples. So the time that Cycles needs for the error of postlens is
+the time of the reference, multiplied by the squared error of the reference and divided by that of postlens.
 """
 
 import os

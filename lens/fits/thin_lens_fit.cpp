@@ -31,8 +31,8 @@ struct Difference {
     }
 };
 
-/// Fit of c = K |q - x| with x = 1/z. Each split of the pairs into those behind and those in front of the
-/// focus is a straight-line fit; the split with the smallest error wins.
+/// Fit of c = K |q - x| with x = 1/z. For every division of the pairs into those behind and those in front of
+/// the focus, a straight line is fitted; the division with the smallest error is used.
 struct LineFit {
     double K = 0, q = 0, error = std::numeric_limits<double>::infinity();
 };
@@ -42,7 +42,7 @@ LineFit fit_line(std::vector<CocPair> pairs) {
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // With a sign, c = K q - K x is a straight line in x. The sign is positive behind the focus.
+        // The signed diameter c = K q - K x is a straight line in x. It is positive behind the focus.
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;

@@ -11,8 +11,9 @@ namespace postlens {
 
 namespace {
 
-/// A row with radius 0 is the stop, but some files also write planes with radius 0. If exactly one of several
-/// such rows does not change the medium, that row is the stop, and the others, which refract, are planes.
+/// Finds out which rows with radius 0 are planes. Such a row is normally the stop, but some files also write
+/// planes with radius 0. If exactly one of several such rows does not change the medium, that row is the
+/// stop, and the others, which refract, are planes.
 void find_planes(std::vector<Surface>& surfaces, double wavelength_nm) {
     const auto refracts = [&](std::size_t i) {
         const double before = i == 0 ? 1 : surfaces[i - 1].glass.index(wavelength_nm);
@@ -71,7 +72,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
         s.curvature_per_mm = radius == 0 ? 0 : 1 / radius;
         s.thickness_mm = number_in(file, line.number, words[1], "thickness");
         s.clear_radius_mm = 0.5 * diameter;
-        // A stop's index may be 0: the medium in front of the stop continues.
+        // A stop may have the index 0, which means that the medium in front of the stop continues behind it.
         s.glass = s.is_stop && index == 0 ? before : Glass::constant(index);
         before = s.glass;
         lens.surfaces.push_back(s);

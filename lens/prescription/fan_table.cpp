@@ -38,7 +38,8 @@ void FanTable::trace_depth(const LensView& view, std::size_t depth) {
             before = f == 0 ? at : middle;
             middle = at;
         } else if (f > 0) {
-            fan = fans_[depth * fields + f - 1];  // no light arrives here, and light() is 0
+            fan = fans_[depth * fields + f -
+                        1];  // no light arrives at this field, so light() is 0 whatever the fan
         }
         for (const PupilFan::Node& node : fan.nodes)
             reach_[depth] = std::max(reach_[depth], glm::length(node.landing));
@@ -57,7 +58,8 @@ FanTable::Place FanTable::place(double inverse_depth_per_m, double tangent) cons
     Place out;
     out.depth = static_cast<std::size_t>(std::clamp(std::floor(d), 0.0, static_cast<double>(depths - 2)));
     out.field = static_cast<std::size_t>(std::min(std::floor(f), static_cast<double>(fields - 2)));
-    // Extrapolation ends 1000 depth steps beyond the table; farther, the response keeps its shape.
+    // Responses are extrapolated to at most 1000 depth steps beyond the table. Farther beyond, they keep
+    // their shape.
     out.depth_part = std::clamp(d - static_cast<double>(out.depth), -1e3, 1e3);
     out.field_part = f - static_cast<double>(out.field);
     return out;
@@ -88,7 +90,8 @@ double FanTable::light(double tangent) const {
     return glm::mix(light_[p.field], light_[p.field + 1], p.field_part);
 }
 
-// Within the table, the larger of the two neighbours; beyond its ends, an upper bound that grows linearly.
+// Upper bound at an inverse depth: within the table, the larger of the two neighbouring values; beyond the
+// table's ends, a bound that grows linearly.
 double FanTable::of_depth(const std::vector<double>& values, double inverse_depth_per_m) const {
     const Place p = place(inverse_depth_per_m, 0);
     const double low = values[p.depth], high = values[p.depth + 1];

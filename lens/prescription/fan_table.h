@@ -7,9 +7,9 @@
 
 namespace postlens {
 
-/// Fans on a grid of inverse depths and field tangents. The constructor traces them in parallel; in between,
-/// they are interpolated linearly. docs/lens.md states the interpolation errors. Results are bit-identical
-/// for any number of threads.
+/// Fans of rays, each from one object point through the lens, on a grid of inverse depths and field tangents.
+/// The constructor traces the fans in parallel. Between the points of the grid, they are interpolated
+/// linearly (errors: docs/lens.md). Results are bit-identical for any number of threads.
 class FanTable {
   public:
     /// Covers inverse depths from 0 to `largest_inverse_depth_per_m` (beyond, responses grow linearly) and
@@ -18,8 +18,8 @@ class FanTable {
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
-    /// Same as LensView::light. It needs no depth, because a uniform scene gives a pixel the same light at
-    /// any depth.
+    /// Light that a pixel in this direction receives from a uniform scene, relative to the centre pixel (as
+    /// LensView::light). It does not depend on the depth of the scene.
     [[nodiscard]] double light(double tangent) const;
     /// Upper bound of the distance, as a tangent, from a point at this depth to the end of its response.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;

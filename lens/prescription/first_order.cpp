@@ -60,7 +60,8 @@ FirstOrder first_order(const Prescription& lens) {
 FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     const std::size_t count = lens.surfaces.size(), stop = lens.stop();
     const Matrix all = between(lens, wavelength_nm, 0, count);
-    // The lower limit of 1e-3 mm allows for a lens without thickness.
+    // The lens's length is the scale by which its power counts as 0. A lens without thickness has the scale
+    // 1e-3 mm.
     const double scale_mm = std::max(lens.length_mm(), 1e-3);
     if (!(std::abs(all.c) * scale_mm > 1e-9) || !std::isfinite(all.c)) {
         fail(ExitCode::invalid_input,
@@ -81,8 +82,9 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
-    // At the stop, the height is a (y + b/a nu). So the plane z = b/a in object space is imaged onto the
-    // stop, and the entrance pupil is 1/a times as large as the stop.
+    // A ray of height y and index times slope nu meets the stop at the height a (y + b/a nu). So the plane z
+    // = b/a in object space is imaged onto the stop, and the entrance pupil is 1/a times as large as the
+    // stop.
     out.entrance_pupil_z_mm = front.b / front.a;
     out.exit_pupil_z_mm = -behind * back.b / back.d;
     double radius = lens.surfaces[stop].clear_radius_mm;

@@ -5,9 +5,9 @@
 
 namespace postlens {
 
-/// z is in mm along the axis, positive towards the film. In object space it is measured from the vertex of
-/// the first surface, in image space from the vertex of the last. The medium of image space has the index n'.
-/// [born1999, 4.4]
+/// First-order properties of a lens [born1999, 4.4]. z is in mm along the axis, positive towards the film. In
+/// object space it is measured from the vertex of the first surface, in image space from the vertex of the
+/// last surface. The medium of image space has the index n'.
 struct FirstOrder {
     /// Equivalent focal length, 1 / power; negative for a diverging lens. For any n', an object at infinity
     /// at the angle t has an image of height efl t. The rear focal length is n' efl.

@@ -69,8 +69,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         const double inverse = 1 / a_m * (1 - share) + 1 / b_m * share;
         out.depths_m.push_back(inverse > 0 ? 1 / inverse : b_m);
     }
-    // Height at which the chief ray lands, infinite if there is none; it grows with the field, so it can be
-    // inverted by bisection.
+    // Height at which the chief ray of a field tangent lands on the film; infinite if no chief ray passes.
+    // The height grows with the field, so it can be inverted by bisection.
     const auto height = [&lens](double tangent) {
         const auto aim = lens.aim_at_stop(HUGE_VAL, {0, tangent});
         if (!aim) return HUGE_VAL;

@@ -11,7 +11,7 @@
 
 namespace postlens {
 
-/// From the cheapest to the most expensive to evaluate.
+/// Models of a lens, from the cheapest to the most expensive to evaluate.
 enum class LensModelKind {
     thin,        ///< (a) thin lens of equal focal length, with its pupil at the pinhole
     thick,       ///< (b) principal planes and both pupils: all first-order effects
@@ -21,8 +21,8 @@ enum class LensModelKind {
 inline constexpr std::size_t lens_model_kinds = 4;
 [[nodiscard]] const char* name_of(LensModelKind kind);
 
-/// Landing point of a ray on the film, relative to the chief ray of its object point, and whether it gets
-/// there.
+/// Landing point of a ray on the film, relative to the chief ray of its object point, and whether the ray
+/// passes the lens.
 struct ModelRay {
     glm::dvec2 film_mm{0};
     bool passes = false;
@@ -41,8 +41,8 @@ struct PupilCircle {
     double shift = 0, bend = 0, radius = 1, growth = 0, shift_by_depth = 0, radius_by_depth = 0;
 };
 
-/// Model (c), fitted by `fit_polynomial_lens`. It consists of plain numbers that a renderer or a file may
-/// keep.
+/// The polynomial model of a lens (LensModelKind::polynomial), fitted by `fit_polynomial_lens`. It consists
+/// of plain numbers, which can be stored in a file or passed to a renderer.
 struct PolynomialLens {
     double pupil_radius_mm = 1;        ///< unit of (u, v)
     double largest_tangent = 1;        ///< tangent at which T = 1
@@ -77,7 +77,8 @@ class LensModels {
     LensModels(const Prescription& lens, const TracedLens& traced);
     void set_polynomial(const PolynomialLens& model) { polynomial_ = model; }
 
-    /// Landing point of a ray by the given model. Model (c) needs a previous call of set_polynomial.
+    /// Landing point of a ray by the given model. The polynomial model needs a previous call of
+    /// set_polynomial.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
     /// Root mean square distance, mm, between the landing points of the model's rays and of the traced rays
@@ -102,9 +103,10 @@ class LensModels {
     double thick_at_infinity_ = 0, thick_per_depth_m_ = 0;
 };
 
-/// Least-squares fit of model (c) over a range, with Ceres. Landing points are fitted by linear terms, the
-/// edge of the pupil by the three circles, whose initial values are the images of the stop and of the first
-/// and last rim. Results are bit-identical for equal input.
+/// Fits the polynomial model to a traced lens over a range of depths and fields, by least squares with Ceres.
+/// Landing points are fitted by linear terms. The edge of the pupil is fitted by three circles, whose initial
+/// values are the images of the stop and of the first and last rim. Results are bit-identical for equal
+/// input.
 [[nodiscard]] PolynomialLens fit_polynomial_lens(const Prescription& lens, const TracedLens& traced,
                                                  const LensModelRange& range);
 

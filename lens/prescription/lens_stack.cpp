@@ -101,7 +101,8 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         if (e.k != 0) normal /= glm::length(normal);
     }
     ray.origin = p + dvec3(0, 0, e.z);
-    // Coordinates that are not a number compare as outside.
+    // The comparison is false for coordinates that are not a number, so they count as outside of the clear
+    // radius.
     const bool inside = p.x * p.x + p.y * p.y <= e.radius_squared;
     if (apertures == Apertures::respected && !inside) return RayFate::vignetted;
     return RayFate::passes;

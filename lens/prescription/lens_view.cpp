@@ -72,8 +72,9 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
     }
 }
 
-// Mean weight of a ray over the unit square of (u, v). Triangles fan out from the centre of the region that
-// passes to its edge. They cover half the region, which is symmetric; the result is doubled.
+// Mean weight of a ray over the unit square of (u, v). The region of rays that pass is divided into triangles
+// that fan out from its centre to its edge. The region is symmetric, so the triangles cover one half and the
+// result is doubled.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {
@@ -123,7 +124,8 @@ double LensView::film_mm_per_tangent(double tangent) const noexcept {
 dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
     const double r = glm::length(film_mm);
     if (r == 0) return dvec2(0);
-    // Finds the step of the curve that holds r, then solves for the tangent by Newton's method.
+    // Finds the step of the distortion curve in which the film radius r lies, then solves for the tangent by
+    // Newton's method.
     const auto above = std::upper_bound(film_radius_.begin(), film_radius_.end() - 1, r);
     const auto i = static_cast<double>(above - film_radius_.begin());
     double tangent = tangent_step_ * i;

@@ -28,9 +28,11 @@ struct ViewRay {
 
 /// A view through a lens, corrected for distortion as cameras do it: the ray through the centre of the stop
 /// from the plane in focus lands on the pixel that shows the same direction through the pinhole. Vignetting,
-/// the fall-off of light and all blur remain. Framing::keep scales the film so that the field of view is the
-/// traced one; `lens` keeps the film's pixels with the film at the lens's focal length, `breathing` with the
-/// film at the focus.
+/// the fall-off of light and all blur remain.
+///
+/// Framing::keep scales the film so that the field of view is that of the trace. The other framings keep the
+/// size of the film's pixels: with `lens` the film is at the lens's focal length, with `breathing` it is at
+/// the focus.
 class LensView {
   public:
     /// Throws the errors of TracedLens, and Error(wrong_arguments) for a film out of range.
@@ -50,7 +52,9 @@ class LensView {
     /// centre pixel.
     [[nodiscard]] double light(double tangent) const;
 
-    /// Distance from the film centre at which light of this tangent's pixel lands, mm; tangent >= 0.
+    /// Distance from the film centre, mm, at which light lands that belongs to the pixel in the direction
+    /// `tangent`
+    /// >= 0.
     [[nodiscard]] double film_radius_mm(double tangent) const noexcept;
     /// Derivative of film_radius_mm.
     [[nodiscard]] double film_mm_per_tangent(double tangent) const noexcept;

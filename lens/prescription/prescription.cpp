@@ -10,8 +10,9 @@
 namespace postlens {
 namespace {
 
-// Clear radii are often rounded up: in the tables of patents, neighbouring surfaces cross near their rims, by
-// a few thousandths of the radius, where no light passes.
+// Share of the clear radius, near the rim, in which neighbouring surfaces may cross. In the tables of
+// patents, clear radii are often rounded up, so that surfaces cross near their rims, by a few thousandths of
+// the radius, where no light passes.
 constexpr double crossing_tolerance = 0.01;
 
 bool all_finite(const Surface& s) {

@@ -36,8 +36,8 @@ struct Surface {
     [[nodiscard]] double sag_mm(double r_mm) const;
 };
 
-/// Lengths are in mm, whatever unit the file has. A prescription from `read_prescription` has passed
-/// `check_prescription`.
+/// A lens prescription. Lengths are in mm, whatever unit the file has. A prescription from
+/// `read_prescription` has passed `check_prescription`.
 struct Prescription {
     std::string file;    ///< file name for error messages
     std::string name;    ///< may be empty
@@ -46,7 +46,8 @@ struct Prescription {
     double wavelength_nm = d_line_nm;          ///< reference wavelength of the file's numbers
     std::optional<double> film_distance_mm;    ///< from the last vertex; absent: the rear focal point
     std::optional<double> object_distance_mm;  ///< from the first vertex; absent: infinity
-    /// Opening of the stop, by at most one of these two; if both are absent, the stop's clear radius.
+    /// Opening of the stop. At most one of these two numbers is given; if both are absent, the stop's clear
+    /// radius is the opening.
     std::optional<double> entrance_pupil_diameter_mm, f_number;
     std::optional<double> stated_focal_length_mm;  ///< as stated in the file, for comparison
     std::vector<double> field_angles_deg;          ///< fields listed in the file; may be empty

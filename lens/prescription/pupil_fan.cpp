@@ -79,8 +79,8 @@ struct Placed {
     double light = 0;
 };
 
-// Rotates p so that +y turns into `axis`. The axes of raster and camera differ by a reflection, which does
-// not matter for a rotationally symmetric lens.
+// Maps p so that +y turns into the unit vector `axis`. The axes of raster and camera differ by a reflection,
+// which does not matter for a rotationally symmetric lens.
 dvec2 turned(const dvec2& p, const dvec2& axis) {
     return {p.x * axis.y + p.y * axis.x, -p.x * axis.x + p.y * axis.y};
 }
@@ -155,7 +155,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
             deposit.add(std::array{a.px, b.px, c.px, d.px}, first + second);
             return;
         }
-        // The image of the cell is folded, because rays of different lens zones cross. A triangle is not.
+        // The image of the cell is folded, because rays of different lens zones cross. It is added as two
+        // triangles, because the image of a triangle is never folded.
         if (first > 0) deposit.add(std::array{a.px, b.px, c.px}, first);
         if (second > 0) deposit.add(std::array{a.px, c.px, d.px}, second);
     });

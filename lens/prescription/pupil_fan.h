@@ -12,9 +12,9 @@
 
 namespace postlens {
 
-/// Rays of an object point on the +y axis, by ring (from the centre of the region that passes to its edge)
-/// and spoke. Nodes with x < 0 are mirror images and not stored. Between nodes, all values are interpolated
-/// linearly.
+/// Rays of an object point on the +y axis, at nodes on rings and spokes. The rings run from the centre of the
+/// region of the pupil that passes light to its edge. Nodes with x < 0 are mirror images and not stored.
+/// Between nodes, all values are interpolated linearly.
 struct PupilFan {
     static constexpr std::size_t rings = 12;
     static constexpr std::size_t spokes = 48;  ///< steps over half a turn, from +y to -y

@@ -309,7 +309,8 @@ void SeqReader::private_glass(const std::string& key, const Words& words) {
 
 void SeqReader::system_command(const std::string& key, const Words& words) {
     if (key == "RDM") {
-        // RDM alone or with Y means that radii follow, with N curvatures.
+        // The command RDM, alone or as "RDM Y", means that the file states radii of curvature. "RDM N" means
+        // that it states curvatures.
         by_radius_ = words.size() < 2 || upper(words[1]) != "N";
     } else if (key.starts_with("TIT")) {
         if (words.size() > 1) lens_.name = std::string(words[1].substr(0, 200));

@@ -75,7 +75,7 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
     set_focus(lens);
     find_rear_boxes();
     if (rear_boxes_.front().empty()) {
-        // The fate of a ray at 0.7 of the pupil radius explains the failure.
+        // The message states where a ray at 0.7 of the pupil radius ends, which explains the failure.
         LensRay ray =
             object_ray(HUGE_VAL, dvec2(0), dvec2(0, 0.35 * first_order_.entrance_pupil_diameter_mm));
         const RayEnd end = stack_.forward(ray);
@@ -254,7 +254,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
         box = around;
     }
     if (largest == 0) return {};
-    // The edge of the region lies less than one step beyond the last node that passes.
+    // The edge of the region of rays that pass lies less than one step beyond the last grid node that passes.
     const double x = box.high.x + step.x;
     return {{-x, box.low.y - step.y}, {x, box.high.y + step.y}};
 }
@@ -292,7 +292,8 @@ void TracedLens::find_rear_boxes() {
         }
     }
     if (rear_boxes_.front().empty()) return;
-    // E0 by the midpoint rule; the edge of the pupil causes a relative error of about 1 / nodes^1.5.
+    // Computes E0, the irradiance at the film's centre per radiance, by the midpoint rule. The edge of the
+    // pupil causes a relative error of about 1 / nodes^1.5.
     constexpr int nodes = 256;
     double sum = 0;
     SceneRay ray;
@@ -364,15 +365,15 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     const dvec2 centre = aim.value_or(dvec2(0));
     Box box = passing_pupil(depth_m, field, {centre - 2.5 * radius, centre + 2.5 * radius});
     if (box.empty() && std::isfinite(stack_.clear_radius_mm(0))) {
-        // A strongly aberrated pupil is elsewhere. The search then covers all rays that meet the first
-        // surface.
+        // No ray passes near the paraxial pupil, because strong aberrations displace the pupil. The search
+        // therefore covers all rays that meet the first surface.
         const LensRay through_vertex = object_ray(depth_m, field, dvec2(0));
         const dvec2 middle = dvec2(0) - (through_vertex.at_z(0) - dvec2(through_vertex.origin));
         const double clear = 1.1 * stack_.clear_radius_mm(0);
         box = passing_pupil(depth_m, field, {middle - clear, middle + clear});
     }
     if (box.empty()) return false;
-    // A second search around the rays that pass makes the rectangle fit tightly.
+    // A second search around the rays that pass makes the rectangle of pupil points fit tightly.
     box = passing_pupil(depth_m, field, box);
     if (box.empty()) return false;
     const dvec2 step = (box.high - box.low) / static_cast<double>(nodes - 1);

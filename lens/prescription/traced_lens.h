@@ -90,7 +90,8 @@ class TracedLens {
     /// between ray and axis, n' the index before the film (radiance grows with its square). It includes
     /// vignetting and the fall-off of light. Costs one trace; no allocation.
     [[nodiscard]] bool scene_ray(glm::dvec2 film_mm, glm::dvec2 uv, SceneRay& out) const noexcept;
-    /// E0, sr: irradiance at the film's centre per radiance of a uniform scene; about pi / (4 n^2).
+    /// E0, sr: irradiance at the film's centre per radiance of a uniform scene; about pi / (4 n^2) at
+    /// f-number n.
     [[nodiscard]] double axial_irradiance_sr() const { return axial_irradiance_sr_; }
 
     /// Traces the impulse response of a point at depth_m > 0 (infinity allowed) towards the tangents `field`

@@ -14,7 +14,8 @@ namespace postlens {
 /// Order above v at which the downward recurrence begins, where J is below 1e-18.
 [[nodiscard]] int bessel_last_order(double v);
 
-/// J_0 and J_1 at 0, step, 2 step, .., with which the recurrences for every depth and wavelength begin.
+/// Tables of J_0(v) and J_1(v) at v = 0, step, 2 step, ... The recurrences for every depth and wavelength
+/// begin with these values.
 struct BesselGrid {
     double step = 0.5;
     std::vector<double> j0, j1;

@@ -14,7 +14,8 @@
 namespace postlens {
 namespace {
 
-/// J_0 and J_1 for each of the two step sizes of tables, as long as the longest table needs.
+/// Tables of the Bessel functions J_0 and J_1, one for each of the two step sizes. They are as long as the
+/// longest table of radial energy needs.
 class BesselGrids {
   public:
     void want(double u, double v_end) {
@@ -63,7 +64,7 @@ void check(const FocusGeometry& geometry, std::span<const double> cocs, const Di
     }
 }
 
-/// Sizes for one depth, computed in advance.
+/// Sizes of the grids and tables for one depth, computed before memory is allocated.
 struct Plan {
     double radius_px = 0;
     ResponseGrid window;  ///< without values

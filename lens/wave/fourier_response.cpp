@@ -93,12 +93,12 @@ double steepest(const FourierResponse& r) {
     return most;
 }
 
-/// Index on a periodic axis for a signed index.
+/// Index in [0, size) that a signed index k has on a periodic axis.
 std::size_t wrapped(int k, int size) {
     return static_cast<std::size_t>(k < 0 ? k + size : k);
 }
 
-/// Means over a cell of the pupil of the wave and of the transmitted light.
+/// Means of the wave and of the transmitted light, over one cell of the pupil.
 struct Cell {
     Complex wave = 0;
     double light = 0;
@@ -169,8 +169,9 @@ FourierSampling fourier_sampling(const FourierResponse& r, const ResponseGrid& w
     };
     const double window_v = r.v_per_px * std::max(furthest(window.x_begin, window.width, r.centre_x),
                                                   furthest(window.y_begin, window.height, r.centre_y));
-    // Light extends to about v = slope + 30. The field is periodic, so it must be wide enough that this light
-    // does not wrap into the window.
+    // `slope` is the largest slope of the phase over the pupil. It displaces light to v = slope on the film;
+    // beyond v = slope + 30, hardly any light arrives. The computed field is periodic, so it must be wide
+    // enough that this light does not wrap around into the window.
     const double field_v = std::max(2 * pi * cells, window_v + std::max(window_v, slope + 30));
     if (field_v / s.v_step > 1 << 20) {
         fail(ExitCode::out_of_memory,
@@ -211,8 +212,8 @@ FourierField fourier_field(const FourierResponse& r, const FourierSampling& s) {
         return fftw_plan_dft_2d(s.size, s.size, raw(field.get()), raw(field.get()), FFTW_BACKWARD,
                                 FFTW_ESTIMATE);
     });
-    // Averaging over cells convolves the pupil with a cell, which multiplies the field by the cell's
-    // transform, a sinc. The gain corrects the intensity for it.
+    // Averaging over cells convolves the pupil with a cell, which multiplies the field on the film by the
+    // cell's Fourier transform, a sinc. The gain removes this factor from the intensity.
     std::vector<double> gain(size);
     for (std::size_t i = 0; i < size; ++i) {
         const double angle = pi * static_cast<double>(std::min(i, size - i)) / static_cast<double>(size);

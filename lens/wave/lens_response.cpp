@@ -78,7 +78,8 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // One sample of the profile takes v steps. The limit keeps the time for all samples to a few seconds.
+    // Computing a sample of the radial profile at radius v takes v steps. The limit on the sum of all steps
+    // keeps the time to a few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
     const auto count = static_cast<std::size_t>(std::clamp(half_px * v_per_px * per_v, fewest, most));

@@ -55,8 +55,8 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // The phase changes over p by at most u/2 + v, so a panel spans at most half a fringe, which 16 nodes
-    // integrate to rounding.
+    // Over the pupil radius p, the phase changes by at most u/2 + v. A panel of the quadrature thus spans at
+    // most half a fringe, which 16 nodes integrate with an error of the size of rounding.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {

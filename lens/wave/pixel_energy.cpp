@@ -18,8 +18,8 @@ constexpr double two_pi = 2 * std::numbers::pi;
 /// `x` from the centre, from y0 to y1. With y = x sinh t and r = x cosh t, the flow L x / (2 pi r^2) dy
 /// becomes L / (2 pi cosh t) dt, whose steps in r are fine where the border passes close to the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // So close to the centre the flow is negligible, as the encircled energy falls with the square of the
-    // radius.
+    // Closer to the centre than this, the flow of energy is negligible, as the encircled energy falls with
+    // the square of the radius.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
@@ -46,7 +46,8 @@ double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table over r of L / (2 pi r^2), smoothed: times x, it is the flow per length of a border at distance x.
+/// Table over the radius r of L / (2 pi r^2), smoothed, where L is the encircled energy. Multiplied by x, it
+/// is the flow of energy per length of a pixel border at distance x from the centre.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)

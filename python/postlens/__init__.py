@@ -1,14 +1,15 @@
-"""postlens: render once through a pinhole, apply the lens and the shutter afterwards.
+"""postlens: renders a scene once through a pinhole, and applies the lens and the shutter afterwards.
 
     import postlens
     frame = postlens.trace("scene.toml", size=(960, 540), for_f_number=1.4)
     picture = frame.focus(f_number=1.4, focus_m=2)
     picture.save("focused.png")
 
-trace(scene) traces a scene into a Frame, open(path) opens a sample file or another program's picture; a Frame
-makes pictures: focus(), motionblur(), shoot(), sweep(), image(). render(scene, spp=...) makes the reference
-by rays, compare(a, b) measures. lens has circles of confusion, depths of field, impulse responses. run() runs
-any other command. Arguments are the command's options with units in their names: --focus is focus_m.
+trace(scene) traces a scene into a Frame. open(path) opens a sample file or another program's picture as a Frame.
+A Frame makes pictures: focus(), motionblur(), shoot(), sweep(), image(). render(scene, spp=...) renders the
+reference by distributed rays, and compare(a, b) measures the error of a picture. The module lens computes circles
+of confusion, depths of field and impulse responses. run() runs any other command. Arguments are the command's
+options with units in their names: --focus is focus_m.
 """
 
 from __future__ import annotations
@@ -52,9 +53,9 @@ __all__ = [
 
 
 def run(*words: object, threads: int = 0, progress: Progress = None) -> Report:
-    """Any command, as on the command line: run("chart", "scene.toml", "-o", "folder").
+    """Runs any command, as on the command line: run("chart", "scene.toml", "-o", "folder").
 
-    Returns what the command says with --json, its text for people as report["text"] and its exit code as
-    report["exit_code"]. Raises as the command fails.
+    Returns the command's JSON report (--json), with its readable text as report["text"] and its exit code as
+    report["exit_code"]. Raises an exception if the command fails.
     """
     return run_words([str(word) for word in words], None, threads, progress)[0]

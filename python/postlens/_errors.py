@@ -1,47 +1,47 @@
-"""What postlens raises, and what it warns with."""
+"""The exceptions that postlens raises, and its warning."""
 
 from __future__ import annotations
 
 
 class Error(Exception):
-    """What went wrong, in one line. `exit_code` is what the command would have ended with."""
+    """An error, described in one line. `exit_code` is the exit code of the command."""
 
     exit_code: int = 3
 
 
 class ArgumentError(Error, ValueError):
-    """An argument out of range, unknown, missing, or one that does not go with another."""
+    """An argument is out of range, unknown, missing, or cannot be combined with another."""
 
     exit_code = 2
 
 
 class InputError(Error, OSError, ValueError):
-    """A file that is missing, damaged, or not what it should be. An OSError and a ValueError."""
+    """A file is missing, damaged or of the wrong kind. This error is also an OSError and a ValueError."""
 
     exit_code = 3
 
 
 class OutputError(Error, OSError):
-    """A file that cannot be written. Nothing of it is left."""
+    """A file cannot be written. No incomplete file remains."""
 
     exit_code = 4
 
 
 class OutOfMemoryError(Error, MemoryError):
-    """The work would need more memory than there is; mostly said before it begins."""
+    """The work needs more memory than is available. This is mostly detected before the work begins."""
 
     exit_code = 5
 
 
 class Cancelled(Error):
-    """The work was stopped from outside."""
+    """The work was cancelled."""
 
     exit_code = 130
 
 
 class PostlensWarning(UserWarning):
-    """What a picture lacks or what was assumed. `code` is one word, as in the command's JSON; `share` of the
-    pixels is concerned, 0 where that is not known."""
+    """A warning of a command, for example about an assumption. `code` is one word, as in the command's JSON. `share`
+    is the share of the pixels that the warning concerns, 0 if it is not known."""
 
     def __init__(self, text: str, code: str = "", share: float = 0.0) -> None:
         super().__init__(text)

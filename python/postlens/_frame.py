@@ -1,4 +1,4 @@
-"""Sample files and other programs' pictures, and the pictures that are made from them."""
+"""Frames: sample files and other programs' pictures, from which pictures are made."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ._picture import Picture
 
 Span = tuple[float, float]
 Exposure = Union[float, str, None]
-#: Arguments that are not options of the command.
+#: Arguments of functions that are not options of the command.
 _not_options = {"self", "threads", "progress"}
 
 
@@ -24,7 +24,7 @@ def picture_of(
     options: dict[str, Any],
     kept: Optional["_postlens.KeptFrame"] = None,
 ) -> Picture:
-    """Runs a command whose picture stays in memory. `options`: a function's arguments, as locals() has them."""
+    """Runs a command and returns its picture in memory. `options`: the caller's arguments, as locals() returns them."""
     asked = {k: v for k, v in options.items() if k not in _not_options}
     report, pictures = run_words(words, asked, options["threads"], options["progress"], kept)
     made = [Picture(array, stops, report, passes) for array, stops, passes in pictures]
@@ -33,10 +33,10 @@ def picture_of(
 
 
 class Frame:
-    """A sample file, or another program's picture with depth, that pictures are made from.
+    """A sample file, or another program's picture with depth, from which pictures are made.
 
-    Records that pictures of any lens share stay in memory between pictures. One frame makes one picture at a
-    time; several frames work at once in several threads.
+    The records, which all pictures share, stay in memory between pictures. One frame makes one picture at a time.
+    Several frames can make pictures at once in several threads.
     """
 
     def __init__(self, path: PathLike, *, salvage: bool = False) -> None:
@@ -83,7 +83,7 @@ class Frame:
         threads: int = 0,
         progress: Progress = None,
     ) -> Picture:
-        """The pinhole picture, from the records alone. Arguments as in focus()."""
+        """Computes the pinhole picture from the records, without rays. Arguments are as in focus()."""
         return picture_of(self._words("image"), locals(), self._kept)
 
     def focus(
@@ -133,26 +133,26 @@ class Frame:
         threads: int = 0,
         progress: Progress = None,
     ) -> Picture:
-        """The picture through a lens.
+        """Makes the picture through a lens.
 
         f_number: aperture number n; math.inf: a pinhole. Default: the file's.
-        focus_m, focus_at: the distance in focus, m, or the pixel (x, y) whose depth it is.
-        focal_length_mm: focal length F; the view stays unless framing="lens".
+        focus_m, focus_at: the focus distance, m, or a pixel (x, y) to focus on.
+        focal_length_mm: focal length F. The field of view stays the same unless framing="lens".
         method: "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole".
-        views: points of the lens that lightfield and hybrid look from.
-        target_db: of "auto", the PSNR wanted. scene: the scene that the frame was traced from, for rays where
-            the records do not tell; then the picture says how far it is from the truth (Picture.stated_db).
-        impulse: what a point out of focus becomes: "disc", "polygon:6", "file:aperture.png", "lens:FILE", ...
+        views: number of lens points from which lightfield and hybrid reproject the records.
+        target_db: the PSNR that "auto" aims at. scene: the scene that the frame was traced from. It allows rays
+            where the records do not suffice; the error of the picture is then measured (Picture.stated_db).
+        impulse: the image of a point out of focus: "disc", "polygon:6", "file:aperture.png", "lens:FILE", ...
         crop: (x, y, width, height), px. exposure: stops or "auto".
-        behind: pictures of the same camera that stand behind this one, nearest first; behind_layer: their layer.
-        holdout, keep_sharp, matte: objects of another program's picture, by name, number or mask file;
+        behind: pictures of the same camera that lie behind this one, nearest first; behind_layer: their layer.
+        holdout, keep_sharp, matte: objects in another program's picture, by name, number or mask file;
             focus_offset: metres by object; passes: of "coc", "sides", "cryptomatte", "error": Picture.passes.
         layer, depth_channel, depth_encoding, depth_file, ids, ids_file, film_width_mm, film_distance_mm, overscan_px, z:
-            of another program's picture, see docs/inputs.md.
-        threads: 0: all. progress: called as progress(fraction, seconds_left) while it lasts; what it raises
-            stops the work and comes out.
+            how to read another program's picture, see docs/inputs.md.
+        threads: number of threads; 0: all. progress: called as progress(fraction, seconds_left) during the work.
+            An exception from it stops the work and is raised here.
 
-        Returns a Picture. Raises ArgumentError, InputError or OutOfMemoryError with the command's own words.
+        Returns a Picture. Raises ArgumentError, InputError or OutOfMemoryError with the command's message.
         """
         return picture_of(self._words("focus"), locals(), self._kept)
 
@@ -186,10 +186,10 @@ class Frame:
         threads: int = 0,
         progress: Progress = None,
     ) -> Picture:
-        """The picture through a lens and an open shutter at once.
+        """Makes the picture through a lens and an open shutter.
 
         shutter: (open, close), s on the scene's clock; default: the file's exposure. shutter_curve: "box",
-        "triangle" or a file. paths: a file of objects' paths. Everything else as in focus().
+        "triangle" or a file. paths: a file with the motion of objects. Other arguments are as in focus().
         """
         return picture_of(self._words("shoot"), locals(), self._kept)
 
@@ -219,12 +219,12 @@ class Frame:
         threads: int = 0,
         progress: Progress = None,
     ) -> Picture:
-        """The picture of an open shutter and a pinhole.
+        """Makes the picture through a pinhole and an open shutter.
 
-        shutter: (open, close), s on the scene's clock; of a picture with motion vectors in frames, 0 this one,
-            1 the next. method: "convolve", "lightfield" or "auto".
-        vectors, vector_scale, vector_offset, vectors_file: of such a picture, see docs/motion_vectors.md.
-        Everything else as in focus().
+        shutter: (open, close), s on the scene's clock. For a picture with motion vectors it is in frames: 0 is this
+            frame, 1 the next. method: "convolve", "lightfield" or "auto".
+        vectors, vector_scale, vector_offset, vectors_file: how to read motion vectors, see docs/motion_vectors.md.
+        Other arguments are as in focus().
         """
         return picture_of(self._words("motionblur"), locals(), self._kept)
 
@@ -238,9 +238,9 @@ class Frame:
         shutter: Union[Span, Sequence[Span], None] = None,
         **options: Any,
     ) -> Iterator[Picture]:
-        """One picture after the other for every combination of the values, the last argument's values
-        changing fastest; records stay in memory. Other options as in focus(), with a shutter as in shoot().
-        What a picture was made with is in its geometry."""
+        """Yields a picture for every combination of the values. The values of the last argument change fastest.
+        The records stay in memory. Other options are as in focus(), or with a shutter as in shoot().
+        Picture.geometry has the settings of each picture."""
         if isinstance(shutter, tuple) and len(shutter) == 2 and not isinstance(shutter[0], (tuple, list)):
             shutter = [shutter]  # type: ignore[list-item]
         axes: dict[str, Sequence[Any]] = {}
@@ -262,8 +262,8 @@ class Frame:
         return pictures()
 
     def records(self, *, key: int = 0) -> "_postlens.Records":
-        """The records of one of the file's instants (0: the frame's own) as numpy columns that are views of
-        one array; nothing is copied. Colours are radiance."""
+        """Reads the records of one of the file's instants (0: the frame's own). Returns numpy columns that are views
+        of one array, so nothing is copied. Colours are radiance."""
         if self._kept is None:
             raise ArgumentError(f"{self._path}: has no records (got a picture; expected a sample file)")
         if isinstance(key, bool) or not isinstance(key, int) or key < 0:
@@ -271,14 +271,14 @@ class Frame:
         return _postlens.read_records(self._path, key, self._salvage)
 
     def tree_at(self, x: float, y: float, **options: Any) -> Report:
-        """The shading trees at a pixel: samples with their weights, each with its nodes: path, id, name, z',
-        W, and, where f_number and focus_m are given or in the file, the CoC. As `postlens records --json`."""
+        """The shading trees at a pixel, as `postlens records --json`: the point samples with their weights, each with
+        its nodes. A node has path, id, name, z', W, and the CoC if arguments or file define the lens."""
         return run_words(self._words("records"), {"at": (x, y), **options})[0]
 
 
 def open(path: PathLike, *, salvage: bool = False) -> Frame:
-    """A sample file, or another program's OpenEXR picture. salvage: of a damaged sample file read the rows
-    that are whole."""
+    """Opens a sample file, or another program's OpenEXR picture. salvage: reads the undamaged rows of a damaged sample
+    file."""
     return Frame(path, salvage=salvage)
 
 
@@ -313,13 +313,13 @@ def trace(
 ) -> Frame:
     """Traces a scene through a pinhole, once for all lenses.
 
-    output: the sample file to write; without it a temporary one that goes with the Frame.
+    output: the sample file to write; without it a temporary file that is removed with the Frame.
     size: (width, height), px; default: the camera's.
-    for_f_number, for_focus_m, for_shutter: size the file for such a lens and shutter.
-    plan: choose subdivision, hidden layers, overscan and keys for target_db.
-    Everything else as `postlens trace --help` says.
+    for_f_number, for_focus_m, for_shutter: the lens and shutter for which the records must suffice.
+    plan: chooses subdivision, hidden layers, overscan and keys for target_db.
+    `postlens trace --help` describes the other arguments.
 
-    Returns the Frame; its trace_report is what `postlens trace --json` says.
+    Returns the Frame. Its trace_report is the report of `postlens trace --json`.
     """
     options = {k: v for k, v in locals().items() if k not in ("scene", "output", "threads", "progress")}
     folder: Optional[tempfile.TemporaryDirectory[str]] = None
@@ -374,10 +374,10 @@ def render(
     threads: int = 0,
     progress: Progress = None,
 ) -> Picture:
-    """The reference: the picture by distributed rays over lens and time.
+    """Renders the reference by distributed rays over lens and time.
 
-    spp: samples a pixel. halves: also keep two independent halves of them (Picture.halves), to measure the
-    noise by. Everything else as in Frame.focus() and trace().
+    spp: samples per pixel. halves: also keeps two pictures from independent halves of the samples (Picture.halves),
+    from which the noise can be measured. Other arguments are as in Frame.focus() and trace().
     """
     options = dict(locals())
     return picture_of(["render", path_text("scene", options.pop("scene"))], options)

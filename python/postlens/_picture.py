@@ -1,4 +1,4 @@
-"""Pictures: arrays with what is known of them."""
+"""Pictures: arrays with their exposure, report and further channels."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _geometry_keys = (
 
 
 def pixels_of(what: str, values: object) -> Array:
-    """(height, width, 3 or 4) float32 in C order, of floats of any precision and order."""
+    """Converts an array of floats of any precision and order to (height, width, 3 or 4) float32 in C order."""
     array = np.asarray(values)
     if array.dtype not in (np.float16, np.float32, np.float64):
         raise ArgumentError(f"{what}: wrong type of values (got {array.dtype}; expected float32 or float64)")
@@ -37,8 +37,8 @@ class Picture:
 
     array: float32 (height, width, 3), or 4 with alpha; scene-linear, radiance times 2^exposure_stops; row 0
         at the top. It belongs to the picture and may be changed.
-    exposure_stops: None where it is not known, as of another program's PNG.
-    report: what the command says with --json, as a dict.
+    exposure_stops: the exposure of the array; None if it is not known, as for another program's PNG.
+    report: the command's JSON report (--json), as a dict.
     passes: further channels by name, float32 (height, width); ids of a Cryptomatte are the bits of the floats.
     """
 
@@ -57,29 +57,29 @@ class Picture:
 
     @property
     def stated_db(self) -> Optional[float]:
-        """PSNR against the truth, dB, as it was measured with rays while the picture was made (methods hybrid
-        and auto with a scene); None where it was not."""
+        """PSNR against the exact picture, dB, measured with rays while the picture was made (methods hybrid and auto
+        with a scene). None if it was not measured."""
         return self.report.get("stated_db")
 
     @property
     def stated_range_db(self) -> Optional[tuple[float, float]]:
-        """Between which values of PSNR the picture is with 95 % confidence, dB; None as for stated_db."""
+        """The 95 % confidence interval of stated_db, dB; None if the error was not measured."""
         low, high = self.report.get("stated_low_db"), self.report.get("stated_high_db")
         return None if low is None else (low, float("inf") if high is None else high)
 
     @property
     def target_met(self) -> bool:
-        """False where target_db, or with strict=True a sufficient sample file, was asked for and missed."""
+        """False if target_db was not met, or with strict=True if the sample file does not suffice for the settings."""
         return bool(self.report.get("exit_code", 0) == 0)
 
     @property
     def warnings(self) -> list[dict[str, Any]]:
-        """Each with code, text and share of the pixels concerned."""
+        """The warnings, each with its code, its text and the share of the pixels that it concerns."""
         return list(self.report.get("warnings", []))
 
     @property
     def geometry(self) -> dict[str, Any]:
-        """Lens, shutter and method that the picture was made with; units are in the names."""
+        """Lens, shutter and method with which the picture was made. Names include units."""
         return {key: self.report[key] for key in _geometry_keys if self.report.get(key) is not None}
 
     @property
@@ -87,7 +87,7 @@ class Picture:
         return self.array.shape
 
     def save(self, path: PathLike) -> None:
-        """Writes .exr (scene-linear), .png, .tif or .jpg (sRGB, clamped). Whole or not at all."""
+        """Writes .exr (scene-linear), .png, .tif or .jpg (sRGB, clamped). A failure leaves no incomplete file."""
         _postlens.write_picture(
             path_text("path", path), pixels_of("array", self.array), self.exposure_stops
         )
@@ -105,13 +105,13 @@ class Picture:
 
 
 def read_picture(path: PathLike) -> Picture:
-    """A picture from any file that OpenImageIO reads, scene-linear."""
+    """Reads a picture from any file that OpenImageIO supports, as scene-linear values."""
     array, stops = _postlens.read_picture(path_text("path", path))
     return Picture(array, stops)
 
 
 class _AsFiles:
-    """Pictures and arrays as files, for commands that read files; removed at the end."""
+    """Writes pictures and arrays to temporary files, for commands that read files."""
 
     def __init__(self) -> None:
         self._folder: Optional[tempfile.TemporaryDirectory[str]] = None
@@ -151,13 +151,13 @@ def compare(
     flip_white: Optional[float] = None,
     threads: int = 0,
 ) -> Report:
-    """How far a picture is from its reference: PSNR, RMSE, relMSE, SSIM and FLIP.
+    """Measures the error of a picture against its reference: PSNR, RMSE, relMSE, SSIM and FLIP.
 
     image, reference: a Picture, an array (height, width, 3 or 4) of float32 or float64, or a file.
-    noise: an independent render of the reference; tells the error above the reference's noise.
-    pinhole: the picture without a lens; figures for the pixels that the lens changes.
-    map, side_by_side: files to draw the differences in.
-    exposure: stops, or "auto", that all are compared at; default: the reference's.
+    noise: an independent render of the reference. With it, the reference's noise is subtracted from the error.
+    pinhole: the picture without a lens. It adds errors of only the pixels that the lens changes.
+    map, side_by_side: image files to write that show the differences.
+    exposure: stops or "auto", the exposure at which all pictures are compared; default: the reference's.
 
     Returns a dict with psnr_db, rmse, relmse, ssim, flip and more, as `postlens compare --json`.
     Raises ArgumentError for wrong shapes or types, InputError for unequal sizes.

@@ -1,4 +1,4 @@
-"""Builds a scene the way a Blender user does, exports it as glTF and renders it with Cycles.
+"""Builds a scene as a user of Blender would, exports it as glTF and renders it with Cycles.
 
     blender -b --factory-startup -P blender_scene.py -- [--scene still|glass] [--export OUT.glb] [--render OUT.exr ...]
 
@@ -7,11 +7,11 @@ names a value.
 
 still   `samples/scenes/blender_still.glb`: rough plastics, a metal, a glass ball with a volume, a sun, a point light, a
         cube that turns during 24 frames, and depths from 1.6 m to 14 m
-glass   a glass ball of index 1.5 with a volume, before plastics
+glass   a glass ball of index 1.5 with a volume, in front of plastic objects
 
 glTF holds neither the world's light nor the size of a light source. --render therefore makes the world black and the
-light sources points; --world and --soft-lights keep what Blender has. --render casts direct light and follows mirrors
-and glass for --bounces reflections and refractions; no light travels between diffuse surfaces.
+light sources points; --world and --soft-lights keep Blender's world light and sizes. --render casts direct light and
+follows mirrors and glass for --bounces reflections and refractions; no light travels between diffuse surfaces.
 """
 
 import argparse
@@ -65,14 +65,14 @@ def place(name, material, smooth=True):
 
 
 def duplicate(original, location):
-    """A second object of the same mesh, as Alt+D makes it."""
+    """Makes a second object with the same mesh, as Alt+D does in Blender."""
     copy = original.copy()
     copy.location = location
     bpy.context.collection.objects.link(copy)
 
 
 def light(kind, name, energy, location, rotation_degrees=(0, 0, 0)):
-    """Energy in W for a point light or a spot, in W/m^2 for a sun."""
+    """Adds a light. Its energy is in W for a point light or a spot, in W/m^2 for a sun."""
     rotation = [math.radians(x) for x in rotation_degrees]
     bpy.ops.object.light_add(type=kind, location=location, rotation=rotation)
     added = bpy.context.object
@@ -157,13 +157,13 @@ def axial_distance_m(point):
 
 
 def export(path):
-    """The exporter's defaults, and what a user ticks to hand over a scene: cameras, punctual lights, modifiers."""
+    """Exports with default settings, and with cameras, punctual lights and applied modifiers."""
     path = os.path.abspath(path)
     bpy.ops.export_scene.gltf(filepath=path, export_cameras=True, export_lights=True, export_apply=True)
 
 
 def cycles_settings(scene, arguments):
-    """A box over the pixel and scene-linear output, with nothing that embellishes the image."""
+    """Sets a box pixel filter and scene-linear output, and turns off effects such as denoising."""
     cycles, render = scene.cycles, scene.render
     render.engine = "CYCLES"
     cycles.device, cycles.samples, cycles.seed = "CPU", arguments.spp, arguments.seed

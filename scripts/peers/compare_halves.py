@@ -1,20 +1,21 @@
-"""Holds two renderers' pictures of one scene against each other, above the noise of both.
+"""Compares the images that two renderers make of one scene, and separates their bias from the noise of both.
 
     blender -b --factory-startup -P compare_halves.py -- OUT.json --ours A B [A B ...] --theirs A B [A B ...]
         [--map PNG]
 
-Runs inside Blender, for its reader of images and its numpy. Each renderer gives pictures that are independent of each
-other; A and B go by turns into its first and second half. With P1, P2 and C1, C2 the means of these halves and P, C the
-means of all, and everything averaged over pixels and channels:
+Runs inside Blender, to use its image reader and its numpy. Each renderer makes independent images, which are put
+alternately into its first and second half. P1, P2 and C1, C2 are the means of the halves of the two renderers, and P,
+C the means of all their images. The results are averages over pixels and channels:
 
     mean squared difference   (P - C)^2
     noise floor               (P1 - P2)^2 / 4 and (C1 - C2)^2 / 4: the variances of P and C
-    squared bias              P1 P2 + C1 C2 - 2 P C, which is the first less both others
+    squared bias              P1 P2 + C1 C2 - 2 P C, which is the squared difference less both noise floors
 
-The expectation of the last is (E P - E C)^2, without noise, since the halves are independent. It may come out negative.
-Its standard error is that of the means of blocks of BLOCK_PX. All is done in scene-linear colour and again with every
-picture clamped to 0 to 1 and sRGB-encoded. There the halves' noise is bent by the curve before they are compared, which
-shows as bias where the one is noisier than the other: it goes with the square of that difference of variances.
+The expectation of the squared bias is (E P - E C)^2, without noise, since the halves are independent. The estimate
+may be negative. Its standard error is that of the means of blocks of BLOCK_PX. The results are computed in
+scene-linear colour, and again with every image clamped to 0 to 1 and sRGB-encoded. The curve of the encoding shifts
+the mean of noisy values. If one renderer is noisier than the other, this shift appears as bias, in proportion to the
+squared difference of variances.
 """
 
 import argparse
@@ -25,11 +26,11 @@ import sys
 import bpy
 import numpy
 
-BLOCK_PX = 20  # more than most circles of confusion, so that blocks hardly share their errors
+BLOCK_PX = 20  # wider than most circles of confusion, so that the errors of blocks are nearly independent
 
 
 def load(path):
-    """Rows from the top, three channels, the numbers of the file."""
+    """Reads an image as an array, top row first, with three channels. Values are those of the file."""
     image = bpy.data.images.load(path)
     image.colorspace_settings.name, image.alpha_mode = "Non-Color", "NONE"
     width, height = image.size
@@ -53,7 +54,7 @@ def db(mean_square):
 
 
 def mean_and_error(values):
-    """The mean over the picture and its standard error from blocks."""
+    """The mean over the image, and its standard error from the means of blocks."""
     rows, columns = (n // BLOCK_PX for n in values.shape[:2])
     blocks = values[: rows * BLOCK_PX, : columns * BLOCK_PX].mean(2)
     blocks = blocks.reshape(rows, BLOCK_PX, columns, BLOCK_PX).mean((1, 3))
@@ -80,7 +81,7 @@ def compare(ours, theirs):
 
 
 def shift_px(ours, theirs):
-    """By how much theirs lies to the right of and below ours: least squares on the gradient of their mean."""
+    """Displacement of their image against ours, px right and down, by least squares on the gradient of the mean."""
     a, b = (numpy.clip(sum(h) / 2, 0, 1).mean(2) for h in (ours, theirs))
     down, right = numpy.gradient((a + b) / 2)
     matrix = [[(right * right).sum(), (right * down).sum()], [(right * down).sum(), (down * down).sum()]]
@@ -89,7 +90,7 @@ def shift_px(ours, theirs):
 
 
 def write_map(path, ours, theirs):
-    """Grey where they agree; eight times the difference of the encoded pictures."""
+    """Writes a map of eight times the difference of the encoded images. Grey means equal."""
     shown = numpy.clip(0.5 + 8 * (encode(sum(ours) / 2) - encode(sum(theirs) / 2)), 0, 1)
     image = bpy.data.images.new("map", shown.shape[1], shown.shape[0], alpha=False)
     image.pixels.foreach_set(numpy.dstack([shown, numpy.ones(shown.shape[:2])])[::-1].astype(numpy.float32).ravel())

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""A picture of Cycles focused by postlens, against what Cycles makes of the same lens: PSNR of every method.
+"""Compares a Cycles image that postlens focuses with Cycles' own image through the same lens: PSNR of every method.
 
     foreign_focus_cycles.py BUILD [--scene SCENE.toml] [--f-number N] [--focus M] [--size WxH] [--spp N] [--out DIR] ...
 
 Blender renders the scene through a pinhole into a multi-layer OpenEXR file, with the pass Depth, and then through the
-lens, twice with seeds of their own. `postlens focus` takes the first, told nothing but the camera; `postlens compare`
-holds the result against the second. Blender comes from Debian: apt-get install --no-install-recommends blender
-python3-numpy
+lens, twice with different seeds. `postlens focus` reads the pinhole image and is given only the camera. `postlens
+compare` compares the result to the images through the lens. Blender comes from Debian: apt-get install
+--no-install-recommends blender python3-numpy
 """
 
 import argparse
@@ -41,7 +41,8 @@ def run(command, log=None, environment=None):
 def blender(out, arguments, words):
     if arguments.keep and os.path.exists(out):
         return
-    # Blender's Python takes its library from where the first python3 of the path is: that must be Debian's, with numpy.
+    # Blender's Python loads the standard library of the first python3 on the search path. This must be Debian's
+    # python3, which has numpy.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
     quiet = ["-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]
@@ -51,7 +52,7 @@ def blender(out, arguments, words):
 
 
 def film_mm(scene):
-    """Width and distance of the film of the scene's first camera, which the file of another program does not name."""
+    """Film width and film distance of the scene's first camera, which a file of another program does not state."""
     with open(scene, "rb") as file:
         camera = tomllib.load(file)["camera"][0]
     return camera.get("film_width_mm", 36), camera.get("focal_length_mm", 50)

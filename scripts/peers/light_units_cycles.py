@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""The light units of Blender's glTF exporter: a diffuse floor under each kind of light, by Cycles and by postlens.
+"""Tests the light units of Blender's glTF exporter: Cycles and postlens render a floor under each kind of light.
 
     light_units_cycles.py BUILD [--lumens-per-watt X] [--out DIR]
 
 Blender builds the floor, exports it in the exporter's default lighting mode and renders it with Cycles, direct light
-only, sources without size. postlens traces the exported file. Both images hold the radiance of the floor; the report is
-postlens' radiance divided by Cycles': over all pixels, the spot's over those inside its inner cone.
+only and with light sources of no extent. postlens traces the exported file. Both images hold the radiance of the
+floor. The report is the ratio of postlens' radiance to Cycles', over all pixels, or for the spot over the pixels
+inside its inner cone.
 
-In glTF a spot has the same radiant intensity in all directions of its inner cone. In Cycles 3.4 the intensity also falls
-with the cosine of the angle to the spot's axis. That cosine is divided out of Cycles' image before the comparison.
-Blender comes from Debian: apt-get install --no-install-recommends blender python3-numpy
+In glTF a spot has the same radiant intensity in all directions of its inner cone. In Cycles 3.4 the intensity also
+falls with the cosine of the angle to the spot's axis. That cosine is divided out of Cycles' image before the
+comparison. Blender comes from Debian: apt-get install --no-install-recommends blender python3-numpy
 """
 
 import argparse
@@ -23,7 +24,7 @@ import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ALBEDO = 0.8
-HEIGHT_M = 3  # of the point light and the spot above the floor
+HEIGHT_M = 3  # height of the point light and the spot above the floor
 FIELD_M = 4  # side of the square of floor that the image shows
 FILM_MM = 36
 SIZE_PX = 64
@@ -48,7 +49,7 @@ def build(kind):
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
     bpy.ops.mesh.primitive_plane_add(size=2 * FIELD_M)
-    # The exported material: no reflection, and so the diffuse part alone.
+    # The exported material has no reflection, so that only its diffuse part is compared.
     blender_scene.place("Floor", blender_scene.principled("Floor", [ALBEDO] * 3, Specular=0, Roughness=1), smooth=False)
     energy, turn_degrees = LIGHTS[kind]
     source = blender_scene.light(kind, "Light", energy, (0.3, -0.4, HEIGHT_M), (turn_degrees, 0, 0))
@@ -86,7 +87,8 @@ def inside(folder):
         bpy.context.view_layer.update()
         blender_scene.export(os.path.join(folder, kind + ".glb"))
         cosines[kind] = cycles_cosines(source)
-        # Cycles' Principled surface is not Lambert's when the light is oblique. Its diffuse surface is.
+        # Under oblique light, Cycles' Principled surface differs from Lambert's law. Its diffuse surface does
+        # not.
         floor = bpy.data.objects["Floor"].active_material.node_tree
         diffuse = floor.nodes.new("ShaderNodeBsdfDiffuse")
         diffuse.inputs["Color"].default_value = (ALBEDO, ALBEDO, ALBEDO, 1)
@@ -132,7 +134,8 @@ def run(command, environment=None):
 
 
 def blender(step, folder):
-    # Blender's Python takes its library from where the first python3 of the path is: that must be Debian's, with numpy.
+    # Blender's Python loads the standard library of the first python3 on the search path. This must be Debian's
+    # python3, which has numpy.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
     quiet = ["-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]
@@ -140,7 +143,7 @@ def blender(step, folder):
 
 
 def exported(path):
-    """The first light of a .glb file, as its JSON has it."""
+    """The first light of a .glb file, as an object of its JSON."""
     with open(path, "rb") as file:
         data = file.read()
     length = int.from_bytes(data[12:16], "little")

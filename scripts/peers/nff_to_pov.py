@@ -10,24 +10,26 @@ samples the centres of its 513 columns, which makes its own picture 513/511 as w
 Two declarations on POV-Ray's command line serve to count rays: Declare=Max_Depth=N changes the depth from 5;
 Declare=Clear_Glass=1 lets transparent objects cast no shadows.
 
-POV-Ray is left-handed only through its default camera. Here the camera's right vector is written out in the file's own
-right-handed coordinates, so the geometry stays as it is and the picture is not mirrored.
+POV-Ray is left-handed only through its default camera. Here the camera's right vector is written out in the file's
+own right-handed coordinates, so the geometry stays as it is and the picture is not mirrored.
 """
 
 import math
 import sys
 
 RASTER_PX = 512
-MAX_DEPTH = 5  # levels of a shading tree, the eye ray's is the first, as SPD asks
-# With `filter` POV-Ray scales diffuse and ambient light by 1 - T; they are divided by it, for which T must stay below 1.
+MAX_DEPTH = 5  # levels of a shading tree, counted from the eye ray's level, as the SPD demand
+# With `filter`, POV-Ray multiplies diffuse and ambient light by 1 - T, for a transmittance T. These are divided
+# by 1 - T in advance, so T must stay below 1.
 LARGEST_TRANSMITTANCE = 1 - 1e-6
 DEFAULT_FILL = [1.0, 1.0, 1.0, 0.8, 0.0, 32.0, 0.0, 1.0]
-# Sine of a turn between edges, the wrong way round, that is still taken as rounding of the file's six digits.
+# Largest sine of a turn in the wrong direction between two edges of a polygon that counts as rounding of the
+# file's six digits.
 LARGEST_REFLEX = 1e-4
 
 
 class NffError(Exception):
-    """What is wrong with the scene, with file and line."""
+    """An error in the scene, with file and line."""
 
 
 def subtract(a, b):
@@ -52,7 +54,7 @@ def pov(v):
 
 
 class Tokens:
-    """Words of an NFF file with their lines, comments left out."""
+    """The words of an NFF file with their line numbers, without comments."""
 
     def __init__(self, path):
         self.path = path
@@ -89,7 +91,7 @@ class Tokens:
         return [self.number() for _ in range(count)]
 
     def numbers_of_line(self):
-        """The numbers that are left on the line of the last word."""
+        """The remaining numbers on the line of the last word."""
         line = self.words[self.at - 1][1]
         values = []
         while self.at < len(self.words) and self.words[self.at][1] == line:
@@ -123,7 +125,7 @@ def material(fill):
 
 
 def is_convex(corners):
-    """Whether a fan from the first corner covers the polygon; corners in line count as convex."""
+    """Whether a fan from the first corner covers the polygon. Collinear corners count as convex."""
     normal = [0.0, 0.0, 0.0]
     for a, b in zip(corners, corners[1:] + corners[:1]):
         normal = [n + c for n, c in zip(normal, cross(a, b))]
@@ -167,7 +169,7 @@ def curved(tokens, entity):
 
 
 class Scene:
-    """What an NFF file holds, its objects already in POV-Ray's words."""
+    """The content of an NFF file, with its objects converted to POV-Ray's language."""
 
     def __init__(self, path):
         self.view, self.background = {}, [0.0, 0.0, 0.0]
@@ -202,7 +204,8 @@ class Scene:
             elif entity in ("s", "c"):
                 self.add(curved(tokens, entity))
             elif entity in ("p", "pp"):
-                # Loose triangles: in one mesh POV-Ray needs 4 to 8 % more processor time for tetra and mount.
+                # Triangles are written separately, because in one mesh POV-Ray needs 4 to 8 % more processor
+                # time for the scenes tetra and mount.
                 for triangle in triangles(tokens, entity == "pp"):
                     self.add(triangle)
             else:

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""postlens' distributed rays and Blender's Cycles on the same lens and the same shutter: agreement and speed.
+"""Compares postlens' distributed rays with Blender's Cycles, with the same lens and shutter: difference and speed.
 
     thin_lens_cycles.py BUILD [--spp N] [--rounds N] [--size WxH] [--only NAME] [--out DIR] [--self] ...
 
-Each round renders every picture once with both programs, by turns first, with a seed of its own; the odd rounds make
-one half of a program's samples and the even ones the other (compare_halves.py says what is made of them). Blender comes
-from Debian: apt-get install --no-install-recommends blender python3-numpy
+Each round renders every image once with both programs, with a new seed. The programs take turns to be first. The odd
+rounds are one half of a program's samples and the even rounds the other (compare_halves.py describes the comparison).
+Blender comes from Debian: apt-get install --no-install-recommends blender python3-numpy
 """
 
 import argparse
@@ -50,7 +50,8 @@ def run(command, log, environment=None):
 
 
 def blender(script, words, log):
-    # Blender's Python takes its library from where the first python3 of the path is: that must be Debian's, with numpy.
+    # Blender's Python loads the standard library of the first python3 on the search path. This must be Debian's
+    # python3, which has numpy.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
     quiet = ["-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]
@@ -58,8 +59,8 @@ def blender(script, words, log):
 
 
 def cycles_seconds(log, spp):
-    """From the first sample to the last, by Cycles' own lines of progress, s. What goes before (copying the scene,
-    hierarchies) and after (the file) is left out."""
+    """Time from the first sample to the last, s, from Cycles' progress output. It excludes the preparation (copying the
+    scene, building hierarchies) and the writing of the file."""
     clock = r"Time:(?:(\d+):)?(\d+):(\d+\.\d+)"
     with open(log, encoding="utf-8", errors="replace") as file:
         text = file.read()
@@ -90,7 +91,7 @@ def render_postlens(program, stem, scene, words):
 
 
 def speed(runs, samples):
-    """Million samples per second of rendering, least, median and most; and the other times' medians."""
+    """Million samples per second of rendering (least, median and greatest), and the medians of the other times."""
     rates = sorted(samples / r["render_s"] / 1e6 for r in runs)
     middle = {key: statistics.median(r[key] for r in runs) for key in ("render_s", "process_s", "processor_s")}
     return middle | {
@@ -107,7 +108,8 @@ def compare_picture(name, arguments, folder):
     ours, theirs, stems = [], [], {"ours": [], "theirs": []}
     for number in range(1, arguments.rounds + 1):
         stem = os.path.join(folder, f"{name}.%s.{number}")
-        # By turns first, so that what the one leaves behind (clock, caches) does not always meet the same other.
+        # The programs take turns to be first, so that the state that one leaves behind (clock rate, caches)
+        # does not always affect the other.
         for whose in ("ours", "theirs") if number % 2 else ("theirs", "ours"):
             seed = ["--seed", str(number)]
             if whose == "theirs":
@@ -174,7 +176,8 @@ def report(results, arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", metavar="BUILD", help="build folder with apps/postlens, a release build")
-    # With fewer samples Cycles' pictures share a bias whatever their seeds (README.md): their halves would not do.
+    # With fewer samples, all images of Cycles have a common bias, whatever their seeds (README.md), so their
+    # halves would not be independent.
     parser.add_argument("--spp", type=int, default=256, help="samples per pixel of a round (default: 256)")
     parser.add_argument("--rounds", type=int, default=2, help="an even number (default: 2)")
     parser.add_argument("--size", default="960x540", metavar="WxH", help="raster (default: 960x540)")

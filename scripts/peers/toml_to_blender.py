@@ -2,14 +2,14 @@
 
     blender -b --factory-startup -P toml_to_blender.py -- SCENE.toml OUT.exr --spp N [OPTION...]
 
-Runs inside Blender 3.4. The scene's format is that of docs/scene_format.md, of which this takes: perspective cameras
+Runs inside Blender 3.4. Of the scene format (docs/scene_format.md), this program supports: perspective cameras
 without keys; materials that only emit; "checker" textures; rectangles, boxes, spheres and cylinders, repeated or not,
-with keys of translation and rotation. Whatever else a file holds is refused with one line, not left out.
+with keys of translation and rotation. Other content is an error of one line; nothing is silently left out.
 
-Balls and cylinders become meshes so fine that no outline errs by more than OUTLINE_PX. The exposure is mapped to the
-part of one frame that Cycles' shutter covers (SHUTTER_COVERED). Cycles gets as many poses of a moving object as keep it
-within MOTION_PX of the true motion between them (translation linear, rotation by slerp), and every pose is checked
-against the scene's own formula after Blender has evaluated it.
+Balls and cylinders become meshes so fine that the error of their outlines is at most OUTLINE_PX. The exposure is
+mapped to the part of one frame that Cycles' shutter covers (SHUTTER_COVERED). Cycles gets as many poses of a moving
+object as keep its error between them below MOTION_PX (translation linear, rotation by slerp), and every pose is
+checked against the scene's own formula after Blender has evaluated it.
 """
 
 import argparse
@@ -27,9 +27,10 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: an error of 1 % of an edge's contrast at most
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 draws times from a table of 256 entries, which for a box curve reaches 254/256 of the frame only. A bar
-# that passes over 200.02 px has its centroid 0.781 px before the middle (0.783 and 0.779 with the two samplers, 1024
-# spp), and 200.02 (1 - 254/256) / 2 = 0.781. --whole-frame leaves it at that.
+# Cycles 3.4 samples times from a table of 256 entries, which for a box curve covers only 254/256 of the frame.
+# As evidence, the centroid of a bar that passes over 200.02 px lies 0.781 px before the middle (0.783 and 0.779
+# px with the two samplers, 1024 spp), and 200.02 px (1 - 254/256) / 2 = 0.781 px. --whole-frame leaves this
+# error uncorrected.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -52,7 +53,7 @@ SHAPE_KEYS = {
 
 
 class SceneError(Exception):
-    """What this program cannot read or express."""
+    """The scene has content that this program cannot read or convert."""
 
 
 def check_keys(what, table, known):
@@ -69,7 +70,7 @@ def needed(what, table, key):
 
 
 def triple(value):
-    """Three numbers, of which one may stand for all."""
+    """Three numbers, from a list of three or from a single number that stands for all three."""
     return [float(x) for x in value] if isinstance(value, list) else [float(value)] * 3
 
 
@@ -86,7 +87,7 @@ def rotation(table):
 
 
 class Motion:
-    """world(t) = key(t) * placement of one copy of an object."""
+    """The motion of one copy of an object: world(t) = key(t) * placement."""
 
     def __init__(self, what, table, shift):
         self.offset = Vector(table.get("translate_m", [0, 0, 0])) + shift
@@ -112,7 +113,7 @@ class Motion:
         return move + turn @ self.offset, turn @ self.turn
 
     def pose_beyond(self, time_s, close_s):
-        """The pose, after close_s as the motion would go on: by what lies as long before it."""
+        """The pose at an instant. After close_s, the motion before close_s is extrapolated."""
         if time_s <= close_s:
             return self.pose(time_s)
         (move0, turn0), (move1, turn1) = self.pose(2 * close_s - time_s), self.pose(close_s)
@@ -123,7 +124,7 @@ class Motion:
 
 
 class View:
-    """The pinhole camera: how large something is in the picture, and its object in Blender."""
+    """The pinhole camera: its projection, and its object in Blender."""
 
     def __init__(self, what, table, size_px):
         check_keys(what, table, CAMERA_KEYS)
@@ -144,12 +145,12 @@ class View:
         self.px_per_tangent = self.size_px[0] * self.focal_length_mm / self.film_width_mm
 
     def raster(self, point):
-        """Where a point of the world lies, px, from the centre of the picture; None where not in front."""
+        """Image position of a world point, px from the image's centre; None if it is not in front of the camera."""
         x, y, z = self.camera_from_world @ point
         return None if z > -1e-6 else Vector((x, y)) * (self.px_per_tangent / -z)
 
     def px_per_m(self, point, margin_m):
-        """Largest magnification of what lies within margin_m of a point."""
+        """Largest magnification, px per m, within margin_m of a point."""
         depth_m = -(self.camera_from_world @ point).z - margin_m
         return self.px_per_tangent / max(depth_m, 1e-3)
 
@@ -157,7 +158,7 @@ class View:
         camera = bpy.data.cameras.new("camera")
         camera.sensor_fit, camera.sensor_width, camera.lens = "HORIZONTAL", self.film_width_mm, self.focal_length_mm
         camera.clip_start, camera.clip_end = 1e-3, 1e6
-        # Blender's aperture has the radius lens / (2 f-number), as ours; with blades = 0 it is a disc.
+        # Blender's aperture has the radius lens / (2 f-number), as in postlens. With blades = 0 it is a disc.
         camera.dof.use_dof = math.isfinite(f_number)
         if camera.dof.use_dof:
             camera.dof.aperture_fstop, camera.dof.focus_distance = f_number, focus_m
@@ -170,7 +171,7 @@ class View:
 
 
 def checker(nodes, links, table, emission):
-    """Nodes that give `even` or `odd`, times the emission, by the cell that a point in object space lies in."""
+    """Shader nodes for the colour `even` or `odd`, times the emission, of the cell of a point in object space."""
     what = f"texture '{table.get('name')}'"
     check_keys(what, table, TEXTURE_KEYS)
 
@@ -182,7 +183,8 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # An edge of inf has no borders: its coordinate counts as 0. No Checker Texture: that node shifts its borders.
+    # A cell with an edge of infinite length has no borders along that axis, so the axis' coordinate is
+    # multiplied by 0. Blender's Checker Texture node is not used because it shifts the borders of the cells.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]
@@ -199,7 +201,7 @@ def checker(nodes, links, table, emission):
 
 
 def emitter(table, textures, ambient_light):
-    """A material of Blender's that shines as the scene's does."""
+    """A Blender material with the emission of the scene's material."""
     what = f"material '{table.get('name')}'"
     check_keys(what, table, MATERIAL_KEYS)
     for key, default in MATERIAL_ZEROS.items():
@@ -226,7 +228,7 @@ def emitter(table, textures, ambient_light):
 
 
 def ball(made, centre, radius_m, px_per_m):
-    """A sphere of triangles, none of which lies deeper than OUTLINE_PX below it. Returns that depth, px."""
+    """Makes a sphere of triangles at most OUTLINE_PX below the exact surface. Returns the greatest depth, px."""
     for level in range(2, LARGEST_ICOSPHERE + 1):
         made.clear()
         bmesh.ops.create_icosphere(made, subdivisions=level, radius=radius_m)
@@ -239,7 +241,7 @@ def ball(made, centre, radius_m, px_per_m):
 
 
 def tube(made, base, apex, radius_m, px_per_m, capped):
-    """A cylinder of rectangles, as `ball`."""
+    """Makes a cylinder of rectangles, with the same tolerance and result as `ball`."""
     axis = apex - base
     count = max(8, math.ceil(math.pi / math.acos(1 - min(OUTLINE_PX / (px_per_m * radius_m), 0.5))))
     side = axis.orthogonal().normalized() * radius_m
@@ -256,8 +258,8 @@ def tube(made, base, apex, radius_m, px_per_m, capped):
 
 
 def shape(what, table, magnification):
-    """The mesh of an object in its own space, and how far its outline is off, px. `magnification`: px per metre of the
-    object's own space around a point of it, given how far around."""
+    """The mesh of an object in object space, and the error of its outline, px. `magnification(point, margin)`: px
+    per metre of object space, within a distance of a point."""
     kind = needed(what, table, "shape")
     if kind not in SHAPE_KEYS:
         raise SceneError(f"{what}: cannot be expressed here (got {kind}; expected {', '.join(sorted(SHAPE_KEYS))})")
@@ -289,7 +291,7 @@ def shape(what, table, magnification):
 
 
 def shifts(what, table):
-    """Where the copies of an object stand."""
+    """The translations of the copies of an object."""
     repeat = table.get("repeat")
     if repeat is None:
         return [Vector((0, 0, 0))]
@@ -305,7 +307,7 @@ def shifts(what, table):
 
 
 class Exposure:
-    """When the shutter opens and closes, and the poses that Cycles takes: frame 0 to `covered` is the exposure."""
+    """The shutter interval and the poses for Cycles. The exposure lasts from frame 0 to frame `covered`."""
 
     def __init__(self, shutter_s, covered):
         self.open_s, self.close_s = shutter_s
@@ -315,7 +317,7 @@ class Exposure:
         return self.open_s + (self.close_s - self.open_s) * frame / self.covered
 
     def poses(self, motion, log2):
-        """Frames, times and poses of what moves."""
+        """Frames, times and poses of a moving object."""
         frames = [i / 2**log2 for i in range(2**log2 + 1)]
         return [(f, self.time_s(f), motion.pose_beyond(self.time_s(f), self.close_s)) for f in frames]
 
@@ -327,7 +329,7 @@ def corners(mesh):
 
 
 def animate(made, motion, exposure, view):
-    """Gives an object enough poses. Returns how far it is from its true motion between them at most, px."""
+    """Gives an object enough poses. Returns the greatest error of its motion between them, px."""
 
     def off_px(log2):
         worst, steps, box = 0.0, exposure.poses(motion, log2), corners(made.data)
@@ -349,7 +351,7 @@ def animate(made, motion, exposure, view):
     last = None
     for frame, _, (made.location, turn) in exposure.poses(motion, log2):
         if last is not None and turn.dot(last) < 0:
-            turn.negate()  # Blender interpolates the four numbers, so that their sign must not jump
+            turn.negate()  # Blender interpolates the four numbers, so their sign must not change
         made.rotation_quaternion = last = turn
         made.keyframe_insert("location", frame=frame)
         made.keyframe_insert("rotation_quaternion", frame=frame)
@@ -360,7 +362,7 @@ def animate(made, motion, exposure, view):
 
 
 def check_poses(scene, moving, exposure, view):
-    """How far Blender's own evaluation is from the scene's formula at the poses that Cycles takes, px."""
+    """Greatest difference between Blender's evaluation of the motion and the scene's formula at the poses, px."""
     worst = 0.0
     for made, motion in moving:
         for frame, _, pose in exposure.poses(motion, made.cycles.motion_steps):
@@ -375,7 +377,7 @@ def check_poses(scene, moving, exposure, view):
 
 
 def build(scene, tables, view, exposure):
-    """All objects. Returns the largest errors of outlines and of motion, px, and the number of objects that move."""
+    """Builds all objects. Returns the greatest errors of outlines and motion, px, and the number of moving objects."""
     world = tables.get("scene", {})
     check_keys("[scene]", world, SCENE_KEYS)
     for key in tables:
@@ -420,7 +422,7 @@ def build(scene, tables, view, exposure):
 
 
 def settings(scene, arguments, moves):
-    """The same integral as ours: the box over pixel, lens and time, and nothing that makes the picture nicer."""
+    """Sets Cycles to the integral of postlens: box filters over pixel, lens and time, and no effects."""
     cycles, render = scene.cycles, scene.render
     cycles.device, cycles.samples, cycles.seed, cycles.use_animated_seed = "CPU", arguments.spp, arguments.seed, False
     cycles.sampling_pattern = {"pmj": "PROGRESSIVE_MULTI_JITTER", "sobol": "SOBOL"}[arguments.sampler]
@@ -465,7 +467,8 @@ def parse(words):
     parser.add_argument("--focus", type=float, metavar="M")
     parser.add_argument("--shutter", type=pair(":", float), metavar="OPEN:CLOSE")
     parser.add_argument("--whole-frame", action="store_true", help="do not make up for SHUTTER_COVERED")
-    # Cycles' own default, pmj, needs more samples than Sobol points until its pictures are without a bias (README.md).
+    # Cycles' default sampler, pmj, needs more samples than Sobol points until its images have no bias
+    # (README.md).
     parser.add_argument("--sampler", choices=["sobol", "pmj"], default="sobol")
     parser.add_argument("--passes", action="store_true", help="a multi-layer file, with the pass Depth")
     parser.add_argument("--threads", type=int, default=0)
@@ -473,7 +476,7 @@ def parse(words):
 
 
 def prepare(arguments):
-    """Blender's scene, ready to be rendered. Returns it, and what main() says of it."""
+    """Builds Blender's scene for a render. Returns the scene, and the report that main() prints."""
     with open(arguments.scene, "rb") as file:
         tables = tomllib.load(file)
     cameras = tables.get("camera", [])
