@@ -20,7 +20,8 @@ double clamped_radius_px(double diameter_px) {
 /// Number of levels with equal steps of z'. They keep the error of the CoC diameter, which is G / z' plus a
 /// constant, within half a linear_step_px at the near end, where the diameter changes fastest.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // 1 / z - 1 / (z + h) = tolerance / G for half a step h at the nearest z.
+    // The first step is the widest in CoC. Half of it, h, may change the CoC by at most the tolerance, which
+    // is `linear_step_px` / 2: gain (1 / z - 1 / (z + h)) = tolerance at the nearest depth z.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;

@@ -236,7 +236,15 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
     const std::vector<Behind> behind = behind_fill(picture, geometry);
     StackField field = stack_field(picture, behind, s);
     if (auto warning = guessed_warning(behind)) out.warnings.push_back(*std::move(warning));
-    if (!is_see_through(picture, behind)) fill_unseen(field, s.drawn, out.warnings);
+    if (!is_see_through(picture, behind)) {
+        // Gaps are filled from around, so a part with gaps needs the whole image to have the same bits.
+        const auto is_gap = [](float unseen) { return unseen >= 1; };
+        if (crop && std::any_of(field.unseen.begin(), field.unseen.end(), is_gap)) {
+            s.drawn = window;
+            field = stack_field(picture, behind, s);
+        }
+        fill_unseen(field, s.drawn, out.warnings);
+    }
     out.image = std::move(field.image);
     return out;
 }

@@ -72,8 +72,8 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // The map is gain R (I/s - W), with aperture radius R and focus distance s. The inverse depth is the mean
-    // of the diagonal of W.
+    // The linear map from lens to raster is gain R (I/s - W): aperture radius R, focus distance s, and W, the
+    // inverse depth (a 2x2 matrix) at which the node refocuses. Returns the mean of W's diagonal.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -62,7 +62,8 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // The map is gain R (I/s - W), with aperture radius R and focus distance s.
+            // The linear map from lens to raster is gain R (I/s - W): aperture radius R, focus distance s,
+            // and W, the inverse depth (a 2x2 matrix) at which the node refocuses.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

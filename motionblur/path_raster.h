@@ -30,7 +30,8 @@ struct PathRaster {
     }
 };
 
-/// Largest side of a path's raster, cells, and largest number of borders of cells that a path may cross.
+/// Largest side, in cells, of the raster that a motion path is drawn into, and largest number of cell borders
+/// that the path may cross.
 inline constexpr double most_path_cells = 1'000'000;
 inline constexpr double most_path_crossings = 200'000'000;
 

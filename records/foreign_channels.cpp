@@ -127,7 +127,8 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
             const ChannelGroup group = channel_group(file, i, layer, colour_words);
-            // The first view of `multiView` comes before other views, wherever the view is named.
+            // The first stereo view of the attribute `multiView` is preferred to the other views, whether a
+            // part's `view` attribute or a channel's name says which view it is.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
             const std::tuple order{misfit(file, i, layer, asked), rank(layer),

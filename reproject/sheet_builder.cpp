@@ -386,7 +386,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*
         const auto inside = [&](const Piece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // Leaves are in quadtree order, so only pieces of surfaces one behind the other need sorting.
+        // Leaves of one surface are in quadtree order already: those of a subtree are consecutive. Only where
+        // two surfaces lie one behind the other do their leaves alternate and need this partition.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());

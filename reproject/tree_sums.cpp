@@ -8,8 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Of the views that need a reflected or transmitted node, the share that must have it so that their mean
-/// replaces the node in the others. With a smaller share, the radiance seen from the pinhole is blended in.
+/// A reflected or transmitted node that some views lack gets the mean radiance of the views that show it, if
+/// these are at least this share of the views that need it. With a smaller share, the radiance seen from the
+/// pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace

@@ -337,6 +337,27 @@ TEST(ForeignFocus, ALampBesideAnEdgeIsNotAllThatIsBehindIt) {
     }
 }
 
+TEST(ForeignFocus, APartOfALightFieldHasTheBitsOfTheWholeWhereGapsAreFilled) {
+    // One view from the side of the lens: along a border of the image it sees nothing that is stored.
+    Bench bench{.width = 40, .height = 24};
+    bench.settings.views = 1;
+    const ForeignPicture p = bench.picture([&](int x, int y) {
+        const float v = 0.2F + 0.01F * static_cast<float>(x + y);
+        return Stack{{bench.inverse_z(x < 20 ? -14 : 14), v, 1 - v, 0.5F, 1, x < 20 ? 1U : 2U}};
+    });
+    const FocusResult whole = bench.focus(p, FocusMethod::lightfield);
+    for (int y = 0; y < 24; y += 6) {
+        bench.settings.crop = Crop{0, y, 40, 6};
+        const FocusResult part = bench.focus(p, FocusMethod::lightfield);
+        for (int row = y; row < y + 6; ++row) {
+            for (int x = 0; x < 40; ++x) {
+                for (std::size_t c = 0; c < 3; ++c)
+                    ASSERT_EQ(value(part.image, x, row, c), value(whole.image, x, row, c)) << x << "," << row;
+            }
+        }
+    }
+}
+
 TEST(ForeignFocus, OtherMethodsAreRefused) {
     const Bench bench;
     const ForeignPicture p = bench.picture([](int, int) { return Stack{}; });

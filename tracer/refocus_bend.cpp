@@ -187,8 +187,9 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Distance of a ray's tangent from the tangent that W predicts. Infinite if the ray was not found. Not
-    /// for hidden rays.
+    /// Distance, on the plane of tangents, between the ray that a probe has found through its lens point and
+    /// the ray that the linear W predicts there. Infinite if the search found none. Not for rays to hidden
+    /// surfaces.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -201,7 +202,7 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // A ray that cannot be found makes the error of its node infinite.
+        // A node whose ray cannot be found has an infinite error, so its further rays need no search.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);

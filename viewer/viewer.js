@@ -84,10 +84,16 @@ async function refocus(input = performance.now()) {
     refining = !isFirst;
     say(isFirst ? "" : "finer…");
     let picture = null, failure = null;
-    try {
-      picture = await askPicture("picture", asked);
-    } catch (error) {
-      failure = error;
+    // Another page of this viewer may cancel the request; the waits are random, so that two pages do not cancel each
+    // other for ever.
+    for (let attempt = 0; attempt < 8 && !picture && !failure && !again && mine === generation; ++attempt) {
+      if (attempt > 0) await new Promise((resume) => setTimeout(resume, 100 * 2 ** attempt * Math.random()));
+      if (mine !== generation) return;
+      try {
+        picture = await askPicture("picture", asked);
+      } catch (error) {
+        failure = error;
+      }
     }
     if (mine !== generation) return;  // a newer request replaced this one while it was refined
     firstUnderWay = refining = false;

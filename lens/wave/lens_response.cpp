@@ -119,7 +119,8 @@ std::optional<double> half_energy_diameter(const std::vector<RadialSample>& prof
     return std::nullopt;
 }
 
-/// Bytes of the grid, of a copy of its size for the pixel borders, and of a quadrant of the borders.
+/// Upper bound of the bytes of a grid, of the energy that flows through its pixel borders (an array of its
+/// size), and of one quadrant of that array.
 double frame_bytes(int size_px) {
     return 3 * static_cast<double>(size_px) * size_px * sizeof(double);
 }

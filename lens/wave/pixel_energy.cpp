@@ -121,7 +121,8 @@ class Borders {
             }
         });
     }
-    /// Flow through the border on the line at x, from y0 to y0 + 1.
+    /// Energy that flows in the direction of x through a border of a pixel, on the line at x from y0 to y0 +
+    /// 1 (divergence theorem).
     [[nodiscard]] double through(double x, double y0) const {
         if (quadrant_.empty()) return flow_.through(x, y0, y0 + 1);
         const auto line = static_cast<std::size_t>(std::abs(x));

@@ -187,6 +187,27 @@ def test_dragging_shows_pictures_on_the_way(page):
     assert lens(page)["fNumber"] == f_number
 
 
+def test_two_pages_both_end_with_the_best_picture(viewer):
+    # A request of one page cancels the refinement of the other, which asks again.
+    drivers = [browser_at(viewer.url), browser_at(viewer.url)]
+    try:
+        for driver in drivers:
+            wait(driver)
+        for driver in drivers:
+            driver.execute_script("""
+              const slider = document.getElementById("f_number");
+              slider.value = 2 + Number(slider.value);
+              slider.dispatchEvent(new Event("input"));
+              slider.dispatchEvent(new Event("change"));""")
+        for driver in drivers:
+            wait(driver)
+            options = driver.execute_script("return postlens.state().shown.options")
+            assert options["method"] == "auto" or options.get("views") == "256", options
+    finally:
+        for driver in drivers:
+            driver.quit()
+
+
 def test_without_webgl_the_same_is_painted(viewer):
     drivers = [browser_at(viewer.url), browser_at(viewer.url + "?plain")]
     try:
