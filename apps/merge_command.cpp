@@ -46,7 +46,7 @@ NamedPart read_part(const std::string& name) {
 }
 
 /// Description of a part without its pixels.
-struct PartFacts {
+struct PartFacts {  // NOLINT(bugprone-exception-escape): assertions inside of the JSON library
     std::string name;
     Json mark;
     Share share;
@@ -110,7 +110,7 @@ std::optional<Crop> crop_in(const Json& mark) {
     return Crop{c[0].get<int>(), c[1].get<int>(), c[2].get<int>(), c[3].get<int>()};
 }
 
-struct Merged {
+struct Merged {  // NOLINT(bugprone-exception-escape): as PartFacts, which it holds
     Image image;
     std::vector<Image> halves;
     PartFacts first;
@@ -204,6 +204,7 @@ std::vector<Image> merge_halves(const std::vector<std::string>& names, bool part
     std::vector<Image> out;
     for (std::size_t h = 0; h < 2; ++h) {
         std::vector<std::string> parts;
+        parts.reserve(names.size());
         for (const std::string& name : names) parts.push_back(half_paths(name)[h].string());
         out.push_back(merge_rows(parts, partial).image);
     }

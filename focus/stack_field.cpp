@@ -39,7 +39,7 @@ class Facets {
           width(p.x_end - p.x_begin),
           height(p.y_end - p.y_begin),
           geometry_(geometry) {
-        const std::size_t known = static_cast<std::size_t>(std::count_if(
+        const auto known = static_cast<std::size_t>(std::count_if(
             behind.begin(), behind.end(), [](const Behind& b) { return b.known && b.alpha > 0; }));
         const std::size_t pixels = p.offsets.size() - 1;
         require_memory((p.samples.size() + known) * sizeof(Facet) + (pixels + 1) * sizeof(std::uint64_t),
@@ -119,12 +119,13 @@ class Facets {
         for (int v = 0; v < 3; ++v) {
             for (int u = 0; u < 3; ++u) {
                 if (u == 1 && v == 1) continue;
-                around[static_cast<std::size_t>(3 * v + u)] = continued(f, x + u - 1, y + v - 1);
+                around[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(u)] =
+                    continued(f, x + u - 1, y + v - 1);
             }
         }
         for (std::size_t corner = 0; corner < corners; ++corner) {
             const std::size_t u = 2 * (corner % 2), v = 2 * (corner / 2);
-            double sum = static_cast<double>(f.sample.spread_inverse_z());
+            auto sum = static_cast<double>(f.sample.spread_inverse_z());
             int count = 1;
             for (const Facet* other : {around[3 + u], around[3 * v + 1], around[3 * v + u]}) {
                 if (other == nullptr) continue;

@@ -129,8 +129,11 @@ Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part) {
                 if (slash == std::string::npos) continue;
                 Said& said = keys[rest.substr(0, slash)];
                 const std::string what = rest.substr(slash + 1);
-                if (what == "name") said.name = std::move(text);
-                if (what == "manifest") said.manifest = std::move(text);
+                if (what == "name") {
+                    said.name = std::move(text);
+                } else if (what == "manifest") {
+                    said.manifest = std::move(text);
+                }
             }
         }
     }

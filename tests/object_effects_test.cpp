@@ -25,28 +25,28 @@ constexpr double near_px = -8, wall_px = 6;
 class ObjectEffectsTest : public testing::Test {
   protected:
     [[nodiscard]] ForeignPicture card() const {
-        ForeignPicture p = bench.picture([&](int x, int) {
-            const StackSample wall{bench.inverse_z(wall_px), 0, 0.25F, 1, 1, cryptomatte_id("wall")};
+        ForeignPicture p = bench_.picture([&](int x, int) {
+            const StackSample wall{bench_.inverse_z(wall_px), 0, 0.25F, 1, 1, cryptomatte_id("wall")};
             if (x < x0) return Stack{wall};
-            return Stack{{bench.inverse_z(near_px), 1, 0.5F, 0, 1, cryptomatte_id("card")}, wall};
+            return Stack{{bench_.inverse_z(near_px), 1, 0.5F, 0, 1, cryptomatte_id("card")}, wall};
         });
         p.channels.matte = Cryptomatte{"CryptoObject", {}, R"({"card":"1","wall":"2"})"};
         return p;
     }
     [[nodiscard]] FocusResult focused(const ObjectEffects& effects, FocusMethod method) const {
         ForeignPicture p = card();
-        apply_object_effects(p, effects, bench.inverse_focus_per_m);
-        return bench.focus(p, method);
+        apply_object_effects(p, effects, bench_.inverse_focus_per_m);
+        return bench_.focus(p, method);
     }
-    const Bench bench{.width = 80, .height = 4, .margin_px = 40};
-    const ObjectChoice by_name{"--option", "card"};
+    const Bench bench_{.width = 80, .height = 4, .margin_px = 40};
+    const ObjectChoice by_name_{"--option", "card"};
 };
 
 TEST_F(ObjectEffectsTest, AHoldoutHidesSharplyAndIsNotShown) {
     for (const FocusMethod method : {FocusMethod::pinhole, FocusMethod::layers, FocusMethod::lightfield}) {
-        const FocusResult r = focused({.holdouts = {by_name}}, method);
+        const FocusResult r = focused({.holdouts = {by_name_}}, method);
         ASSERT_FALSE(r.image.alpha.empty());
-        for (int x = 0; x < bench.width; ++x) {
+        for (int x = 0; x < bench_.width; ++x) {
             const float shown = x < x0 ? 1 : 0;
             EXPECT_NEAR(alpha(r.image, x, 1), shown, 1e-5) << x;
             EXPECT_NEAR(value(r.image, x, 1, 0), 0, 1e-5) << x;
@@ -57,8 +57,8 @@ TEST_F(ObjectEffectsTest, AHoldoutHidesSharplyAndIsNotShown) {
 
 TEST_F(ObjectEffectsTest, AnObjectThatIsKeptSharpIsItsPixels) {
     for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
-        const FocusResult r = focused({.sharp = {by_name}}, method);
-        for (int x = 0; x < bench.width; ++x) {
+        const FocusResult r = focused({.sharp = {by_name_}}, method);
+        for (int x = 0; x < bench_.width; ++x) {
             EXPECT_NEAR(value(r.image, x, 1, 0), x < x0 ? 0 : 1, 1e-5) << x;
             EXPECT_NEAR(value(r.image, x, 1, 2), x < x0 ? 1 : 0, 1e-5) << x;
         }
@@ -68,10 +68,10 @@ TEST_F(ObjectEffectsTest, AnObjectThatIsKeptSharpIsItsPixels) {
 TEST_F(ObjectEffectsTest, AnOffsetGivesTheCirclesOfTheOtherDepth) {
     // From 8 px in front of the focus to 3 px in front of it.
     const double moved_px = -3;
-    const double metres = 1 / static_cast<double>(bench.inverse_z(moved_px)) -
-                          1 / static_cast<double>(bench.inverse_z(near_px));
-    const FocusResult r = focused({.offsets = {{by_name, metres}}}, FocusMethod::layers);
-    for (int x = 0; x < bench.width; ++x) {
+    const double metres = 1 / static_cast<double>(bench_.inverse_z(moved_px)) -
+                          1 / static_cast<double>(bench_.inverse_z(near_px));
+    const FocusResult r = focused({.offsets = {{by_name_, metres}}}, FocusMethod::layers);
+    for (int x = 0; x < bench_.width; ++x) {
         const double front = edge_response((x + 0.5 - x0) / test::level_radius(moved_px));
         EXPECT_NEAR(value(r.image, x, 1, 0), front, 1e-5) << x;
     }
@@ -80,12 +80,12 @@ TEST_F(ObjectEffectsTest, AnOffsetGivesTheCirclesOfTheOtherDepth) {
 TEST_F(ObjectEffectsTest, WhatAnObjectHidesStaysWhereItsFocusGoes) {
     // With the circles of something behind the wall, the card still hides it.
     const double metres =
-        1 / static_cast<double>(bench.inverse_z(9)) - 1 / static_cast<double>(bench.inverse_z(near_px));
+        1 / static_cast<double>(bench_.inverse_z(9)) - 1 / static_cast<double>(bench_.inverse_z(near_px));
     ForeignPicture p = card();
     const Image before = p.flattened();
-    apply_object_effects(p, {.offsets = {{by_name, metres}}}, bench.inverse_focus_per_m);
+    apply_object_effects(p, {.offsets = {{by_name_, metres}}}, bench_.inverse_focus_per_m);
     EXPECT_EQ(p.flattened().rgb, before.rgb);
-    const FocusResult r = bench.focus(p, FocusMethod::layers);
+    const FocusResult r = bench_.focus(p, FocusMethod::layers);
     EXPECT_NEAR(value(r.image, 79, 1, 0), 1, 1e-5);
     EXPECT_NEAR(value(r.image, 79, 1, 2), 0, 1e-5);
 }
@@ -93,9 +93,9 @@ TEST_F(ObjectEffectsTest, WhatAnObjectHidesStaysWhereItsFocusGoes) {
 TEST_F(ObjectEffectsTest, AMaskChoosesWhatANameDoes) {
     const test::TemporaryFolder folder;
     const std::string path = (folder.path() / "mask.exr").string();
-    Image mask(bench.width, bench.height);
-    for (int y = 0; y < bench.height; ++y) {
-        for (int x = x0; x < bench.width; ++x) {
+    Image mask(bench_.width, bench_.height);
+    for (int y = 0; y < bench_.height; ++y) {
+        for (int x = x0; x < bench_.width; ++x) {
             for (std::size_t c = 0; c < 3; ++c) mask.pixel(x, y)[c] = 1;
         }
     }
@@ -108,10 +108,10 @@ TEST_F(ObjectEffectsTest, AMaskChoosesWhatANameDoes) {
             const auto stack = whole.stack(x, y);
             return Stack(stack.begin(), stack.end());
         });
-        apply_object_effects(p, {.holdouts = {choice}}, bench.inverse_focus_per_m);
+        apply_object_effects(p, {.holdouts = {choice}}, bench_.inverse_focus_per_m);
         return inside.focus(p, FocusMethod::layers).image;
     };
-    const Image one = with({"--holdout", path}), other = with(by_name);
+    const Image one = with({"--holdout", path}), other = with(by_name_);
     EXPECT_EQ(one.rgb, other.rgb);
     EXPECT_EQ(one.alpha, other.alpha);
 }
@@ -138,7 +138,7 @@ TEST_F(ObjectEffectsTest, AShareOfAMaskDividesASampleInTwo) {
 
 TEST_F(ObjectEffectsTest, NumbersOfAnIdChannelNameObjectsToo) {
     for (const bool whole : {true, false}) {
-        ForeignPicture p = bench.picture([&](int x, int) {
+        ForeignPicture p = bench_.picture([&](int x, int) {
             return Stack{{1, 0, 0, 0, 1, surface_id(x < x0 ? 7 : 8, whole)}};
         });
         p.channels.id = "id";
@@ -146,7 +146,7 @@ TEST_F(ObjectEffectsTest, NumbersOfAnIdChannelNameObjectsToo) {
             for (StackSample& s : p.samples) s.id = s.id == surface_id(7, true) ? 7 : 8;
         }
         const std::vector<float> pixels = choose_pixels(p, {"--matte", "7"});
-        for (int x = 0; x < bench.width; ++x)
+        for (int x = 0; x < bench_.width; ++x)
             EXPECT_EQ(pixels[static_cast<std::size_t>(x)], x < x0 ? 1 : 0) << x;
     }
 }

@@ -17,7 +17,7 @@ class ShareCommand : public CommandTest {
   protected:
     void SetUp() override {
         CommandTest::SetUp();
-        done({"trace", scene, "-o", frame(), "--size", "96x54", "--for-f-number", "1.4", "--for-focus", "5",
+        done({"trace", scene_, "-o", frame(), "--size", "96x54", "--for-f-number", "1.4", "--for-focus", "5",
               "--for-shutter", "0:0.02"});
     }
     json done(Words words) {
@@ -53,8 +53,8 @@ class ShareCommand : public CommandTest {
         done(merge);
         EXPECT_TRUE(bytes(in(name + ".exr")) == bytes(in(name + ".merged.exr"))) << name;
     }
-    const std::string scene = std::string(POSTLENS_SAMPLES) + "/scenes/bars.toml";
-    const Words lens{"--f-number", "1.4", "--focus", "5"};
+    const std::string scene_ = std::string(POSTLENS_SAMPLES) + "/scenes/bars.toml";
+    const Words lens_{"--f-number", "1.4", "--focus", "5"};
 };
 
 Words operator+(Words a, const Words& b) {
@@ -64,18 +64,18 @@ Words operator+(Words a, const Words& b) {
 
 TEST_F(ShareCommand, MergedPartsAreTheUndividedFileToTheByte) {
     for (const std::string method : {"scatter", "layers", "lightfield"})
-        is_the_undivided(method, Words{"focus", frame(), "--method", method} + lens, 3);
-    is_the_undivided("hybrid", Words{"focus", frame(), "--method", "hybrid", "--scene", scene} + lens, 2);
+        is_the_undivided(method, Words{"focus", frame(), "--method", method} + lens_, 3);
+    is_the_undivided("hybrid", Words{"focus", frame(), "--method", "hybrid", "--scene", scene_} + lens_, 2);
     is_the_undivided(
         "exposed",
-        Words{"focus", frame(), "--method", "layers", "--exposure", "0.3", "--crop", "5,7,80,40"} + lens, 5);
+        Words{"focus", frame(), "--method", "layers", "--exposure", "0.3", "--crop", "5,7,80,40"} + lens_, 5);
     is_the_undivided("motion", {"motionblur", frame(), "--shutter", "0:0.02", "--method", "lightfield"}, 2);
-    is_the_undivided("shot", Words{"shoot", frame(), "--shutter", "0:0.02", "--views", "8"} + lens, 3);
-    is_the_undivided("rows", Words{"focus", frame(), "--method", "scatter"} + lens, 54);
+    is_the_undivided("shot", Words{"shoot", frame(), "--shutter", "0:0.02", "--views", "8"} + lens_, 3);
+    is_the_undivided("rows", Words{"focus", frame(), "--method", "scatter"} + lens_, 54);
 }
 
 TEST_F(ShareCommand, RendersMergeWithTheirHalves) {
-    is_the_undivided("rays", Words{"render", scene, "--size", "48x27", "--spp", "8", "--halves"} + lens, 4);
+    is_the_undivided("rays", Words{"render", scene_, "--size", "48x27", "--spp", "8", "--halves"} + lens_, 4);
     for (const char* half : {"a", "b"}) {
         EXPECT_TRUE(bytes(in(std::string("rays.") + half + ".exr")) ==
                     bytes(in(std::string("rays.merged.") + half + ".exr")));
@@ -85,9 +85,9 @@ TEST_F(ShareCommand, RendersMergeWithTheirHalves) {
 TEST_F(ShareCommand, SamplesOfARenderAddUpToTheUndividedBits) {
     const Words by{"--share-by", "samples"};
     const std::string lit = std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml";
-    is_the_undivided("blocks", Words{"render", scene, "--size", "32x18", "--spp", "128"} + lens, 3, by);
+    is_the_undivided("blocks", Words{"render", scene_, "--size", "32x18", "--spp", "128"} + lens_, 3, by);
     // So many samples that a block has more than one group, and the last block fewer.
-    is_the_undivided("groups", Words{"render", scene, "--size", "8x5", "--spp", "3000"} + lens, 5, by);
+    is_the_undivided("groups", Words{"render", scene_, "--size", "8x5", "--spp", "3000"} + lens_, 5, by);
     is_the_undivided("halves",
                      {"render", lit, "--size", "24x15", "--spp", "128", "--halves", "--crop", "3,3,16,9",
                       "--f-number", "1.8", "--focus", "0.8"},
@@ -98,7 +98,7 @@ TEST_F(ShareCommand, SamplesOfARenderAddUpToTheUndividedBits) {
     }
     refused({"merge", part("blocks", 0), part("groups", 1), "-o", in("o.exr")}, ExitCode::invalid_input,
             "one of 5 parts");
-    refused({"render", scene, "--size", "8x5", "--spp", "16", "-o", in("o.exr"), "--share", "0/2",
+    refused({"render", scene_, "--size", "8x5", "--spp", "16", "-o", in("o.exr"), "--share", "0/2",
              "--share-by", "samples"},
             ExitCode::wrong_arguments, "more shares than the samples");
     const json said =
@@ -107,7 +107,7 @@ TEST_F(ShareCommand, SamplesOfARenderAddUpToTheUndividedBits) {
 }
 
 TEST_F(ShareCommand, OtherEndingsAreThoseOfTheUndividedPicture) {
-    const Words words = Words{"focus", frame(), "--method", "layers", "--exposure", "0.7"} + lens;
+    const Words words = Words{"focus", frame(), "--method", "layers", "--exposure", "0.7"} + lens_;
     is_the_undivided("exposed", words, 2);
     done(words + Words{"-o", in("whole.png")});
     done({"merge", part("exposed", 0), part("exposed", 1), "-o", in("merged.png")});
@@ -115,7 +115,7 @@ TEST_F(ShareCommand, OtherEndingsAreThoseOfTheUndividedPicture) {
 }
 
 TEST_F(ShareCommand, FramesAreDividedByItems) {
-    const Words words = Words{"render", scene, "--size", "16x9", "--spp", "1", "--frames", "0-4"} + lens;
+    const Words words = Words{"render", scene_, "--size", "16x9", "--spp", "1", "--frames", "0-4"} + lens_;
     done(words + Words{"-o", in("a.%04d.exr"), "--share", "1/2"});
     for (int i = 0; i < 5; ++i)
         EXPECT_EQ(std::filesystem::exists(in("a.000" + std::to_string(i) + ".exr")), i % 2 == 1) << i;
@@ -128,7 +128,7 @@ TEST_F(ShareCommand, FramesAreDividedByItems) {
 }
 
 TEST_F(ShareCommand, MissingDoubledForeignAndDamagedPartsAreRefusedByName) {
-    const Words words = Words{"focus", frame(), "--method", "scatter"} + lens;
+    const Words words = Words{"focus", frame(), "--method", "scatter"} + lens_;
     for (int i = 0; i < 3; ++i) done(words + Words{"-o", part("p", i), "--share", std::to_string(i) + "/3"});
     const auto bad = ExitCode::invalid_input;
     const std::string out = in("out.exr");
@@ -142,9 +142,10 @@ TEST_F(ShareCommand, MissingDoubledForeignAndDamagedPartsAreRefusedByName) {
     done({"focus", frame(), "--method", "scatter", "--f-number", "2", "--focus", "5", "-o", part("r", 1),
           "--share", "1/3"});
     refused({"merge", part("p", 0), part("r", 1), "-o", out}, bad,
-            "--f-number (got [\"2\"]; expected [\"1.4\"])");
-    done({"trace", scene, "-o", in("other.exr"), "--size", "96x54"});
-    done(Words{"focus", in("other.exr"), "--method", "scatter", "-o", part("s", 1), "--share", "1/3"} + lens);
+            R"(--f-number (got ["2"]; expected ["1.4"]))");
+    done({"trace", scene_, "-o", in("other.exr"), "--size", "96x54"});
+    done(Words{"focus", in("other.exr"), "--method", "scatter", "-o", part("s", 1), "--share", "1/3"} +
+         lens_);
     refused({"merge", part("p", 0), part("s", 1), "-o", out}, bad, "FRAME");
     // One changed byte of a pixel.
     std::string changed = bytes(part("p", 1));
@@ -164,11 +165,12 @@ TEST_F(ShareCommand, WhatCannotBeDividedSaysSo) {
     const auto two = ExitCode::wrong_arguments;
     const std::string out = in("out.exr");
     for (const std::string share : {"3/3", "-1/3", "1", "1/0", "a/b", "1/3x", "", "0/100001"})
-        refused(Words{"focus", frame(), "-o", out, "--share", share} + lens, two, "--share");
-    refused(Words{"focus", frame(), "-o", out, "--share", "0/55"} + lens, two, "more shares than rows");
-    refused(Words{"focus", frame(), "-o", in("out.png"), "--share", "0/2"} + lens, two, "out.png");
-    refused(Words{"focus", frame(), "-o", out, "--share", "0/2", "--target-db", "40"} + lens, two, "--share");
-    refused({"trace", scene, "-o", out, "--share", "0/2"}, two, "--share");
+        refused(Words{"focus", frame(), "-o", out, "--share", share} + lens_, two, "--share");
+    refused(Words{"focus", frame(), "-o", out, "--share", "0/55"} + lens_, two, "more shares than rows");
+    refused(Words{"focus", frame(), "-o", in("out.png"), "--share", "0/2"} + lens_, two, "out.png");
+    refused(Words{"focus", frame(), "-o", out, "--share", "0/2", "--target-db", "40"} + lens_, two,
+            "--share");
+    refused({"trace", scene_, "-o", out, "--share", "0/2"}, two, "--share");
 }
 
 }  // namespace

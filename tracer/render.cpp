@@ -41,7 +41,6 @@ class Renderer {
           group_(std::min(spp_, RayBatch::group)),
           groups_((spp_ + group_ - 1) / group_),
           block_groups_((groups_ + most_sample_blocks - 1) / most_sample_blocks),
-          begin_(0),
           end_(groups_),
           columns_((setup.width() + tile_px - 1) / tile_px),
           is_part_(settings.sample_share.has_value()) {
@@ -201,8 +200,8 @@ class Renderer {
     const RenderSetup& setup_;
     RenderState& state_;
     int halves_, spp_, group_, groups_;
-    int block_groups_;  ///< groups of samples in a block
-    int begin_, end_;   ///< the groups to render
+    int block_groups_;     ///< groups of samples in a block
+    int begin_ = 0, end_;  ///< the groups to render
     int columns_;
     bool is_part_;                    ///< the state keeps the sum of every block apart
     std::vector<std::size_t> tiles_;  ///< the wanted tiles, as indices in the whole image
