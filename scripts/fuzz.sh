@@ -52,6 +52,8 @@ trace still_life one --compression none
 trace motion keys --compression none --for-shutter 0:1 --keys 3
 trace bars hidden --compression none --for-f-number 1.4 --for-focus 5
 trace still_life zips
+"$postlens" focus "$seeds/sample_file_fuzz/one.exr" -o "$seeds/picture_part_fuzz/rows.exr" --method scatter --f-number 2 --focus 1 \
+    --share 0/2 --quiet
 cp tests/data/exr/*.exr tests/data/exr-damaged/* "$seeds/foreign_picture_fuzz"
 cp tests/data/exr/nan_inf.exr tests/data/exr-damaged/* "$seeds/render_state_fuzz"
 cp tests/data/exr/nan_inf.exr tests/data/exr-damaged/* samples/scenes/textures/*.png "$seeds/picture_fuzz"
