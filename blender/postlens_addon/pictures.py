@@ -91,16 +91,21 @@ def layer_words(scene):
     return ["--layer", scene.view_layers[0].name] if len(scene.view_layers) > 1 else []
 
 
-def focus_words(job, made, lens, output):
-    film, margin = made.film, made.margin_px
-    words = ["focus", made.front, "-o", output, *lens.options(), "--film-width", f"{film.width_mm:.9g}"]
+def focus_words(job, made, lens, output, moved=""):
+    """Words of the command. `moved`: the front image after motion blur; it has a single layer and no depths or ids."""
+    film, margin, layer = made.film, made.margin_px, layer_words(job.scene)
+    words = ["focus", moved or made.front, "-o", output, *lens.options(), "--film-width", f"{film.width_mm:.9g}"]
     words += ["--film-distance", f"{film.distance_mm:.9g}", "--metres-per-unit", "1", "--z", "axial"]
     words += ["--overscan", str(margin), "--method", job.method]
     if job.method == "lightfield":
         words += ["--views", str(job.views)]
     if made.behind:
         words += ["--behind", made.behind]
-    return words + layer_words(job.scene)
+    if not moved:
+        return words + layer
+    if made.behind and layer:
+        words += ["--behind-layer", layer[1]]
+    return words + ["--depth-file", made.front, "--ids-file", made.front]
 
 
 def blur_motion(job, made, frame):
@@ -136,13 +141,8 @@ def focus_frames(job):
                 made = render_passes(job, frame, margin, split)
             _, _, lens, _ = at_frame(job, frame)
             output = job.path("focused", frame)
-            words = focus_words(job, made, lens, output)
-            if job.scene.render.use_motion_blur:
-                words[1] = blur_motion(job, made, frame)
-                words += ["--depth-file", made.front, "--ids-file", made.front]
-                if layer_words(job.scene):
-                    del words[-6:-4]  # the motion-blurred image has a single layer
-            said = command.run(job.program, words, job.cancelled)
+            moved = blur_motion(job, made, frame) if job.scene.render.use_motion_blur else ""
+            said = command.run(job.program, focus_words(job, made, lens, output, moved), job.cancelled)
             take_warnings(job, frame, said)
             yield frame, output
         job.progress(1, "")
