@@ -127,12 +127,10 @@ void refuse_foreign_options(const ForeignOptions& options) {
     if (!options.given()) return;
     fail(ExitCode::wrong_arguments,
          "--behind, --behind-layer, --holdout, --keep-sharp, --focus-offset, --matte, --passes, --layer, "
-         "--depth-channel, --depth-encoding, --depth-file, --ids, "
-         "--ids-file, "
-         "--film-width, --film-distance, --z, --overscan: not for a sample file, which knows its camera "
-         "(expected an "
-         "OpenEXR picture of "
-         "another program)");
+         "--depth-channel, --depth-encoding, --depth-file, --ids, --ids-file, --film-width, --film-distance, "
+         "--z, "
+         "--overscan: not for a sample file, which knows its camera (expected an OpenEXR picture of another "
+         "program)");
 }
 
 CommandResult foreign_image(const ImageOptions& options) {

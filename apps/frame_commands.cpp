@@ -8,9 +8,7 @@
 #include "apps/share.h"
 #include "motionblur/vector_frame.h"
 #include "records/foreign_file.h"
-#include "tracer/camera_model.h"
 #include "tracer/exposure.h"
-#include "tracer/trace.h"
 
 namespace postlens {
 namespace {
@@ -59,8 +57,7 @@ void refuse_shared_target(const FrameOptions& frames, const FocusOptions& o) {
     if (o.method == FocusMethod::automatic && !o.takes_usual_method()) {
         fail(ExitCode::wrong_arguments,
              "--share: not with --method auto and a target or a scene, which look at the whole picture "
-             "(expected "
-             "another method, or --frames)");
+             "(expected another method, or --frames)");
     }
     if (o.retrace.explain) fail(ExitCode::wrong_arguments, "--share: not with --explain");
 }
@@ -156,17 +153,9 @@ CommandResult run_frames(const FrameOptions& frames, const TraceOptions& asked) 
 
 CommandResult run_frames(const FrameOptions& frames, const RenderOptions& asked) {
     RenderOptions options = asked;
-    if (asked.share_by_samples && frames.shared && !frames.frames) {
+    if (frames.shared && !frames.frames) {
         check_exr_path(options.output, "parts");
-        options.shared = frames.shared;
-        options.shared->mark = mark_of(*options.shared, options.settings.crop);
-    } else {
-        divide(frames, options.output, options.shared, options.settings.crop, [&] {
-            const Scene scene = read_scene(asked.scene, asked.units);
-            const CameraModel camera(find_camera(scene, asked.settings.camera_name), 0,
-                                     asked.settings.camera);
-            return ImageSize{camera.width, camera.height};
-        });
+        options.shared = frames.shared;  // run_render divides, once it has read the scene
     }
     options.exposure = exposure_of_first_scene(frames, asked);
     return each_frame(frames, {options.scene, options.output, {}, options.settings.halves, {}}, options,

@@ -5,10 +5,13 @@
 #include "apps/deliver.h"
 #include "apps/exposure.h"
 #include "apps/scene_input.h"
+#include "apps/share.h"
 #include "lens/prescription/read_prescription.h"
 #include "records/aperture_file.h"
 #include "records/crop.h"
+#include "tracer/camera_model.h"
 #include "tracer/exposure.h"
+#include "tracer/trace.h"
 
 namespace postlens {
 
@@ -71,10 +74,15 @@ CommandResult run_render(const RenderOptions& options) {
     Scene scene = read_scene_of_command(options.scene, options.units, written, out);
     expose(scene, exposure_of_scene(options.exposure, scene, settings.camera_name, settings.camera));
     const bool to_file = !options.output.empty();
-    if (options.shared) {
-        settings.part_mark = options.shared->mark;
-        if (options.share_by_samples)
-            settings.sample_share = {options.shared->share.index, options.shared->share.count};
+    if (std::optional<SharedWork> shared = options.shared) {
+        if (options.share_by_samples) {
+            settings.sample_share = {shared->share.index, shared->share.count};
+            shared->mark = mark_of(*shared, settings.crop);
+        } else {
+            const CameraModel camera(find_camera(scene, settings.camera_name), 0, settings.camera);
+            take_share(shared, settings.crop, camera.width, camera.height);
+        }
+        settings.part_mark = shared->mark;
     }
     if (!to_file && settings.resume) {
         fail(ExitCode::wrong_arguments, "--resume: goes with --output (got it alone)");

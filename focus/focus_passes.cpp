@@ -39,15 +39,10 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     parallel_for(static_cast<std::size_t>(picture.height), [&](std::size_t row) {
         const int y = static_cast<int>(row);
         for (int x = 0; x < picture.width; ++x) {
-            if (!picture.stores(x, y)) continue;
-            double left = 1;
-            for (const StackSample& s : picture.stack(x, y)) {
-                left *= 1 - static_cast<double>(s.alpha);
-                if (left > 0.5) continue;
-                out.values[row * width + static_cast<std::size_t>(x)] =
-                    static_cast<float>(geometry.coc_diameter_px(static_cast<double>(s.spread_inverse_z())));
-                break;
-            }
+            const StackSample* seen = picture.stores(x, y) ? picture.seen_sample(x, y) : nullptr;
+            if (seen == nullptr) continue;
+            out.values[row * width + static_cast<std::size_t>(x)] =
+                static_cast<float>(geometry.coc_diameter_px(static_cast<double>(seen->spread_inverse_z())));
         }
     });
     return out;

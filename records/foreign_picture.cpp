@@ -570,15 +570,9 @@ double ForeignPicture::depth_at(double x, double y) const {
         fail(ExitCode::wrong_arguments, "--focus-at: out of range (got {},{}; expected 0 to {}, 0 to {})", x,
              y, width, height);
     }
-    double left = 1;
-    // The depth is that of the sample at which the composited alpha reaches one half.
-    for (const StackSample& s : stack(static_cast<int>(column), static_cast<int>(row))) {
-        left *= 1 - static_cast<double>(s.alpha);
-        if (left <= 0.5)
-            return s.inverse_z > 0 ? 1 / static_cast<double>(s.inverse_z)
-                                   : std::numeric_limits<double>::infinity();
-    }
-    return std::numeric_limits<double>::infinity();
+    const StackSample* seen = seen_sample(static_cast<int>(column), static_cast<int>(row));
+    return seen != nullptr && seen->inverse_z > 0 ? 1 / static_cast<double>(seen->inverse_z)
+                                                  : std::numeric_limits<double>::infinity();
 }
 
 ForeignPicture read_foreign_picture(const std::filesystem::path& path, const ForeignChoice& choice,

@@ -77,6 +77,15 @@ struct ForeignPicture {
             static_cast<std::size_t>(x - x_begin);
         return std::span(samples).subspan(offsets[i], offsets[i + 1] - offsets[i]);
     }
+    /// The sample at which the composited alpha of a stored pixel reaches one half; null if it does not.
+    [[nodiscard]] const StackSample* seen_sample(int x, int y) const {
+        double left = 1;
+        for (const StackSample& s : stack(x, y)) {
+            left *= 1 - static_cast<double>(s.alpha);
+            if (left <= 0.5) return &s;
+        }
+        return nullptr;
+    }
     [[nodiscard]] bool stores(int x, int y) const {
         return x >= x_begin && x < x_end && y >= y_begin && y < y_end;
     }
