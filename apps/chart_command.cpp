@@ -11,7 +11,8 @@ namespace postlens {
 CommandResult run_chart_command(const ChartOptions& options) {
     const std::filesystem::path folder = options.output;
     check_chart_request(options.request);
-    if (options.request.plots) check_gnuplot();
+    const bool share = options.request.share.has_value();
+    if (options.request.plots && !share) check_gnuplot();
     const ChartRun run = run_chart(options.request, folder, options.restart);
     CommandResult out;
     for (const std::string& note : run.notes) out.warnings.push_back({"scene", note});
@@ -23,18 +24,23 @@ CommandResult run_chart_command(const ChartOptions& options) {
                          100 * run.data.affected_share),
              run.data.affected_share});
     }
+    const std::string table = chart_markdown(run.data);
+    out.json = to_json(run.data);
+    out.json["kept"] = run.kept;
+    if (share) {
+        out.json["page"] = nullptr;
+        out.text = table;
+        return out;
+    }
     if (options.request.plots) {
         draw_with_gnuplot(speed_accuracy_script(run.data, false), folder / "speed_accuracy", 1000, 620);
         draw_with_gnuplot(speed_accuracy_script(run.data, true), folder / "speed_accuracy_affected", 1000,
                           620);
         draw_with_gnuplot(cost_script(run.data), folder / "cost", 1000, 620);
     }
-    const std::string table = chart_markdown(run.data);
     write_file(folder / "chart.csv", chart_csv(run.data));
     write_file(folder / "chart.md", table);
     write_file(folder / "index.html", chart_page(run.data, folder));
-    out.json = to_json(run.data);
-    out.json["kept"] = run.kept;
     out.json["page"] = (folder / "index.html").string();
     out.text = table + "\n" + (folder / "index.html").string();
     if (run.kept > 0) out.text += fmt::format(" ({} times were there already)", run.kept);

@@ -101,7 +101,7 @@ void add_trace(CLI::App& root, State& s) {
     output_option(app, o.output, "Sample file (OpenEXR)");
     exposure_option(app, o.exposure, "0");
     frame_options(app, s.frames, true);
-    share_option(app, s.share, "every N-th of --frames");
+    share_option(app, s.share, "rows of the records, or every N-th of --frames");
     number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S",
            any_value);
     // --focal-length exists here only to be refused with an explanation: with other commands it sets the
@@ -551,6 +551,10 @@ void check_subcommand(const CLI::App& app, std::span<const std::string> argument
 
 ParsedCommand parse_command_line(std::vector<std::string> arguments, const InProcess& in_process) {
     const auto state = std::make_shared<State>();
+    state->common.join = in_process.join;
+    state->merge.run_words = [](std::vector<std::string> words, Join join) {
+        return parse_command_line(std::move(words), {.join = join}).run();
+    };
     state->image.kept = state->focus.kept = state->shoot.focus.kept = state->motionblur.kept =
         in_process.kept;
     CLI::App app("postlens: render once through a pinhole, apply the lens and the shutter afterwards",
@@ -593,6 +597,12 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
         fail(ExitCode::wrong_arguments, "{} (see postlens --help)", what);
     }
     refuse_shared_files(files_of(app), state->frames.frames);
+    if (state->frames.frames) {
+        state->frames.asked_for = [asked = asked_for(app)](int frame) {
+            return asked.fingerprint(
+                [frame](const AskedFor::Input& i) { return FrameName(i.path, i.hashes).of(frame); });
+        };
+    }
     if (state->share) {
         state->frames.shared =
             SharedWork{*state->share, [asked = asked_for(app)] { return asked.fingerprint(); }, {}};

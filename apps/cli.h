@@ -16,6 +16,7 @@ struct ParsedCommand {
     int threads = 0;  ///< 0: one per core
     bool quiet = false;
     bool json = false;
+    Join join = Join::no;   ///< for `merge`: the command only joins what its shares have made
     int requeue_code = 75;  ///< exit code if a batch system's signal ends the command (core/signals.h)
 };
 
@@ -23,6 +24,7 @@ struct ParsedCommand {
 struct InProcess {
     bool pictures_stay = false;       ///< makes --output optional; without it the image is returned
     std::shared_ptr<KeptFrame> kept;  ///< the command's sample file, if it is open already
+    Join join = Join::no;             ///< ParsedCommand::join
 };
 
 /// `arguments` excludes the name of the program. Throws Error(wrong_arguments) with a one-line text.

@@ -63,13 +63,22 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
           {.low = 1, .high = 100});
     number(app, "--once-above", r.once_above_s, "Measure once what takes longer", "S", from_0);
     app.add_flag("--restart", o->restart, "Begin anew in a folder that holds a chart or an atlas");
+    app.add_option_function<std::string>(
+           "--share", [&r](const std::string& text) { r.share = parse_share("--share", text); },
+           "Only every N-th point, from the I-th, for `merge` (docs/farm.md); not with --atlas")
+        ->type_name("I/N");
     app.add_flag("!--no-plots", r.plots, "No SVG and PNG: gnuplot is not needed");
     common_options(app, common);
-    app.callback([=, &common] {
+    app.callback([=, &app, &common] {
+        o->request.join = common.join;
         // The option is read here, because CLI11's options no longer exist when the command runs.
         const bool of_atlas = atlas_option->count() > 0;
-        common.run = [=, &common] {
+        common.run = [=, asked = asked_for(app), words = words_of(app)] {
             if (of_atlas) {
+                if (o->request.share) {
+                    fail(ExitCode::wrong_arguments,
+                         "--share: not with --atlas, whose cases are small (expected a scene)");
+                }
                 if (o->exposure.stops || o->exposure.automatic) {
                     fail(ExitCode::wrong_arguments,
                          "--exposure: not with --atlas, whose scenes are lit for 0 stops (expected nothing)");
@@ -85,6 +94,7 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
             o->request.exposure_auto = o->exposure.automatic;
             if (*reference) o->request.reference = **reference;
             if (*noise) o->request.second_reference = **noise;
+            if (o->request.share) o->request.part = mark_of_items(*o->request.share, asked, words);
             return run_chart_command(*o);
         };
     });

@@ -48,6 +48,9 @@ CLI::Option* writes(CLI::Option* option);
 /// The options of the parsed subcommand, and the files that it reads.
 [[nodiscard]] AskedFor asked_for(CLI::App& app);
 
+/// The command line again, without --share and without the options of outputs.
+[[nodiscard]] std::vector<std::string> words_of(CLI::App& app);
+
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
     lumens_bounds{.low = 1e-6, .high = 1e6};
 /// Adds --exposure. `absent`: text of the help that says what the default is.

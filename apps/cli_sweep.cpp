@@ -115,13 +115,8 @@ void folder_options(CLI::App& app, SweepOptions& o) {
                  "Keep the pictures of an earlier run in DIR that were made with the same settings from the "
                  "same file");
     app.add_option_function<std::string>(
-           "--share",
-           [&s](const std::string& text) {
-               const Share share = parse_share("--share", text);
-               s.share = {share.index, share.count};
-           },
-           "Only every N-th picture, from the I-th; the same without --share and with --resume joins them "
-           "(docs/farm.md)")
+           "--share", [&s](const std::string& text) { s.share = parse_share("--share", text); },
+           "Only every N-th picture, from the I-th, for `merge` (docs/farm.md)")
         ->type_name("I/N");
     predict_option(app, s.picture.predict);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
@@ -147,7 +142,15 @@ void add_sweep(CLI::App& root, ParsedCommand& common) {
     folder_options(app, *o);
     exposure_option(app, o->exposure, "the sample file's");
     common_options(app, common);
-    app.callback([o, &common] { common.run = [o, &common] { return run_sweep(*o); }; });
+    app.callback([o, &app, &common] {
+        o->settings.join = common.join;
+        // CLI11's options no longer exist when the command runs.
+        common.run = [o, asked = asked_for(app), words = words_of(app)] {
+            SweepSettings& s = o->settings;
+            if (s.share) s.part = mark_of_items(*s.share, asked, words);
+            return run_sweep(*o);
+        };
+    });
 }
 
 }  // namespace postlens

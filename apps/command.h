@@ -10,6 +10,7 @@
 
 #include "compare/comparison.h"
 #include "core/error.h"
+#include "core/share.h"
 #include "focus/focus.h"
 #include "focus/focus_passes.h"
 #include "focus/object_effects.h"
@@ -51,27 +52,24 @@ struct ExposureOption {
     bool automatic = false;
 };
 
-struct TraceOptions {
-    std::string scene, output;
-    SceneReadOptions units;
-    ExposureOption exposure;
-    TraceSettings settings;
-    bool plan = false;  ///< choose levels, hidden layers, overscan and keys for `target_db`
-    double target_db = default_target_db;
-    bool force = false;  ///< trace even if the file will probably not fit on its disk
-};
-
-/// One of `count` parts of a command's work.
-struct Share {
-    int index = 0, count = 1;
-};
-
 /// A share of an image: the rows or samples that one call makes. The share becomes a file, which `merge`
 /// joins with those of the other shares (apps/share.h).
 struct SharedWork {
     Share share;
     std::function<nlohmann::ordered_json()> asked_for;  ///< AskedFor::fingerprint
     std::string mark;                                   ///< of the part; set by take_share
+};
+
+struct TraceOptions {
+    std::optional<SharedWork> shared;
+    std::string scene, output;
+    std::string made_by;  ///< for the file, as for Image::made_by; likewise below
+    SceneReadOptions units;
+    ExposureOption exposure;
+    TraceSettings settings;
+    bool plan = false;  ///< choose levels, hidden layers, overscan and keys for `target_db`
+    double target_db = default_target_db;
+    bool force = false;  ///< trace even if the file will probably not fit on its disk
 };
 
 /// Lens options of `focus`, `records` and others. An absent value is taken from the sample file.
@@ -112,7 +110,7 @@ struct ForeignOptions {
 
 struct FocusOptions {
     std::optional<SharedWork> shared;
-    std::string input, output;
+    std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< the input if it is open already
     LensOptions lens;
     Impulse impulse;
@@ -141,10 +139,12 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
+    /// Runs a command so that it only joins what its shares have made (core/share.h).
+    std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
 struct ImageOptions {
-    std::string input, output;
+    std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
     ExposureOption exposure;
     ForeignOptions foreign;
@@ -163,7 +163,7 @@ struct ShootOptions {
 struct RenderOptions {
     std::optional<SharedWork> shared;
     bool share_by_samples = false;  ///< true: a share is some samples of every pixel; false: some rows
-    std::string scene, output;
+    std::string scene, output, made_by;
     SceneReadOptions units;
     ExposureOption exposure;
     LensOptions lens;
@@ -174,7 +174,7 @@ struct RenderOptions {
 
 struct MotionBlurOptions {
     std::optional<SharedWork> shared;
-    std::string input, output;
+    std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
     std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, which begins at the frame's instant
     std::string curve = "box";        ///< box, triangle or a file

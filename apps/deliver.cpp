@@ -15,12 +15,12 @@ void check_output(const std::string& output) {
     if (!output.empty()) check_image_path(output);
 }
 
-void deliver(Image image, const std::string& output, const std::optional<Crop>& crop, CommandResult& out,
-             const std::optional<SharedWork>& shared) {
-    if (shared) mark_as_part(image, crop, shared->mark);
-    if (!output.empty()) write_image(output, image, crop);
-    report_picture(image, output, crop, out);
-    if (output.empty()) out.pictures.push_back(crop ? cut(image, crop) : std::move(image));
+void deliver(Image image, const Delivery& to, CommandResult& out) {
+    image.made_by = to.made_by;
+    if (to.shared) mark_as_part(image, to.crop, to.shared->mark);
+    if (!to.output.empty()) write_image(to.output, image, to.crop);
+    report_picture(image, to.output, to.crop, out);
+    if (to.output.empty()) out.pictures.push_back(to.crop ? cut(image, to.crop) : std::move(image));
 }
 
 void report_picture(const Image& image, const std::string& output, const std::optional<Crop>& crop,

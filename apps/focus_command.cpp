@@ -182,7 +182,7 @@ CommandResult run_focus(const FocusOptions& options) {
         report_prediction(predict_error(frame, {.focus = settings}, result.image, result.views), out);
     }
     if (options.output.empty()) out.ray_share = cut(hybrid.traced, result.image.width, options.crop);
-    deliver(std::move(result.image), options.output, options.crop, out, options.shared);
+    deliver(std::move(result.image), {options.output, options.crop, options.made_by, options.shared}, out);
     return out;
 }
 

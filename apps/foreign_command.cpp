@@ -151,7 +151,7 @@ CommandResult foreign_image(const ImageOptions& options) {
                 {"has_alpha", !image.alpha.empty()},
                 {"channels", channels_json(picture.channels)}};
     out.text = fmt::format("{}: {}x{} px, flattened", options.output, width, height);
-    deliver(std::move(image), options.output, options.crop, out);
+    deliver(std::move(image), {options.output, options.crop, options.made_by, {}}, out);
     return out;
 }
 
@@ -240,7 +240,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
         result.image.width, result.image.height, method_name(result.method), focal_length_mm, f_number,
         focus_m, counted(static_cast<std::uint64_t>(result.depths), "depth"), px_text(result.largest_coc_px));
     if (told) out.text += fmt::format("\n  {}, {}", method_name(method), usual.reason);
-    deliver(std::move(result.image), options.output, options.crop, out, options.shared);
+    deliver(std::move(result.image), {options.output, options.crop, options.made_by, options.shared}, out);
     return out;
 }
 

@@ -111,6 +111,16 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
+/// The options that hold the exposure and the description of the output.
+template <typename Options>
+auto& image_of(Options& options) {
+    if constexpr (requires { options.focus; }) {
+        return options.focus;
+    } else {
+        return options;
+    }
+}
+
 /// Runs a command for each frame, with options that `adapt` changes, or once without --frames. The commands
 /// trace and render also get the instant of the frame.
 template <typename Options, typename Adapt>
@@ -124,24 +134,33 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
         o.settings.time_s;
     };
     if (has_time) check_fps(frames);
-    return run_frame_range(frames, names, has_time, [&](const FrameFiles& files, int frame) {
-        Options o = options;
-        if constexpr (has_time) o.settings.time_s = time_of(frames, frame, options.settings.time_s);
-        adapt(o, files);
-        CommandResult out = run(o);
-        if constexpr (has_time) out.json["time_s"] = *o.settings.time_s;
-        return out;
-    });
+    FrameOptions range = frames;
+    if (frames.asked_for) {
+        range.asked_for = [&](int frame) {
+            nlohmann::ordered_json out = frames.asked_for(frame);
+            // `auto` is that of the first frame, which need not be among the options of this one.
+            if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
+            return out;
+        };
+    }
+    return run_frame_range(range, names, has_time,
+                           [&](const FrameFiles& files, int frame, const std::string& made_by) {
+                               Options o = options;
+                               image_of(o).made_by = made_by;
+                               if constexpr (has_time)
+                                   o.settings.time_s = time_of(frames, frame, options.settings.time_s);
+                               adapt(o, files);
+                               CommandResult out = run(o);
+                               if constexpr (has_time) out.json["time_s"] = *o.settings.time_s;
+                               return out;
+                           });
 }
 
 }  // namespace
 
 CommandResult run_frames(const FrameOptions& frames, const TraceOptions& asked) {
-    if (frames.shared && !frames.frames) {
-        fail(ExitCode::wrong_arguments,
-             "--share: a single trace cannot be divided (expected with --frames, whose items are frames)");
-    }
     TraceOptions options = asked;
+    if (frames.shared && !frames.frames) options.shared = frames.shared;
     options.exposure = exposure_of_first_scene(frames, asked);
     return each_frame(frames, {options.scene, options.output, {}, false, {}}, options, run_trace,
                       [](TraceOptions& o, const FrameFiles& files) {

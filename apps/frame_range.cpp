@@ -77,6 +77,13 @@ bool all_whole(const FrameFiles& files) {
     return is_whole(halves[0]) && is_whole(halves[1]);
 }
 
+/// Why an output is not what a command would make: the first setting that differs; empty if none does.
+std::string why_again(const fs::path& output, const nlohmann::ordered_json& made_by) {
+    const std::string stated = read_made_by(output);
+    const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
+    return json.is_object() ? first_difference(json, made_by) : "its file does not say how";
+}
+
 nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
     for (const Warning& w : warnings) out.push_back({{"code", w.code}, {"share", w.share}, {"text", w.text}});
@@ -207,8 +214,9 @@ void refuse_frames(const FrameOptions& options, const FrameFiles& names) {
     }
 }
 
-CommandResult run_frame_range(const FrameOptions& options, const FrameFiles& names, bool in_time,
-                              const std::function<CommandResult(const FrameFiles&, int)>& run) {
+CommandResult run_frame_range(
+    const FrameOptions& options, const FrameFiles& names, bool in_time,
+    const std::function<CommandResult(const FrameFiles&, int, const std::string&)>& run) {
     check_names(names, in_time);
     const FrameName input(names.input, !in_time), output(names.output, true),
         explain(names.explain.value_or(""), true);
@@ -219,28 +227,38 @@ CommandResult run_frame_range(const FrameOptions& options, const FrameFiles& nam
     std::size_t asked = 0;
     for (std::size_t i = 0; i < options.frames->size(); ++i) {
         const int frame = (*options.frames)[i];
-        if (options.shared && !is_in(options.shared->share, i)) continue;
+        if (options.shared && !options.shared->share.has(i)) continue;
         ++asked;
         throw_if_interrupted();
         FrameFiles files{input.of(frame), output.of(frame), {}, names.halves, {}};
         if (names.explain) files.explain = explain.of(frame);
         for (const std::string& pass : names.passes) files.passes.push_back(FrameName(pass, true).of(frame));
         nlohmann::ordered_json of_frame = {{"frame", frame}, {"output", files.output}};
-        if (options.keep && all_whole(files)) {
-            ++kept;
-            of_frame["kept"] = true;
-            frames.push_back(std::move(of_frame));
-            continue;
-        }
-        of_frame["kept"] = false;
         const auto start = std::chrono::steady_clock::now();
         CommandResult one;
+        std::string made_again;
+        bool keep = false;
         try {
-            one = run(files, frame);
+            nlohmann::ordered_json made_by = options.asked_for ? options.asked_for(frame) : nullptr;
+            if (in_time) made_by["frame"] = frame;
+            keep = options.keep && all_whole(files);
+            if (keep) made_again = why_again(files.output, made_by);
+            keep = keep && made_again.empty();
+            if (!keep) one = run(files, frame, made_by.is_null() ? "" : made_by.dump());
         } catch (const Error& e) {
             throw Error(e.code(), fmt::format("frame {}: {}", frame, e.what()));
         } catch (const std::bad_alloc&) {
             fail(ExitCode::out_of_memory, "frame {}: not enough memory", frame);
+        }
+        of_frame["kept"] = keep;
+        if (keep) {
+            ++kept;
+            frames.push_back(std::move(of_frame));
+            continue;
+        }
+        if (!made_again.empty()) {
+            of_frame["made_again"] = made_again;
+            one.warnings.push_back({"made_again", "made again, as it was made otherwise: " + made_again});
         }
         of_frame.update(one.json);
         of_frame["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -22,7 +22,7 @@ CommandResult run_image(const ImageOptions& options) {
     warn_of_lost_rows(file, out.warnings);
     out.json = {{"width", width}, {"height", height}, {"records", file.record_count()}};
     out.text = fmt::format("{}: {}x{} px, pinhole", output, width, height);
-    deliver(std::move(image), output, options.crop, out);
+    deliver(std::move(image), {output, options.crop, options.made_by, {}}, out);
     return out;
 }
 

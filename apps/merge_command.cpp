@@ -1,9 +1,9 @@
-#include <algorithm>
+#include <filesystem>
 #include <map>
 
 #include "apps/command.h"
 #include "apps/deliver.h"
-#include "apps/share.h"
+#include "apps/merge_parts.h"
 #include "core/memory.h"
 #include "records/picture_part.h"
 #include "tracer/render.h"
@@ -12,8 +12,6 @@
 namespace postlens {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct NamedPart {
     std::string name;
     PicturePart part;
@@ -21,16 +19,6 @@ struct NamedPart {
     Share share;
     std::optional<double> exposure_stops;
 };
-
-/// Reads the share from the mark of a part. Throws for a mark that postlens has not written.
-Share share_in(const Json& mark, const std::string& name) {
-    const bool whole = mark.is_object() && mark.contains("share") && mark["share"].is_array() &&
-                       mark["share"].size() == 2 && mark["share"][0].is_number_integer() &&
-                       mark["share"][1].is_number_integer() && mark.contains("made_by") &&
-                       mark["made_by"].is_object() && mark.contains("crop");
-    if (!whole) fail(ExitCode::invalid_input, "{}: is a damaged part (its mark is not ours)", name);
-    return {mark["share"][0].get<int>(), mark["share"][1].get<int>()};
-}
 
 NamedPart read_part(const std::string& name) {
     std::optional<PicturePart> part = read_picture_part(name);
@@ -42,65 +30,6 @@ NamedPart read_part(const std::string& name) {
     out.exposure_stops = out.part.image.exposure_stops;
     out.mark = Json::parse(out.part.mark, nullptr, false);
     out.share = share_in(out.mark, name);
-    return out;
-}
-
-/// Description of a part without its pixels.
-struct PartFacts {  // NOLINT(bugprone-exception-escape): assertions inside of the JSON library
-    std::string name;
-    Json mark;
-    Share share;
-};
-
-/// Throws if two parts do not belong to the same image.
-void check_same_work(const PartFacts& first, const PartFacts& other) {
-    if (other.share.count != first.share.count) {
-        fail(ExitCode::invalid_input, "{}: is one of {} parts (expected one of {}, as {})", other.name,
-             other.share.count, first.share.count, first.name);
-    }
-    if (const std::string difference = first_difference(other.mark["made_by"], first.mark["made_by"]);
-        !difference.empty()) {
-        fail(ExitCode::invalid_input, "{}: is a part of something else than {}: {}", other.name, first.name,
-             difference);
-    }
-    if (other.mark["crop"] != first.mark["crop"])
-        fail(ExitCode::invalid_input, "{}: has another crop than {}", other.name, first.name);
-}
-
-/// The parts that were found, by share. Throws if two parts have the same share.
-class Found {
-  public:
-    void add(const PartFacts& part) {
-        if (const auto [at, is_new] = names_.try_emplace(part.share.index, part.name); !is_new) {
-            fail(ExitCode::invalid_input, "{}: is the same part as {} (got {}/{} twice)", part.name,
-                 at->second, part.share.index, part.share.count);
-        }
-    }
-    /// Shares without a part; throws if there are any, unless `partial`.
-    [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
-
-  private:
-    std::map<int, std::string> names_;
-};
-
-std::string listed(const std::vector<int>& shares, int count) {
-    constexpr std::size_t most = 8;
-    std::string out;
-    for (std::size_t i = 0; i < std::min(shares.size(), most); ++i)
-        out += fmt::format("{}{}/{}", i == 0 ? "" : ", ", shares[i], count);
-    return shares.size() > most ? fmt::format("{} and {} more", out, shares.size() - most) : out;
-}
-
-std::vector<int> Found::missing(int count, bool partial) const {
-    std::vector<int> out;
-    for (int i = 0; i < count; ++i) {
-        if (!names_.contains(i)) out.push_back(i);
-    }
-    if (!out.empty() && !partial) {
-        fail(ExitCode::invalid_input,
-             "parts are missing (got {} of {}; expected also {}; --partial merges what is there)",
-             names_.size(), count, listed(out, count));
-    }
     return out;
 }
 
@@ -136,7 +65,7 @@ Image whole_of(const NamedPart& part) {
 /// Joins parts that are rows of an image. Reads the parts one after the other, so that only one is in memory.
 Merged merge_rows(const std::vector<std::string>& names, bool partial) {
     Merged out;
-    Found found;
+    FoundParts found;
     ImageSize size;
     std::optional<double> stops;
     for (const std::string& name : names) {
@@ -163,7 +92,7 @@ Merged merge_rows(const std::vector<std::string>& names, bool partial) {
 /// the marks of all parts, then the sums of one part after the other.
 Merged merge_samples(const std::vector<std::string>& names, bool partial) {
     Merged out;
-    Found found;
+    FoundParts found;
     std::map<int, std::string> ordered;
     const auto read = [](const std::string& name, bool facts_only) {
         std::optional<RenderPart> part = read_render_part(name, facts_only);
@@ -211,9 +140,7 @@ std::vector<Image> merge_halves(const std::vector<std::string>& names, bool part
     return out;
 }
 
-}  // namespace
-
-CommandResult run_merge(const MergeOptions& options) {
+CommandResult merge_pictures(const MergeOptions& options) {
     check_output(options.output);
     const bool samples =
         is_openexr(options.parts.front()) && read_render_part(options.parts.front(), true).has_value();
@@ -241,8 +168,17 @@ CommandResult run_merge(const MergeOptions& options) {
         for (std::size_t h = 0; h < results.size(); ++h) write_image(results[h], merged.halves[h], crop);
         out.json["halves"] = {results[0].string(), results[1].string()};
     }
-    deliver(std::move(merged.image), options.output, crop, out);
+    deliver(std::move(merged.image), {options.output, crop, {}, {}}, out);
     return out;
+}
+
+}  // namespace
+
+CommandResult run_merge(const MergeOptions& options) {
+    const std::string& first = options.parts.front();
+    if (std::filesystem::path(first).extension() == ".json") return merge_items(options);
+    if (SampleFileReader::is_sample_file(first)) return merge_traces(options);
+    return merge_pictures(options);
 }
 
 }  // namespace postlens

@@ -137,7 +137,8 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
         headline(options, result,
                  fmt::format("by {} and {}, longest {:.4g} px, shutter {:.6g} to {:.6g} frames", frame.u_name,
                              frame.v_name, frame.largest_px, exposure.open_s, exposure.close_s));
-    deliver(std::move(result.image), options.output, options.settings.crop, out, options.shared);
+    deliver(std::move(result.image), {options.output, options.settings.crop, options.made_by, options.shared},
+            out);
     return out;
 }
 
@@ -232,7 +233,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
                                : "");
     }
     if (left > 0) out.text += fmt::format("\n  and {} more (see --json)", left);
-    deliver(std::move(result.image), options.output, settings.crop, out, options.shared);
+    deliver(std::move(result.image), {options.output, settings.crop, options.made_by, options.shared}, out);
     return out;
 }
 

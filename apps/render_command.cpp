@@ -54,6 +54,7 @@ nlohmann::ordered_json shutter_json(const RenderSettings& s) {
 CommandResult run_render(const RenderOptions& options) {
     CommandResult out;
     RenderSettings settings = options.settings;
+    settings.made_by = options.made_by;
     settings.focal_length_mm = options.lens.focal_length_mm;
     settings.f_number = options.lens.f_number;
     settings.focus_m = options.lens.focus_m;

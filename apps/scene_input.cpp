@@ -1,5 +1,6 @@
 #include "apps/scene_input.h"
 
+#include "apps/share.h"
 #include "core/file_identity.h"
 #include "tracer/exposure.h"
 
@@ -8,6 +9,7 @@ namespace postlens {
 Scene read_scene_of_command(const std::string& path, const SceneReadOptions& units,
                             const std::vector<std::filesystem::path>& written, CommandResult& out) {
     Scene scene = read_scene(path, units);
+    remember_digest(path, scene);
     refuse_overwriting(scene.referred, written);
     for (const std::string& note : scene.notes) out.warnings.push_back({"scene", note});
     return scene;

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <filesystem>
+#include <map>
+#include <mutex>
 
 #include "records/crop.h"
 #include "tracer/file_digest.h"
+#include "tracer/scene.h"
 
 namespace postlens {
-
 Share parse_share(std::string_view option, std::string_view text) {
     constexpr int most = 100000;
     Share out;
@@ -41,14 +44,80 @@ Crop rows_of_share(const Share& share, const std::optional<Crop>& crop, int widt
     return {whole.x, whole.y + begin, whole.width, end - begin};
 }
 
-nlohmann::ordered_json AskedFor::fingerprint() const {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The files whose SHA-256 is known, and what they were then; frames of a film often share a scene.
+class Digests {
+  public:
+    [[nodiscard]] std::optional<std::string> of(const std::string& path) {
+        const std::lock_guard lock(mutex_);
+        const auto at = known_.find(fs::absolute(path).string());
+        if (at == known_.end()) return std::nullopt;
+        const bool same = std::all_of(at->second.files.begin(), at->second.files.end(), [](const auto& file) {
+            std::error_code none;
+            return fs::last_write_time(file.first, none) == file.second && !none;
+        });
+        return same ? std::optional(at->second.digest) : std::nullopt;
+    }
+
+    void set(const std::string& path, std::vector<fs::path> files, const std::string& digest) {
+        files.push_back(path);
+        Known now{{}, digest};
+        for (const fs::path& file : files) {
+            std::error_code none;
+            now.files.emplace_back(file, fs::last_write_time(file, none));
+            // A file that was written just now may change again within the resolution of its time.
+            constexpr std::chrono::seconds long_enough(2);
+            if (none || fs::file_time_type::clock::now() - now.files.back().second < long_enough) return;
+        }
+        const std::lock_guard lock(mutex_);
+        known_[fs::absolute(path).string()] = std::move(now);
+    }
+
+  private:
+    struct Known {
+        std::vector<std::pair<fs::path, fs::file_time_type>> files;
+        std::string digest;
+    };
+    std::mutex mutex_;
+    std::map<std::string, Known> known_;
+};
+
+Digests& digests() {
+    static Digests all;
+    return all;
+}
+
+/// SHA-256 of a file; of a scene, with the files that it refers to.
+std::string digest_of(const std::string& path, bool scene) {
+    if (fs::is_directory(path)) return "a folder";
+    if (const auto known = digests().of(path)) return *known;
+    if (scene) {
+        const Scene read = read_scene(path);
+        remember_digest(path, read);
+        return read.sha256;
+    }
+    const std::string digest = sha256_of_file(path);
+    digests().set(path, {}, digest);
+    return digest;
+}
+
+}  // namespace
+
+nlohmann::ordered_json AskedFor::fingerprint(const std::function<std::string(const Input&)>& file_of) const {
     nlohmann::ordered_json out = {{"version", POSTLENS_VERSION}, {"command", command}};
     for (const auto& [name, values] : options) out[name] = values;
-    for (const auto& [name, path] : inputs) {
-        const std::string digest = std::filesystem::is_directory(path) ? "a folder" : sha256_of_file(path);
-        out[name].push_back("sha256:" + digest);
+    for (const Input& input : inputs) {
+        const std::string digest = digest_of(file_of ? file_of(input) : input.path, input.scene);
+        out[input.option].push_back(input.before + "sha256:" + digest + input.after);
     }
     return out;
+}
+
+void remember_digest(const std::string& path, const Scene& scene) {
+    digests().set(path, scene.referred, scene.sha256);
 }
 
 std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop) {
@@ -56,6 +125,14 @@ std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop) {
     return nlohmann::ordered_json{{"share", {work.share.index, work.share.count}},
                                   {"crop", crop ? list(*crop) : nlohmann::ordered_json()},
                                   {"made_by", work.asked_for()}}
+        .dump();
+}
+
+std::string mark_of_items(const Share& share, const AskedFor& asked, const std::vector<std::string>& words) {
+    return nlohmann::ordered_json{{"share", {share.index, share.count}},
+                                  {"crop", nullptr},
+                                  {"made_by", asked.fingerprint()},
+                                  {"words", words}}
         .dump();
 }
 

@@ -18,12 +18,6 @@ namespace postlens {
 /// names the option.
 [[nodiscard]] Share parse_share(std::string_view option, std::string_view text);
 
-/// Whether the i-th of several items, such as frames, belongs to a share. A share has every N-th item, where
-/// N is the number of shares.
-[[nodiscard]] inline bool is_in(const Share& share, std::size_t i) {
-    return i % static_cast<std::size_t>(share.count) == static_cast<std::size_t>(share.index);
-}
-
 /// The rows of a picture, or of a crop of it, that are a share; shares differ by at most one row. Throws
 /// Error(wrong_arguments) if there are more shares than rows.
 [[nodiscard]] Crop rows_of_share(const Share& share, const std::optional<Crop>& crop, int width, int height);
@@ -32,15 +26,33 @@ namespace postlens {
 struct AskedFor {
     std::string command;
     std::vector<std::pair<std::string, std::vector<std::string>>> options;  ///< by name
-    std::vector<std::pair<std::string, std::string>> inputs;                ///< option and file
+    struct Input {
+        std::string option;
+        std::string before, after;  ///< what else the text of the option holds, around the path
+        std::string path;     ///< with --frames, may hold a placeholder for the frame number (FrameName)
+        bool hashes = false;  ///< # is such a placeholder as well
+        bool scene = false;   ///< the files that the scene refers to count as well
+    };
+    std::vector<Input> inputs;
     /// JSON with the version of postlens, the options, and the SHA-256 of the input files, whose paths do not
-    /// count. Throws Error(invalid_input) for a file that cannot be read.
-    [[nodiscard]] nlohmann::ordered_json fingerprint() const;
+    /// count. `file_of` returns the path of an input. Throws Error(invalid_input) for a file that cannot be
+    /// read.
+    [[nodiscard]] nlohmann::ordered_json fingerprint(
+        const std::function<std::string(const Input&)>& file_of = {}) const;
 };
+
+/// Saves AskedFor::fingerprint from reading a scene that the command has read already.
+void remember_digest(const std::string& path, const Scene& scene);
 
 /// The mark of a part, from which `merge` recognises it: JSON with the share, the crop of the whole image,
 /// and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
+
+/// The mark of a part that consists of items, such as the pictures of a sweep: JSON with the share, the
+/// fingerprint of the command, and the command's words without share and output, with which `merge` joins
+/// them.
+[[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
+                                        const std::vector<std::string>& words);
 
 /// Sets the share's rows as the crop of a command, and the mark of its part.
 void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height);

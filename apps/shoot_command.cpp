@@ -77,7 +77,7 @@ CommandResult run_shoot(const ShootOptions& options) {
         report_prediction(predict_error(frame, settings, result.focus.image, views), out);
     }
     if (o.output.empty()) out.ray_share = cut(result.traced, result.focus.image.width, o.crop);
-    deliver(std::move(result.focus.image), o.output, o.crop, out, o.shared);
+    deliver(std::move(result.focus.image), {o.output, o.crop, o.made_by, o.shared}, out);
     return out;
 }
 

@@ -4,6 +4,7 @@
 #include "apps/command.h"
 #include "apps/numbers.h"
 #include "apps/scene_input.h"
+#include "apps/share.h"
 #include "core/disk.h"
 #include "planner/trace_plan.h"
 #include "tracer/averaged_shading.h"
@@ -63,6 +64,11 @@ CommandResult run_trace(const TraceOptions& options) {
     Scene scene = read_scene_of_command(options.scene, options.units, {options.output}, out);
     warn_of_motion(scene, out);
     TraceSettings settings = options.settings;
+    settings.made_by = options.made_by;
+    if (const auto& shared = options.shared) {
+        settings.share = shared->share;
+        settings.made_by = mark_of(*shared, std::nullopt);
+    }
     settings.auto_exposure_stops = auto_exposure_stops(scene, settings.camera_name, settings.camera);
     expose(scene,
            options.exposure.automatic ? *settings.auto_exposure_stops : options.exposure.stops.value_or(0));

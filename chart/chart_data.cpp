@@ -167,6 +167,7 @@ Json to_json(const ChartData& data) {
                                  {"retraced_share", p.retraced_share},
                                  {"warnings", p.warnings}});
     }
+    if (!data.part.is_null()) out["part"] = data.part;
     return out;
 }
 

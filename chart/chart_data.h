@@ -66,6 +66,7 @@ struct ChartData {
     double reference_s = 0;
     std::vector<ChartTrace> traces;
     std::vector<ChartPoint> points;
+    nlohmann::ordered_json part;  ///< ChartRequest::part; null: not a share
 
     [[nodiscard]] const ChartTrace* trace_of(const ChartPoint& point) const;
 };

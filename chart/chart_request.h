@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/share.h"
 #include "lens/focus_geometry.h"
 #include "tracer/camera_model.h"
 #include "tracer/ray_scene.h"
@@ -39,6 +40,12 @@ struct ChartRequest {
     int rounds = 3;
     double once_above_s = 20;
     bool plots = true;  ///< draw SVG and PNG plots with gnuplot
+
+    /// Measures only every N-th point of the plan, into chart.I-of-N.json. A later chart of all points in the
+    /// same folder takes over what the shares have measured.
+    std::optional<Share> share;
+    std::string part;      ///< JSON that the chart of a share states as "part"; empty: none
+    Join join = Join::no;  ///< measures no point
 };
 
 /// Throws Error(wrong_arguments) for a number out of range, and for a second reference without a first.

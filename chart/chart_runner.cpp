@@ -1,5 +1,6 @@
 #include "chart/chart_runner.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -85,6 +86,30 @@ Scene exposed_scene(const ChartRequest& r) {
     return scene;
 }
 
+/// The points of a request, or of its share, with the traces that they need. The first trace stays, because
+/// the pinhole image is made from it.
+ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
+    ChartPlan all = chart_plan(r, view);
+    if (!r.share) return all;
+    if (static_cast<std::size_t>(r.share->count) > all.points.size()) {
+        fail(ExitCode::wrong_arguments, "--share: more shares than points (got {}; expected {} or less)",
+             r.share->count, all.points.size());
+    }
+    ChartPlan out;
+    for (std::size_t i = 0; i < all.points.size(); ++i)
+        if (r.share->has(i)) out.points.push_back(all.points[i]);
+    for (PlannedTrace& t : all.traces) {
+        const bool needed = std::any_of(out.points.begin(), out.points.end(),
+                                        [&](const PlannedPoint& p) { return p.trace == t.name; });
+        if (needed || out.traces.empty()) out.traces.push_back(std::move(t));
+    }
+    return out;
+}
+
+std::string share_suffix(const ChartRequest& r) {
+    return r.share ? fmt::format(".{}-of-{}", r.share->index, r.share->count) : "";
+}
+
 class Runner {
   public:
     Runner(const ChartRequest& request, fs::path folder)
@@ -92,7 +117,7 @@ class Runner {
           folder_(std::move(folder)),
           scene_(exposed_scene(request)),
           view_(chart_view(request, scene_)),
-          plan_(chart_plan(request, view_)) {}
+          plan_(plan_of(request, view_)) {}
 
     void run(bool restart, ChartRun& out) {
         begin(restart, out);
@@ -101,10 +126,13 @@ class Runner {
         Progress progress("chart", steps);
         // The traces come first, because methods read them. The pinhole image, made from a trace, determines
         // which pixels are affected by blur.
-        for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
+        if (request_.join == Join::no)
+            for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
+        else
+            check_join();
         references();
         progress.advance(3);
-        for (int round = 0; round < request_.rounds; ++round) {
+        for (int round = 0; round < request_.rounds && request_.join == Join::no; ++round) {
             for (std::size_t t = 0; t < plan_.traces.size(); ++t) {
                 measure_trace(t, round);
                 progress.advance();
@@ -115,9 +143,10 @@ class Runner {
             }
         }
         std::error_code none;
-        fs::remove_all(folder_ / "frames", none);
+        fs::remove_all(frames_folder(), none);
         out.data = std::move(data_);
         out.kept = kept_;
+        if (other_machine_) out.notes.emplace_back("the times are of several machines");
     }
 
   private:
@@ -128,22 +157,21 @@ class Runner {
         }
         check_outputs();
         make_folder(folder_);
-        for (const char* name : {"frames", "pictures", "maps"}) make_folder(folder_ / name);
+        for (const char* name : {"pictures", "maps"}) make_folder(folder_ / name);
+        make_folder(frames_folder());
         const std::string key = key_of(request_, view_, scene_);
-        if (!restart && fs::exists(chart_path())) {
-            data_ = chart_from_json(read_text_file(chart_path(), largest_chart_bytes), chart_path());
-            if (data_.key != key) {
-                fail(ExitCode::wrong_arguments,
-                     "{}: holds another chart (got {}; expected {}); --restart begins anew", folder_.string(),
-                     data_.key, key);
-            }
+        if (!restart) {
+            for (const fs::path& path : earlier_charts()) take_over(path, key);
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
-        } else {
+        }
+        // Shares have their images in common; what another one has made stays.
+        if (data_.key.empty() && !request_.share) {
             std::error_code none;
             for (const char* name : own_pictures) fs::remove(folder_ / name, none);
         }
         data_.key = key;
         data_.about = about_json(request_, view_, scene_);
+        data_.part = request_.part.empty() ? Json() : Json::parse(request_.part);
         // Results of an earlier run are sorted into the order of this run's plan.
         std::vector<ChartTrace> traces;
         for (const PlannedTrace& t : plan_.traces) {
@@ -164,6 +192,63 @@ class Runner {
         }
         data_.points = std::move(points);
         save();
+    }
+
+    // The chart that this run goes on with, after the charts of shares.
+    [[nodiscard]] std::vector<fs::path> earlier_charts() const {
+        std::vector<fs::path> out;
+        if (!request_.share) {
+            for (const auto& entry : fs::directory_iterator(folder_)) {
+                const std::string name = entry.path().filename().string();
+                if (name.starts_with("chart.") && name.ends_with(".json") &&
+                    name.find("-of-") != std::string::npos)
+                    out.push_back(entry.path());
+            }
+            std::sort(out.begin(), out.end());
+        }
+        if (fs::exists(chart_path())) out.push_back(chart_path());
+        return out;
+    }
+
+    // Adds the measurements of an earlier run. Of a point that several have measured, the one with more
+    // rounds counts.
+    void take_over(const fs::path& path, const std::string& key) {
+        ChartData from = chart_from_json(read_text_file(path, largest_chart_bytes), path);
+        if (from.key != key) {
+            fail(ExitCode::wrong_arguments,
+                 "{}: holds another chart (got {}; expected {}); --restart begins anew", folder_.string(),
+                 from.key, key);
+        }
+        other_machine_ = other_machine_ || from.about.value("machine", Json()) != machine_json();
+        const auto add = [](auto& to, auto& of, const auto& same) {
+            for (auto& m : of) {
+                const auto at =
+                    std::find_if(to.begin(), to.end(), [&](const auto& known) { return same(known, m); });
+                if (at == to.end()) {
+                    to.push_back(std::move(m));
+                } else if (m.seconds.size() > at->seconds.size()) {
+                    *at = std::move(m);
+                }
+            }
+        };
+        add(from.traces, data_.traces,
+            [](const ChartTrace& a, const ChartTrace& b) { return a.name == b.name; });
+        add(from.points, data_.points,
+            [](const ChartPoint& a, const ChartPoint& b) { return a.name == b.name && a.trace == b.trace; });
+        data_ = std::move(from);
+    }
+
+    // Leaves out, or refuses, the points that no share has measured.
+    void check_join() {
+        std::vector<std::string> missing;
+        for (const ChartPoint& p : data_.points)
+            if (!p.figures) missing.push_back(p.name);
+        if (!missing.empty() && request_.join == Join::whole) {
+            fail(ExitCode::invalid_input,
+                 "{}: {} of {} points are missing, e.g. {} (expected all; --partial joins what is there)",
+                 folder_.string(), missing.size(), data_.points.size(), missing.front());
+        }
+        std::erase_if(data_.points, [](const ChartPoint& p) { return !p.figures; });
     }
 
     // Refuses a reference that lies in the output folder under the name of an output, because the run would
@@ -192,9 +277,12 @@ class Runner {
         }
     }
 
-    [[nodiscard]] fs::path chart_path() const { return folder_ / "chart.json"; }
+    [[nodiscard]] fs::path chart_path() const {
+        return folder_ / ("chart" + share_suffix(request_) + ".json");
+    }
+    [[nodiscard]] fs::path frames_folder() const { return folder_ / ("frames" + share_suffix(request_)); }
     [[nodiscard]] fs::path frame_path(const std::string& name) const {
-        return folder_ / "frames" / (point_file_name(name) + ".exr");
+        return frames_folder() / (point_file_name(name) + ".exr");
     }
 
     void save() const { write_file(chart_path(), to_json(data_).dump(1) + "\n"); }
@@ -382,6 +470,7 @@ class Runner {
     Image pinhole_, reference_;
     std::optional<Image> second_;
     std::size_t kept_ = 0;
+    bool other_machine_ = false;
 };
 
 }  // namespace

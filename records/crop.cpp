@@ -34,6 +34,7 @@ Image cut(const Image& picture, const std::optional<Crop>& crop) {
     for (const Image::Plane& p : picture.planes)
         out.planes.push_back({p.name, cut(p.values, picture.width, crop)});
     out.texts = picture.texts;
+    out.made_by = picture.made_by;
     return out;
 }
 

@@ -88,7 +88,8 @@ void keep_quiet(png_structp /*png*/, png_const_charp /*warning*/) {}
 
 /// libpng reports errors by longjmp, so no object here may need a destructor. `stops` is null if the exposure
 /// is not known.
-bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture, png_textp stops) {
+bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture,
+                std::vector<png_text>& texts) {
     // NOLINTNEXTLINE(cert-err52-cpp): how libpng reports errors
     if (setjmp(png_jmpbuf(png)) != 0) return false;
     png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.height),
@@ -100,7 +101,7 @@ bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture, 
     constexpr int quick = 3;
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(png, quick);
-    if (stops != nullptr) png_set_text(png, info, stops, 1);
+    if (!texts.empty()) png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
     png_write_info(png, info);
     for (int y = 0; y < picture.height; ++y) png_write_row(png, picture.row(y));
     png_write_end(png, info);
@@ -116,6 +117,7 @@ std::uint8_t srgb_byte(float v) {
 EncodedPicture encoded_8bit(const Image& image) {
     EncodedPicture out(image.width, image.height);
     out.exposure_stops = image.exposure_stops;
+    out.made_by = image.made_by;
     const ByteTable& table = byte_table();
     const std::size_t row_values = static_cast<std::size_t>(image.width) * 3;
     parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t y) {
@@ -136,14 +138,20 @@ std::string png_file(const EncodedPicture& picture, const std::string& shown_nam
     bool ok = false;
     if (info != nullptr) {
         png_set_write_fn(png, &out, append, nullptr);
-        std::string key = exposure_attribute, value;
-        if (picture.exposure_stops) value = fmt::format("{}", *picture.exposure_stops);
-        png_text text{};
-        text.compression = PNG_TEXT_COMPRESSION_NONE;
-        text.key = key.data();
-        text.text = value.data();
-        text.text_length = value.size();
-        ok = write_rows(png, info, picture, picture.exposure_stops ? &text : nullptr);
+        // libpng takes the words as pointers to characters that it may change.
+        std::string keys[] = {exposure_attribute, made_by_attribute};
+        std::string values[] = {picture.exposure_stops ? fmt::format("{}", *picture.exposure_stops) : "",
+                                picture.made_by};
+        std::vector<png_text> texts;
+        for (std::size_t i = 0; i < std::size(keys); ++i) {
+            if (values[i].empty()) continue;
+            png_text& text = texts.emplace_back();
+            text.compression = PNG_TEXT_COMPRESSION_NONE;
+            text.key = keys[i].data();
+            text.text = values[i].data();
+            text.text_length = values[i].size();
+        }
+        ok = write_rows(png, info, picture, texts);
     } else {
         out.problem = "out of memory";
     }

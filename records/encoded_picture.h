@@ -15,6 +15,7 @@ struct EncodedPicture {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgb;
     std::optional<double> exposure_stops{};  ///< as in Image; stored in the file if known
+    std::string made_by{};                   ///< as in Image
 
     EncodedPicture() = default;
     EncodedPicture(int w, int h)

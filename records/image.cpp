@@ -102,6 +102,7 @@ std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place&
             {p.name, ExrChannel::Type::float32, p.values.data(), FlatExr::Channel::Layout::plane});
     }
     exr.texts = image.texts;
+    if (!image.made_by.empty()) exr.texts.emplace_back(made_by_attribute, image.made_by);
     exr.pixel_bytes = (rgba.empty() ? 3 : 4) * sizeof(float);
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(image.width);
     // RLE does not compress floats, except for an alpha that is 1 everywhere.
@@ -123,8 +124,12 @@ std::uint64_t write_other(OutputFile& file, Format format, const Image& image) {
     if (format == Format::png)
         return write_bytes(file, png_file(encoded_8bit(image), file.target().string()));
     std::string problem;
-    const std::string description =
+    std::string description =
         image.exposure_stops ? fmt::format("{}={}", exposure_attribute, *image.exposure_stops) : "";
+    if (!image.made_by.empty()) {
+        description +=
+            fmt::format("{}{}={}", description.empty() ? "" : "\n", made_by_attribute, image.made_by);
+    }
     const std::vector<unsigned char> bytes =
         format == Format::tiff
             ? picture_library().tiff(image.width, image.height, encoded_16bit(image), description, problem)
@@ -251,6 +256,10 @@ Image in_display_window(const OpenedImage& file, const Image& stored, const std:
 ImageSize read_image_size(const fs::path& path) {
     const OpenedImage file = open_image(path);
     return {file.width, file.height};
+}
+
+std::string read_made_by(const fs::path& path) {
+    return open_image(path).in->layout().made_by;
 }
 
 Image read_image(const fs::path& path, PictureValues values) {

@@ -28,6 +28,7 @@ struct Image {
     };
     std::vector<Plane> planes;                               ///< only .exr files have them
     std::vector<std::pair<std::string, std::string>> texts;  ///< attributes that belong to `planes`
+    std::string made_by;  ///< how the image was made, for its file; empty: the file does not say
 
     Image() = default;
     Image(int w, int h)
@@ -63,6 +64,9 @@ struct Crop {
 /// written. An .exr then has the crop as data window and the whole image as display window, and
 /// `postlens.crop` tells `read_image` to return the crop alone.
 ///
+/// `made_by`, if not empty, is stored as `postlens.made_by`: in .exr as an attribute, in other formats as
+/// text.
+///
 /// Returns the XXH3 hash (64 bits) of the file. Throws Error(cannot_write) on any failure, and
 /// Error(wrong_arguments) for an unknown extension and a crop that is not within the image.
 std::uint64_t write_image(const std::filesystem::path& path, const Image& image,
@@ -81,6 +85,10 @@ struct ImageSize {
 
 /// Size of the image that `read_image` returns, from the header alone. Throws Error(invalid_input).
 [[nodiscard]] ImageSize read_image_size(const std::filesystem::path& path);
+
+/// How the image or sample file was made, as the file says (Image::made_by, SampleHeader::made_by); empty if
+/// it does not say. Throws Error(invalid_input).
+[[nodiscard]] std::string read_made_by(const std::filesystem::path& path);
 
 /// How `read_image` treats an OpenEXR file that states an exposure.
 enum class PictureValues {

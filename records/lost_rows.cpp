@@ -68,6 +68,24 @@ void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
     }
 }
 
+RecordBand stand_in_row(const RecordBand* above, int x_begin, int x_end, int y) {
+    RecordBand out{.x_begin = x_begin, .x_end = x_end, .y_begin = y, .y_end = y + 1};
+    stand_in_for_row(above, x_begin, x_end, y, out.offsets, out.records);
+    return out;
+}
+
+RecordBand rows_of(const RecordBand& band, int y_begin, int y_end) {
+    RecordBand out{.x_begin = band.x_begin, .x_end = band.x_end, .y_begin = y_begin, .y_end = y_end};
+    if (y_end <= y_begin) return out;
+    const std::size_t first = band.pixel(band.x_begin, y_begin), last = band.pixel(band.x_begin, y_end);
+    const std::uint32_t from = band.offsets[first];
+    out.offsets.assign(band.offsets.begin() + static_cast<std::ptrdiff_t>(first),
+                       band.offsets.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+    for (std::uint32_t& offset : out.offsets) offset -= from;
+    out.records.assign(band.records.begin() + from, band.records.begin() + from + out.offsets.back());
+    return out;
+}
+
 void add_runs(std::size_t instant, std::span<const std::uint8_t> lost, int y_begin,
               std::vector<LostRows>& runs) {
     for (std::size_t row = 0; row < lost.size(); ++row) {

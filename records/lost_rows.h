@@ -25,6 +25,12 @@ struct LostRows {
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
+/// The same as a band of one row.
+[[nodiscard]] RecordBand stand_in_row(const RecordBand* above, int x_begin, int x_end, int y);
+
+/// Rows [y_begin, y_end) of a band that has them.
+[[nodiscard]] RecordBand rows_of(const RecordBand& band, int y_begin, int y_end);
+
 /// Merges neighbouring lost rows of an instant. `lost` has one flag per row, from row y_begin on.
 void add_runs(std::size_t instant, std::span<const std::uint8_t> lost, int y_begin,
               std::vector<LostRows>& runs);

@@ -22,12 +22,17 @@ auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
     }
 }
 
-/// Exposure as text. A sample file has it as a double, TIFF and JPEG in their description.
-std::string exposure_of(const OIIO::ImageSpec& s) {
-    if (const OIIO::ParamValue* found = s.find_attribute(exposure_attribute)) return found->get_string();
-    const std::string begin = std::string(exposure_attribute) + "=";
-    const std::string text(s.get_string_attribute("ImageDescription"));
-    return text.compare(0, begin.size(), begin) == 0 ? text.substr(begin.size()) : "";
+/// An attribute as text. A sample file has some as numbers; TIFF and JPEG have them in their description,
+/// each in a line "NAME=TEXT".
+std::string text_of(const OIIO::ImageSpec& s, const std::string& name) {
+    if (const OIIO::ParamValue* found = s.find_attribute(name)) return found->get_string();
+    std::string begin("\n"), text("\n");
+    begin.append(name).append("=");
+    text.append(std::string(s.get_string_attribute("ImageDescription")));
+    const std::size_t at = text.find(begin);
+    if (at == std::string::npos) return "";
+    const std::size_t from = at + begin.size();
+    return text.substr(from, text.find('\n', from) - from);
 }
 
 class OiioReader : public PictureReader {
@@ -50,7 +55,8 @@ class OiioReader : public PictureReader {
                    .format = in_->format_name(),
                    .colour_space = s.get_string_attribute("oiio:ColorSpace"),
                    .crop = s.get_string_attribute(crop_attribute),
-                   .exposure = exposure_of(s),
+                   .exposure = text_of(s, exposure_attribute),
+                   .made_by = text_of(s, made_by_attribute),
                    .deep = s.deep,
                    .floating_point = s.format == OIIO::TypeDesc::FLOAT || s.format == OIIO::TypeDesc::HALF ||
                                      s.format == OIIO::TypeDesc::DOUBLE};

@@ -26,6 +26,7 @@ struct PictureLayout {
     std::string colour_space;  ///< "sRGB", "Linear", or another name; empty: unknown
     std::string crop;          ///< see records/image.h; empty: none
     std::string exposure;      ///< postlens.exposure_stops as text; empty: none
+    std::string made_by;       ///< postlens.made_by; empty: none
     bool deep = false;
     bool floating_point = false;  ///< values have a floating-point type
 };
@@ -86,5 +87,8 @@ inline constexpr const char* crop_attribute = "postlens.crop";
 /// Header attribute of any image: its exposure (records/image.h). TIFF and JPEG have it in their description,
 /// as "postlens.exposure_stops=STOPS".
 inline constexpr const char* exposure_attribute = "postlens.exposure_stops";
+/// Header attribute of images and sample files: how they were made. TIFF and JPEG have it in their
+/// description, in a line of its own, as "postlens.made_by=TEXT".
+inline constexpr const char* made_by_attribute = "postlens.made_by";
 
 }  // namespace postlens

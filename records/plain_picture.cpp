@@ -118,6 +118,8 @@ std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
         out.exposure = stops->value();
     if (const auto* stops = header.findTypedAttribute<Imf::DoubleAttribute>(exposure_attribute))
         out.exposure = fmt::format("{}", stops->value());
+    if (const auto* text = header.findTypedAttribute<Imf::StringAttribute>(made_by_attribute))
+        out.made_by = text->value();
     return out;
 }
 

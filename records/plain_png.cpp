@@ -24,7 +24,14 @@ struct PlainPng {
     std::uint32_t width = 0, height = 0;
     bool grey = false;
     std::string exposure;  ///< postlens.exposure_stops; empty: none
+    std::string made_by;   ///< postlens.made_by; empty: none
 };
+
+/// Sets `value` if a tEXt chunk has this key.
+void take_text(std::string_view data, std::string_view key, std::string& value) {
+    if (data.starts_with(key) && data.substr(key.size()).starts_with('\0'))
+        value = data.substr(key.size() + 1);
+}
 
 /// Reads the chunks before the pixels, without libpng. Empty if a chunk changes the meaning of the pixels in
 /// a way that is not supported here.
@@ -61,8 +68,10 @@ std::optional<PlainPng> plain_png(std::string_view bytes) {
         } else if (std::find(silent.begin(), silent.end(), type) == silent.end()) {
             return std::nullopt;
         }
-        const std::string key = exposure_attribute + std::string(1, '\0');
-        if (type == "tEXt"sv && data.starts_with(key)) out.exposure = data.substr(key.size());
+        if (type == "tEXt"sv) {
+            take_text(data, exposure_attribute, out.exposure);
+            take_text(data, made_by_attribute, out.made_by);
+        }
         at += 12 + static_cast<std::size_t>(size);
     }
     constexpr std::uint32_t most = 1000000;  // libpng's own limit
@@ -78,6 +87,7 @@ class PngReader : public PictureReader {
         layout_.depth = 1;
         layout_.channels = png.grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
         layout_.exposure = png.exposure;
+        layout_.made_by = png.made_by;
         layout_.format = "png";
         layout_.colour_space = "sRGB";
     }

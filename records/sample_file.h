@@ -101,6 +101,7 @@ class SampleFileReader {
     /// Number of records of all instants.
     [[nodiscard]] std::uint64_t record_count() const;
     [[nodiscard]] std::uint64_t file_bytes() const;
+    [[nodiscard]] RecordCompression compression() const;
     /// Rows of records: [-overscan, height + overscan + 1).
     [[nodiscard]] int y_begin() const;
     [[nodiscard]] int y_end() const;

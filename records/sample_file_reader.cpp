@@ -249,6 +249,11 @@ SampleFileReader::~SampleFileReader() = default;
 const SampleHeader& SampleFileReader::header() const {
     return impl_->header;
 }
+RecordCompression SampleFileReader::compression() const {
+    if (impl_->codec == ChunkCompression::none) return RecordCompression::none;
+    return impl_->codec == ChunkCompression::rle ? RecordCompression::rle : RecordCompression::zips;
+}
+
 double SampleFileReader::exposure_stops() const {
     return impl_->exposure_stops;
 }

@@ -54,6 +54,7 @@ struct SampleHeader {
 
     std::string scene_name;
     std::string scene_sha256;
+    std::string made_by;                                ///< how the file was made; empty: unknown
     std::map<std::uint32_t, std::string> object_names;  ///< without id 0
     std::vector<std::uint32_t> moving_ids;
     bool lights_move = false;

@@ -79,6 +79,10 @@ std::string header_checksum(const SampleHeader& h) {
     later(3, h.auto_exposure_stops);
     later(4, h.lumens_per_watt);
     if (h.has_marks) bytes.number<std::uint8_t>(5);
+    if (!h.made_by.empty()) {
+        bytes.number<std::uint8_t>(6);
+        bytes.text(h.made_by);
+    }
     return bytes.checksum();
 }
 

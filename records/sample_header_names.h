@@ -20,6 +20,7 @@ inline constexpr const char* subdivide_threshold_name = "postlens.subdivideThres
 inline constexpr const char* max_depth_name = "postlens.maxDepth";
 inline constexpr const char* min_contribution_name = "postlens.minContribution";
 inline constexpr const char* scene_name_name = "postlens.sceneName";
+inline constexpr const char* made_by_name = "postlens.made_by";
 inline constexpr const char* scene_sha256_name = "postlens.sceneSha256";
 inline constexpr const char* moving_ids_name = "postlens.movingIds";
 inline constexpr const char* lights_move_name = "postlens.lightsMove";

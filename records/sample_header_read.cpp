@@ -156,6 +156,7 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
     h.lumens_per_watt = part.get_double(lumens_per_watt_name);
     h.scene_name = need_text(scene_name_name);
     h.scene_sha256 = need_text(scene_sha256_name);
+    h.made_by = part.get_string(made_by_name).value_or("");
     h.moving_ids = ids_of_text(need_text(moving_ids_name), file);
     h.lights_move = need_int(lights_move_name) != 0;
     h.motion = motion_of_text(part.get_string(motion_name).value_or(""), file);

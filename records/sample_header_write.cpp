@@ -96,6 +96,7 @@ void add_own_attributes(Imf::Header& out, const SampleHeader& h) {
     add_optional(lumens_per_watt_name, h.lumens_per_watt);
     add_text(scene_name_name, h.scene_name);
     add_text(scene_sha256_name, h.scene_sha256);
+    if (!h.made_by.empty()) add_text(made_by_name, h.made_by);
     add_text(moving_ids_name, nlohmann::json(h.moving_ids).dump());
     add_int(lights_move_name, h.lights_move ? 1 : 0);
     if (!h.motion.empty()) add_text(motion_name, motion_text(h.motion));

@@ -136,12 +136,13 @@ class Sweep {
         check_format(settings.format);
         out_.table.frame = frame.string();
         out_.table.coc_limit_px = settings.coc_limit_px;
+        out_.table.part = settings.part;
         out_.table.at = points_of(settings, file_.header());
         out_.csv = folder / "sweep.csv";
         out_.json = folder / "sweep.json";
         if (settings.share)
             out_.json =
-                folder / fmt::format("sweep.{}-of-{}.json", (*settings.share)[0], (*settings.share)[1]);
+                folder / fmt::format("sweep.{}-of-{}.json", settings.share->index, settings.share->count);
         check_lenses();
         check_outputs(frame);
         make_folder(folder);
@@ -162,7 +163,8 @@ class Sweep {
             // Images that an earlier run has made are entered in the table first, so that an interruption
             // does not lose them.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
-            make_the_others(sheet ? &*sheet : nullptr, progress);
+            if (settings_.join == Join::no) make_the_others(sheet ? &*sheet : nullptr, progress);
+            if (settings_.join == Join::whole) check_complete();
             // The contact sheet is encoded while the last images are written.
             if (sheet) {
                 drawn = std::async(std::launch::async, [&sheet] {
@@ -254,11 +256,7 @@ class Sweep {
     }
 
     /// Whether image i of the sweep belongs to the share that this run makes.
-    [[nodiscard]] bool is_mine(std::size_t i) const {
-        if (!settings_.share) return true;
-        return i % static_cast<std::size_t>((*settings_.share)[1]) ==
-               static_cast<std::size_t>((*settings_.share)[0]);
-    }
+    [[nodiscard]] bool is_mine(std::size_t i) const { return !settings_.share || settings_.share->has(i); }
     [[nodiscard]] std::size_t pictures_to_make() const {
         std::size_t count = 0;
         for (std::size_t i = 0; i < names_.size(); ++i) count += is_mine(i) ? 1 : 0;
@@ -314,6 +312,17 @@ class Sweep {
             if (sheet != nullptr) sheet->set(i, image);
             progress.advance();
         }
+    }
+
+    void check_complete() const {
+        std::vector<std::string> missing;
+        for (std::size_t i = 0; i < rows_.size(); ++i)
+            if (!rows_[i]) missing.push_back(names_[i]);
+        if (missing.empty()) return;
+        fail(ExitCode::invalid_input,
+             "{}: {} of {} pictures are missing or not as their table says, e.g. {} (expected all; --partial "
+             "joins what is there)",
+             folder_.string(), missing.size(), rows_.size(), missing.front());
     }
 
     struct Making {

@@ -1,13 +1,13 @@
 // Makes images of one sample file with many lens settings, with a table of figures and a contact sheet.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/share.h"
 #include "focus/focus.h"
 #include "sweep/grid.h"
 #include "sweep/picture_maker.h"
@@ -25,11 +25,12 @@ struct SweepSettings {
     /// Keep an image of an earlier run in the same folder if sweep.json shows that it was made with equal
     /// settings from an equal file, and if its checksum shows that it is unchanged.
     bool resume = false;
-    /// Makes only the images I, I + N, I + 2 N, ... of the sweep, a share given as {I, N}. Their table is
-    /// sweep.I-of-N.json; there is neither sweep.csv nor contact.png. A later sweep of all images with
-    /// `resume` in the same folder keeps the images of all shares, and writes the tables and the contact
-    /// sheet.
-    std::optional<std::array<int, 2>> share;
+    /// Makes only every N-th image. Their table is sweep.I-of-N.json; there is neither sweep.csv nor
+    /// contact.png. A later sweep of all images with `resume` in the same folder keeps the images of all
+    /// shares, and writes the tables and the contact sheet.
+    std::optional<Share> share;
+    std::string part;      ///< JSON that the table of a share states as "part"; empty: none
+    Join join = Join::no;  ///< with `resume`: makes no image
     /// Further files that the images depend on, such as files that the settings name. Their contents are part
     /// of every settings_key.
     std::vector<std::filesystem::path> depends_on;

@@ -109,7 +109,8 @@ std::string csv_text(const SweepTable& table) {
 std::string json_text(const SweepTable& table) {
     Json rows = Json::array();
     for (const SweepRow& row : table.rows) rows.push_back(row_json(table, row));
-    const Json all = {{"frame", table.frame}, {"coc_limit_px", table.coc_limit_px}, {"pictures", rows}};
+    Json all = {{"frame", table.frame}, {"coc_limit_px", table.coc_limit_px}, {"pictures", rows}};
+    if (!table.part.empty()) all["part"] = Json::parse(table.part);
     return all.dump(1) + "\n";
 }
 

@@ -35,6 +35,7 @@ struct SweepTable {
     std::vector<glm::dvec2> at;
     double coc_limit_px = 1;
     std::vector<SweepRow> rows;
+    std::string part;  ///< SweepSettings::part
 };
 
 /// CSV with a header line and one line per image. Columns: file, f_number, focal_length_mm, focus_m,

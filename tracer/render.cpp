@@ -330,6 +330,7 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
         return out;
     }
     const auto write = [&](const fs::path& to, Image& image) {
+        image.made_by = settings.made_by;
         if (!settings.part_mark.empty()) mark_as_part(image, settings.crop, settings.part_mark);
         write_image(to, image, settings.crop);
     };

@@ -55,6 +55,7 @@ struct RenderSettings {
     /// have the same bits as without a crop. Files hold the crop alone (see write_image). A run may be
     /// resumed with another crop.
     std::optional<Crop> crop;
+    std::string made_by;    ///< for the files of the pictures (Image::made_by)
     std::string part_mark;  ///< files are parts with this mark (records/picture_part.h); empty: pictures
     /// With `part_mark`: the file is a part that holds a share of the samples of every pixel, part
     /// `sample_share[0]` of `sample_share[1]` (render_state.h), and has no files of halves.

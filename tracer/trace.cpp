@@ -16,6 +16,7 @@
 #include "tracer/overscan.h"
 #include "tracer/recorded_motion.h"
 #include "tracer/small_things.h"
+#include "tracer/trace_share.h"
 
 namespace postlens {
 namespace {
@@ -260,6 +261,7 @@ SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, co
     h.lumens_per_watt = scene.lumens_per_watt;
     h.scene_name = scene.name;
     h.scene_sha256 = scene.sha256;
+    h.made_by = settings.made_by;
     for (const Object& o : scene.objects) h.object_names.emplace(o.id, o.name);
     h.motion = recorded_motion(scene, of);
     for (const auto& [id, motion] : h.motion.objects) h.moving_ids.push_back(id);
@@ -345,15 +347,17 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
             instant->look_through_lens(settings, window);
             writer.next_instant();
         }
-        result.rays += sample_corners(
-            instant->tracer(), window, settings.subdivision,
-            [&](const RecordBand& band) {
-                throw_if_interrupted();
-                writer.write(radiance.of(band));
-                result.records += band.records.size();
-                progress.advance(static_cast<std::uint64_t>(band.height()));
-            },
-            small_things[i]);
+        const auto take = [&](const RecordBand& band) {
+            throw_if_interrupted();
+            writer.write(radiance.of(band));
+            result.records += band.records.size();
+            progress.advance(static_cast<std::uint64_t>(band.height()));
+        };
+        const WhittedTracer& tracer = instant->tracer();
+        result.rays +=
+            settings.share
+                ? sample_share(*settings.share, tracer, window, settings.subdivision, take, small_things[i])
+                : sample_corners(tracer, window, settings.subdivision, take, small_things[i]);
     }
     result.bytes = writer.finish();
     return result;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/share.h"
 #include "records/sample_file.h"
 #include "tracer/camera_model.h"
 #include "tracer/corner_sampler.h"
@@ -46,6 +47,9 @@ struct TraceSettings {
     /// Automatic exposure that is written to the file (tracer/exposure.h); empty: not recorded.
     std::optional<double> auto_exposure_stops;
     RecordCompression compression = RecordCompression::zips;
+    std::string made_by;  ///< for the file (SampleHeader::made_by)
+    /// Traces only some rows; the file has rays that hit nothing in the others (trace_share.h).
+    std::optional<Share> share;
     /// Called before the records are traced, with the approximate size of the file in bytes
     /// (expected_size.h). An exception from it ends the trace. Empty: the size is not predicted.
     std::function<void(std::uint64_t bytes)> on_expected_bytes;

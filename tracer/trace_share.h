@@ -1,0 +1,27 @@
+// A share of a trace: some rows of the records, in a sample file that `merge` joins with those of the others.
+#pragma once
+
+#include <functional>
+
+#include "core/share.h"
+#include "records/record.h"
+#include "tracer/corner_sampler.h"
+
+namespace postlens {
+
+/// Rows [begin, end) of records.
+struct RowRange {
+    int begin = 0, end = 0;
+};
+
+/// The rows that are a share of the rows [y_begin, y_end) of records; shares differ by at most one row.
+/// Throws Error(wrong_arguments) if there are more shares than rows.
+[[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
+
+/// Traces the rows of a share of `window`, as sample_corners traces them, and passes all rows of the window
+/// to `take`: the other rows have rays that hit nothing (records/lost_rows.h).
+RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const SampledWindow& window,
+                       const SubdivisionSettings& settings,
+                       const std::function<void(const RecordBand&)>& take, const SmallThings& things);
+
+}  // namespace postlens
