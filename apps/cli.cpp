@@ -6,12 +6,12 @@
 #include <memory>
 #include <span>
 
-#include "apps/cli_chart.h"
-#include "apps/cli_options.h"
-#include "apps/frame_range.h"
 #include "apps/numbers.h"
-#include "apps/view_command.h"
-#include "apps/view_export.h"
+#include "apps/options/cli_chart.h"
+#include "apps/options/cli_options.h"
+#include "apps/options/frame_range.h"
+#include "apps/view/view_command.h"
+#include "apps/view/view_export.h"
 
 #ifndef POSTLENS_VERSION
 #define POSTLENS_VERSION "unknown"

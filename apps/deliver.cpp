@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <utility>
 
-#include "records/crop.h"
-#include "records/exposure.h"
-#include "records/picture_part.h"
+#include "pictures/crop.h"
+#include "pictures/exposure.h"
+#include "pictures/picture_part.h"
 
 namespace postlens {
 

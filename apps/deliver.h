@@ -5,7 +5,7 @@
 #include <string>
 
 #include "apps/command.h"
-#include "records/image.h"
+#include "pictures/image.h"
 
 namespace postlens {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "apps/command.h"
-#include "records/exposure.h"
+#include "pictures/exposure.h"
 
 namespace postlens {
 

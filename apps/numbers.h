@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "records/depth_encoding.h"
-#include "records/image.h"
+#include "pictures/foreign/depth_encoding.h"
+#include "pictures/image.h"
 
 namespace postlens {
 

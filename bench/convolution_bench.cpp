@@ -6,7 +6,7 @@
 #include <random>
 
 #include "core/threads.h"
-#include "motionblur/convolution.h"
+#include "motionblur/convolution/convolution.h"
 
 namespace postlens {
 namespace {

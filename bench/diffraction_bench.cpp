@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/threads.h"
+#include "lens/lommel/lommel_rows.h"
 #include "lens/wave/diffraction_response.h"
-#include "lens/wave/lommel_rows.h"
 
 namespace {
 

@@ -13,9 +13,9 @@
 
 #include "core/threads.h"
 #include "tracer/camera_model.h"
-#include "tracer/corner_sampler.h"
-#include "tracer/ray_scene.h"
-#include "tracer/whitted.h"
+#include "tracer/intersection/ray_scene.h"
+#include "tracer/recording/corner_sampler.h"
+#include "tracer/shading_trees/whitted.h"
 
 namespace postlens {
 namespace {

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "records/cryptomatte.h"
+#include "pictures/foreign/cryptomatte.h"
 #include "records/quadtree.h"
 #include "records/sample_file.h"
 

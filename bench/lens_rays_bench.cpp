@@ -2,9 +2,9 @@
 // impulse responses and kernels.
 #include <benchmark/benchmark.h>
 
-#include "lens/prescription/fan_table.h"
 #include "lens/prescription/read_prescription.h"
-#include "lens/prescription/traced_lens.h"
+#include "lens/traced/fan_table.h"
+#include "lens/traced/traced_lens.h"
 
 namespace postlens {
 namespace {

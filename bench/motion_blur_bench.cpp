@@ -7,7 +7,7 @@
 
 #include "core/threads.h"
 #include "motionblur/motion_blur.h"
-#include "tests/scene_builder.h"
+#include "tests/support/scene_builder.h"
 #include "tracer/trace.h"
 
 namespace {

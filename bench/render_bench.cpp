@@ -13,10 +13,10 @@
 #include <memory>
 
 #include "core/threads.h"
-#include "tracer/distributed_tracer.h"
-#include "tracer/lens_camera.h"
+#include "tracer/distributed/lens_camera.h"
 #include "tracer/render.h"
-#include "tracer/sampler.h"
+#include "tracer/sampling/sampler.h"
+#include "tracer/shading_trees/distributed_tracer.h"
 
 namespace postlens {
 namespace {

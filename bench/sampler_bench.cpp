@@ -2,7 +2,7 @@
 //   sampler_bench --benchmark_enable_random_interleaving=true --benchmark_repetitions=5
 #include <benchmark/benchmark.h>
 
-#include "tracer/sampler.h"
+#include "tracer/sampling/sampler.h"
 
 namespace postlens {
 namespace {

@@ -12,7 +12,7 @@
 #include <random>
 
 #include "core/threads.h"
-#include "focus/scatter.h"
+#include "focus/scatter/scatter.h"
 
 namespace {
 

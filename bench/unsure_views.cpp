@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 #include <string>
 
+#include "pictures/image.h"
+#include "pictures/srgb.h"
 #include "planner/hybrid.h"
-#include "records/image.h"
 #include "records/sample_file.h"
-#include "records/srgb.h"
-#include "tracer/scene.h"
+#include "scene/scene.h"
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include "chart/chart_request.h"
 #include "focus/focus.h"
 #include "motionblur/motion_blur.h"
+#include "scene/scene.h"
 #include "tracer/render.h"
-#include "tracer/scene.h"
 #include "tracer/trace.h"
 
 namespace postlens {

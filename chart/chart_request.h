@@ -8,9 +8,9 @@
 
 #include "core/share.h"
 #include "lens/focus_geometry.h"
+#include "scene/scene.h"
 #include "tracer/camera_model.h"
-#include "tracer/ray_scene.h"
-#include "tracer/scene.h"
+#include "tracer/intersection/ray_scene.h"
 
 namespace postlens {
 

@@ -5,7 +5,7 @@
 
 #include "core/child_process.h"
 #include "core/error.h"
-#include "core/output_file.h"
+#include "core/files/output_file.h"
 
 namespace postlens {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <fmt/format.h>
 
-#include "core/text_file.h"
+#include "core/files/text_file.h"
 
 namespace postlens {
 namespace {

@@ -12,5 +12,5 @@ foreach(file IN LISTS FILES)
   string(APPEND arrays "constexpr char ${identifier}[] = {${bytes}};\n")
   string(APPEND body "    if (name == \"${name}\") return PageFile{{${identifier}, sizeof ${identifier}}, \"${type_of${ending}}\"};\n")
 endforeach()
-file(WRITE "${OUT}" "#include \"apps/view_page.h\"\n\nnamespace postlens {\nnamespace {\n\n${arrays}\n}  // namespace\n
+file(WRITE "${OUT}" "#include \"apps/view/view_page.h\"\n\nnamespace postlens {\nnamespace {\n\n${arrays}\n}  // namespace\n
 std::optional<PageFile> page_file(std::string_view name) {\n${body}    return std::nullopt;\n}\n\n}  // namespace postlens\n")

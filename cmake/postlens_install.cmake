@@ -3,9 +3,9 @@
 include(CMakePackageConfigHelpers)
 
 # Folders of headers; the libraries in them, each before those that it may use.
-set(postlens_header_folders core lens records reproject focus motionblur tracer planner compare sweep chart)
-set(postlens_installed_libraries chart sweep compare planner tracer motionblur focus reproject records pictures fits prescription
-    wave lens core)
+set(postlens_header_folders core lens pictures records reproject focus motionblur scene tracer planner compare sweep chart)
+set(postlens_installed_libraries chart sweep compare planner tracer scene motionblur focus reproject records pictures
+    linked_pictures fits traced prescription wave lommel lens core)
 
 set(targets postlens_options fftw3 fftw3f libdeflate_library)
 foreach(name IN LISTS postlens_installed_libraries)

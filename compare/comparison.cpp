@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "compare/ssim.h"
+#include "compare/metrics/ssim.h"
 #include "core/error.h"
 #include "core/threads.h"
 

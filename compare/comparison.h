@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "compare/flip.h"
-#include "compare/noise_floor.h"
-#include "compare/pixel_errors.h"
-#include "compare/pixel_mask.h"
-#include "records/image.h"
+#include "compare/metrics/flip.h"
+#include "compare/metrics/noise_floor.h"
+#include "compare/metrics/pixel_errors.h"
+#include "compare/metrics/pixel_mask.h"
+#include "pictures/image.h"
 
 namespace postlens {
 

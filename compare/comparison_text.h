@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "compare/comparison.h"
-#include "compare/side_by_side.h"
+#include "compare/drawing/side_by_side.h"
 
 namespace postlens {
 

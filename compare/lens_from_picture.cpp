@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "compare/picture_residuals.h"
+#include "compare/lens_search/picture_residuals.h"
 #include "core/error.h"
 #include "focus/focus.h"
 

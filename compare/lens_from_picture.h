@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "compare/blur_search.h"
+#include "compare/lens_search/blur_search.h"
 #include "lens/impulse.h"
-#include "records/image.h"
+#include "pictures/image.h"
 #include "records/sample_file.h"
 
 namespace postlens {

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <csignal>
 
-#include "core/output_file.h"
+#include "core/files/output_file.h"
 
 namespace postlens {
 namespace {

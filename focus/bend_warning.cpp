@@ -7,7 +7,7 @@
 
 #include "core/text.h"
 #include "focus/largest_bends.h"
-#include "reproject/patches.h"
+#include "reproject/patches/patches.h"
 
 namespace postlens {
 namespace {

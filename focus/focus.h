@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "focus/depth_levels.h"
 #include "focus/frame.h"
-#include "focus/lens_views.h"
+#include "focus/light_field/lens_views.h"
+#include "focus/responses/depth_levels.h"
 #include "lens/focus_geometry.h"
 #include "lens/impulse.h"
-#include "records/image.h"
+#include "pictures/image.h"
 #include "records/sample_file.h"
 
 namespace postlens {

@@ -9,9 +9,9 @@
 #include "core/error.h"
 #include "core/memory.h"
 #include "core/threads.h"
-#include "focus/stack_field.h"
-#include "records/aperture_file.h"
-#include "records/cryptomatte.h"
+#include "focus/foreign/stack_field.h"
+#include "pictures/aperture_file.h"
+#include "pictures/foreign/cryptomatte.h"
 
 namespace postlens {
 namespace {

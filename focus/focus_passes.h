@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "focus/focus.h"
-#include "records/foreign_picture.h"
+#include "pictures/foreign/foreign_picture.h"
 
 namespace postlens {
 
@@ -19,11 +19,11 @@ struct FocusPasses {
 };
 
 /// Adds the channels to a focused image. The share of each object in a blurred pixel is found from
-/// `settings.views` views through the lens (stack_field.h), and scaled so that a pixel's shares add up to the
-/// alpha of the image, whatever method made the image. A pixel in focus has a CoC diameter of at most 1 px.
-/// CoC is 0 where nothing is hit or nothing is stored, and negative in front of the focus. Throws
-/// Error(wrong_arguments) if the image has no Cryptomatte or a channel is not available with the method or
-/// the impulse response, and Error(out_of_memory).
+/// `settings.views` views through the lens (focus/foreign/stack_field.h), and scaled so that a pixel's shares
+/// add up to the alpha of the image, whatever method made the image. A pixel in focus has a CoC diameter of
+/// at most 1 px. CoC is 0 where nothing is hit or nothing is stored, and negative in front of the focus.
+/// Throws Error(wrong_arguments) if the image has no Cryptomatte or a channel is not available with the
+/// method or the impulse response, and Error(out_of_memory).
 void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings, const FocusPasses& passes,
                       Image& image);
 

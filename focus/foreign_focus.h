@@ -2,7 +2,7 @@
 #pragma once
 
 #include "focus/focus.h"
-#include "records/foreign_picture.h"
+#include "pictures/foreign/foreign_picture.h"
 
 namespace postlens {
 

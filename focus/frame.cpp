@@ -4,7 +4,7 @@
 
 #include "core/memory.h"
 #include "core/threads.h"
-#include "reproject/sheet_mesh.h"
+#include "reproject/sheets/sheet_mesh.h"
 
 namespace postlens {
 namespace {

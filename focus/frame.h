@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "focus/largest_bends.h"
-#include "focus/plain_corners.h"
+#include "focus/scatter/plain_corners.h"
 #include "records/quadtree.h"
 #include "records/records_read.h"
 #include "records/sample_file.h"
@@ -20,8 +20,8 @@ struct TreeSheets;
 
 /// Rows [y_begin, y_end) of the records of the frame's own instant. `band` has one more row above and below,
 /// if the file has it. `samples`: the point samples, one element per `rows_per_task` rows; empty if they are
-/// not kept. `plain`: the samples at corners of undivided pixels (plain_corners.h), in elements of as many
-/// rows.
+/// not kept. `plain`: the samples at corners of undivided pixels (focus/scatter/plain_corners.h), in elements
+/// of as many rows.
 struct FrameRows {
     /// find_point_samples also reads one row above and one below, so a task has several rows.
     static constexpr int rows_per_task = 8;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lens/prescription/fan_table.h"
 #include "lens/prescription/read_prescription.h"
+#include "lens/traced/fan_table.h"
 
 namespace postlens {
 namespace {

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "focus/focus.h"
-#include "focus/response_model.h"
-#include "focus/splat_tables.h"
-#include "lens/prescription/lens_view.h"
+#include "focus/responses/response_model.h"
+#include "focus/scatter/splat_tables.h"
+#include "lens/traced/lens_view.h"
 
 namespace postlens {
 
@@ -17,7 +17,7 @@ namespace postlens {
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);
 
-/// The model of a real lens, from a table of traced rays (lens/prescription/fan_table.h). `geometry`: that of
+/// The model of a real lens, from a table of traced rays (lens/traced/fan_table.h). `geometry`: that of
 /// `view`, in px of the trace. `half_diagonal_px`: half the diagonal of the records, with overscan.
 [[nodiscard]] std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,
                                                         double half_diagonal_px,

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "focus/border_radii.h"
 #include "focus/focus.h"
+#include "focus/scatter/border_radii.h"
 
 namespace postlens {
 

@@ -1,8 +1,8 @@
 // Crops or zooms an image about its centre, as another film distance would frame it.
 #pragma once
 
-#include "focus/splat_tables.h"
-#include "records/image.h"
+#include "focus/scatter/splat_tables.h"
+#include "pictures/image.h"
 
 namespace postlens {
 

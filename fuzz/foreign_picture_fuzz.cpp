@@ -4,9 +4,9 @@
 
 #include "core/error.h"
 #include "fuzz/fuzz_file.h"
-#include "records/foreign_file.h"
-#include "records/foreign_picture.h"
-#include "records/unmix_edges.h"
+#include "pictures/foreign/foreign_file.h"
+#include "pictures/foreign/foreign_picture.h"
+#include "pictures/stacks/unmix_edges.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 #include "core/error.h"
 #include "fuzz/fuzz_file.h"
-#include "tracer/scene.h"
+#include "scene/scene.h"
 
 // The first byte chooses the format: OBJ if it is even, PLY if it is odd.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

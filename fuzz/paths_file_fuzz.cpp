@@ -1,6 +1,6 @@
 #include "core/error.h"
 #include "fuzz/fuzz_file.h"
-#include "motionblur/paths_file.h"
+#include "motionblur/paths/paths_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {

@@ -1,6 +1,6 @@
 #include "core/error.h"
 #include "fuzz/fuzz_file.h"
-#include "records/image.h"
+#include "pictures/image.h"
 
 // The extension is always .png, because the reader of an image is chosen by the file's content.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

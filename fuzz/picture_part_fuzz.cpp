@@ -1,7 +1,7 @@
 // Fuzzes the reader of parts of pictures.
 #include "core/error.h"
 #include "fuzz/fuzz_file.h"
-#include "records/picture_part.h"
+#include "pictures/picture_part.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {

@@ -5,8 +5,8 @@
 #include "core/error.h"
 #include "fuzz/fuzz_file.h"
 #include "lens/prescription/first_order.h"
-#include "lens/prescription/lens_stack.h"
 #include "lens/prescription/read_prescription.h"
+#include "lens/traced/lens_stack.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size == 0) return 0;

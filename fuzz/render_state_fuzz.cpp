@@ -1,6 +1,6 @@
 #include "core/error.h"
 #include "fuzz/fuzz_file.h"
-#include "tracer/render_state.h"
+#include "tracer/distributed/render_state.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {

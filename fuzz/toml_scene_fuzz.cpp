@@ -1,6 +1,6 @@
 #include "core/error.h"
 #include "fuzz/fuzz_file.h"
-#include "tracer/scene.h"
+#include "scene/scene.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {

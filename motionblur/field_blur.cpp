@@ -6,7 +6,7 @@
 
 #include "motionblur/shutter_views.h"
 #include "reproject/instants_around.h"
-#include "reproject/motion_strain.h"
+#include "reproject/patches/motion_strain.h"
 
 namespace postlens {
 namespace {

@@ -6,14 +6,14 @@
 #include <utility>
 
 #include "core/error.h"
-#include "motionblur/convolve_blur.h"
-#include "motionblur/depth_slices.h"
 #include "motionblur/field_blur.h"
+#include "motionblur/groups/convolve_blur.h"
+#include "motionblur/groups/depth_slices.h"
+#include "motionblur/groups/slice_rule.h"
 #include "motionblur/motion_warnings.h"
 #include "motionblur/shutter_views.h"
-#include "motionblur/slice_rule.h"
 #include "motionblur/still_pictures.h"
-#include "records/crop.h"
+#include "pictures/crop.h"
 #include "reproject/fill_gaps.h"
 
 namespace postlens {

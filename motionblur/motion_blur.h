@@ -7,8 +7,8 @@
 
 #include "lens/shutter_curve.h"
 #include "motionblur/motion_kinds.h"
-#include "motionblur/paths_file.h"
-#include "records/image.h"
+#include "motionblur/paths/paths_file.h"
+#include "pictures/image.h"
 #include "records/sample_file.h"
 
 namespace postlens {

@@ -7,7 +7,7 @@
 
 #include "core/text.h"
 #include "core/threads.h"
-#include "records/motion_path.h"
+#include "records/motion/motion_path.h"
 
 namespace postlens {
 namespace {

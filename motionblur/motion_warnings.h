@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "motionblur/band_surfaces.h"
+#include "motionblur/groups/band_surfaces.h"
 #include "motionblur/motion_blur.h"
 
 namespace postlens {

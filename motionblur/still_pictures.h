@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "motionblur/band_surfaces.h"
-#include "records/image.h"
+#include "motionblur/groups/band_surfaces.h"
+#include "pictures/image.h"
 
 namespace postlens {
 

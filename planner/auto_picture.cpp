@@ -7,10 +7,10 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "planner/halved_views.h"
-#include "planner/picture_request.h"
-#include "planner/records_bound.h"
+#include "planner/errors/records_bound.h"
 #include "planner/stated_error.h"
+#include "planner/views/halved_views.h"
+#include "planner/views/picture_request.h"
 
 namespace postlens {
 namespace {

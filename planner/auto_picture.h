@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planner/hybrid.h"
-#include "planner/tile_grid.h"
+#include "planner/views/tile_grid.h"
 
 namespace postlens {
 
@@ -33,7 +33,7 @@ struct AutoResult {
     /// Share of the view samples that the records do not determine. Only set without a scene.
     double unsure_share = 0;
     /// Measured noise of the views; bound of the error by noise and by view samples that the records do not
-    /// determine (records_bound.h). Only set without a scene, where `hybrid.stated` is empty.
+    /// determine (planner/errors/records_bound.h). Only set without a scene, where `hybrid.stated` is empty.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;

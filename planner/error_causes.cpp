@@ -7,12 +7,12 @@
 
 #include "core/error.h"
 #include "focus/bend_warning.h"
-#include "focus/field_focus.h"
-#include "planner/error_trials.h"
-#include "planner/local_contrast.h"
-#include "planner/record_floor.h"
-#include "records/aperture_file.h"
-#include "records/srgb.h"
+#include "focus/light_field/field_focus.h"
+#include "pictures/aperture_file.h"
+#include "pictures/srgb.h"
+#include "planner/errors/error_trials.h"
+#include "planner/errors/local_contrast.h"
+#include "planner/errors/record_floor.h"
 
 namespace postlens {
 namespace {

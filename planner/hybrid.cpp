@@ -6,11 +6,11 @@
 
 #include "core/text.h"
 #include "focus/bend_warning.h"
-#include "focus/depth_levels.h"
-#include "planner/halved_views.h"
-#include "planner/picture_request.h"
+#include "focus/responses/depth_levels.h"
+#include "pictures/crop.h"
 #include "planner/stated_error.h"
-#include "records/crop.h"
+#include "planner/views/halved_views.h"
+#include "planner/views/picture_request.h"
 
 namespace postlens {
 namespace {

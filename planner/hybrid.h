@@ -5,14 +5,14 @@
 #include <optional>
 #include <string>
 
-#include "focus/field_focus.h"
 #include "focus/focus.h"
+#include "focus/light_field/field_focus.h"
 #include "lens/shutter_curve.h"
 #include "planner/stated_error.h"
 #include "reproject/raster_map.h"
-#include "tracer/ray_scene.h"
-#include "tracer/scene.h"
-#include "tracer/whitted.h"
+#include "scene/scene.h"
+#include "tracer/intersection/ray_scene.h"
+#include "tracer/shading_trees/whitted.h"
 
 namespace postlens {
 

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "focus/lens_views.h"
-#include "planner/halved_views.h"
-#include "planner/records_bound.h"
-#include "records/crop.h"
-#include "records/srgb.h"
+#include "focus/light_field/lens_views.h"
+#include "pictures/crop.h"
+#include "pictures/srgb.h"
+#include "planner/errors/records_bound.h"
+#include "planner/views/halved_views.h"
 
 namespace postlens {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "planner/hybrid.h"
-#include "planner/tile_grid.h"
+#include "planner/views/tile_grid.h"
 
 namespace postlens {
 

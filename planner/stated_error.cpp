@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "core/sample_hash.h"
-#include "planner/tile_grid.h"
-#include "records/crop.h"
-#include "records/srgb.h"
+#include "pictures/crop.h"
+#include "pictures/srgb.h"
+#include "planner/views/tile_grid.h"
 
 namespace postlens {
 namespace {

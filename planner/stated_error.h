@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "focus/field_focus.h"
+#include "focus/light_field/field_focus.h"
 
 namespace postlens {
 

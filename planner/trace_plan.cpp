@@ -9,19 +9,19 @@
 #include <optional>
 
 #include "core/error.h"
-#include "core/scratch_file.h"
+#include "core/files/scratch_file.h"
 #include "core/text.h"
-#include "focus/depth_levels.h"
 #include "focus/frame.h"
+#include "focus/responses/depth_levels.h"
 #include "lens/focus_geometry.h"
 #include "planner/auto_picture.h"
-#include "planner/edge_cells.h"
-#include "planner/record_floor.h"
-#include "planner/tile_grid.h"
+#include "planner/errors/edge_cells.h"
+#include "planner/errors/record_floor.h"
+#include "planner/views/tile_grid.h"
 #include "records/quadtree.h"
 #include "records/sample_file.h"
-#include "tracer/lens_reach.h"
-#include "tracer/small_things.h"
+#include "tracer/recording/small_things.h"
+#include "tracer/shading_trees/lens_reach.h"
 
 namespace postlens {
 namespace {

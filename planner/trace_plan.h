@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tracer/scene.h"
+#include "scene/scene.h"
 #include "tracer/trace.h"
 
 namespace postlens {
@@ -23,8 +23,9 @@ struct TracePlan {
 
 /// Chooses the settings of a trace by a preview at a quarter of the width and height. The contrast and blur
 /// of the preview's edges give the record floor of each level of subdivision, the error of edges that are
-/// known only to a quadtree cell (record_floor.h). The coarsest level is chosen whose record floor is at most
-/// half of the squared error that `target_db` allows, for the image and for nine of ten tiles.
+/// known only to a quadtree cell (planner/errors/record_floor.h). The coarsest level is chosen whose record
+/// floor is at most half of the squared error that `target_db` allows, for the image and for nine of ten
+/// tiles.
 ///
 /// Hidden surfaces, overscan and recorded instants follow the rules of `trace` for the lens and the shutter.
 /// Hidden surfaces are skipped if all circles of confusion differ by less than half a pixel.

@@ -4,7 +4,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include "records/image.h"
+#include "pictures/image.h"
 
 namespace postlens::python {
 

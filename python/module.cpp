@@ -11,9 +11,9 @@
 
 #include "apps/cli.h"
 #include "apps/open_frame.h"
+#include "pictures/encoded_picture.h"
 #include "python/arrays.h"
 #include "python/run_job.h"
-#include "records/encoded_picture.h"
 
 namespace py = pybind11;
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "records/image.h"
+#include "pictures/image.h"
 #include "records/record.h"
 
 namespace postlens {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "records/image.h"
+#include "pictures/image.h"
 #include "records/lost_rows.h"
 #include "records/record.h"
 #include "records/sample_header.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "records/scene_motion.h"
+#include "records/motion/scene_motion.h"
 
 namespace postlens {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "records/image.h"
+#include "pictures/image.h"
 
 namespace postlens {
 

@@ -6,12 +6,12 @@
 
 #include "core/progress.h"
 #include "core/threads.h"
-#include "reproject/border_reach.h"
-#include "reproject/patch_raster.h"
-#include "reproject/patch_reach.h"
-#include "reproject/patch_sweep.h"
-#include "reproject/seen_light.h"
-#include "reproject/tree_sums.h"
+#include "reproject/patches/border_reach.h"
+#include "reproject/patches/patch_raster.h"
+#include "reproject/patches/patch_reach.h"
+#include "reproject/patches/patch_sweep.h"
+#include "reproject/patches/seen_light.h"
+#include "reproject/patches/tree_sums.h"
 
 namespace postlens {
 namespace {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "records/image.h"
-#include "reproject/patch_raster.h"
-#include "reproject/patches.h"
+#include "pictures/image.h"
+#include "reproject/patches/patch_raster.h"
+#include "reproject/patches/patches.h"
 #include "reproject/sight_rays.h"
 
 namespace postlens {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "records/motion_path.h"
+#include "records/motion/motion_path.h"
 #include "records/sample_header.h"
 
 namespace postlens {

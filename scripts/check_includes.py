@@ -3,10 +3,13 @@
 
     check_includes.py
 
-Every folder of the libraries and programs has a README.md with a sentence "May include `core/`, `lens/`.", or "May
-include nothing of postlens". A name stands for the folder and its subfolders; within such a folder, for the folder
-itself alone. The check fails if a file includes a folder that its README does not allow, if a README allows a folder
-that no file includes, or if two folders may include each other, directly or through other folders.
+Every folder at the top has a README.md with a sentence "May include `core/`, `lens/`.", or "May include nothing of
+postlens". A subfolder with a README.md of its own states its own sentence; a subfolder without one is a part of the
+folder around it, and that folder's sentence holds for it. A name stands for the folder and its subfolders; within such
+a folder, for the folder and its parts alone. The check fails if a file includes a folder that its README does not allow,
+if a README allows a folder that no file includes, if two folders may include each other, directly or through other
+folders, or if parts of a folder include each other in a circle (the files at the top of a folder may include all of its
+parts, and the parts may include them).
 """
 
 import os
@@ -14,7 +17,8 @@ import re
 import sys
 
 HERE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-TOP = "core lens records reproject focus motionblur tracer planner compare sweep chart apps python".split()
+TOP = ("core lens pictures records reproject focus motionblur scene tracer planner compare sweep chart apps python"
+       .split())
 
 
 def folders():
@@ -25,6 +29,13 @@ def folders():
                 yield os.path.relpath(folder, HERE), sources
 
 
+def owner(folder):
+    """The folder whose README holds for `folder`: itself, or the nearest one around it that has a README."""
+    while "/" in folder and not os.path.exists(os.path.join(HERE, folder, "README.md")):
+        folder = os.path.dirname(folder)
+    return folder
+
+
 def allowed_by(folder):
     """The folders that a README allows, or None if it has no such sentence."""
     try:
@@ -33,7 +44,7 @@ def allowed_by(folder):
     except OSError:
         return None
     sentence = re.search(r"^May include ([^.]*)\.", text, re.MULTILINE)
-    return sentence and re.findall(r"`([a-z/]+)/`", sentence.group(1))
+    return sentence and re.findall(r"`([a-z_/]+)/`", sentence.group(1))
 
 
 def covers(name, target, folder):
@@ -41,25 +52,52 @@ def covers(name, target, folder):
     return target == name or (target.startswith(name + "/") and not folder.startswith(name + "/"))
 
 
+def cycle(arrows):
+    """A list of folders of which each has an arrow to the next and the last is the first, or None."""
+    def search(path):
+        for target in sorted(arrows.get(path[-1], ())):
+            if target == path[0]:
+                return path + [target]
+            if target not in seen:
+                seen.add(target)
+                found = search(path + [target])
+                if found:
+                    return found
+        return None
+
+    for start in sorted(arrows):
+        seen = set()
+        found = search([start])
+        if found:
+            return found
+    return None
+
+
 def main():
-    problems, arrows = [], {}
+    problems, arrows, used, parts = [], {}, {}, {}
     for folder, sources in folders():
-        allowed = allowed_by(folder)
-        if allowed is None:
-            problems.append(f"{folder}/README.md: does not say what may be included (expected \"May include ...\")")
-            continue
-        arrows[folder] = allowed
-        used = set()
+        reader = owner(folder)
+        if reader not in arrows:
+            allowed = allowed_by(reader)
+            if allowed is None:
+                problems.append(f"{reader}/README.md: does not say what may be included (expected \"May include ...\")")
+            arrows[reader], used[reader] = allowed or [], set()
         for path in sources:
             with open(path, encoding="utf-8") as file:
                 included = re.findall(r'^#include "([^"]+)"', file.read(), re.MULTILINE)
-            for target in {os.path.dirname(name) for name in included} - {folder}:
-                names = [name for name in allowed if covers(name, target, folder)]
-                used.update(names)
+            for part in {os.path.dirname(name) for name in included} - {folder}:
+                target = owner(part)
+                if target == reader:
+                    if reader not in (folder, part):
+                        parts.setdefault(reader, {}).setdefault(folder, set()).add(part)
+                    continue
+                names = [name for name in arrows[reader] if covers(name, target, reader)]
+                used[reader].update(names)
                 if not names:
-                    problems.append(f"{os.path.relpath(path, HERE)}: includes {target}/ (expected "
-                                    f"{', '.join(name + '/' for name in allowed) or 'nothing'})")
-        for name in sorted(set(allowed) - used):
+                    problems.append(f"{os.path.relpath(path, HERE)}: includes {part}/ (expected "
+                                    f"{', '.join(name + '/' for name in arrows[reader]) or 'nothing'})")
+    for folder, allowed in arrows.items():
+        for name in sorted(set(allowed) - used[folder]):
             problems.append(f"{folder}/README.md: allows {name}/, which nothing in {folder}/ includes")
 
     def reaches(start, goal, seen):
@@ -71,6 +109,10 @@ def main():
     for folder in arrows:
         if reaches(folder, folder, frozenset()):
             problems.append(f"{folder}/README.md: {folder}/ may include itself by way of others")
+    for folder, between in parts.items():
+        found = cycle(between)
+        if found:
+            problems.append(f"{folder}/: its parts include each other in a circle: {' -> '.join(found)}")
     for problem in problems:
         print(f"check_includes.py: {problem}", file=sys.stderr)
     if problems:

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "compare/canvas.h"
+#include "compare/drawing/canvas.h"
 #include "core/multiversion.h"
 #include "core/threads.h"
 

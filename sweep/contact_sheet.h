@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "records/encoded_picture.h"
-#include "records/image.h"
+#include "pictures/encoded_picture.h"
+#include "pictures/image.h"
 
 namespace postlens {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "compare/picture_tone.h"
+#include "compare/lens_search/picture_tone.h"
 #include "core/multiversion.h"
 #include "core/threads.h"
-#include "focus/node_response.h"
+#include "focus/responses/node_response.h"
 
 namespace postlens {
 namespace {

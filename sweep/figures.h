@@ -7,7 +7,7 @@
 
 #include "focus/frame.h"
 #include "lens/focus_geometry.h"
-#include "records/image.h"
+#include "pictures/image.h"
 
 namespace postlens {
 

@@ -10,10 +10,10 @@
 #include "focus/focus.h"
 #include "focus/frame.h"
 #include "lens/shutter_curve.h"
-#include "motionblur/paths_file.h"
+#include "motionblur/paths/paths_file.h"
 #include "planner/auto_picture.h"
+#include "scene/scene.h"
 #include "sweep/grid.h"
-#include "tracer/scene.h"
 
 namespace postlens {
 

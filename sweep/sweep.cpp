@@ -11,14 +11,14 @@
 #include <xxhash.h>
 
 #include "core/error.h"
-#include "core/file_identity.h"
-#include "core/output_file.h"
+#include "core/files/file_identity.h"
+#include "core/files/output_file.h"
+#include "core/files/text_file.h"
 #include "core/progress.h"
-#include "core/text_file.h"
 #include "core/threads.h"
 #include "focus/bend_warning.h"
+#include "pictures/exposure.h"
 #include "planner/predicted_error.h"
-#include "records/exposure.h"
 #include "records/pixel_samples.h"
 #include "sweep/contact_sheet.h"
 #include "sweep/figures.h"

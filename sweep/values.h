@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lens/impulse.h"
-#include "tracer/ray_scene.h"
+#include "tracer/intersection/ray_scene.h"
 
 namespace postlens {
 

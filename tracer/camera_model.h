@@ -4,7 +4,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 
-#include "tracer/scene.h"
+#include "scene/scene.h"
 
 namespace postlens {
 

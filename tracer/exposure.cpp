@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "core/threads.h"
-#include "records/exposure.h"
-#include "tracer/ray_scene.h"
+#include "pictures/exposure.h"
+#include "tracer/intersection/ray_scene.h"
+#include "tracer/shading_trees/whitted.h"
 #include "tracer/trace.h"
-#include "tracer/whitted.h"
 
 namespace postlens {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "scene/scene.h"
 #include "tracer/camera_model.h"
-#include "tracer/scene.h"
 
 namespace postlens {
 
@@ -12,7 +12,7 @@ namespace postlens {
 /// file's.
 void expose(Scene& scene, double stops);
 
-/// The exposure, stops, of `--exposure auto`: auto_exposure_of (records/exposure.h) for the largest colour
+/// The exposure, stops, of `--exposure auto`: auto_exposure_of (pictures/exposure.h) for the largest colour
 /// channel of each pixel in a preview of the scene. The preview shows the scene's default instant without its
 /// exposure, is 96 px along its longer side, and has one shading tree of at most 5 nodes along a path through
 /// each pixel's centre. The result depends on the aspect ratio of the image but not on its size, and has the

@@ -7,15 +7,15 @@
 #include <memory>
 
 #include "core/error.h"
+#include "core/files/output_file.h"
 #include "core/memory.h"
-#include "core/output_file.h"
 #include "core/progress.h"
 #include "core/threads.h"
-#include "records/crop.h"
-#include "records/picture_part.h"
-#include "tracer/eye_rays.h"
-#include "tracer/render_setup.h"
-#include "tracer/render_state.h"
+#include "pictures/crop.h"
+#include "pictures/picture_part.h"
+#include "tracer/distributed/eye_rays.h"
+#include "tracer/distributed/render_setup.h"
+#include "tracer/distributed/render_state.h"
 
 namespace postlens {
 namespace {

@@ -15,8 +15,8 @@
 #include "tracer/lens_reach.h"
 #include "tracer/overscan.h"
 #include "tracer/recorded_motion.h"
+#include "tracer/recording/trace_share.h"
 #include "tracer/small_things.h"
-#include "tracer/trace_share.h"
 
 namespace postlens {
 namespace {

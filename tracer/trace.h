@@ -10,9 +10,9 @@
 #include "core/share.h"
 #include "records/sample_file.h"
 #include "tracer/camera_model.h"
-#include "tracer/corner_sampler.h"
-#include "tracer/ray_scene.h"
-#include "tracer/whitted.h"
+#include "tracer/intersection/ray_scene.h"
+#include "tracer/recording/corner_sampler.h"
+#include "tracer/shading_trees/whitted.h"
 
 namespace postlens {
 
@@ -51,7 +51,8 @@ struct TraceSettings {
     /// Traces only some rows; the file has rays that hit nothing in the others (trace_share.h).
     std::optional<Share> share;
     /// Called before the records are traced, with the approximate size of the file in bytes
-    /// (expected_size.h). An exception from it ends the trace. Empty: the size is not predicted.
+    /// (tracer/recording/expected_size.h). An exception from it ends the trace. Empty: the size is not
+    /// predicted.
     std::function<void(std::uint64_t bytes)> on_expected_bytes;
 };
 

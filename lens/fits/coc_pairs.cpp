@@ -2,8 +2,8 @@
 #include <sstream>
 
 #include "core/error.h"
+#include "core/files/text_file.h"
 #include "core/text.h"
-#include "core/text_file.h"
 #include "lens/fits/thin_lens_fit.h"
 
 namespace postlens {

@@ -5,8 +5,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "core/files/text_file.h"
 #include "core/text.h"
-#include "core/text_file.h"
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/formats.h"
 #include "lens/prescription/glass_catalogue.h"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "lens/focus_geometry.h"
+#include "lens/lommel/pixel_energy.h"
 #include "lens/response_grid.h"
-#include "lens/wave/pixel_energy.h"
 #include "lens/wave/spectrum.h"
 
 namespace postlens {

@@ -1,0 +1,60 @@
+#include "apps/commands/merge_parts.h"
+
+#include <algorithm>
+
+#include "apps/share.h"
+
+namespace postlens {
+
+Share share_in(const Json& mark, const std::string& name) {
+    const bool whole = mark.is_object() && mark.contains("share") && mark["share"].is_array() &&
+                       mark["share"].size() == 2 && mark["share"][0].is_number_integer() &&
+                       mark["share"][1].is_number_integer() && mark.contains("made_by") &&
+                       mark["made_by"].is_object() && mark.contains("crop");
+    if (!whole) fail(ExitCode::invalid_input, "{}: is a damaged part (its mark is not ours)", name);
+    return {mark["share"][0].get<int>(), mark["share"][1].get<int>()};
+}
+
+void check_same_work(const PartFacts& first, const PartFacts& other) {
+    if (other.share.count != first.share.count) {
+        fail(ExitCode::invalid_input, "{}: is one of {} parts (expected one of {}, as {})", other.name,
+             other.share.count, first.share.count, first.name);
+    }
+    if (const std::string difference = first_difference(other.mark["made_by"], first.mark["made_by"]);
+        !difference.empty()) {
+        fail(ExitCode::invalid_input, "{}: is a part of something else than {}: {}", other.name, first.name,
+             difference);
+    }
+    if (other.mark["crop"] != first.mark["crop"])
+        fail(ExitCode::invalid_input, "{}: has another crop than {}", other.name, first.name);
+}
+
+void FoundParts::add(const PartFacts& part) {
+    if (const auto [at, is_new] = names_.try_emplace(part.share.index, part.name); !is_new) {
+        fail(ExitCode::invalid_input, "{}: is the same part as {} (got {}/{} twice)", part.name, at->second,
+             part.share.index, part.share.count);
+    }
+}
+
+std::string listed(const std::vector<int>& shares, int count) {
+    constexpr std::size_t most = 8;
+    std::string out;
+    for (std::size_t i = 0; i < std::min(shares.size(), most); ++i)
+        out += fmt::format("{}{}/{}", i == 0 ? "" : ", ", shares[i], count);
+    return shares.size() > most ? fmt::format("{} and {} more", out, shares.size() - most) : out;
+}
+
+std::vector<int> FoundParts::missing(int count, bool partial) const {
+    std::vector<int> out;
+    for (int i = 0; i < count; ++i) {
+        if (!names_.contains(i)) out.push_back(i);
+    }
+    if (!out.empty() && !partial) {
+        fail(ExitCode::invalid_input,
+             "parts are missing (got {} of {}; expected also {}; --partial merges what is there)",
+             names_.size(), count, listed(out, count));
+    }
+    return out;
+}
+
+}  // namespace postlens

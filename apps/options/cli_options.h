@@ -1,0 +1,115 @@
+// Options that several subcommands share, and helpers that parse option values. Only cli*.cpp include this
+// header, because CLI11 is slow to compile.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/cli.h"
+#include "apps/numbers.h"
+#include "apps/options/named_files.h"
+#include "apps/share.h"
+#include "focus/light_field/lens_views.h"
+#include "focus/responses/depth_levels.h"
+#include "pictures/exposure.h"
+
+namespace postlens {
+
+// Add a numeric option that is parsed by the functions of apps/numbers.h (inf, bounds, messages) instead of
+// CLI11's. The help text states the bounds. They are checked even if the option has no effect.
+CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
+                    const std::string& help, const std::string& unit, const OptionRange& bounds,
+                    bool infinite = false);
+CLI::Option* number(CLI::App& app, const std::string& name, double& to, const std::string& help,
+                    const std::string& unit, const OptionRange& bounds, bool infinite = false);
+CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
+                   const std::string& unit, const OptionRange& bounds);
+CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& to, const std::string& help,
+                   const std::string& unit, const OptionRange& bounds);
+inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views},
+    depth_counts{.low = 2, .high = DepthLevels::most_depths};
+
+/// Adds an option OPEN:CLOSE, s, where OPEN is not after CLOSE.
+CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
+                      const std::string& help);
+
+/// Mark an option whose text is a file name or contains one (`image:FILE`, `box|triangle|FILE`), so that
+/// files_of finds the file. A command that writes files marks all such options. Return the option.
+CLI::Option* reads(CLI::Option* option);
+CLI::Option* reads_of_impulse(CLI::Option* option);
+CLI::Option* reads_of_curve(CLI::Option* option);
+CLI::Option* writes(CLI::Option* option);
+/// The files that are named by the marked options of the parsed subcommand.
+[[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
+/// The options of the parsed subcommand, and the files that it reads.
+[[nodiscard]] AskedFor asked_for(CLI::App& app);
+
+/// The command line again, without --share and without the options of outputs.
+[[nodiscard]] std::vector<std::string> words_of(CLI::App& app);
+
+inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
+    lumens_bounds{.low = 1e-6, .high = 1e6};
+/// Adds --exposure. `absent`: text of the help that says what the default is.
+void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
+/// Adds --lumens-per-watt, for commands that read the scene of a sample file. `when` begins the help text.
+void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
+
+void common_options(CLI::App& app, ParsedCommand& to);
+/// Adds --salvage, for commands that read a sample file.
+void salvage_option(CLI::App& app, bool& to);
+/// Adds --predict, which reports the predicted error of the image.
+void predict_option(CLI::App& app, bool& to);
+void output_option(CLI::App& app, std::string& to, const std::string& help);
+void crop_option(CLI::App& app, std::optional<Crop>& to);
+void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
+/// Adds the options of the impulse response, for focus and render. `real_lenses`: allows lens prescriptions.
+void impulse_options(CLI::App& app, Impulse& to, bool real_lenses = true);
+void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
+                   std::string& camera_name);
+/// Options for reading images of other programs.
+void foreign_channel_options(CLI::App& app, ForeignChoice& to);
+void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to);
+void behind_options(CLI::App& app, ForeignOptions& to);
+void object_options(CLI::App& app, ForeignOptions& to);
+void tree_options(CLI::App& app, int& max_depth, double& min_contribution);
+void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::string& curve,
+                     const std::string& absent = "open for an instant");
+
+struct LensFitLimitsOptions;
+/// Adds the options of `lens fit` that find a thin lens (cli_lens_fit.cpp).
+std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
+
+/// Adds `lens` and its subcommands (cli_lens.cpp). Their callbacks own the parsed values.
+void add_lens_commands(CLI::App& root, ParsedCommand& common);
+/// Adds `sweep` (cli_sweep.cpp). Its callback owns the parsed values.
+void add_sweep(CLI::App& root, ParsedCommand& common);
+
+template <typename Enum>
+CLI::Option* choice(CLI::App& app, const std::string& name, Enum& to, const std::string& help,
+                    std::vector<std::pair<std::string, Enum>> values) {
+    std::string words, default_word;
+    for (const auto& [word, value] : values) {
+        words += (words.empty() ? "" : "|") + word;
+        if (value == to) default_word = word;
+    }
+    return app
+        .add_option_function<std::string>(
+            name,
+            [&to, name, words, values = std::move(values)](const std::string& text) {
+                for (const auto& [word, value] : values) {
+                    if (word == text) {
+                        to = value;
+                        return;
+                    }
+                }
+                fail(ExitCode::wrong_arguments, "{}: unknown (got {}; expected {})", name, text, words);
+            },
+            fmt::format("{} [default: {}]", help, default_word))
+        ->type_name(words);
+}
+
+}  // namespace postlens

@@ -1,0 +1,268 @@
+// The options of each command that change from frame to frame.
+#include <cmath>
+#include <functional>
+
+#include "apps/exposure.h"
+#include "apps/numbers.h"
+#include "apps/options/frame_range.h"
+#include "apps/share.h"
+#include "motionblur/vectors/vector_frame.h"
+#include "pictures/foreign/foreign_file.h"
+#include "tracer/exposure.h"
+
+namespace postlens {
+namespace {
+
+constexpr double default_fps = 24;
+
+/// Instant of a frame on the scene's clock, s: frame / fps, plus the offset --time.
+double time_of(const FrameOptions& options, int frame, const std::optional<double>& time_s) {
+    return frame / options.fps.value_or(default_fps) + time_s.value_or(0);
+}
+
+void check_fps(const FrameOptions& options) {
+    if (options.fps) in_range("--fps", *options.fps, 0, false, "more than 0");
+}
+
+std::optional<TimeSpan> moved(std::optional<TimeSpan> span, double by_s) {
+    if (span) span = TimeSpan{span->open_s + by_s, span->close_s + by_s};
+    return span;
+}
+
+/// The raster of a sample file, or of an image of another program.
+ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
+    if (salvage || !is_foreign(input)) {
+        const SampleFileReader file(input, damage_rule(salvage));
+        return {file.header().width, file.header().height};
+    }
+    const Window display = ForeignFile(input).parts()[0].display;
+    return {display.x_max - display.x_min + 1 - 2 * overscan_px,
+            display.y_max - display.y_min + 1 - 2 * overscan_px};
+}
+
+/// Without a range of frames, a share is some rows of the image: sets the crop and the mark of the part.
+void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
+            std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
+    if (!frames.shared || frames.frames) return;
+    check_exr_path(output, "parts");
+    shared = frames.shared;
+    const ImageSize size = raster();
+    take_share(shared, crop, size.width, size.height);
+}
+
+/// Refuses --share for `auto` with a target or a scene, because `auto` then decides by errors that it
+/// measures on the whole image.
+void refuse_shared_target(const FrameOptions& frames, const FocusOptions& o) {
+    if (!frames.shared || frames.frames) return;
+    if (o.method == FocusMethod::automatic && !o.takes_usual_method()) {
+        fail(ExitCode::wrong_arguments,
+             "--share: not with --method auto and a target or a scene, which look at the whole picture "
+             "(expected another method, or --frames)");
+    }
+    if (o.retrace.explain) fail(ExitCode::wrong_arguments, "--share: not with --explain");
+}
+
+/// Replaces the exposure `auto` by that of the first frame, so that a sequence does not flicker.
+ExposureOption of_first_frame(const ExposureOption& asked, const std::function<double()>& stops) {
+    if (!asked.automatic) return asked;
+    return {.stops = stops()};
+}
+
+/// The input file of the first frame. `hashes`: # stands for the frame number.
+std::string first_input(const FrameOptions& frames, const std::string& name, bool hashes) {
+    return FrameName(name, hashes).of(frames.frames->front());
+}
+
+template <typename Options>
+ExposureOption exposure_of_first_scene(const FrameOptions& frames, const Options& o) {
+    if (!frames.frames) return o.exposure;
+    return of_first_frame(o.exposure, [&] {
+        const Scene scene = read_scene(first_input(frames, o.scene, false), o.units);
+        return auto_exposure_stops(scene, o.settings.camera_name, o.settings.camera);
+    });
+}
+
+ExposureOption exposure_of_first_file(const FrameOptions& frames, const ExposureOption& asked,
+                                      const std::string& input, bool salvage,
+                                      const std::function<Image(const std::string&)>& foreign) {
+    if (!frames.frames) return asked;
+    return of_first_frame(asked, [&] {
+        const std::string first = first_input(frames, input, true);
+        if (!salvage && is_foreign(first)) return auto_exposure_of(foreign(first));
+        return *exposure_of_samples(asked, first, damage_rule(salvage));
+    });
+}
+
+/// The files of an image's depths, ids and motion vectors, from the options.
+std::vector<std::string> passes_of(const ForeignChoice& choice, const VectorChoice& vectors = {}) {
+    return {choice.depth_file.string(), choice.ids_file.string(), vectors.file.string()};
+}
+
+void set_passes(ForeignChoice& choice, const FrameFiles& files) {
+    choice.depth_file = files.passes[0];
+    choice.ids_file = files.passes[1];
+}
+
+/// The options for the first frame, with its number in the file names.
+ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
+    if (!frames.frames) return choice;
+    for (std::filesystem::path* file : {&choice.depth_file, &choice.ids_file})
+        *file = first_input(frames, file->string(), true);
+    return choice;
+}
+
+/// The options that hold the exposure and the description of the output.
+template <typename Options>
+auto& image_of(Options& options) {
+    if constexpr (requires { options.focus; }) {
+        return options.focus;
+    } else {
+        return options;
+    }
+}
+
+/// Runs a command for each frame, with options that `adapt` changes, or once without --frames. The commands
+/// trace and render also get the instant of the frame.
+template <typename Options, typename Adapt>
+CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, const Options& options,
+                         CommandResult (*run)(const Options&), const Adapt& adapt) {
+    if (!frames.frames) {
+        refuse_frames(frames, names);
+        return run(options);
+    }
+    constexpr bool has_time = requires(Options o) {
+        o.settings.time_s;
+    };
+    if (has_time) check_fps(frames);
+    FrameOptions range = frames;
+    if (frames.asked_for) {
+        range.asked_for = [&](int frame) {
+            nlohmann::ordered_json out = frames.asked_for(frame);
+            // `auto` is that of the first frame, which need not be among the options of this one.
+            if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
+            return out;
+        };
+    }
+    return run_frame_range(range, names, has_time,
+                           [&](const FrameFiles& files, int frame, const std::string& made_by) {
+                               Options o = options;
+                               image_of(o).made_by = made_by;
+                               if constexpr (has_time)
+                                   o.settings.time_s = time_of(frames, frame, options.settings.time_s);
+                               adapt(o, files);
+                               CommandResult out = run(o);
+                               if constexpr (has_time) out.json["time_s"] = *o.settings.time_s;
+                               return out;
+                           });
+}
+
+}  // namespace
+
+CommandResult run_frames(const FrameOptions& frames, const TraceOptions& asked) {
+    TraceOptions options = asked;
+    if (frames.shared && !frames.frames) options.shared = frames.shared;
+    options.exposure = exposure_of_first_scene(frames, asked);
+    return each_frame(frames, {options.scene, options.output, {}, false, {}}, options, run_trace,
+                      [](TraceOptions& o, const FrameFiles& files) {
+                          o.scene = files.input;
+                          o.output = files.output;
+                          o.settings.for_shutter = moved(o.settings.for_shutter, *o.settings.time_s);
+                      });
+}
+
+CommandResult run_frames(const FrameOptions& frames, const RenderOptions& asked) {
+    RenderOptions options = asked;
+    if (frames.shared && !frames.frames) {
+        check_exr_path(options.output, "parts");
+        options.shared = frames.shared;  // run_render divides, once it has read the scene
+    }
+    options.exposure = exposure_of_first_scene(frames, asked);
+    return each_frame(frames, {options.scene, options.output, {}, options.settings.halves, {}}, options,
+                      run_render, [](RenderOptions& o, const FrameFiles& files) {
+                          o.scene = files.input;
+                          o.output = files.output;
+                          o.settings.shutter = moved(o.settings.shutter, *o.settings.time_s);
+                      });
+}
+
+CommandResult run_frames(const FrameOptions& frames, const ImageOptions& asked) {
+    ImageOptions options = asked;
+    options.exposure = exposure_of_first_file(
+        frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
+            return read_foreign_picture(first, of_first(frames, asked.foreign.choice), asked.foreign.camera)
+                .flattened();
+        });
+    return each_frame(frames, {options.input, options.output, {}, false, passes_of(asked.foreign.choice)},
+                      options, run_image, [](ImageOptions& o, const FrameFiles& files) {
+                          set_passes(o.foreign.choice, files);
+                          o.input = files.input;
+                          o.output = files.output;
+                      });
+}
+
+CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked) {
+    FocusOptions options = asked;
+    refuse_shared_target(frames, asked);
+    divide(frames, options.output, options.shared, options.crop,
+           [&] { return raster_of(asked.input, asked.salvage, asked.foreign.camera.overscan_px); });
+    options.exposure = exposure_of_first_file(
+        frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
+            return read_foreign_picture(first, of_first(frames, asked.foreign.choice), asked.foreign.camera)
+                .flattened();
+        });
+    std::vector<std::string> passes = passes_of(asked.foreign.choice);
+    const std::size_t own = passes.size();
+    for (const std::string* file : options.foreign.files()) passes.push_back(*file);
+    return each_frame(frames,
+                      {options.input, options.output, options.retrace.explain, false, std::move(passes)},
+                      options, run_focus, [own](FocusOptions& o, const FrameFiles& files) {
+                          set_passes(o.foreign.choice, files);
+                          std::size_t next = own;
+                          for (std::string* file : o.foreign.files()) *file = files.passes[next++];
+                          o.input = files.input;
+                          o.output = files.output;
+                          o.retrace.explain = files.explain;
+                      });
+}
+
+CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& asked) {
+    MotionBlurOptions options = asked;
+    divide(frames, options.output, options.shared, options.settings.crop,
+           [&] { return raster_of(asked.input, asked.salvage, 0); });
+    options.exposure = exposure_of_first_file(
+        frames, asked.exposure, asked.input, asked.salvage, [&](const std::string& first) {
+            VectorChoice vectors = asked.vectors;
+            vectors.file = first_input(frames, vectors.file.string(), true);
+            return read_vector_frame(first, vectors, of_first(frames, asked.foreign)).picture();
+        });
+    return each_frame(frames,
+                      {options.input, options.output, {}, false, passes_of(asked.foreign, asked.vectors)},
+                      options, run_motionblur, [](MotionBlurOptions& o, const FrameFiles& files) {
+                          set_passes(o.foreign, files);
+                          o.vectors.file = files.passes[2];
+                          o.input = files.input;
+                          o.output = files.output;
+                          o.shutter_from_frame = true;
+                      });
+}
+
+CommandResult run_frames(const FrameOptions& frames, const ShootOptions& asked) {
+    ShootOptions options = asked;
+    FocusOptions& focus = options.focus;
+    refuse_shared_target(frames, focus);
+    divide(frames, focus.output, focus.shared, focus.crop,
+           [&] { return raster_of(asked.focus.input, asked.focus.salvage, 0); });
+    if (frames.frames && focus.exposure.automatic) {
+        const std::string first = first_input(frames, focus.input, true);
+        focus.exposure = {.stops = exposure_of_samples(focus.exposure, first, damage_rule(focus.salvage))};
+    }
+    return each_frame(frames, {focus.input, focus.output, focus.retrace.explain, false, {}}, options,
+                      run_shoot, [](ShootOptions& o, const FrameFiles& files) {
+                          o.focus.input = files.input;
+                          o.focus.output = files.output;
+                          o.focus.retrace.explain = files.explain;
+                          o.shutter_from_frame = true;
+                      });
+}
+
+}  // namespace postlens

@@ -1,0 +1,54 @@
+#include "apps/view/image_depths.h"
+
+#include <algorithm>
+#include <array>
+
+#include "compare/lens_search/picture_tone.h"
+#include "core/threads.h"
+#include "tracer/shading_trees/lens_reach.h"
+
+namespace postlens {
+namespace {
+
+double brightness(const Record& record) {
+    return luminance_of(std::array<float, 3>{record.r, record.g, record.b}.data());
+}
+
+const Record* brightest(const RecordBand& band, int x, int y) {
+    const std::size_t k = band.pixel(x, y);
+    const Record* best = nullptr;
+    for (std::uint32_t i = band.offsets[k]; i < band.offsets[k + 1]; ++i) {
+        const Record& r = band.records[i];
+        if (r.layer == 0 && (best == nullptr || brightness(r) > brightness(*best))) best = &r;
+    }
+    return best;
+}
+
+}  // namespace
+
+ImageDepths image_depths(const SampleFileReader& file) {
+    const int width = file.header().width, height = file.header().height;
+    const auto columns = static_cast<std::size_t>(width);
+    ImageDepths out;
+    out.inverse_per_m.resize(columns * static_cast<std::size_t>(height));
+    out.ids.resize(out.inverse_per_m.size());
+    constexpr int rows_at_once = 64;
+    RecordBand band;
+    for (int first = 0; first < height; first += rows_at_once) {
+        const int end = std::min(height, first + rows_at_once);
+        file.read(first, end, band);
+        parallel_for(static_cast<std::size_t>(end - first), [&](std::size_t row) {
+            const int y = first + static_cast<int>(row);
+            for (int x = 0; x < width; ++x) {
+                const Record* best = brightest(band, x, y);
+                if (best == nullptr) continue;
+                const std::size_t at = static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x);
+                out.inverse_per_m[at] = static_cast<float>(LensReach::inverse_depth(best->w));
+                out.ids[at] = best->id;
+            }
+        });
+    }
+    return out;
+}
+
+}  // namespace postlens

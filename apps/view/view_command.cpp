@@ -1,0 +1,42 @@
+#include "apps/view/view_command.h"
+
+#include <chrono>
+#include <cstdio>
+#include <spawn.h>
+#include <thread>
+#include <unistd.h>
+
+#include "apps/view/view_server.h"
+
+namespace postlens {
+namespace {
+
+/// Opens the desktop's browser. Failure is not an error, because the address is printed.
+void open_in_browser(const std::string& address) {
+    std::string program = "xdg-open", argument = address;
+    std::array<char*, 3> words{program.data(), argument.data(), nullptr};
+    pid_t child = 0;
+    static_cast<void>(::posix_spawnp(&child, program.c_str(), nullptr, nullptr, words.data(), environ));
+}
+
+}  // namespace
+
+CommandResult run_view(const ViewOptions& options) {
+    ViewSession session(options);
+    ViewServer server(session, options.port);
+    // The address is printed here, because the result is printed only after the viewer has been closed.
+    fmt::print("{}\n", server.address());
+    std::fflush(stdout);
+    if (options.open) open_in_browser(server.address());
+    Job& job = Job::current();
+    std::jthread watcher([&](const std::stop_token& ended) {
+        while (!job.cancelled() && !ended.stop_requested())
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        session.stop();
+        server.stop();
+    });
+    server.serve();
+    return {};
+}
+
+}  // namespace postlens

@@ -1,0 +1,35 @@
+// The viewer's HTTP server, which answers only requests of the viewer's own page.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "apps/view/view_session.h"
+
+namespace postlens {
+
+/// Serves the page and a session's replies on 127.0.0.1. Every URL path begins with a random token. Requests
+/// of other sites, with a foreign Host or Origin, are refused. The page loads nothing from other servers.
+class ViewServer {
+  public:
+    /// Binds the port (0: any free one). Throws Error(wrong_arguments) if it is in use.
+    ViewServer(ViewSession& session, int port);
+    ~ViewServer();
+    ViewServer(const ViewServer&) = delete;
+    ViewServer& operator=(const ViewServer&) = delete;
+    ViewServer(ViewServer&&) = delete;
+    ViewServer& operator=(ViewServer&&) = delete;
+
+    /// "http://127.0.0.1:PORT/TOKEN/"
+    [[nodiscard]] const std::string& address() const;
+    /// Serves requests until `stop` is called.
+    void serve();
+    /// Ends `serve`. Called from another thread.
+    void stop();
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace postlens

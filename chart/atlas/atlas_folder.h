@@ -1,0 +1,35 @@
+// Runs every atlas case of a folder; an interrupted run resumes after its last finished case.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "chart/atlas/atlas_case.h"
+#include "chart/atlas/atlas_run.h"
+
+namespace postlens {
+
+struct AtlasEntry {
+    AtlasCase what;
+    AtlasResult result;
+};
+
+struct AtlasRun {
+    std::vector<AtlasEntry> entries;  ///< sorted by name
+    std::size_t kept = 0;             ///< number of cases whose results are an earlier run's
+    std::vector<std::string> broken;  ///< "CASE: METHOD: ..." for each failed expectation
+    std::string introduction;         ///< text of introduction.md in the cases' folder; may be empty
+};
+
+/// Path of a case's image strip, relative to the folder of the atlas.
+[[nodiscard]] std::filesystem::path atlas_strip(const std::string& name);
+
+/// Runs all cases of the folder `cases`. After each case it writes cases/NAME.json and atlas_strip(NAME) into
+/// `folder`, which is created if its parent exists. Unless `restart` is set, results of an earlier run with
+/// the same atlas_key are kept. Throws Error(interrupted), which leaves the finished cases on disk, and the
+/// errors of read_atlas_case and run_atlas_case.
+[[nodiscard]] AtlasRun run_atlas(const std::filesystem::path& cases, const std::filesystem::path& folder,
+                                 bool restart);
+
+}  // namespace postlens

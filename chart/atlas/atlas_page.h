@@ -1,0 +1,19 @@
+// Writes the atlas of failure as Markdown and as HTML.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "chart/atlas/atlas_folder.h"
+
+namespace postlens {
+
+/// Markdown: the introduction, a table of all cases, then the cases grouped by cause, each with its image
+/// strip (a link to atlas_strip), sentences and figures.
+[[nodiscard]] std::string atlas_markdown(const AtlasRun& run);
+
+/// The atlas of failure with the content of atlas_markdown, as one HTML page with embedded images. `folder`
+/// is the output folder of run_atlas. Throws Error(invalid_input) if an image cannot be read.
+[[nodiscard]] std::string atlas_html(const AtlasRun& run, const std::filesystem::path& folder);
+
+}  // namespace postlens

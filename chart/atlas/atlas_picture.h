@@ -1,0 +1,28 @@
+// Makes the image of one method of an atlas case and collects the warnings that the commands would print.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "chart/atlas/atlas_case.h"
+#include "chart/chart_plan.h"
+
+namespace postlens {
+
+struct AtlasPicture {
+    Image image;
+    std::vector<std::string> warnings;  ///< codes, sorted, each once
+    double retraced_share = 0;
+};
+
+[[nodiscard]] TraceSettings atlas_trace_settings(const AtlasTrace& trace, const ChartRequest& request,
+                                                 const ChartView& view);
+
+/// Makes the image of `method`. `file` is the sample file of the method's trace; the method rays does not
+/// read it. Temporary files are written beside `file` and removed. Throws Error.
+[[nodiscard]] AtlasPicture atlas_picture(const AtlasMethod& method, const ChartRequest& request,
+                                         const ChartView& view, const Scene& scene,
+                                         const std::filesystem::path& file);
+
+}  // namespace postlens

@@ -1,0 +1,37 @@
+// An 8-bit sRGB image to draw on with OpenCV. Used by cause_picture.cpp, error_map.cpp, side_by_side.cpp
+// and sweep/contact_sheet.cpp only.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "pictures/encoded_picture.h"
+#include "pictures/image.h"
+
+namespace postlens {
+
+using Rgb8 = std::array<std::uint8_t, 3>;
+
+class Canvas {
+  public:
+    Canvas(int width, int height, Rgb8 background);
+    /// Fills a rectangle, clipped at the border of the canvas.
+    void fill(int x, int y, int width, int height, Rgb8 colour);
+    void dot(int x, int y, Rgb8 colour);
+    /// Copies an image to top left corner (x, y). It must lie within the canvas.
+    void picture(int x, int y, const EncodedPicture& picture);
+    /// Writes ASCII text in white; (x, y) is the left end of its baseline. Capitals are 9 px high at
+    /// `scale` 1.
+    void text(int x, int y, double scale, const std::string& words);
+    [[nodiscard]] static int text_width(double scale, const std::string& words);
+    /// Scene-linear values that `write_image` encodes to the bytes of the canvas.
+    [[nodiscard]] Image image() const;
+    [[nodiscard]] EncodedPicture encoded() const;
+
+  private:
+    cv::Mat pixels_;  // CV_8UC3 in the order red, green, blue
+};
+
+}  // namespace postlens

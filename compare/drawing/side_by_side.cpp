@@ -1,0 +1,69 @@
+#include "compare/drawing/side_by_side.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "compare/drawing/canvas.h"
+#include "compare/drawing/error_map.h"
+
+namespace postlens {
+namespace {
+
+constexpr Rgb8 background{24, 24, 24};
+constexpr int gap_px = 8, line_px = 18;
+
+// Positions and sizes, px. All three panels are as wide as the error map.
+struct Layout {
+    double scale = 0;
+    int panel, gap, line, width, height, text_top;
+    Layout(ImageSize pictures, std::size_t lines) : panel(error_map_size(pictures).width) {
+        scale = std::clamp(panel / 1280.0, 1.0, 8.0);
+        gap = static_cast<int>(std::lround(gap_px * scale));
+        line = static_cast<int>(std::lround(line_px * scale));
+        width = 3 * panel + 4 * gap;
+        text_top = line + gap + error_map_size(pictures).height + gap;
+        height = text_top + static_cast<int>(lines) * line + gap;
+    }
+};
+
+}  // namespace
+
+ImageSize side_by_side_size(ImageSize pictures, std::size_t lines) {
+    const Layout layout(pictures, lines);
+    return {layout.width, layout.height};
+}
+
+Image side_by_side(const Image& image, const Image& reference, const TextTable& table,
+                   const std::vector<std::string>& lines) {
+    const Layout at({image.width, image.height}, table.size() + lines.size());
+    Canvas canvas(at.width, at.height, background);
+    const std::array<const char*, 3> names{"image", "reference", "difference"};
+    for (int i = 0; i < 3; ++i) {
+        const int x = at.gap + i * (at.panel + at.gap), top = at.line + at.gap;
+        canvas.text(x, at.line, at.scale, names[static_cast<std::size_t>(i)]);
+        // The error map was drawn in 8 bits; encoding reproduces its bytes.
+        canvas.picture(x, top,
+                       encoded_8bit(i == 0   ? image
+                                    : i == 1 ? reference
+                                             : error_map(image, reference)));
+    }
+    int y = at.text_top + at.line - at.gap / 2;
+    for (const auto& row : table) {
+        const auto text_width = static_cast<double>(at.width - 2 * at.gap);
+        // The first column, the names, is twice as wide as the others.
+        const double column = text_width / static_cast<double>(table.front().size() + 1);
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            const double x = at.gap + (i == 0 ? 0 : static_cast<double>(i + 1) * column);
+            canvas.text(static_cast<int>(x), y, at.scale, row[i]);
+        }
+        y += at.line;
+    }
+    for (const std::string& words : lines) {
+        canvas.text(at.gap, y, at.scale, words);
+        y += at.line;
+    }
+    return canvas.image();
+}
+
+}  // namespace postlens

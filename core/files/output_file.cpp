@@ -1,0 +1,161 @@
+#include "core/files/output_file.h"
+
+#include <array>
+#include <cassert>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <string>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+#include "core/error.h"
+
+namespace postlens {
+namespace fs = std::filesystem;
+namespace {
+
+// Paths of the existing temporary files, for the signal handler. A thread owns a path's text once it has
+// exchanged the pointer to it for null, so neither the signal handler nor an OutputFile reads text that the
+// other has freed. If there are more files than slots, the signal handler does not remove the excess files.
+constexpr std::size_t slot_count = 64;
+std::array<std::atomic<char*>, slot_count> g_temporaries{};
+static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");
+
+std::optional<std::size_t> list_temporary(const fs::path& path) {
+    char* text = ::strdup(path.c_str());
+    if (text == nullptr) return std::nullopt;
+    for (std::size_t i = 0; i < slot_count; ++i) {
+        char* expected = nullptr;
+        if (g_temporaries[i].compare_exchange_strong(expected, text)) return i;
+    }
+    std::free(text);
+    return std::nullopt;
+}
+
+void unlist_temporary(std::optional<std::size_t> slot) {
+    if (slot) std::free(g_temporaries[*slot].exchange(nullptr));
+}
+
+[[noreturn]] void fail_to_write(const fs::path& target, int error) {
+    fail(ExitCode::cannot_write, "{}: cannot write ({})", target.string(),
+         std::generic_category().message(error));
+}
+
+int open_retrying(const fs::path& path, int flags) {
+    int fd = -1;
+    do {
+        fd = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+    } while (fd < 0 && errno == EINTR);
+    return fd;
+}
+
+/// Returns 0, or the errno of the call that failed.
+int flush_to_disk(const fs::path& path, int flags) {
+    const int fd = open_retrying(path, flags);
+    if (fd < 0) return errno;
+    int result = -1;
+    do {
+        result = ::fsync(fd);
+    } while (result != 0 && errno == EINTR);
+    const int error = result == 0 ? 0 : errno;
+    ::close(fd);
+    // Not an error: the file system does not support fsync.
+    return error == EINVAL || error == ENOTSUP ? 0 : error;
+}
+
+fs::path folder_of(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+}  // namespace
+
+OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destination_(target_) {
+    std::error_code ec;
+    const fs::file_status status = fs::status(target_, ec);
+    if (target_.filename().empty() || fs::is_directory(status)) {
+        fail(ExitCode::cannot_write, "{}: cannot write (got a folder; expected a file name)",
+             target_.string());
+    }
+    if (fs::exists(status)) {
+        // commit() would replace a device, such as /dev/null, with an ordinary file.
+        if (!fs::is_regular_file(status)) {
+            fail(ExitCode::cannot_write, "{}: cannot write (got a device, pipe or socket; expected a file)",
+                 target_.string());
+        }
+        // A rename only needs write permission for the folder; a write-protected file must not be replaced.
+        if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
+        if (fs::is_symlink(fs::symlink_status(target_, ec))) {
+            destination_ = fs::canonical(target_, ec);
+            if (ec) fail_to_write(target_, ec.value());
+        }
+    }
+    const fs::path folder = folder_of(destination_);
+    if (!fs::is_directory(folder, ec)) {
+        const bool is_file = fs::is_regular_file(folder, ec);
+        fail(ExitCode::cannot_write, "{}: cannot write ({})", target_.string(),
+             is_file ? fmt::format("{} is a file; expected a folder", folder.string())
+                     : fmt::format("folder {} does not exist", folder.string()));
+    }
+    // The temporary name keeps the target's extension, by which image writers choose the format. The process
+    // id in the name shows which process owns the file. The number distinguishes several files of one
+    // process, and files of processes with equal ids (in containers).
+    const std::string stem = destination_.stem().string().substr(0, 200);
+    int fd = -1;
+    for (int number = 0; fd < 0; ++number) {
+        temporary_ = folder / fmt::format(".{}.{}-{}.part{}", stem, ::getpid(), number,
+                                          destination_.extension().string());
+        fd = open_retrying(temporary_, O_WRONLY | O_CREAT | O_EXCL);
+        if (fd < 0 && errno != EEXIST) fail_to_write(target_, errno);
+    }
+    ::close(fd);
+    slot_ = list_temporary(temporary_);
+}
+
+OutputFile::~OutputFile() {
+    if (!committed_) {
+        std::error_code ec;
+        fs::remove(temporary_, ec);
+    }
+    unlist_temporary(slot_);
+}
+
+void OutputFile::write(std::string_view bytes) {
+    std::FILE* out = std::fopen(temporary_.c_str(), "wb");
+    bool ok = out != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
+    int error = errno;
+    if (out != nullptr && std::fclose(out) != 0 && ok) {
+        ok = false;
+        error = errno;
+    }
+    if (!ok) fail(ExitCode::cannot_write, "{}: cannot write ({})", target_.string(), std::strerror(error));
+}
+
+void OutputFile::commit() {
+    assert(!committed_);
+    if (const int error = flush_to_disk(temporary_, O_RDONLY); error != 0) fail_to_write(target_, error);
+    std::error_code ec;
+    fs::rename(temporary_, destination_, ec);
+    if (ec) fail_to_write(target_, ec.value());
+    committed_ = true;
+    // Flushes the folder, so that the new name survives a power failure. Errors are ignored: the file is
+    // complete in any case, and a folder that may be written but not read cannot be opened.
+    static_cast<void>(flush_to_disk(folder_of(destination_), O_RDONLY | O_DIRECTORY));
+}
+
+void write_file(const fs::path& target, std::string_view bytes) {
+    OutputFile file(target);
+    file.write(bytes);
+    file.commit();
+}
+
+void remove_all_temporaries() noexcept {
+    for (std::atomic<char*>& slot : g_temporaries) {
+        if (const char* path = slot.exchange(nullptr)) ::unlink(path);
+    }
+}
+
+}  // namespace postlens

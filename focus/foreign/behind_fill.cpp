@@ -1,0 +1,388 @@
+#include "focus/foreign/behind_fill.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/memory.h"
+#include "core/threads.h"
+#include "focus/responses/depth_levels.h"
+
+namespace postlens {
+namespace {
+
+/// A transmittance up to this counts as 0, because alphas are rounded.
+constexpr double opaque_within = 1e-3;
+/// Step of signed CoC radius from which neighbours count as different surfaces, px.
+constexpr float least_step_px = 1;
+/// Largest distance of the search for a farther surface, px.
+constexpr float farthest_px = 512;
+
+/// Searches the surroundings of opaque pixels for farther surfaces. Stores one signed CoC radius per pixel:
+/// that of the sample at which its stack of samples becomes opaque, or infinity if the stack never becomes
+/// opaque.
+class Search {
+  public:
+    Search(const ForeignPicture& picture, const FocusGeometry& geometry)
+        : p_(picture),
+          geometry_(geometry),
+          width_(picture.x_end - picture.x_begin),
+          height_(picture.y_end - picture.y_begin),
+          nothing_px_(std::numeric_limits<float>::infinity()),
+          has_ids_(std::any_of(picture.samples.begin(), picture.samples.end(),
+                               [](const StackSample& s) { return s.id != 0; })),
+          last_px_(pixels()),
+          opaque_(pixels()) {
+        parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
+            for (std::size_t i = y * static_cast<std::size_t>(width_);
+                 i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
+                double left = 1;
+                float last = nothing_px_;
+                // A pixel may have further samples behind the first opaque one. The estimate must lie behind
+                // the last of them.
+                for (std::uint64_t k = p_.offsets[i]; k < p_.offsets[i + 1]; ++k) {
+                    left *= 1 - static_cast<double>(p_.samples[k].alpha);
+                    last = radius_px(p_.samples[k].spread_inverse_z());
+                }
+                opaque_[i] = left <= opaque_within ? 1 : 0;
+                last_px_[i] = last;
+            }
+        });
+        for (const float r : last_px_) {
+            if (std::isfinite(r)) widest_px_ = std::max(widest_px_, std::abs(r));
+        }
+        find_translucent();
+        parallel_for(directions.size(),
+                     [&](std::size_t d) { find_steps(directions[d], steps_to_farther_[d]); });
+    }
+
+    [[nodiscard]] std::size_t pixels() const {
+        return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+    }
+    [[nodiscard]] int width() const { return width_; }
+    [[nodiscard]] int height() const { return height_; }
+
+    [[nodiscard]] Behind behind(int x, int y) const {
+        Behind out = guess(x, y);
+        out.fills = fills_[index(x, y)] != 0;
+        return out;
+    }
+
+  private:
+    /// Finds the translucent pixels (`fills_`) with only empty space behind them and around them; they become
+    /// opaque for the search. All other pixels that are not opaque count as empty space.
+    void find_translucent() {
+        fills_.assign(pixels(), 0);
+        parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
+            for (int x = 0; x < width_; ++x) {
+                const std::size_t i = index(x, static_cast<int>(y));
+                if (opaque_[i] != 0 || !std::isfinite(last_px_[i])) continue;
+                fills_[i] = std::none_of(directions.begin(), directions.end(), [&](const Direction& d) {
+                    return sees_farther(x, static_cast<int>(y), d, last_px_[i]);
+                });
+            }
+        });
+        for (std::size_t i = 0; i < pixels(); ++i) {
+            if (fills_[i] != 0) opaque_[i] = 1;
+            if (opaque_[i] == 0) last_px_[i] = nothing_px_;
+        }
+    }
+
+    [[nodiscard]] Behind guess(int x, int y) const {
+        const std::size_t here = index(x, y);
+        if (opaque_[here] == 0) return {};
+        std::array<Find, directions.size()> finds{};
+        std::size_t count = 0;
+        for (std::size_t d = 0; d < directions.size(); ++d) {
+            if (const Find f = look(x, y, d, last_px_[here]); f.distance_px > 0) finds[count++] = f;
+        }
+        if (count == 0) return {};
+        if (has_ids_) count = keep_most_seen(finds, count);
+        const Find* nearest =
+            std::min_element(finds.data(), finds.data() + count,
+                             [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
+        std::array<double, 5> sum{};
+        for (std::size_t i = 0; i < count; ++i) {
+            if (std::abs(finds[i].radius_px - nearest->radius_px) >= least_step_px) continue;
+            const double weight = weight_of(finds[i]);
+            const std::array<double, 4> colour = flattened(finds[i]);
+            for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * colour[c];
+            sum[4] += weight;
+        }
+        Behind out;
+        out.known = true;
+        out.inverse_z = nearest->stack.empty() ? 0 : nearest->stack[0].spread_inverse_z();
+        out.r = static_cast<float>(sum[0] / sum[4]);
+        out.g = static_cast<float>(sum[1] / sum[4]);
+        out.b = static_cast<float>(sum[2] / sum[4]);
+        out.alpha = static_cast<float>(sum[3] / sum[4]);
+        return out;
+    }
+
+    struct Direction {
+        int dx, dy;
+    };
+    static constexpr std::array<Direction, 8> directions{
+        {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
+    struct Find {
+        float distance_px = 0;  ///< 0: none
+        float radius_px = 0;
+        std::span<const StackSample> stack;  ///< samples from the first farther one on; none: empty space
+    };
+
+    /// Steps from a pixel in a direction, up to the sum of its CoC radius and the largest one, and calls
+    /// `take(distance_px, x, y)` until that returns true. Raster pixels that are not stored are empty space.
+    /// Outside both the raster and the stored window the content is unknown, and the walk ends.
+    template <typename Take>
+    void walk(int x, int y, const Direction& d, float own_px, const Take& take) const {
+        const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
+        const float limit_px = std::min(farthest_px, std::abs(own_px) + widest_px_ + 1);
+        for (int s = 1; static_cast<float>(s) * step_px <= limit_px; ++s) {
+            x += d.dx;
+            y += d.dy;
+            if (!is_stored(x, y) && !in_raster(x, y)) return;
+            if (take(static_cast<float>(s) * step_px, x, y)) return;
+        }
+    }
+    /// Whether two CoCs of these radii, at this distance, overlap or are less than a pixel apart.
+    [[nodiscard]] static bool reach_each_other(float distance_px, float own_px, float other_px) {
+        // Empty space, of infinite radius here, is not blurred.
+        const float other = std::isfinite(other_px) ? std::abs(other_px) : 0;
+        return distance_px <= std::abs(own_px) + other + 1;
+    }
+
+    /// Whether a surface farther than `own_px` begins so near that blur can disocclude it at this pixel.
+    /// Empty space does not count.
+    [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, float own_px) const {
+        bool found = false;
+        float before_px = own_px;
+        walk(x, y, d, own_px, [&](float distance_px, int u, int v) {
+            const float last_px = last_at(u, v);
+            if (!std::isfinite(last_px)) return false;
+            found = begins(before_px, last_px, own_px) && reach_each_other(distance_px, own_px, last_px);
+            before_px = last_px;
+            return found;
+        });
+        return found;
+    }
+
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
+    // x and y are relative to the first stored pixel.
+    [[nodiscard]] bool is_stored(int x, int y) const { return x >= 0 && x < width_ && y >= 0 && y < height_; }
+    [[nodiscard]] float last_at(int x, int y) const {
+        return is_stored(x, y) ? last_px_[index(x, y)] : nothing_px_;
+    }
+    /// Whether a surface farther than a pixel of signed CoC radius `own_px` begins between two neighbours.
+    [[nodiscard]] static bool begins(float before_px, float last_px, float own_px) {
+        return last_px - before_px >= least_step_px && last_px - own_px >= least_step_px;
+    }
+    [[nodiscard]] bool in_raster(int x, int y) const {
+        return x + p_.x_begin >= 0 && x + p_.x_begin < p_.width && y + p_.y_begin >= 0 &&
+               y + p_.y_begin < p_.height;
+    }
+    [[nodiscard]] float radius_px(float inverse_z) const {
+        return static_cast<float>(geometry_.coc_diameter_px(static_cast<double>(inverse_z)) / 2);
+    }
+
+    /// Per stored pixel, the number of steps in a direction to the first pixel whose last sample is farther
+    /// than that of the pixel before it by at least `least_step_px` of CoC radius. 0: none within
+    /// `most_steps`.
+    void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
+        constexpr std::uint16_t most_steps = static_cast<std::uint16_t>(farthest_px) + 1;
+        steps.assign(pixels(), 0);
+        for (int row = 0; row < height_; ++row) {
+            // A pixel's neighbour in this direction comes before it.
+            const int y = d.dy > 0 ? height_ - 1 - row : row;
+            for (int column = 0; column < width_; ++column) {
+                const int x = d.dx > 0 ? width_ - 1 - column : column, u = x + d.dx, v = y + d.dy;
+                if (!is_stored(u, v) && !in_raster(u, v)) continue;
+                std::uint16_t& here = steps[index(x, y)];
+                if (last_at(u, v) - last_px_[index(x, y)] >= least_step_px) {
+                    here = 1;
+                } else if (is_stored(u, v)) {
+                    const std::uint16_t next = steps[index(u, v)];
+                    here = next == 0 || next >= most_steps ? 0 : static_cast<std::uint16_t>(next + 1);
+                }
+            }
+        }
+    }
+
+    /// The first surface in a direction that begins farther than the pixel's own, near enough to be
+    /// disoccluded.
+    [[nodiscard]] Find look(int x, int y, std::size_t direction, float own_px) const {
+        const Direction& d = directions[direction];
+        const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
+        const float limit_px = std::min(farthest_px, std::abs(own_px) + widest_px_ + 1);
+        for (int s = 0; is_stored(x, y);) {
+            const int steps = steps_to_farther_[direction][index(x, y)];
+            s += steps;
+            const float distance_px = static_cast<float>(s) * step_px;
+            if (steps == 0 || distance_px > limit_px) return {};
+            x += steps * d.dx;
+            y += steps * d.dy;
+            const float last_px = last_at(x, y);
+            if (last_px - own_px < least_step_px || !reach_each_other(distance_px, own_px, last_px)) continue;
+            auto stack =
+                is_stored(x, y) ? p_.stack(p_.x_begin + x, p_.y_begin + y) : std::span<const StackSample>();
+            while (!stack.empty() && radius_px(stack[0].spread_inverse_z()) - own_px < least_step_px)
+                stack = stack.subspan(1);
+            return {distance_px, stack.empty() ? nothing_px_ : radius_px(stack[0].spread_inverse_z()), stack};
+        }
+        return {};
+    }
+
+    [[nodiscard]] static std::uint32_t id_of(const Find& f) { return f.stack.empty() ? 0 : f.stack[0].id; }
+    [[nodiscard]] static double weight_of(const Find& f) {
+        return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
+    }
+
+    /// Keeps only the surfaces found of one object, that with the largest weight: moves them to the front, in
+    /// their order, and returns their number. The others are dropped, so that a small emitter beside an edge
+    /// does not colour all that is behind the edge.
+    static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
+        std::uint32_t most = 0;
+        double most_weight = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            double weight = 0;
+            for (std::size_t k = 0; k < count; ++k)
+                weight += id_of(finds[k]) == id_of(finds[i]) ? weight_of(finds[k]) : 0;
+            if (weight > most_weight) {
+                most_weight = weight;
+                most = id_of(finds[i]);
+            }
+        }
+        const auto kept =
+            std::stable_partition(finds.begin(), finds.begin() + static_cast<std::ptrdiff_t>(count),
+                                  [&](const Find& f) { return id_of(f) == most; });
+        return static_cast<std::size_t>(kept - finds.begin());
+    }
+
+    [[nodiscard]] static std::array<double, 4> flattened(const Find& f) {
+        std::array<double, 4> out{};
+        double left = 1;
+        for (const StackSample& s : f.stack) {
+            out[0] += left * static_cast<double>(s.r);
+            out[1] += left * static_cast<double>(s.g);
+            out[2] += left * static_cast<double>(s.b);
+            left *= 1 - static_cast<double>(s.alpha);
+        }
+        out[3] = 1 - left;
+        return out;
+    }
+
+    const ForeignPicture& p_;
+    const FocusGeometry& geometry_;
+    int width_, height_;
+    float nothing_px_;
+    bool has_ids_;
+    std::vector<float> last_px_;
+    std::array<std::vector<std::uint16_t>, directions.size()> steps_to_farther_;
+    std::vector<std::uint8_t> opaque_, fills_;
+    float widest_px_ = 0;
+};
+
+}  // namespace
+
+std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry) {
+    const Search search(picture, geometry);
+    require_memory(search.pixels() * sizeof(Behind), "what is hidden in the picture");
+    std::vector<Behind> out(search.pixels());
+    parallel_for(static_cast<std::size_t>(search.height()), [&](std::size_t y) {
+        for (int x = 0; x < search.width(); ++x)
+            out[y * static_cast<std::size_t>(search.width()) + static_cast<std::size_t>(x)] =
+                search.behind(x, static_cast<int>(y));
+    });
+    return out;
+}
+
+namespace {
+
+/// Summed-area table: sums over rectangles of a raster. Outside the raster all values are 0.
+class RectangleSums {
+  public:
+    RectangleSums(int width, int height, const std::vector<float>& values)
+        : width_(width),
+          height_(height),
+          sums_(static_cast<std::size_t>(width + 1) * static_cast<std::size_t>(height + 1), 0.0) {
+        for (int y = 0; y < height; ++y) {
+            double row = 0;
+            for (int x = 0; x < width; ++x) {
+                row +=
+                    static_cast<double>(values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                               static_cast<std::size_t>(x)]);
+                sums_[index(x + 1, y + 1)] = sums_[index(x + 1, y)] + row;
+            }
+        }
+    }
+    /// Sum over columns [x0, x1) of rows [y0, y1).
+    [[nodiscard]] double of(int x0, int x1, int y0, int y1) const {
+        const auto at = [&](int x, int y) {
+            return sums_[index(std::clamp(x, 0, width_), std::clamp(y, 0, height_))];
+        };
+        return at(x1, y1) - at(x0, y1) - at(x1, y0) + at(x0, y0);
+    }
+
+  private:
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_ + 1) +
+               static_cast<std::size_t>(x);
+    }
+    int width_, height_;
+    std::vector<double> sums_;
+};
+
+}  // namespace
+
+std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
+                                    const RasterWindow& window) {
+    // Raster pixels that are not stored are empty. Outside both the raster and the stored window, the content
+    // is unknown and does not count as empty.
+    const RasterWindow known{std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
+                             std::max(p.height, p.y_end)};
+    const auto pixels =
+        static_cast<std::uint64_t>(known.width()) * static_cast<std::uint64_t>(known.height());
+    require_memory(pixels * 20, "where nothing is in the picture");
+    std::vector<float> left(pixels, 0.0F), radius_px(pixels, 0.0F);
+    const auto at = [&](int x, int y) {
+        return static_cast<std::size_t>(y - known.y_begin) * static_cast<std::size_t>(known.width()) +
+               static_cast<std::size_t>(x - known.x_begin);
+    };
+    for (int y = known.y_begin; y < known.y_end; ++y) {
+        for (int x = known.x_begin; x < known.x_end; ++x) {
+            double through = 1, widest_px = 0;
+            if (p.stores(x, y)) {
+                for (const StackSample& s : p.stack(x, y)) {
+                    through = 0;
+                    widest_px = std::max(
+                        widest_px,
+                        std::abs(geometry.coc_diameter_px(static_cast<double>(s.spread_inverse_z())) / 2));
+                }
+            }
+            left[at(x, y)] = static_cast<float>(std::max(through, 0.0));
+            radius_px[at(x, y)] = static_cast<float>(widest_px);
+        }
+    }
+    const RectangleSums sums(known.width(), known.height(), left);
+    std::vector<float> out;
+    out.reserve(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()));
+    for (int y = window.y_begin; y < window.y_end; ++y) {
+        for (int x = window.x_begin; x < window.x_end; ++x) {
+            const std::size_t k = at(x, y);
+            // The CoC is centred on the pixel. Quantisation to depth levels may enlarge it by a quarter of a
+            // pixel.
+            const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
+            const int reach = static_cast<int>(std::ceil(radius + 0.75)) - 1;
+            const int column = x - known.x_begin, row = y - known.y_begin;
+            const double around = sums.of(column - reach, column + reach + 1, row - reach, row + reach + 1) /
+                                  std::max(std::numbers::pi * radius * radius, 1.0);
+            out.push_back(std::max(left[k], static_cast<float>(around)));
+        }
+    }
+    return out;
+}
+
+}  // namespace postlens

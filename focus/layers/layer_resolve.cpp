@@ -1,0 +1,143 @@
+#include "focus/layers/layer_resolve.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace postlens {
+namespace {
+
+using Kind = LayerPart::Kind;
+
+/// Sum of the weights of a path's nodes at a pixel, from which their own radiance is used. With a smaller
+/// sum, the path's radiance scattered with the kernel of the mirror or glass is blended in.
+constexpr double enough_weight = 0.05;
+
+/// The nodes that one path (sequence of reflections and transmissions) has at a pixel, and their total
+/// radiance.
+struct Chain {
+    std::span<const LayerTerm> terms;
+    std::array<double, 3> rgb{};
+    double masks = 0;                  ///< sum of the weights of all masks
+    std::array<double, 3> stand_in{};  ///< sum of the colours of all masks: the substitute
+    double outer = 0;                  ///< sum of the weights of the outer masks
+    [[nodiscard]] NodePath path() const { return NodePath(terms[0].part->path); }
+};
+
+SurfaceLight light_of(const LayerTerm* term) {
+    if (term == nullptr) return {};
+    return {std::max(term->weight, 0.0), term->rgb, term->lens};
+}
+
+/// Adds the radiance of a path (sequence of reflections and transmissions) to a surface, in proportion to
+/// `mask`, the share of the surface that shows the path. The radiance is distributed over the lens like the
+/// mask's weight.
+void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
+    const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        surface.rgb[c] += mask.alpha * rgb[c];
+        surface.lens[c].x += share * surface.lens[3].x * rgb[c];
+        surface.lens[c].y += share * surface.lens[3].y * rgb[c];
+    }
+}
+
+/// Adds the radiance of a path to the fragment (a surface's light at the pixel) of the mirror or glass that
+/// shows it. `shown`: the surface of that parent node. The radiance is weighted by the masks of `shown`.
+void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
+    for (const LayerTerm& term : chain.terms) {
+        if (term.part->shown != shown) continue;
+        if (term.part->kind == Kind::mask) show(fragment.seen, light_of(&term), chain.rgb);
+        if (term.part->kind == Kind::hidden_mask) show(fragment.hidden, light_of(&term), chain.rgb);
+    }
+}
+
+/// The light of one surface at a pixel, from the sums of the part that the pinhole sees (`seen`) and of the
+/// part that it does not see (`hidden`); one of them may be null.
+std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
+    const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
+    if (!(weight > smallest_layer_weight)) return std::nullopt;
+    const double depth = (seen != nullptr ? seen->depth : 0.0) + (hidden != nullptr ? hidden->depth : 0.0);
+    return Fragment{depth / weight, light_of(seen), light_of(hidden),
+                    hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
+}
+
+/// Converts the nodes of a path (sequence of reflections and transmissions) to fragments, one per surface.
+/// Adds the radiance of the longer paths that continue this path. Returns the sum of the nodes' weights.
+double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
+              std::vector<Fragment>& fragments) {
+    fragments.clear();
+    double weight = 0;
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+        const LayerTerm& term = terms[i];
+        if (term.part->kind != Kind::seen && term.part->kind != Kind::hidden) continue;
+        weight += term.weight;
+        const LayerTerm* seen = term.part->kind == Kind::seen ? &term : nullptr;
+        const LayerTerm* hidden = seen == nullptr ? &term : nullptr;
+        if (seen != nullptr && i + 1 < terms.size() && terms[i + 1].part->kind == Kind::hidden &&
+            terms[i + 1].part->shown == term.part->shown) {
+            hidden = &terms[++i];
+            weight += hidden->weight;
+        }
+        auto fragment = fragment_of(seen, hidden);
+        if (!fragment) continue;
+        for (const Chain& next : longer) {
+            if (next.path().parent() == NodePath(term.part->path)) show(*fragment, term.part->shown, next);
+        }
+        fragments.push_back(*fragment);
+    }
+    return weight;
+}
+
+Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> longer,
+                    const FocusGeometry& geometry) {
+    thread_local std::vector<Fragment> fragments;
+    Chain out{terms};
+    for (const LayerTerm& term : terms) {
+        if (term.part->kind == Kind::seen || term.part->kind == Kind::hidden) continue;
+        const SurfaceLight mask = light_of(&term);
+        out.masks += mask.alpha;
+        for (std::size_t c = 0; c < 3; ++c) out.stand_in[c] += mask.rgb[c];
+        if (term.part->kind == Kind::outer_mask) out.outer += mask.alpha;
+    }
+    if (!(out.masks > smallest_layer_weight)) return out;
+    const double weight = gather(terms, longer, fragments);
+    double own = std::clamp(weight / enough_weight, 0.0, 1.0);
+    if (weight > smallest_layer_weight) out.rgb = composite(fragments, geometry);
+    for (const Chain& next : longer) {
+        if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
+        const double share = std::min(next.outer / out.masks, 1.0);
+        for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
+        // The longer path that continues this one provides the radiance, so this path's nodes need no
+        // substitute.
+        own = 1;
+    }
+    for (std::size_t c = 0; own < 1 && c < 3; ++c)
+        out.rgb[c] = own * out.rgb[c] + (1 - own) * out.stand_in[c] / out.masks;
+    return out;
+}
+
+}  // namespace
+
+std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const FocusGeometry& geometry) {
+    std::size_t own = 0;  // terms of the surface itself
+    while (own < terms.size() && terms[own].part->path == 0) ++own;
+    if (own == 0) return std::nullopt;
+    const LayerTerm* seen = terms[0].part->kind == Kind::seen ? terms.data() : nullptr;
+    const LayerTerm* hidden = terms[own - 1].part->kind == Kind::hidden ? &terms[own - 1] : nullptr;
+    auto out = fragment_of(seen, hidden);
+    if (!out || own == terms.size()) return out;
+    thread_local std::vector<Chain> chains;
+    chains.clear();
+    // Longest paths first: a path needs the results of the paths that continue it.
+    for (std::size_t end = terms.size(); end > own;) {
+        std::size_t begin = end - 1;
+        while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;
+        chains.push_back(resolve_chain(terms.subspan(begin, end - begin), chains, geometry));
+        end = begin;
+    }
+    for (const Chain& chain : chains) {
+        if (chain.path().depth() == 1) show(*out, {}, chain);
+    }
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,267 @@
+#include "focus/layers/layer_splats.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "core/memory.h"
+#include "core/threads.h"
+#include "focus/layers/layer_row_builder.h"
+
+namespace postlens {
+namespace {
+
+/// Edge of a tile, px: a block of the image tests the splats of a tile together for whether they reach it.
+constexpr int tile_px = 64;
+
+}  // namespace
+
+ColourRange::ColourRange() {
+    least.fill(std::numeric_limits<float>::infinity());
+    most.fill(-std::numeric_limits<float>::infinity());
+}
+
+void ColourRange::include(const std::array<float, 3>& rgb) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        least[c] = std::min(least[c], rgb[c]);
+        most[c] = std::max(most[c], rgb[c]);
+    }
+}
+
+void ColourRange::include(const ColourRange& other) {
+    include(other.least);
+    include(other.most);
+}
+
+void LayerSplats::add_pixels(int y, std::span<const PixelLight> lights) {
+    RowBuilder(*this).build(lights, y);
+}
+
+LayerSplats::LayerSplats(const RasterWindow& source, const RasterWindow& picture,
+                         const FocusGeometry& geometry, const DepthLevels& levels, DepthModel model,
+                         std::shared_ptr<const ResponseModel> response)
+    : source_(source),
+      picture_(picture),
+      responses_(geometry, levels, model, response ? std::move(response) : std::make_shared<ResponseModel>()),
+      kernels_(levels.radius_px(), kernel_reach(source, picture), responses_.model()),
+      border_(source),
+      rows_(static_cast<std::size_t>(source.height())) {}
+
+void LayerSplats::add_rows(const FrameRows& rows) {
+    constexpr int step = FrameRows::rows_per_task;
+    const RecordBand& band = *rows.band;
+    const auto tasks = static_cast<std::size_t>((rows.y_end - rows.y_begin + step - 1) / step);
+    parallel_for(tasks, [&](std::size_t task) {
+        const int first = rows.y_begin + static_cast<int>(task) * step;
+        const int last = std::min(first + step, rows.y_end);
+        PointSamples found;
+        if (rows.samples.empty())
+            find_point_samples(band, first, last, source_.y_begin, source_.y_end - 1, found);
+        const PointSamples& samples = rows.samples.empty() ? found : rows.samples[task];
+        RowBuilder builder(*this);
+        for (int y = first; y < last; ++y) {
+            builder.build(band, samples,
+                          static_cast<std::size_t>(y - first) * static_cast<std::size_t>(band.width()), y);
+        }
+    });
+    if (keep_ != Keep::strip) return;
+    strip_rows_.settle();
+    // Rows of the image are added from the top, so the rows of tiles above the next row are complete.
+    join_rows(static_cast<std::size_t>(rows.y_end - source_.y_begin) / tile_px);
+}
+
+void LayerSplats::Row::clear() {
+    parts.clear();
+    part.clear();
+    splats.clear();
+    largest_radius_px = 0;
+    colours = {};
+}
+
+void LayerSplats::store(int y, Row& made) {
+    const auto index = static_cast<std::size_t>(y - source_.y_begin);
+    if (index < joined_ * tile_px) return;  // the row was added before, with an earlier range
+    if (keep_ == Keep::none) {
+        made.splats.clear();
+        made.part.clear();
+    }
+    if (keep_ == Keep::strip) {
+        strip_rows_.begin_row(y);
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < made.splats.size(); ++i) {
+            const RasterWindow reach = reach_of(made.splats[i]);
+            strip_rows_.add(y, {made.parts[made.part[i]], made.splats[i]}, reach.y_begin, reach.y_end);
+            if (!meet(reach, strip_)) continue;
+            made.splats[kept] = made.splats[i];
+            made.part[kept++] = made.part[i];
+        }
+        made.splats.resize(kept);
+        made.part.resize(kept);
+    }
+    // A copy has no spare capacity.
+    rows_[index] = made;
+}
+
+struct LayerSplats::Segment {
+    std::uint32_t part = 0;
+    std::uint32_t tile = 0;  ///< tile_y * tiles in a row + tile_x
+    std::uint32_t row = 0;
+    std::uint32_t begin = 0, count = 0;  ///< range of the row's splats
+    [[nodiscard]] auto place() const { return std::tie(part, tile, row); }
+};
+
+// Sorts the splats of a row by part and tile (stable), and appends their segments.
+void LayerSplats::sort_row(std::size_t index, std::vector<Segment>& segments) {
+    Row& row = rows_[index];
+    if (row.splats.empty()) return;
+    std::vector<std::uint32_t> number;
+    for (const LayerPart& part : row.parts) {
+        number.push_back(static_cast<std::uint32_t>(std::lower_bound(parts_.begin(), parts_.end(), part) -
+                                                    parts_.begin()));
+    }
+    const auto tiles = static_cast<std::uint32_t>((source_.width() + tile_px - 1) / tile_px);
+    const auto bucket_of = [&](std::size_t i) {
+        const auto tile = static_cast<std::uint32_t>((row.splats[i].x - source_.x_begin) / tile_px);
+        return static_cast<std::size_t>(row.part[i]) * tiles + tile;
+    };
+    std::vector<std::uint32_t> begin(row.parts.size() * tiles + 1);
+    for (std::size_t i = 0; i < row.splats.size(); ++i) ++begin[bucket_of(i) + 1];
+    for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
+    const std::uint32_t tile_row = static_cast<std::uint32_t>(index) / tile_px;
+    for (std::size_t i = 0; i + 1 < begin.size(); ++i) {
+        if (begin[i] == begin[i + 1]) continue;
+        segments.push_back({.part = number[i / tiles],
+                            .tile = tile_row * tiles + static_cast<std::uint32_t>(i % tiles),
+                            .row = static_cast<std::uint32_t>(index),
+                            .begin = begin[i],
+                            .count = begin[i + 1] - begin[i]});
+    }
+    std::vector<LayerSplat> sorted(row.splats.size());
+    for (std::size_t i = 0; i < row.splats.size(); ++i) sorted[begin[bucket_of(i)]++] = row.splats[i];
+    row.splats.swap(sorted);
+    row.part = {};
+}
+
+RasterWindow LayerSplats::reach_of(const LayerSplat& s) const {
+    RasterWindow out;
+    for (std::size_t channel = 0; channel < kernels_.channels(); ++channel) {
+        const Kernel& k = kernels_.kernel(s.kernel, channel);
+        const RasterWindow r{s.x + k.x_begin, s.x + k.x_end, s.y + k.y_begin, s.y + k.y_end()};
+        out = channel == 0 ? r : around(out, r);
+    }
+    return out;
+}
+
+void LayerSplats::find_reach(LayerCell& cell) const {
+    const std::span<const LayerSplat> all = splats(cell);
+    for (std::size_t i = 0; i < all.size(); ++i)
+        cell.reach = i == 0 ? reach_of(all[i]) : around(cell.reach, reach_of(all[i]));
+}
+
+// Joins the splats of all rows of a row of tiles, sorted by part and tile. Frees the memory of each row, so
+// that there are never two copies of all splats.
+std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
+    const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
+    std::vector<std::vector<Segment>> by_row(last_row - first_row);
+    parallel_for(by_row.size(), [&](std::size_t i) { sort_row(first_row + i, by_row[i]); });
+    std::vector<Segment> segments;
+    for (const auto& some : by_row) segments.insert(segments.end(), some.begin(), some.end());
+    std::sort(segments.begin(), segments.end(),
+              [](const Segment& a, const Segment& b) { return a.place() < b.place(); });
+    std::uint32_t count = 0;
+    for (const Segment& s : segments) count += s.count;
+    std::vector<LayerSplat>& to = tile_rows_[tile_row];
+    to.reserve(count);
+    std::vector<LayerCell> cells;
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        const Segment& s = segments[i];
+        const auto at = static_cast<std::uint32_t>(to.size());
+        if (i == 0 || s.part != segments[i - 1].part || s.tile != segments[i - 1].tile)
+            cells.push_back({s.part, static_cast<std::uint32_t>(tile_row), at, at, {}});
+        const auto from = rows_[s.row].splats.begin() + s.begin;
+        to.insert(to.end(), from, from + s.count);
+        cells.back().end += s.count;
+    }
+    for (std::size_t i = first_row; i < last_row; ++i) rows_[i] = {};
+    for (LayerCell& cell : cells) find_reach(cell);
+    return cells;
+}
+
+void LayerSplats::join_rows(std::size_t end) {
+    if (end <= joined_) return;
+    const std::size_t first = joined_;
+    parallel_for(end - first, [&](std::size_t i) { tile_cells_[first + i] = join(first + i); });
+    joined_ = end;
+}
+
+void LayerSplats::sort_cells() {
+    cells_.clear();
+    for (const auto& some : tile_cells_) cells_.insert(cells_.end(), some.begin(), some.end());
+    tile_cells_.clear();
+    // Within a part the tiles are already in order.
+    std::stable_sort(cells_.begin(), cells_.end(),
+                     [](const LayerCell& a, const LayerCell& b) { return a.part < b.part; });
+}
+
+void LayerSplats::begin_tile_rows() {
+    const std::size_t count = (static_cast<std::size_t>(source_.height()) + tile_px - 1) / tile_px;
+    joined_ = 0;
+    tile_rows_.clear();
+    tile_rows_.resize(count);
+    tile_cells_.assign(count, {});
+}
+
+void LayerSplats::finish() {
+    kernels_.build();
+    std::size_t most = 0;
+    for (const Row& row : rows_) {
+        parts_.insert(parts_.end(), row.parts.begin(), row.parts.end());
+        most = std::max(most, row.splats.size());
+        largest_radius_px_ = std::max(largest_radius_px_, row.largest_radius_px);
+        colours_.include(row.colours);
+    }
+    std::sort(parts_.begin(), parts_.end());
+    parts_.erase(std::unique(parts_.begin(), parts_.end()), parts_.end());
+    if (keep_ != Keep::all) return;
+    kernels_.forget_keys();
+    require_memory(2 * tile_px * most * sizeof(LayerSplat), "the records of all layers");
+    begin_tile_rows();
+    finish_strip();
+}
+
+std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& part, int block_px) {
+    if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
+    keep_ = Keep::strip;
+    strip_ = part;
+    begin_tile_rows();
+    rows_.clear();
+    rows_.resize(static_cast<std::size_t>(source_.height()));
+    // Rows of the file that are not read again only provide the splats that were kept because they reach far.
+    for (int y = source_.y_begin; y < source_.y_end; ++y) {
+        Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
+        std::map<LayerPart, std::uint32_t> number;
+        for (const auto& far : strip_rows_.far(y)) {
+            if (!meet(reach_of(far.item.splat), part)) continue;
+            const auto [found, is_new] =
+                number.try_emplace(far.item.part, static_cast<std::uint32_t>(row.parts.size()));
+            if (is_new) row.parts.push_back(far.item.part);
+            row.part.push_back(found->second);
+            row.splats.push_back(far.item.splat);
+        }
+    }
+    return strip_rows_.to_be_read(part.y_begin, part.y_end);
+}
+
+void LayerSplats::finish_strip() {
+    join_rows(tile_rows_.size());
+    sort_cells();
+    std::vector<Row>().swap(rows_);
+}
+
+double LayerSplats::largest_coc_px() const {
+    return 2 * largest_radius_px_;
+}
+
+}  // namespace postlens

@@ -1,0 +1,179 @@
+// Splats made from records, separated by surface: the input of `layers`.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "focus/frame.h"
+#include "focus/responses/kernel.h"
+#include "focus/responses/node_response.h"
+#include "focus/scatter/border_radii.h"
+#include "focus/scatter/pixel_light.h"
+#include "focus/scatter/splat_tables.h"
+#include "focus/scatter/strip_rows.h"
+#include "records/quadtree.h"
+#include "records/record.h"
+
+namespace postlens {
+
+/// A surface is an object, divided where it hides itself: `before` is the number of surfaces of the same
+/// object in front of it on the same ray.
+struct SurfaceKey {
+    std::uint32_t id = 0;
+    std::uint32_t before = 0;
+    // NOLINTNEXTLINE(modernize-use-nullptr): what is found is the compiler's own comparison with 0
+    friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
+};
+
+/// Splats that are summed up separately: those of one surface, or of what it shows by reflection and
+/// transmission along one path. Parts are sorted by surface, then by path, parents first.
+struct LayerPart {
+    enum class Kind : std::uint32_t {
+        seen,         ///< nodes that the pinhole sees
+        hidden,       ///< nodes behind another surface
+        mask,         ///< the nodes' colours, scattered with the kernels of their parent nodes
+        hidden_mask,  ///< masks of parent nodes behind another surface
+        outer_mask,   ///< masks with the kernels that scatter the mask of the parent's path
+    };
+    SurfaceKey surface;      ///< surface of the primary node
+    std::uint32_t path = 0;  ///< NodePath::bits; 0: the surface itself
+    SurfaceKey shown;  ///< surface of the node; for masks that of the parent, empty if the parent is the
+                       ///< primary node; empty for outer masks
+    Kind kind = Kind::seen;
+    // NOLINTNEXTLINE(modernize-use-nullptr): as above
+    friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
+};
+
+/// One node of a point sample, multiplied by the sample's weight. `depth` is the weight times 1/z'.
+struct LayerSplat {
+    std::int32_t x = 0, y = 0;  ///< anchor
+    std::uint32_t kernel = 0;
+    float r = 0, g = 0, b = 0, weight = 0, depth = 0;
+    /// Where light passed through the lens, in lens radii per px: light that arrives d px from the anchor
+    /// passed, on average, through the lens point d * lens_per_px.
+    float lens_per_px = 0;
+    /// Part of the weight that is hidden from all lens points, because the surface in front moves together
+    /// with this one over the lens (Fragment::covered).
+    float covered = 0;
+};
+
+/// The splats of one part whose anchors lie in one tile of 64 x 64 raster px.
+struct LayerCell {
+    std::uint32_t part = 0;
+    std::uint32_t tile_row = 0;
+    std::uint32_t begin = 0, end = 0;  ///< range of the tile row's splats
+    RasterWindow reach;                ///< pixels that the splats reach
+};
+
+/// Smallest and largest radiance of the shading trees, per channel.
+struct ColourRange {
+    std::array<float, 3> least{}, most{};
+    ColourRange();
+    void include(const std::array<float, 3>& rgb);
+    void include(const ColourRange& other);
+};
+
+/// Usage: add each row once, in bands in any order; finish.
+class LayerSplats {
+  public:
+    /// Arguments as for SplatTables.
+    LayerSplats(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
+                const DepthLevels& levels, DepthModel model,
+                std::shared_ptr<const ResponseModel> response = nullptr);
+
+    /// Adds the corner rows [y_begin, y_end), in parallel. `band` must have one more row above and below, if
+    /// the source window has it. Throws Error(invalid_input) if a quadtree is damaged.
+    void add_rows(const RecordBand& band, int y_begin, int y_end) {
+        add_rows({&band, y_begin, y_end, {}, {}});
+    }
+    /// Adds corner rows whose point samples may already have been found.
+    void add_rows(const FrameRows& rows);
+    /// Call it before add_pixels: samples then lie at pixel centres.
+    void take_pixels() { from_anchor_px_ = 0.5; }
+    /// Adds row y of another program's image. Several threads may add different rows at the same time.
+    void add_pixels(int y, std::span<const PixelLight> lights);
+    /// Makes the kernels and sorts the splats. Call it after the last row.
+    void finish();
+
+    /// For images whose splats would exceed a memory limit. Call it before the first row: rows that are added
+    /// until finish() then keep no splats (SplatTables::survey).
+    void survey() { keep_ = Keep::none; }
+    [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
+    void finish_strip();
+    [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
+        return strip_rows_.reaching(begin, end);
+    }
+
+    [[nodiscard]] const RasterWindow& source() const { return source_; }
+    [[nodiscard]] const RasterWindow& picture() const { return picture_; }
+    [[nodiscard]] const FocusGeometry& geometry() const { return responses_.geometry(); }
+    [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
+    [[nodiscard]] std::span<const LayerPart> parts() const { return parts_; }
+    /// Sorted by part, then by tile.
+    [[nodiscard]] std::span<const LayerCell> cells() const { return cells_; }
+    [[nodiscard]] std::span<const LayerSplat> splats(const LayerCell& cell) const {
+        return std::span(tile_rows_[cell.tile_row]).subspan(cell.begin, cell.end - cell.begin);
+    }
+    [[nodiscard]] const BorderRadii& border() const { return border_; }
+    [[nodiscard]] double largest_coc_px() const;
+    [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
+    /// Position of samples relative to their anchors, px: 0.5 for pixels, else 0.
+    [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
+    /// Range of the recorded colours, to which images are clamped.
+    [[nodiscard]] const ColourRange& colours() const { return colours_; }
+
+  private:
+    class RowBuilder;
+    enum class Keep : std::uint8_t { all, none, strip };
+    /// The splats of one source row.
+    struct Row {
+        std::vector<LayerPart> parts;
+        std::vector<std::uint32_t> part;  ///< per splat, index into `parts`
+        std::vector<LayerSplat> splats;
+        /// Removes all elements, but keeps the capacity.
+        void clear();
+        double largest_radius_px = 0;
+        ColourRange colours;
+    };
+    /// Splats of one row, part and tile.
+    struct Segment;
+    void sort_row(std::size_t index, std::vector<Segment>& segments);
+    std::vector<LayerCell> join(std::size_t tile_row);
+    /// Joins the tile rows [joined_, end).
+    void join_rows(std::size_t end);
+    void sort_cells();
+    void begin_tile_rows();
+    void find_reach(LayerCell& cell) const;
+    /// Stores the splats of row y that are to be kept; removes the others from `made`.
+    void store(int y, Row& made);
+    [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
+
+    Keep keep_ = Keep::all;
+    RasterWindow strip_;  ///< raster px
+    struct PartSplat {
+        LayerPart part;
+        LayerSplat splat;
+    };
+    StripRows<PartSplat> strip_rows_;  ///< only used with strips
+    RasterWindow source_, picture_;
+    NodeResponses responses_;
+    KernelTable kernels_;
+    BorderRadii border_;
+    std::vector<Row> rows_;
+    std::vector<LayerPart> parts_;
+    std::vector<LayerCell> cells_;
+    std::vector<std::vector<LayerSplat>> tile_rows_;  ///< each sorted by part, tile, row and column
+    std::size_t joined_ = 0;                          ///< number of complete elements of tile_rows_
+    std::vector<std::vector<LayerCell>>
+        tile_cells_;  ///< per element of tile_rows_; empty once sorted into cells_
+    double largest_radius_px_ = 0;
+    double from_anchor_px_ = 0;
+    ColourRange colours_;
+};
+
+}  // namespace postlens

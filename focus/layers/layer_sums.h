@@ -1,0 +1,53 @@
+// Sums of the splats of one LayerPart over a block of pixels.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "focus/layers/layer_splats.h"
+#include "focus/layers/visibility.h"
+
+namespace postlens {
+
+/// Sums of colour, weight and depth times kernel. The cost of a splat is proportional to the length of its
+/// kernel's outline, because the uniform inside of a kernel row is stored as differences at its ends (as in
+/// PointScatter).
+class LayerSums {
+  public:
+    /// Sets the sums of the pixels of `rows` to 0. `with_lens`: lens moments are summed as well.
+    /// `from_anchor_px`: position of samples to the right of and below their anchors.
+    void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
+    /// Adds splats with the kernels of one channel.
+    void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
+    /// Adds up the differences along each row, which gives the sums. Call it after the last splat.
+    void finish();
+
+    [[nodiscard]] const RasterWindow& rows() const { return rows_; }
+    /// Sums of red, green, blue and weight at a pixel.
+    [[nodiscard]] const double* at(int x, int y) const { return sum_.data() + index(x, y) * stride_; }
+    [[nodiscard]] double depth_at(int x, int y) const { return depth_[index(x, y)]; }
+    [[nodiscard]] double covered_at(int x, int y) const { return covered_[index(x, y)]; }
+    /// The lens moments of `at`: each term multiplied by the lens point of its light, in lens radii.
+    [[nodiscard]] std::array<LensMoment, 4> lens_at(int x, int y) const;
+
+  private:
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y - rows_.y_begin) * width_ +
+               static_cast<std::size_t>(x - rows_.x_begin);
+    }
+
+    RasterWindow rows_;
+    bool with_lens_ = false;
+    double from_anchor_px_ = 0;
+    std::size_t width_ =
+        0;  ///< pixels per row of buffers: one more than rows_ has, for differences at its end
+    std::size_t stride_ = 4;  ///< values per pixel
+    /// Per pixel: red, green, blue, weight. With lens moments also these times lens_per_px, and that times
+    /// the anchor's x and y, counted from the corner of rows_.
+    std::vector<double> sum_, change_;
+    std::vector<double> depth_, depth_change_, covered_, covered_change_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,318 @@
+#include "focus/layers/layers.h"
+
+#include <algorithm>
+#include <tbb/enumerable_thread_specific.h>
+#include <vector>
+
+#include "core/progress.h"
+#include "core/threads.h"
+#include "focus/layers/layer_resolve.h"
+#include "focus/layers/layer_sums.h"
+#include "focus/layers/visibility.h"
+
+namespace postlens {
+namespace {
+
+/// Width of a block, px. LayerSums need up to 280 B per pixel, so that those of a block fit the L2 cache.
+constexpr int block_width = 64;
+constexpr int block_height = layers_block_px;
+/// Largest number of fragments (surfaces at a pixel) and of their sums in memory at a time, about 270 B each.
+/// A block with very many surfaces is processed in parts of a few rows.
+constexpr std::size_t most_sums = std::size_t{1} << 17;
+
+/// Stores the channels that one pass computes: all three, or one if each channel has its own kernels.
+void store(const LayerSplats& splats, const std::array<double, 3>& rgb, std::size_t channel, float* out) {
+    const bool all = splats.kernels().channels() == 1;
+    if (splats.parts().empty()) return;
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (!all && c != channel) continue;
+        // Sums of differences leave rounding errors, and colours are only a linear function of the lens
+        // point, so the result may leave the range of the recorded colours.
+        out[c] = std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
+    }
+}
+
+/// Whether a part needs lens moments, which tell through which side of the lens its light passes. Reflected
+/// and transmitted nodes do not need them, as they are composited by alpha alone.
+bool wants_lens(const LayerPart& part) {
+    return part.path == 0;
+}
+
+/// Makes the blocks of one thread, one after the other, and reuses its buffers.
+class BlockLayers {
+  public:
+    explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
+
+    /// Makes the pixels of a block. `cells`: ascending indices of the groups of splats (LayerCell) that reach
+    /// the block.
+    void run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image);
+
+  private:
+    /// The elements [begin, end) of the block's groups of splats (LayerCell) that belong to one part
+    /// (LayerPart).
+    struct PartCells {
+        const LayerPart* part;
+        std::size_t begin, end;
+        RasterWindow reach;  ///< within the block
+    };
+    struct Entry {
+        Fragment fragment;
+        std::int32_t next;
+    };
+
+    void find_parts(const RasterWindow& block, std::span<const std::uint32_t> cells);
+    void add_surface(std::span<const PartCells> parts, std::span<const std::uint32_t> cells,
+                     std::size_t channel, bool with_lens);
+    void push(int x, int y, const Fragment& fragment);
+    void store_pixels(std::size_t channel, Image& image);
+    [[nodiscard]] bool meets_another(std::size_t surface) const;
+
+    const LayerSplats& splats_;
+    RasterWindow rows_;  ///< the rows of the block that are being made
+    std::vector<PartCells> parts_;
+    std::vector<RasterWindow> surfaces_;  ///< per surface, the pixels of the block that it reaches
+    std::vector<LayerSums> sums_;
+    std::vector<LayerTerm> terms_;
+    std::vector<std::int32_t>
+        first_;  ///< per pixel, head of a linked list in entries_, last added first; or -1
+    std::vector<Entry> entries_;
+    std::vector<Fragment> fragments_;
+};
+
+void BlockLayers::find_parts(const RasterWindow& block, std::span<const std::uint32_t> cells) {
+    parts_.clear();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const LayerCell& cell = splats_.cells()[cells[i]];
+        const LayerPart* part = &splats_.parts()[cell.part];
+        const RasterWindow reach = common(cell.reach, block);
+        if (parts_.empty() || parts_.back().part != part) {
+            parts_.push_back({part, i, i + 1, reach});
+        } else {
+            parts_.back().end = i + 1;
+            parts_.back().reach = around(parts_.back().reach, reach);
+        }
+    }
+}
+
+void BlockLayers::push(int x, int y, const Fragment& fragment) {
+    std::int32_t& first =
+        first_[static_cast<std::size_t>(y - rows_.y_begin) * static_cast<std::size_t>(rows_.width()) +
+               static_cast<std::size_t>(x - rows_.x_begin)];
+    entries_.push_back({fragment, first});
+    first = static_cast<std::int32_t>(entries_.size()) - 1;
+}
+
+void BlockLayers::add_surface(std::span<const PartCells> parts, std::span<const std::uint32_t> cells,
+                              std::size_t channel, bool with_lens) {
+    if (sums_.size() < parts.size()) sums_.resize(parts.size());
+    RasterWindow all{};
+    bool any = false;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const PartCells& part = parts[i];
+        const RasterWindow reach = common(part.reach, rows_);
+        if (reach.width() <= 0 || reach.height() <= 0) {
+            sums_[i].begin({}, false);
+            continue;
+        }
+        if (part.part->path == 0) {
+            all = any ? around(all, reach) : reach;
+            any = true;
+        }
+        sums_[i].begin(reach, with_lens && wants_lens(*part.part), splats_.from_anchor_px());
+        for (std::size_t k = part.begin; k < part.end; ++k) {
+            const LayerCell& cell = splats_.cells()[cells[k]];
+            if (meet(cell.reach, rows_)) sums_[i].add(splats_.splats(cell), splats_.kernels(), channel);
+        }
+        sums_[i].finish();
+    }
+    if (!any) return;
+    for (int y = all.y_begin; y < all.y_end; ++y) {
+        for (int x = all.x_begin; x < all.x_end; ++x) {
+            terms_.clear();
+            for (std::size_t i = 0; i < parts.size(); ++i) {
+                const RasterWindow& r = sums_[i].rows();
+                if (y < r.y_begin || y >= r.y_end || x < r.x_begin || x >= r.x_end) continue;
+                const double* sums = sums_[i].at(x, y);
+                if (!(sums[3] > smallest_layer_weight)) continue;
+                terms_.push_back({parts[i].part,
+                                  {sums[0], sums[1], sums[2]},
+                                  sums[3],
+                                  sums_[i].depth_at(x, y),
+                                  sums_[i].lens_at(x, y),
+                                  sums_[i].covered_at(x, y)});
+            }
+            if (terms_.empty()) continue;
+            if (const auto fragment = resolve_surface(terms_, splats_.geometry())) push(x, y, *fragment);
+        }
+    }
+}
+
+void BlockLayers::store_pixels(std::size_t channel, Image& image) {
+    const RasterWindow& picture = splats_.picture();
+    for (int y = rows_.y_begin; y < rows_.y_end; ++y) {
+        for (int x = rows_.x_begin; x < rows_.x_end; ++x) {
+            fragments_.clear();
+            const auto pixel =
+                static_cast<std::size_t>(y - rows_.y_begin) * static_cast<std::size_t>(rows_.width()) +
+                static_cast<std::size_t>(x - rows_.x_begin);
+            for (std::int32_t i = first_[pixel]; i >= 0; i = entries_[static_cast<std::size_t>(i)].next)
+                fragments_.push_back(entries_[static_cast<std::size_t>(i)].fragment);
+            std::reverse(fragments_.begin(), fragments_.end());
+            store(splats_, composite(fragments_, splats_.geometry()), channel,
+                  image.pixel(x - picture.x_begin, y - picture.y_begin));
+        }
+    }
+}
+
+// Whether a surface may overlap another one in the block. Only then does it need lens moments, which tell
+// through which side of the lens its light passes.
+bool BlockLayers::meets_another(std::size_t surface) const {
+    constexpr std::size_t few = 64;
+    if (surfaces_.size() > few) return true;
+    for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+        if (i != surface && meet(surfaces_[i], surfaces_[surface])) return true;
+    }
+    return false;
+}
+
+void BlockLayers::run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image) {
+    find_parts(block, cells);
+    std::vector<std::size_t> begins;  // first part of each surface
+    surfaces_.clear();
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+        if (i == 0 || parts_[i].part->surface != parts_[i - 1].part->surface) {
+            begins.push_back(i);
+            surfaces_.push_back(parts_[i].reach);
+        } else if (parts_[i].part->path == 0) {
+            surfaces_.back() = around(surfaces_.back(), parts_[i].reach);
+        }
+    }
+    const std::size_t surfaces = begins.size();
+    begins.push_back(parts_.size());
+    std::size_t most_parts = 1;
+    for (std::size_t i = 0; i < surfaces; ++i) most_parts = std::max(most_parts, begins[i + 1] - begins[i]);
+    const std::size_t per_row = std::max(surfaces, most_parts) * static_cast<std::size_t>(block.width());
+    const int rows = static_cast<int>(
+        std::clamp<std::size_t>(most_sums / std::max<std::size_t>(per_row, 1), 1, block_height));
+    for (int y = block.y_begin; y < block.y_end; y += rows) {
+        rows_ = {block.x_begin, block.x_end, y, std::min(y + rows, block.y_end)};
+        for (std::size_t channel = 0; channel < splats_.kernels().channels(); ++channel) {
+            entries_.clear();
+            first_.assign(static_cast<std::size_t>(rows_.width()) * static_cast<std::size_t>(rows_.height()),
+                          -1);
+            for (std::size_t i = 0; i < surfaces; ++i) {
+                add_surface(std::span(parts_).subspan(begins[i], begins[i + 1] - begins[i]), cells, channel,
+                            meets_another(i));
+            }
+            store_pixels(channel, image);
+        }
+    }
+}
+
+}  // namespace
+
+void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted) {
+    const RasterWindow& picture = splats.picture();
+    if (image.width != picture.width() || image.height != picture.height())
+        image = Image(picture.width(), picture.height());
+    const int columns = (picture.width() + block_width - 1) / block_width;
+    const int rows = (picture.height() + block_height - 1) / block_height;
+    std::vector<std::vector<std::uint32_t>> cells(static_cast<std::size_t>(columns) *
+                                                  static_cast<std::size_t>(rows));
+    for (std::size_t i = 0; i < splats.cells().size(); ++i) {
+        const RasterWindow reach = common(splats.cells()[i].reach, picture);
+        if (reach.width() <= 0 || reach.height() <= 0) continue;
+        for (int row = (reach.y_begin - picture.y_begin) / block_height;
+             row <= (reach.y_end - 1 - picture.y_begin) / block_height; ++row) {
+            for (int column = (reach.x_begin - picture.x_begin) / block_width;
+                 column <= (reach.x_end - 1 - picture.x_begin) / block_width; ++column) {
+                cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                      static_cast<std::size_t>(column)]
+                    .push_back(static_cast<std::uint32_t>(i));
+            }
+        }
+    }
+    tbb::enumerable_thread_specific<BlockLayers> workers([&] { return BlockLayers(splats); });
+    Progress progress("layers", cells.size());
+    parallel_for(cells.size(), [&](std::size_t i) {
+        progress.advance();
+        const int x = picture.x_begin + static_cast<int>(i) % columns * block_width;
+        const int y = picture.y_begin + static_cast<int>(i) / columns * block_height;
+        const RasterWindow block{x, std::min(x + block_width, picture.x_end), y,
+                                 std::min(y + block_height, picture.y_end)};
+        if (wanted && !wanted->meets(x - picture.x_begin, y - picture.y_begin, block.width(), block.height()))
+            return;
+        workers.local().run(block, cells[i], image);
+    });
+}
+
+namespace {
+
+/// The sums of one part for every pixel of the image; LayerTerm::part is not set.
+using ReferenceSums = std::vector<LayerTerm>;
+
+void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,
+                   ReferenceSums& sums) {
+    const RasterWindow& p = splats.picture();
+    const Kernel& kernel = splats.kernels().kernel(s.kernel, channel);
+    for (int y = std::max(s.y + kernel.y_begin, p.y_begin); y < std::min(s.y + kernel.y_end(), p.y_end);
+         ++y) {
+        const KernelRow& row = kernel.rows[static_cast<std::size_t>(y - s.y - kernel.y_begin)];
+        for (int x = std::max(s.x + row.x_begin, p.x_begin); x < std::min(s.x + row.x_end, p.x_end); ++x) {
+            const int dx = x - s.x;
+            const bool inner = dx >= row.inner_begin && dx < row.inner_end;
+            const int skipped =
+                dx < row.inner_begin ? row.x_begin : row.x_begin + row.inner_end - row.inner_begin;
+            const auto share = static_cast<double>(
+                inner ? kernel.inner : kernel.taps[row.tap + static_cast<std::uint32_t>(dx - skipped)]);
+            LayerTerm& sum =
+                sums[static_cast<std::size_t>(y - p.y_begin) * static_cast<std::size_t>(p.width()) +
+                     static_cast<std::size_t>(x - p.x_begin)];
+            const std::array<float, 4> value{s.r, s.g, s.b, s.weight};
+            const double to_middle = 0.5 - splats.from_anchor_px();
+            const LensMoment lens{(dx + to_middle) * static_cast<double>(s.lens_per_px),
+                                  (y - s.y + to_middle) * static_cast<double>(s.lens_per_px)};
+            for (std::size_t c = 0; c < 4; ++c) {
+                const double light = share * static_cast<double>(value[c]);
+                (c < 3 ? sum.rgb[c] : sum.weight) += light;
+                if (!wants_lens(part)) continue;
+                sum.lens[c].x += light * lens.x;
+                sum.lens[c].y += light * lens.y;
+            }
+            sum.depth += share * static_cast<double>(s.depth);
+            sum.covered += share * static_cast<double>(s.covered);
+        }
+    }
+}
+
+}  // namespace
+
+Image layers_reference(const LayerSplats& splats) {
+    const RasterWindow& p = splats.picture();
+    Image image(p.width(), p.height());
+    for (std::size_t channel = 0; channel < splats.kernels().channels(); ++channel) {
+        std::vector<ReferenceSums> sums(splats.parts().size(), ReferenceSums(image.rgb.size() / 3));
+        for (const LayerCell& cell : splats.cells()) {
+            for (const LayerSplat& s : splats.splats(cell))
+                add_reference(splats, s, splats.parts()[cell.part], channel, sums[cell.part]);
+        }
+        for (std::size_t i = 0; i < image.rgb.size() / 3; ++i) {
+            std::vector<Fragment> fragments;
+            std::vector<LayerTerm> terms;
+            for (std::size_t k = 0; k < sums.size(); ++k) {
+                const LayerPart& part = splats.parts()[k];
+                if (sums[k][i].weight > smallest_layer_weight) {
+                    terms.push_back(sums[k][i]);
+                    terms.back().part = &part;
+                }
+                if (k + 1 < sums.size() && splats.parts()[k + 1].surface == part.surface) continue;
+                if (const auto f = resolve_surface(terms, splats.geometry())) fragments.push_back(*f);
+                terms.clear();
+            }
+            store(splats, composite(fragments, splats.geometry()), channel, image.rgb.data() + 3 * i);
+        }
+    }
+    return image;
+}
+
+}  // namespace postlens

@@ -1,0 +1,148 @@
+#include "focus/layers/visibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace postlens {
+
+double independence(double radius_px, double other_px) {
+    const double larger = std::max(std::abs(radius_px), std::abs(other_px));
+    return std::min(1.0, std::abs(radius_px - other_px) / (larger + 1));
+}
+
+namespace {
+
+/// A transmittance or coverage as a linear function of the lens point q: S(q) = mean + 4 tilt . q.
+struct OverLens {
+    double mean = 0;
+    LensMoment tilt;
+
+    void add(const OverLens& other, double times) {
+        mean += times * other.mean;
+        tilt.x += times * other.tilt.x;
+        tilt.y += times * other.tilt.y;
+    }
+    /// Share, 0 to 1, of light that the transmittance S lets pass. The light is given by its sum and its lens
+    /// moment (sum of light times lens point).
+    [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
+        if (sum == 0) return 0;
+        return std::clamp(mean + 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum, 0.0, 1.0);
+    }
+};
+
+/// A surface that was composited before, in front of the others.
+struct Laid {
+    double radius_px;
+    OverLens cover;  ///< its coverage over the lens
+};
+
+template <typename Before>
+void sort(std::span<Fragment> fragments, const Before& before) {
+    constexpr std::size_t few = 16;
+    if (fragments.size() > few) {
+        std::stable_sort(fragments.begin(), fragments.end(), before);
+        return;
+    }
+    for (std::size_t i = 1; i < fragments.size(); ++i) {
+        const Fragment f = fragments[i];
+        std::size_t k = i;
+        for (; k > 0 && before(f, fragments[k - 1]); --k) fragments[k] = fragments[k - 1];
+        fragments[k] = f;
+    }
+}
+
+void sort_by_depth(std::span<Fragment> fragments) {
+    sort(fragments,
+         [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
+    // Depths are means, so rounding errors would decide the order of surfaces in one plane. There the smaller
+    // alpha comes first; otherwise a wall that fills the pixel would hide an emitter on it.
+    constexpr double one_plane = 1e-5;
+    for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
+        while (end < fragments.size() &&
+               fragments[end].inverse_depth_per_m >= (1 - one_plane) * fragments[end - 1].inverse_depth_per_m)
+            ++end;
+        if (end - begin < 2) continue;
+        sort(fragments.subspan(begin, end - begin), [](const Fragment& a, const Fragment& b) {
+            return a.seen.alpha + a.hidden.alpha < b.seen.alpha + b.hidden.alpha;
+        });
+    }
+}
+
+}  // namespace
+
+namespace {
+
+/// Light of a surface at the pixel after occlusion by the surfaces in front. `add` adds a light multiplied by
+/// `times`. Colours and alpha are attenuated separately, each by its own lens moment.
+struct Arrived {
+    std::array<double, 3> rgb{};
+    double alpha = 0;
+    LensMoment lens;  ///< lens moment of alpha
+
+    void add(const SurfaceLight& light, double times, const OverLens& open) {
+        if (!(times > 0)) return;
+        for (std::size_t c = 0; c < 3; ++c)
+            rgb[c] += times * light.rgb[c] * open.passing(light.rgb[c], light.lens[c]);
+        const double whole = times * light.alpha;
+        alpha += whole * open.passing(light.alpha, light.lens[3]);
+        // The product of two linear functions, without its quadratic part.
+        lens.x += times * open.mean * light.lens[3].x + std::min(whole, 1.0) * open.tilt.x;
+        lens.y += times * open.mean * light.lens[3].y + std::min(whole, 1.0) * open.tilt.y;
+    }
+};
+
+/// Coverage by the surfaces in front that move with a surface of this signed CoC radius. Their radii differ
+/// more the nearer they are, so that from the first independent one on all are independent.
+OverLens moving_along(std::span<const Laid> laid, double radius_px) {
+    OverLens out;
+    for (std::size_t i = laid.size(); i-- > 0;) {
+        const double apart = independence(radius_px, laid[i].radius_px);
+        if (apart >= 1) break;
+        out.add(laid[i].cover, 1 - apart);
+    }
+    return out;
+}
+
+}  // namespace
+
+std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry) {
+    constexpr double opaque = 1e-9;
+    sort_by_depth(fragments);
+    thread_local std::vector<Laid> laid;
+    laid.clear();
+    std::array<double, 3> rgb{};
+    OverLens free{.mean = 1, .tilt = {}};
+    double total = 0;
+    for (const Fragment& f : fragments) {
+        const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
+        // Surfaces in front with a similar CoC move together with this surface over the lens. They do not
+        // hide the part of it that the pinhole sees.
+        OverLens open = free;
+        open.add(moving_along(laid, radius_px), 1);
+        Arrived light;
+        light.add(f.seen, 1, open);
+        if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
+        // The surface's coverage is at most the share that is still free, and at least the part that cannot
+        // be hidden.
+        const double least =
+            std::min(f.seen.alpha + f.hidden.alpha, 1.0) - std::max(1 - free.mean, f.covered);
+        const double got = light.alpha > 0 ? std::clamp(light.alpha, std::max(least, 0.0), free.mean) : 0;
+        const double limit = light.alpha > 0 ? got / light.alpha : 0;
+        for (std::size_t c = 0; c < 3; ++c) rgb[c] += limit * light.rgb[c];
+        total += got;
+        const OverLens cover{got, light.lens};
+        laid.push_back({radius_px, cover});
+        free.add(cover, -1);
+        if (free.mean < opaque) break;
+        // Upper bound of the lens moment of a part of the unit disc, given its area as a share of the disc.
+        // Half of the disc has the moment 0.21; a small part at the rim has a moment equal to its area.
+        const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
+        if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
+    }
+    if (!(total > 0)) return {};
+    for (double& channel : rgb) channel /= total;
+    return rgb;
+}
+
+}  // namespace postlens

@@ -1,0 +1,353 @@
+#include "focus/light_field/field_focus.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+#include <utility>
+
+#include "focus/light_field/field_highlights.h"
+#include "focus/light_field/field_surfaces.h"
+#include "focus/light_field/highlights_with_rays.h"
+#include "focus/light_field/lens_views.h"
+#include "focus/light_field/one_surface.h"
+#include "pictures/crop.h"
+#include "reproject/fill_gaps.h"
+#include "reproject/instants_around.h"
+#include "reproject/patch_field.h"
+
+namespace postlens {
+namespace {
+
+/// Tests whether the lens point of a view transmits light to a pixel of the window; none: always.
+std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensViewPoint& view) {
+    if (!s.aperture.varies_over_field()) return {};
+    const glm::dvec2 middle(s.window.width() / 2.0, s.window.height() / 2.0);
+    const double half_diagonal_px = glm::length(middle);
+    return [&s, view, middle, half_diagonal_px](int x, int y) {
+        const glm::dvec2 field =
+            glm::dvec2(x, y) + view.place - middle - view.shift.inverse_focus_per_m * view.shift.lens_px;
+        return s.aperture.passes(view.lens, field / half_diagonal_px);
+    };
+}
+
+/// Divides objects into classes that move alike on the raster: one class per moving object, and class 0 for
+/// all objects that only the camera's motion moves.
+class Motions {
+  public:
+    explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
+        const FrameMotion& m = *shutter.motion;
+        for (const std::uint32_t id : m.moving_ids()) {
+            classes_.emplace(id, ids_.size() + 1);
+            ids_.push_back(id);
+        }
+        camera_ = m.camera_moves(shutter.open_s, shutter.close_s);
+    }
+    [[nodiscard]] bool any() const { return camera_ || !ids_.empty(); }
+    [[nodiscard]] std::size_t class_of(std::uint32_t id) const {
+        const auto found = classes_.find(id);
+        return found == classes_.end() ? 0 : found->second;
+    }
+    [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
+    /// Per class, the motion on the raster from one instant to another.
+    [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
+        constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // an object without its own motion
+        std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};
+        for (const std::uint32_t id : ids_) out.push_back(shutter_.motion->map(id, from_s, to_s));
+        return out;
+    }
+
+  private:
+    const FieldShutter& shutter_;
+    std::vector<std::uint32_t> ids_;
+    std::unordered_map<std::uint32_t, std::size_t> classes_;
+    bool camera_ = false;
+};
+
+/// The recorded instants that a view at `time_s` uses, with the motions from each of them to `time_s`.
+std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
+                                    const Motions& motions) {
+    std::vector<PatchView::Use> out;
+    for (const InstantShare& i : instants_around(instants_s, time_s))
+        out.push_back({i.instant, i.share, motions.maps(instants_s[i.instant], time_s)});
+    return out;
+}
+
+/// Whether a pixel of the crop is in no view: it is filled from known pixels, which may lie outside the crop.
+bool has_gaps(const PatchPicture& seen, const std::optional<OneSurface>& simple, const Crop& crop) {
+    for (int y = crop.y; y < crop.y + crop.height; ++y) {
+        for (int x = crop.x; x < crop.x + crop.width; ++x) {
+            const std::size_t k = static_cast<std::size_t>(y) * static_cast<std::size_t>(seen.image.width) +
+                                  static_cast<std::size_t>(x);
+            if (seen.unknown[k] >= 1 && !(simple && simple->at(x, y))) return true;
+        }
+    }
+    return false;
+}
+
+FieldFocus finished(PatchPicture seen, const std::optional<OneSurface>& simple) {
+    FieldFocus out;
+    const auto width = static_cast<std::size_t>(seen.image.width);
+    if (simple) {
+        out.left_out.resize(seen.unknown.size());
+        for (std::size_t k = 0; k < out.left_out.size(); ++k) {
+            const bool left = simple->at(static_cast<int>(k % width), static_cast<int>(k / width));
+            out.left_out[k] = left ? 1 : 0;
+            if (left) seen.unknown[k] = 0;
+        }
+    }
+    std::vector<float> known(seen.unknown.size());
+    for (std::size_t k = 0; k < known.size(); ++k) known[k] = 1 - seen.unknown[k];
+    fill_gaps(seen.image, known);
+    out.image = std::move(seen.image);
+    out.unknown = std::move(seen.unknown);
+    out.unknown_below = std::move(seen.unknown_below);
+    out.guessed_below = std::move(seen.guessed_below);
+    out.traced = std::move(seen.traced);
+    out.checks = std::move(seen.checks);
+    out.light_square = std::move(seen.light_square);
+    return out;
+}
+
+}  // namespace
+
+double FieldFocus::unknown_share(const std::optional<Crop>& crop) const {
+    const std::vector<float> asked = cut(unknown, image.width, crop);
+    return std::accumulate(asked.begin(), asked.end(), 0.0) /
+           static_cast<double>(std::max<std::size_t>(asked.size(), 1));
+}
+
+struct FieldFocuser::Prepared {
+    std::optional<Motions> motions;
+    bool moves = false;
+    PatchLens lens;
+    HighlightRule rule;
+    LightElsewhere less;  ///< radiance of the highlights, which rays leave out
+    std::optional<HighlightMotion> highlight_motion;
+    [[nodiscard]] const HighlightMotion* moving() const {
+        return highlight_motion ? &*highlight_motion : nullptr;
+    }
+    std::vector<double> instants_s;
+    double strip_records = 0;                 ///< largest number of records of a strip
+    std::optional<FieldSurfaces> all;         ///< none: surfaces are read strip by strip
+    std::unique_ptr<FieldHighlights> of_all;  ///< null: each strip makes its own highlights
+};
+
+FieldFocuser::~FieldFocuser() = default;
+
+FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
+    : frame_(frame), settings_(std::move(settings)), prepared_(std::make_unique<Prepared>()) {
+    const SampleFileReader& file = frame.file();
+    const FocusGeometry& g = settings_.geometry;
+    Prepared& p = *prepared_;
+    p.lens = patch_lens(g);
+    if (settings_.shutter) p.motions.emplace(*settings_.shutter);
+    p.moves = p.motions && p.motions->any();
+    // A moving mirror and what it reflects move differently on the raster, so reflected and transmitted nodes
+    // are drawn for themselves.
+    if (p.moves) p.lens.follow_px = -1;
+    const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
+    if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
+    // With motion, highlights reflected by moving objects and highlights of large moving surfaces are not
+    // spread by impulse responses: the views show them.
+    if (p.rule.takes && p.moves) {
+        p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
+                                   [this](std::uint32_t id, double u) {
+                                       return settings_.shutter->motion->map(
+                                           id, prepared_->instants_s.front(), instant_s(u));
+                                   },
+                                   p.lens);
+        p.rule.takes = [takes = p.rule.takes, &p](const Highlight& light, const SheetKey& key,
+                                                  float area_px2) {
+            if (p.highlight_motion->moves(key)) return HighlightMotion::takes(light, area_px2);
+            return !p.motions->moves(key.path.bits() == 0 ? key.id : key.parent_id) &&
+                   takes(light, key, area_px2);
+        };
+    }
+    double records = 0;
+    for (std::size_t i = 0; i < instants; ++i) {
+        p.instants_s.push_back(file.instant_s(i));
+        for (const ScanlineFacts& facts : file.scanlines(i)) records += facts.records;
+    }
+    const auto most_bytes = static_cast<double>(settings_.surface_bytes);
+    double bytes_of_record = 0;
+    if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
+        bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
+    if (records * bytes_of_record > most_bytes) {
+        // With rays, the choice of highlights needs all surfaces at once (leave_to_lens). Surfaces that are
+        // read strip by strip therefore have no highlights.
+        if (settings_.rays != nullptr) p.rule.takes = nullptr;
+        p.strip_records = most_bytes / 4 / bytes_of_record;
+        if (settings_.also.rows || settings_.also.leaves) {
+            frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
+                tell(settings_.also, *rows.band, rows.y_begin, rows.y_end);
+            });
+        }
+        return;
+    }
+    p.all.emplace();
+    for (std::size_t i = 0; i < instants; ++i) {
+        const std::shared_ptr<TreeSheets> sheets =
+            frame.sheets(i, p.rule, i == 0 ? settings_.also : RecordsRead{});
+        if (settings_.rays != nullptr && p.rule.takes)
+            p.less = leave_to_lens(*sheets, *settings_.rays, p.moves, p.rule);
+        p.all->add(sheets, p.lens);
+    }
+    p.of_all = std::make_unique<FieldHighlights>(*p.all->sheets[0], settings_.aperture, g, settings_.window,
+                                                 p.moving());
+}
+
+/// The description of the light field without its surfaces and sets of views, which the caller adds.
+PatchField FieldFocuser::outline() const {
+    const Prepared& p = *prepared_;
+    PatchField field;
+    field.x = settings_.window.x_begin;
+    field.y = settings_.window.y_begin;
+    field.width = settings_.window.width();
+    field.height = settings_.window.height();
+    field.piece_px = settings_.piece_px;
+    const SampleFileReader& file = frame_.file();
+    field.recorded_begin = {file.x_begin(), file.y_begin()};
+    field.recorded_end = {file.x_end() - 1, file.y_end() - 1};  // the last row and column have only corners
+    if (p.moves) field.motion_class = [&p](std::uint32_t id) { return p.motions->class_of(id); };
+    return field;
+}
+
+double FieldFocuser::instant_s(double u) const {
+    const FieldShutter& s = *settings_.shutter;
+    return s.open_s + s.curve.time(u) * (s.close_s - s.open_s);
+}
+
+std::vector<PatchView> FieldFocuser::views_at(std::span<const LensViewPoint> points) const {
+    const Prepared& p = *prepared_;
+    std::vector<PatchView> out;
+    for (const LensViewPoint& point : points) {
+        PatchView v;
+        v.sample = point.place;
+        v.lens = point.shift;
+        v.lens_point = point.lens;
+        v.light_before = point.light_before;
+        v.passes = passing(settings_, point);
+        v.uses = {{0, 1, {}}};
+        if (settings_.shutter && (p.moves || p.instants_s.size() > 1)) {
+            v.uses = uses_at(p.instants_s, instant_s(point.light_before), *p.motions);
+            if (!p.moves) {
+                for (auto& use : v.uses) use.motions.clear();
+            }
+        }
+        out.push_back(std::move(v));
+    }
+    return out;
+}
+
+FieldFocus FieldFocuser::draw(const FieldViews& views) const {
+    return std::move(draw(std::span(&views, 1)).front());
+}
+
+std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) const {
+    const Prepared& p = *prepared_;
+    const FocusGeometry& g = settings_.geometry;
+    const RasterWindow& window = settings_.window;
+    const glm::dvec2 lens_box_px = g.gain_px * g.aperture_radius_m * settings_.aperture.half_extent();
+    std::vector<std::vector<LensViewPoint>> points;
+    PatchField field = outline();
+    std::size_t pictures = 0;
+    for (const FieldViews& set : sets) {
+        points.push_back(lens_view_points(settings_.aperture, g, set.count, set.set, set.first));
+        PatchViews views;
+        views.views = views_at(points.back());
+        for (std::size_t i = 0; i < views.views.size(); ++i) {
+            views.views[i].set = static_cast<std::uint32_t>(set.set);
+            views.views[i].number = static_cast<std::uint32_t>(set.first) + static_cast<std::uint32_t>(i);
+        }
+        views.rays = settings_.rays;
+        views.less = p.less;
+        views.left_to_rays = set.left_to_rays;
+        views.checked = set.checked;
+        views.picture = set.picture;
+        field.sets.push_back(std::move(views));
+        pictures = std::max(pictures, set.picture + 1);
+    }
+    std::optional<FieldStrips> strips;
+    if (!p.all) {
+        // Strips are read later and may contain highlights, which need the patches seen from any lens point.
+        field.lens_reach_px = lens_box_px;
+        strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
+    }
+    const auto instants_of = [&](const std::vector<LensViewPoint>& of_set) {
+        std::vector<double> out;
+        for (std::size_t i = 0; p.moves && i < of_set.size(); ++i) out.push_back(of_set[i].light_before);
+        return out;
+    };
+    const std::optional<OneSurface> simple = one_surface(sets, strips ? &*strips : nullptr);
+    std::vector<PatchPicture> seen(pictures, PatchPicture(window.width(), window.height()));
+    const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
+                               const Crop& part) {
+        surfaces.show(field);
+        field.lens_reach_px = highlights.any() ? lens_box_px : glm::dvec2(0);
+        std::vector<std::unique_ptr<Lights>> lights;
+        for (std::size_t i = 0; i < sets.size(); ++i) {
+            if (highlights.any())
+                lights.push_back(highlights.over(points[i], sets[i].set, instants_of(points[i])));
+            field.sets[i].lights = highlights.any() ? lights.back().get() : nullptr;
+            field.sets[i].wanted = [&, i](int x, int y, int width, int height) {
+                return part.meets(x / SeenTile::edge * SeenTile::edge, y / SeenTile::edge * SeenTile::edge,
+                                  SeenTile::edge, SeenTile::edge) &&
+                       !(simple && simple->all(x, y, width, height)) &&
+                       (!sets[i].wanted || sets[i].wanted(x, y, width, height));
+            };
+        }
+        patch_field(field, seen);
+    };
+    const auto draw_crop = [&](const Crop& crop) {
+        if (p.all) {
+            draw_part(*p.all, *p.of_all, crop);
+            return;
+        }
+        for (const auto& [first, last] : strips->strips(window, p.strip_records)) {
+            const int top = std::max(crop.y, first - window.y_begin),
+                      end = std::min(crop.y + crop.height, last - window.y_begin);
+            if (top >= end) continue;
+            const FieldSurfaces surfaces = strips->read(first, last);
+            const FieldHighlights highlights(*surfaces.sheets[0], settings_.aperture, g, window, p.moving());
+            draw_part(surfaces, highlights, {crop.x, top, crop.width, end - top});
+        }
+    };
+    const Crop whole{0, 0, window.width(), window.height()};
+    draw_crop(settings_.crop.value_or(whole));
+    if (settings_.crop && std::any_of(seen.begin(), seen.end(), [&](const PatchPicture& picture) {
+            return has_gaps(picture, simple, *settings_.crop);
+        }))
+        draw_crop(whole);
+    std::vector<FieldFocus> out;
+    out.reserve(seen.size());
+    for (PatchPicture& picture : seen) out.push_back(finished(std::move(picture), simple));
+    return out;
+}
+
+std::optional<OneSurface> FieldFocuser::one_surface(std::span<const FieldViews> sets,
+                                                    FieldStrips* strips) const {
+    const Prepared& p = *prepared_;
+    const FocusGeometry& g = settings_.geometry;
+    if (!sets.front().leave_out_from_share || settings_.rays != nullptr || p.moves ||
+        p.instants_s.size() != 1)
+        return std::nullopt;
+    const glm::dvec2 lens_box_px = g.gain_px * g.aperture_radius_m * settings_.aperture.half_extent();
+    OneSurfaceFinder finder(lens_box_px, g.inverse_focus_per_m, settings_.window);
+    if (p.all) {
+        finder.add(p.all->primary[0], p.all->deeper[0]);
+    } else {
+        strips->visit(
+            0, [&](const PatchMesh& primary, const PatchMesh& deeper) { finder.add(primary, deeper); });
+    }
+    OneSurface found = finder.found();
+    if (found.share() < *sets.front().leave_out_from_share) return std::nullopt;
+    return found;
+}
+
+FieldFocus field_focus(FocusFrame& frame, const FieldFocusSettings& settings) {
+    return FieldFocuser(frame, settings)
+        .draw({.count = settings.views, .leave_out_from_share = settings.leave_out_from_share});
+}
+
+}  // namespace postlens

@@ -1,0 +1,121 @@
+// The light field over lens and shutter: the mean of the records' views from many lens points, each at its
+// own instant.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "focus/frame.h"
+#include "focus/light_field/lens_views.h"
+#include "focus/scatter/splat_tables.h"
+#include "lens/aperture.h"
+#include "lens/focus_geometry.h"
+#include "lens/shutter_curve.h"
+#include "pictures/image.h"
+#include "records/sample_file.h"
+#include "reproject/patch_field.h"
+#include "reproject/raster_map.h"
+#include "reproject/sheets/sheet_mesh.h"
+#include "reproject/sight_rays.h"
+
+namespace postlens {
+
+/// An open shutter: its interval, the weight of each instant, and the motion meanwhile.
+struct FieldShutter {
+    const FrameMotion* motion = nullptr;
+    double open_s = 0, close_s = 0;
+    ShutterCurve curve = ShutterCurve::box();
+};
+
+struct FieldFocusSettings {
+    FocusGeometry geometry;  ///< in px of the traced raster
+    Aperture aperture;
+    RasterWindow window;  ///< the raster pixels of the image
+    int views = default_lens_views;
+    std::optional<FieldShutter> shutter;  ///< none: all views show the frame's own instant
+    /// Leaves out the pixels where nothing moves and only one surface is seen, for which scattering is exact.
+    /// They are left out only if they are at least this share of the image. None: draws all pixels.
+    std::optional<double> leave_out_from_share;
+    RecordsRead also;  ///< called with the records of the frame's own instant as they are read
+    /// Draws only these pixels of the window, bit-identical to a drawing of all; the others are undefined.
+    std::optional<Crop> crop;
+    int piece_px = SeenTile::edge;  ///< PatchField::piece_px
+    /// Memory limit of the surfaces. Larger surfaces are read again for each image, in strips of a quarter of
+    /// the limit; the result is bit-identical.
+    std::uint64_t surface_bytes = std::uint64_t{1} << 30;
+    /// Traces rays for view samples that the records do not determine. Only highlights whose radiance is the
+    /// same for all rays are then spread by their impulse response; no pixel is left out or unknown. Null: no
+    /// rays.
+    const SightRays* rays = nullptr;
+};
+
+struct FieldFocus {
+    Image image;
+    // One value per pixel of the window; PatchPicture has the definitions.
+    std::vector<float> unknown, unknown_below, guessed_below;
+    std::vector<float> traced;           ///< empty without rays
+    std::vector<PixelCheck> checks;      ///< empty unless view samples are compared with rays
+    std::vector<float> light_square;     ///< empty without highlights
+    std::vector<std::uint8_t> left_out;  ///< 1: left out (leave_out_from_share); empty if none is
+    /// Mean of `unknown` over the window or `crop`.
+    [[nodiscard]] double unknown_share(const std::optional<Crop>& crop = std::nullopt) const;
+};
+
+/// The views whose mean is an image: views [first, first + count) of a set. A set's lens points form one
+/// scrambled Sobol sequence.
+struct FieldViews {
+    int count = default_lens_views;
+    int set = 0;    ///< sets have independent lens points and errors (lens_views.h)
+    int first = 0;  ///< number of the first view; more than 0 continues a set
+    /// Whether a square piece of the image is drawn; none: all pieces are. Pieces that are not drawn are
+    /// filled from their surroundings.
+    std::function<bool(int x, int y, int width, int height)> wanted;
+    std::optional<double> leave_out_from_share;  ///< as in FieldFocusSettings; only if a single set is drawn
+    // With rays: as in PatchViews.
+    std::function<bool(int x, int y)> left_to_rays;
+    std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
+    /// Number of the image that this set of views belongs to, among the images drawn together. Sets of one
+    /// image must draw different pieces of it.
+    std::size_t picture = 0;
+};
+
+class FieldStrips;
+struct OneSurface;
+
+/// The surfaces of a frame, prepared to draw several images with one lens. Keeps a reference to the frame.
+class FieldFocuser {
+  public:
+    /// `settings.views` and `settings.leave_out_from_share` are ignored.
+    FieldFocuser(FocusFrame& frame, FieldFocusSettings settings);
+    ~FieldFocuser();
+    FieldFocuser(const FieldFocuser&) = delete;
+    FieldFocuser& operator=(const FieldFocuser&) = delete;
+    FieldFocuser(FieldFocuser&&) = delete;
+    FieldFocuser& operator=(FieldFocuser&&) = delete;
+
+    /// Draws the image of one set of views. The result is bit-identical for any number of threads.
+    [[nodiscard]] FieldFocus draw(const FieldViews& views) const;
+    /// Draws several sets of views at once, which is faster than one after the other.
+    [[nodiscard]] std::vector<FieldFocus> draw(std::span<const FieldViews> sets) const;
+
+  private:
+    struct Prepared;
+    [[nodiscard]] PatchField outline() const;
+    /// The instant at which the share u of the exposure is over.
+    [[nodiscard]] double instant_s(double u) const;
+    [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
+    /// The pixels to leave out because they show a single surface (OneSurface), of the strips or of the whole
+    /// image. None if no set of views leaves pixels out.
+    [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
+                                                        FieldStrips* strips) const;
+    FocusFrame& frame_;
+    FieldFocusSettings settings_;
+    std::unique_ptr<Prepared> prepared_;
+};
+
+/// Draws one image. The result is bit-identical for any number of threads.
+[[nodiscard]] FieldFocus field_focus(FocusFrame& frame, const FieldFocusSettings& settings);
+
+}  // namespace postlens

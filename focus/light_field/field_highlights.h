@@ -1,0 +1,91 @@
+// Highlights of a light field, spread by their exact impulse responses, with visibility.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "focus/light_field/lens_views.h"
+#include "focus/light_field/moving_highlights.h"
+#include "focus/responses/kernel.h"
+#include "focus/responses/response_model.h"
+#include "focus/scatter/splat_tables.h"
+#include "lens/aperture.h"
+#include "reproject/patch_field.h"
+
+namespace postlens {
+
+/// The rule that selects highlights, for `tree_sheets`. In the mean of a few views, a highlight would appear
+/// once per view, as a ghost. The rule selects nothing for apertures whose impulse response varies over the
+/// image or is not the aperture's shape.
+[[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
+
+/// The highlights that were taken out of the recorded surfaces. The light of a highlight reaches a pixel
+/// through one lens point, and counts if that lens point sees the highlight. For highlights that are seen
+/// directly, this is computed exactly, by rasterising the nearer surfaces along the rays from the highlight
+/// (PointRays). For reflected, transmitted and moving highlights, and for all but the brightest highlights of
+/// a tile, it is decided by the views nearest to the lens point (and to the instant).
+class FieldHighlights {
+  public:
+    /// Keeps a reference to `sheets`. `window`: the image's pixels. `motion`: null if nothing moves.
+    FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
+                    const RasterWindow& window, const HighlightMotion* motion = nullptr);
+
+    [[nodiscard]] bool any() const { return !sources_.empty(); }
+    /// The highlights as light added to a set of views. `set`: its number, which also seeds the sample
+    /// positions of visibility. `instants`: per view, the share of the exposure that is over; may be empty if
+    /// nothing moves. Keeps a reference to this object.
+    [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
+                                               const std::vector<double>& instants = {}) const;
+
+  private:
+    class OverViews;
+    struct Source {
+        int x = 0, y = 0;  ///< anchor of the kernel, image px
+        std::uint32_t kernel = 0;
+        glm::dvec2 at{0};  ///< position, image px
+        std::array<float, 3> rgb{};
+        double square = 0;  ///< rgb times radiance, of the brightest channel
+        glm::dmat2 lens_from_px{1};
+        float inverse_z = 0;
+        bool by_all = false;  ///< all views decide on visibility, not those near one lens point
+        double u = -1;        ///< share of the exposure that is over at its instant; -1: present all the time
+        SheetKey key;
+        std::uint32_t sheet = 0;
+        std::uint32_t group = 0;  ///< index into groups_
+    };
+    /// Neighbouring sources that share one computation of visibility, at their centre.
+    struct Group {
+        Source middle;
+        int column = 0, row = 0;  ///< of its square in the grid of groups
+        double light = 0;
+        glm::dvec2 spread_px{0};                             ///< standard deviation of its sources' positions
+        int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that its kernels reach
+    };
+    /// A group of neighbouring highlights whose light reaches a tile: its highlights there, and the number of
+    /// visibility samples per pixel; 0: the views decide whether the highlights are visible.
+    struct GroupHere {
+        std::vector<std::uint32_t> sources;
+        int samples = 0;
+    };
+    void group_sources();
+    void add_source(const HighlightMotion::Moment& m, const SheetMesh& mesh, KernelNumberCache& cache);
+    /// In each pixel of a part of a tile, the share of a group of highlights that is visible.
+    struct Part {
+        int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
+        std::array<float, SeenTile::pixels> share{};
+    };
+    [[nodiscard]] bool reaches(const Source& s, int x, int y, int width, int height) const;
+    [[nodiscard]] bool reach(int x, int y, int width, int height) const;
+    [[nodiscard]] bool sees(const Source& s, std::uint32_t texel, float inverse_z) const;
+    const TreeSheets& sheets_;
+    FocusGeometry geometry_;
+    RasterWindow window_;
+    bool round_;
+    std::unique_ptr<ResponseModel> model_;
+    std::unique_ptr<KernelTable> kernels_;
+    std::vector<Source> sources_;  ///< sorted by group
+    std::vector<Group> groups_;
+    std::vector<std::vector<std::uint32_t>> rows_;  ///< sources by rows of 64 px that they reach
+};
+
+}  // namespace postlens

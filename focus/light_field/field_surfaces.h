@@ -1,0 +1,108 @@
+// The surfaces from which a light field is drawn: all of a file, or those that reach a strip of the image.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "focus/light_field/moving_highlights.h"
+#include "focus/responses/node_response.h"
+#include "records/sample_file.h"
+#include "reproject/patch_field.h"
+#include "reproject/patches/patch_sweep.h"
+#include "reproject/patches/patches.h"
+#include "reproject/sheets/sheet_mesh.h"
+
+namespace postlens {
+
+/// Per recorded instant, the sheets (surfaces within squares of the raster) and their planar patches. The
+/// patches keep references to the sheets.
+struct FieldSurfaces {
+    std::vector<std::shared_ptr<const TreeSheets>> sheets;
+    std::vector<PatchMesh> primary, deeper;
+
+    void add(std::shared_ptr<const TreeSheets> some, const PatchLens& lens);
+    /// Sets these surfaces as the instants of a field.
+    void show(PatchField& field) const;
+};
+
+using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
+
+/// Approximate memory of a file's surfaces and patches, bytes per record, measured on a few rows of squares
+/// of the first instant: from 25 without reflections to 140 for many small reflecting objects.
+[[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
+                                             const HighlightRule& rule);
+/// Upper bound of surface_bytes_of_record.
+inline constexpr double most_surface_bytes_of_record = 400;
+
+/// Reads the surfaces of an image in strips: for each strip those that reach it in any view. The first read
+/// finds how far the surfaces of each row of squares reach, and keeps the few that reach far. For later
+/// strips, only the rows close to the strip are read.
+class FieldStrips {
+  public:
+    /// Keeps references to its arguments. `views`: a field without instants. Surfaces that are seen from a
+    /// lens point within its lens_reach_px are included. `lens_box_px`: half the width and height of the
+    /// lens, as LensShift::lens_px, which limits the reach of highlights. `motion`: motion of highlights;
+    /// null: no highlight moves.
+    FieldStrips(const SampleFileReader& file, std::size_t instants, const PatchLens& lens,
+                const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px,
+                const HighlightMotion* motion);
+
+    /// The surfaces that reach raster rows [y_begin, y_end).
+    [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
+    /// Visits all surfaces of an instant, in parts and in any order. `visit` is called by one thread at a
+    /// time.
+    void visit(std::size_t instant, const SurfacesVisit& visit);
+    /// Divides the window's rows into strips of whole tiles, each with at most `most_records` records or one
+    /// row of tiles.
+    [[nodiscard]] std::vector<std::pair<int, int>> strips(const RasterWindow& window,
+                                                          double most_records) const;
+
+  private:
+    /// Raster rows [first, last) that a surface reaches; initially empty.
+    struct Reach {
+        double first = std::numeric_limits<double>::infinity(), last = -first;
+        void include(double from, double to) {
+            first = std::min(first, from);
+            last = std::max(last, to);
+        }
+    };
+    /// Surfaces of neighbouring squares that views displace far, with the raster rows that each surface
+    /// reaches.
+    struct Far {
+        TreeSheets sheets;
+        std::vector<Reach> primary, deeper;
+    };
+    /// A row of squares of the raster.
+    struct Row {
+        Reach near;  ///< union of the reaches of the surfaces that are not kept
+        std::vector<Far> far;
+    };
+    struct Instant {
+        bool known = false;
+        std::vector<Row> rows;
+    };
+    /// Per sheet (surface within a square of the raster), the raster rows in which views may show it.
+    [[nodiscard]] std::vector<Reach> reach_of(const PatchMesh& mesh, std::size_t instant) const;
+    void note(const TreeSheets& some, const std::vector<Reach>& primary, const std::vector<Reach>& deeper,
+              std::size_t part, int y, Row& row);
+    [[nodiscard]] TreeSheets read_some(std::size_t instant, int y_begin, int y_end,
+                                       const SurfacesVisit& visit);
+
+    const SampleFileReader& file_;
+    PatchLens lens_;
+    const HighlightRule& rule_;
+    const HighlightMotion* motion_;
+    PatchSweep sweep_;
+    glm::dvec2 lens_box_px_;
+    std::vector<Instant> instants_;
+    std::mutex mutex_;
+    std::size_t far_bytes_ = 0;  ///< memory of the kept sheets
+};
+
+}  // namespace postlens

@@ -1,0 +1,57 @@
+#include "focus/light_field/highlights_with_rays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace postlens {
+namespace {
+
+/// Identifies a surface by what a ray knows of it: path, id of the last reflecting or transmitting object, id
+/// of the surface, column and row of the sheet's square.
+using SurfaceSeen = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, int, int>;
+
+SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at,
+                         bool moves) {
+    if (path.bits() != 0 || moves) return {path.bits(), parent_id, id, 0, 0};
+    const auto square = [](double px) {
+        return static_cast<int>(std::floor(std::clamp(px, -1e8, 1e8) / SheetMesh::square_px));
+    };
+    return {0, parent_id, id, square(at.x), square(at.y)};
+}
+
+}  // namespace
+
+LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, bool moves, HighlightRule& rule) {
+    const auto of_light = [moves](const Highlight& light, const SheetKey& key) {
+        return surface_seen(key.path, key.parent_id, key.id, {light.x, light.y}, moves);
+    };
+    std::map<SurfaceSeen, bool> taken;
+    for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
+        const std::vector<float> areas = bright_areas(*mesh);
+        for (const Highlight& light : mesh->bright) {
+            const SheetKey& key = mesh->sheets[light.sheet].key;
+            bool& all = taken.try_emplace(of_light(light, key), true).first->second;
+            all = all && !light.cut_before && !key.hidden && rays.steady(key.path, key.id) &&
+                  rule.takes(light, key, areas[light.sheet]);
+        }
+    }
+    std::erase_if(taken, [](const auto& t) { return !t.second; });
+    rule.takes = [taken, of_light, takes = rule.takes](const Highlight& light, const SheetKey& key,
+                                                       float area_px2) {
+        return taken.contains(of_light(light, key)) && takes(light, key, area_px2);
+    };
+    take_highlights(sheets, rule);
+    LightElsewhere less{rule.above, nullptr};
+    if (taken.empty()) return less;
+    less.of = [taken = std::move(taken), moves](NodePath path, std::uint32_t parent_id, std::uint32_t id,
+                                                const glm::dvec2& at) {
+        return taken.contains(surface_seen(path, parent_id, id, at, moves));
+    };
+    return less;
+}
+
+}  // namespace postlens

@@ -1,0 +1,116 @@
+#include "focus/light_field/moving_highlights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <optional>
+#include <utility>
+
+namespace postlens {
+namespace {
+
+/// Number of instants at which the speed of a highlight is measured.
+constexpr int looks = 64;
+/// Largest step from one instant of a streak to the next: px, or share of the CoC radius if that is more.
+constexpr double step_px = 0.5, step_of_blur = 0.25;
+/// For jittered instants: each share of the exposure is divided into this many parts, and the instant of a
+/// highlight lies in one of them. The factors, 1/px, choose the part by raster position, so that highlights a
+/// quarter or half a pixel apart get different parts.
+constexpr int turns = 16;
+constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
+/// Largest position and CoC radius, px. Beyond it no light of a highlight reaches the image.
+constexpr double farthest_px = 1e5;
+
+}  // namespace
+
+HighlightMotion::HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens)
+    : moves_(std::move(moves)), map_(std::move(map)), lens_(std::move(lens)) {}
+
+bool HighlightMotion::takes(const Highlight& light, float area_px2) {
+    return area_px2 < largest_px2 &&
+           std::max({light.rgb[0], light.rgb[1], light.rgb[2]}) >= least_radiance * light.area;
+}
+
+std::shared_ptr<const HighlightMotion::Maps> HighlightMotion::maps(std::uint32_t id, int count) const {
+    const std::scoped_lock lock(mutex_);
+    std::shared_ptr<const Maps>& known = known_[{id, count}];
+    if (!known) {
+        Maps made;
+        for (int i = 0; i < count; ++i) made.push_back(map_(id, (i + 0.5) / count));
+        known = std::make_shared<const Maps>(std::move(made));
+    }
+    return known;
+}
+
+bool HighlightMotion::moved(const Highlight& light, const RasterMap& map, Highlight& out) const {
+    const RasterPoint from{static_cast<double>(light.x), static_cast<double>(light.y),
+                           static_cast<double>(light.inverse_z)};
+    // Neighbouring positions give the change of area: a surface that comes nearer becomes larger.
+    const std::optional<RasterPoint> to = map(from), right = map({from.x + 1, from.y, from.inverse_z}),
+                                     below = map({from.x, from.y + 1, from.inverse_z});
+    if (!to || !right || !below) return false;
+    if (!(std::abs(to->x) < farthest_px && std::abs(to->y) < farthest_px &&
+          lens_.radius_px_m * std::abs(to->inverse_z - lens_.inverse_focus_per_m) < farthest_px))
+        return false;
+    const double larger =
+        std::abs((right->x - to->x) * (below->y - to->y) - (right->y - to->y) * (below->x - to->x));
+    out = light;
+    out.x = static_cast<float>(to->x);
+    out.y = static_cast<float>(to->y);
+    out.inverse_z = static_cast<float>(to->inverse_z);
+    out.w = Mat2::isotropic(out.inverse_z);
+    out.area *= static_cast<float>(larger);
+    for (float& v : out.rgb) v *= static_cast<float>(larger);
+    return true;
+}
+
+int HighlightMotion::moments_wanted(const Highlight& light, const SheetKey& key) const {
+    if (!moves(key)) return 1;
+    double fastest_px = 0;  // largest motion from one instant to the next
+    double blur_px = HUGE_VAL;
+    Highlight last;
+    bool has_last = false;
+    const std::shared_ptr<const Maps> ways = maps(key.id, looks);
+    for (const RasterMap& map : *ways) {
+        Highlight here;
+        if (!moved(light, map, here)) {
+            has_last = false;
+            continue;
+        }
+        blur_px = std::min(blur_px, lens_.least_blur_px(here.w));
+        if (has_last) {
+            const double way =
+                std::hypot(static_cast<double>(here.x - last.x), static_cast<double>(here.y - last.y));
+            const double rim =
+                lens_.radius_px_m * std::abs(static_cast<double>(here.inverse_z - last.inverse_z));
+            fastest_px = std::max(fastest_px, way + rim);
+        }
+        last = here;
+        has_last = true;
+    }
+    const double step = std::max(step_px, step_of_blur * (std::isfinite(blur_px) ? blur_px : 0));
+    int count = 1;
+    while (count < most_moments && count * step < looks * fastest_px) count *= 2;
+    return count;
+}
+
+std::vector<HighlightMotion::Moment> HighlightMotion::moments(const Highlight& light, const SheetKey& key,
+                                                              int count, bool turned) const {
+    if (!moves(key)) return {{light, -1, 1}};
+    std::vector<Moment> out;
+    const int parts = turned ? turns : 1;
+    int part = 0;
+    if (turned) {
+        const double place = turn_x * static_cast<double>(light.x) + turn_y * static_cast<double>(light.y);
+        part = std::min(static_cast<int>((place - std::floor(place)) * parts), parts - 1);
+    }
+    const std::shared_ptr<const Maps> ways = maps(key.id, parts * count);
+    for (int i = 0; i < count; ++i) {
+        const int at = i * parts + part;
+        Moment m{light, (at + 0.5) / (parts * count), 1.0 / count};
+        if (moved(light, (*ways)[static_cast<std::size_t>(at)], m.light)) out.push_back(m);
+    }
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,18 @@
+// Impulse responses with diffraction, as kernels.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "focus/responses/response_model.h"
+
+namespace postlens {
+
+/// The model of a round aperture with diffraction, one kernel per colour channel [potmesil1981].
+/// `wavelengths_nm`: wavelengths that all channels use; empty: each channel uses its band
+/// (lens/wave/spectrum.h). A kernel includes 99 % of the energy, if that lies within 256 px of the geometric
+/// edge, and is normalised to 1. Throws Error(wrong_arguments) if a wavelength is out of range.
+[[nodiscard]] std::unique_ptr<ResponseModel> diffraction_model(const std::vector<double>& wavelengths_nm,
+                                                               const FocusGeometry& geometry);
+
+}  // namespace postlens

@@ -1,0 +1,93 @@
+// The impulse response of a node of a shading tree.
+#pragma once
+
+#include <algorithm>
+#include <glm/glm.hpp>
+#include <memory>
+
+#include "focus/responses/depth_levels.h"
+#include "focus/responses/kernel.h"
+#include "focus/responses/phases.h"
+#include "focus/responses/response_model.h"
+#include "records/record.h"
+
+namespace postlens {
+
+/// Half-open rectangle with integer coordinates, raster px.
+struct RasterWindow {
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+    [[nodiscard]] int width() const { return x_end - x_begin; }
+    [[nodiscard]] int height() const { return y_end - y_begin; }
+};
+
+[[nodiscard]] inline bool meet(const RasterWindow& a, const RasterWindow& b) {
+    return a.x_begin < b.x_end && b.x_begin < a.x_end && a.y_begin < b.y_end && b.y_begin < a.y_end;
+}
+[[nodiscard]] inline RasterWindow common(const RasterWindow& a, const RasterWindow& b) {
+    return {std::max(a.x_begin, b.x_begin), std::min(a.x_end, b.x_end), std::max(a.y_begin, b.y_begin),
+            std::min(a.y_end, b.y_end)};
+}
+/// The smallest window that contains both.
+[[nodiscard]] inline RasterWindow around(const RasterWindow& a, const RasterWindow& b) {
+    return {std::min(a.x_begin, b.x_begin), std::max(a.x_end, b.x_end), std::min(a.y_begin, b.y_begin),
+            std::max(a.y_end, b.y_end)};
+}
+
+/// Vector from the centre of a window to a raster position, px.
+[[nodiscard]] inline glm::dvec2 from_middle_px(const RasterWindow& window, float x, float y) {
+    return {static_cast<double>(x) - (window.x_begin + window.x_end) / 2.0,
+            static_cast<double>(y) - (window.y_begin + window.y_end) / 2.0};
+}
+
+/// A node's impulse response: the key of its kernel without a subpixel position, and its size.
+struct NodeResponse {
+    KernelKey key;
+    double radius_px = 0;        ///< half the longer side of the kernel's bounding box
+    double exact_radius_px = 0;  ///< CoC radius, not quantised
+    /// Inverse depth of the node's level, 1/m. Only for apertures that vary over the image.
+    double inverse_depth_per_m = 0;
+};
+
+/// Impulse responses of one lens setting. Positions are relative to the centre of the image.
+class NodeResponses {
+  public:
+    NodeResponses(const FocusGeometry& geometry, DepthLevels levels, DepthModel model,
+                  std::shared_ptr<const ResponseModel> response)
+        : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
+
+    [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
+    /// Response of a reflected or transmitted node, by the depth model.
+    [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
+                                  const glm::dvec2& place_px) const;
+    /// Transmittance of the lens. 1 if one kernel is used for the whole image.
+    [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
+    /// Whether the weights that normalise the image are scattered with the same kernel as the light. If not,
+    /// they are scattered with the kernel without vignetting (`whole`).
+    [[nodiscard]] bool weighs_as_it_shines(const NodeResponse& response) const {
+        return response.key.cell_log2 == 0 || model().weighs_as_it_shines();
+    }
+    /// The response without vignetting.
+    [[nodiscard]] static NodeResponse whole(NodeResponse response);
+    /// Positions and weights at which a sample's response is placed.
+    [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
+
+    [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
+    [[nodiscard]] const DepthLevels& levels() const { return levels_; }
+    [[nodiscard]] const ResponseModel& model() const { return *response_; }
+
+  private:
+    [[nodiscard]] NodeResponse to_w(const Mat2& w, const glm::dvec2& place_px) const;
+    void finish_other(NodeResponse& out, const glm::dmat2& map_px, const glm::dvec2& place_px) const;
+
+    FocusGeometry geometry_;
+    DepthLevels levels_;
+    DepthModel model_;
+    std::shared_ptr<const ResponseModel> response_;
+};
+
+/// 1/z' of a record, 1/m; 0 for infinity. Depths below 1e-37 m are clamped.
+[[nodiscard]] inline double inverse_depth_per_m(const Record& node) {
+    return 1 / std::max(static_cast<double>(node.z), 1e-37);
+}
+
+}  // namespace postlens

@@ -1,0 +1,87 @@
+// Interface: the impulse responses of a lens, as kernels.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "focus/responses/kernel.h"
+#include "lens/aperture.h"
+#include "lens/focus_geometry.h"
+
+namespace postlens {
+
+/// Describes the impulse response of a scene point: light through the aperture point q (lens radii) arrives
+/// at `map_px q`, plus the displacement by the model's aberrations.
+struct ResponseRequest {
+    glm::dmat2 map_px{1};
+    glm::dvec2 place_px{0};  ///< position of the scene point, from the image's centre
+    bool whole = true;       ///< without vignetting, for weights
+    glm::dvec2 phase_px{0};  ///< position of the response's centre relative to the anchor
+    KernelReach reach;
+};
+
+/// Impulse responses of one lens setting. The default is a round aperture, whose kernels are discs and
+/// ellipses, which is fastest.
+class ResponseModel {
+  public:
+    ResponseModel() = default;
+    ResponseModel(const ResponseModel&) = delete;
+    ResponseModel& operator=(const ResponseModel&) = delete;
+    ResponseModel(ResponseModel&&) = delete;
+    ResponseModel& operator=(ResponseModel&&) = delete;
+    virtual ~ResponseModel() = default;
+
+    [[nodiscard]] virtual bool is_round() const { return true; }
+    /// Whether responses are uniform within an outline, so that they cost as much as the outline.
+    [[nodiscard]] virtual bool is_even() const { return true; }
+    /// Whether the map -M has the same response as M.
+    [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
+    /// Width of the part of the image, px, in which one kernel can be used for this map: within it the
+    /// outline changes by less than half a pixel, or by little relative to its size. 0: the whole image.
+    [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
+    /// Whether the weights that normalise the image are scattered with the same kernel as the light. False:
+    /// they are scattered with the kernel without vignetting.
+    [[nodiscard]] virtual bool weighs_as_it_shines() const { return false; }
+    /// Transmittance for a scene point at `place_px` from the image's centre.
+    [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
+                                              double /*inverse_depth_per_m*/) const {
+        return 1;
+    }
+    /// Radius outside which the response is 0, px.
+    [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
+    /// The kernel. Its values add up to 1 unless `reach` clips it, or to 0 if no light is transmitted.
+    [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
+
+    /// CoC radius, px, from which fewer subpixel positions are used, because the kernels of this model are
+    /// expensive to make.
+    [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
+
+    /// Whether red, green and blue have their own responses: then `channel_kernels` is called instead of
+    /// `kernel`.
+    [[nodiscard]] virtual bool has_channels() const { return false; }
+    /// Whether `map_px` may be anisotropic. If not, reflected and transmitted nodes get a mean radius.
+    [[nodiscard]] virtual bool takes_maps() const { return true; }
+    /// The kernels of all requests, which have the same phase. Runs in parallel.
+    [[nodiscard]] virtual std::vector<std::array<Kernel, 3>> channel_kernels(
+        std::span<const ResponseRequest> /*requests*/) const {
+        return {};
+    }
+};
+
+/// The model of an aperture of a thin lens.
+[[nodiscard]] std::unique_ptr<ResponseModel> aperture_model(const Aperture& aperture,
+                                                            const FocusGeometry& geometry,
+                                                            double half_diagonal_px);
+
+/// The model of an impulse response. `half_diagonal_px`: of the image, in px of `geometry`. Throws
+/// Error(wrong_arguments) and Error(invalid_input) as read_aperture does, and for real lenses, whose model
+/// lens_model (focus/lens_model.h) makes.
+[[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
+                                                            const FocusGeometry& geometry,
+                                                            double half_diagonal_px);
+
+}  // namespace postlens

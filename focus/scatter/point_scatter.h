@@ -1,0 +1,56 @@
+// Scatters splats one by one, at a cost proportional to the length of the kernel's outline.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "focus/scatter/splat_tables.h"
+
+namespace postlens {
+
+/// Sums of colour times kernel (channels 0 to 2) and of weight times kernel (3) over a few pixel rows of a
+/// block.
+///
+/// The pixels of a kernel's outline are added one by one. The uniform inside of a wide row is stored as
+/// differences: its value is added at its first pixel and subtracted after its last one; running sums along
+/// the row are taken later. All sums are in double, because in float every bright sample would leave a
+/// rounding error to its right.
+class PointScatter {
+  public:
+    /// `channel`: the colour channel whose kernels are used, if the channels have their own kernels.
+    explicit PointScatter(const SplatTables& tables, std::size_t channel = 0)
+        : tables_(tables), channel_(channel) {}
+
+    /// Computes the sums of all splats that reach `rows`, a part of tables.picture().
+    void run(const RasterWindow& rows);
+
+    /// The part of `rows` that splats may reach; may be empty. Sums outside are zero and not stored.
+    [[nodiscard]] const RasterWindow& reached() const { return reached_; }
+    [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
+    /// The four sums of a pixel within reached(), followed by those of the next pixels of its row.
+    [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
+
+  private:
+    /// The splats of one source row that have similar reach (reach_classes) and may reach rows_.
+    struct Pass {
+        std::span<const Splat> splats;
+        int y;
+    };
+    void find_passes(std::size_t reach_class);
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return 4 * (static_cast<std::size_t>(y - rows_.y_begin) * stride_ +
+                    static_cast<std::size_t>(x - rows_.x_begin));
+    }
+
+    const SplatTables& tables_;
+    std::size_t channel_;
+    RasterWindow rows_, reached_;
+    std::vector<Pass> passes_;
+    std::size_t stride_ =
+        0;  ///< pixels per row of buffers: one more than rows_ has, for differences at its end
+    std::vector<double> sum_;     ///< sums of rows_; undefined outside reached_
+    std::vector<double> change_;  ///< differences to the pixel on the left
+};
+
+}  // namespace postlens

@@ -1,0 +1,70 @@
+// Scatters runs of adjacent corner samples that share a disc, with SIMD.
+#pragma once
+
+#include <vector>
+
+#include "focus/scatter/splat_tables.h"
+
+namespace postlens {
+
+/// Sums of colour times kernel, and of the kernel, over a block of pixels.
+///
+/// Discs are centred on integer coordinates, so kernels are symmetric: a filtered source row serves two rows
+/// of the image, and the single values of a kernel row (taps) come in pairs. The inside of a kernel row is a
+/// difference of running sums, in double, so that a bright sample leaves no rounding error where it does not
+/// reach. The other terms are positive; they are added in float for a few source rows, then in double. The
+/// order of every sum depends only on the tables, not on threads.
+class RunScatter {
+  public:
+    /// Width of the strips that a block is divided into, px.
+    static constexpr int strip_width = 64;
+
+    explicit RunScatter(const SplatTables& tables);
+    ~RunScatter();
+    RunScatter(RunScatter&&) noexcept;
+    RunScatter(const RunScatter&) = delete;
+    RunScatter& operator=(const RunScatter&) = delete;
+    RunScatter& operator=(RunScatter&&) = delete;
+
+    /// Computes the sums of all runs (adjacent samples with the same disc) that reach `block`, a part of
+    /// tables.picture(). Returns false if no run reaches it; there are no sums then.
+    bool run(const RasterWindow& block);
+
+    /// The sums of `channel` (0 to 2: colour, 3: weight) of the strip_width pixels of a strip in row y;
+    /// undefined beyond the block.
+    [[nodiscard]] const double* sums(int channel, int strip, int y) const {
+        return total_.data() + index(channel, strip, y - block_.y_begin);
+    }
+
+  private:
+    [[nodiscard]] std::size_t index(int channel, int strip, int row) const {
+        return ((static_cast<std::size_t>(channel) * static_cast<std::size_t>(strips_) +
+                 static_cast<std::size_t>(strip)) *
+                    static_cast<std::size_t>(rows_) +
+                static_cast<std::size_t>(row)) *
+               strip_width;
+    }
+    /// A run prepared for filtering.
+    struct LaidRun;
+    void lay_run(const SplatRun& run, int y);
+    void lay_line(LaidRun& laid, int channel, int line_end);
+    void lay_running_sums(LaidRun& laid, int channels, int line_end);
+    void filter_laid_runs();
+    void flush();
+    void flush_rows(int begin, int end, bool fresh);
+
+    const SplatTables& tables_;
+    RasterWindow block_;
+    int strips_ = 0, rows_ = 0;
+    /// Sums of the last few source rows, stored strip by strip so that the rows of a strip are contiguous.
+    std::vector<float> partial_;
+    std::vector<double> total_;
+    int touched_begin_ = 0, touched_end_ = 0;  ///< rows of the block with values in partial_
+    int fresh_from_ = 0;                       ///< first row of the block without values in total_
+    std::vector<LaidRun> laid_;
+    std::vector<float> lines_;     ///< colours of the prepared runs, with zeros around them
+    std::vector<double> running_;  ///< running sums of lines_
+    std::size_t lines_used_ = 0, running_used_ = 0;
+};
+
+}  // namespace postlens

@@ -1,0 +1,397 @@
+#include "focus/scatter/splat_tables.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <tbb/enumerable_thread_specific.h>
+
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+constexpr std::uint32_t no_level = ~std::uint32_t{0};
+
+/// Smallest length, px, of a run of adjacent samples with the same disc. Fewer samples are faster as single
+/// splats, because the cost of a run grows with its whole reach, but that of a splat only with its kernel's
+/// outline. Measured with bench/scatter_bench.cpp.
+int shortest_run(double radius_px) {
+    return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
+}
+
+}  // namespace
+
+/// Makes the splats of one row of corners; only writes data of that row.
+class SplatTables::RowBuilder {
+  public:
+    explicit RowBuilder(SplatTables& tables)
+        : t_(tables), round_(tables.responses_.model().is_round()), cache_(tables.kernels_) {}
+
+    /// Adds row `row` of the samples, which is raster row y.
+    void build(const RecordBand& band, const PointSamples& samples, const PlainCorners& plain,
+               std::size_t row, int y);
+    void build(std::span<const PixelLight> lights, int y);
+
+  private:
+    void begin_row(int y);
+    void store_row();
+    void add_plain(const PlainCorners& plain, std::size_t row);
+    void add_sample(const PointSample& s, std::span<const Record> nodes);
+    void add_light(const PixelLight& light);
+    /// `weight`: factor of the sample's weight; 0 if the normalisation does not count this node.
+    void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
+                    float weight);
+    void add_splat(std::int32_t column, const KernelKey& key, const std::array<float, 3>& rgb, float weight) {
+        splats_.push_back({column, cache_.number_of(key), rgb[0], rgb[1], rgb[2], weight});
+    }
+    void split_runs();
+
+    SplatTables& t_;
+    bool round_;  ///< all responses are discs and ellipses
+    KernelNumberCache cache_;
+    std::vector<std::uint32_t>
+        level_;  ///< per column, the level of a corner stored in raster_; else no_level
+    std::vector<Splat> splats_;
+    std::vector<SplatRun> runs_;
+    std::array<float*, 3> raster_{};
+    glm::dvec2 place_px_{0};  ///< position of the sample, from the image's centre
+    int y_ = 0;
+    double largest_radius_px_ = 0;
+    bool negative_ = false;
+};
+
+void SplatTables::RowBuilder::add_splats(const PointSample& s, const NodeResponse& response,
+                                         const std::array<float, 3>& rgb, float weight) {
+    const Phases phases = t_.responses_.phases(s, response);
+    for (std::size_t i = 0; i < phases.count; ++i) {
+        const Phase& p = phases.items[i];
+        KernelKey key = response.key;
+        key.phase_x = p.x;
+        key.phase_y = p.y;
+        add_splat(static_cast<std::int32_t>(std::floor(s.x)), key,
+                  {rgb[0] * p.weight, rgb[1] * p.weight, rgb[2] * p.weight}, weight * p.weight);
+    }
+}
+
+void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const Record> nodes) {
+    place_px_ = from_middle_px(t_.picture_, s.x, s.y);
+    const bool whole_corner = is_whole_corner(s);
+    const double depth = inverse_depth_per_m(nodes[0]);
+    const NodeResponses& responses = t_.responses_;
+    const NodeResponse primary = responses.to_depth(depth, place_px_);
+    // The largest CoC is taken over primary nodes, since W of other nodes is unbounded near a caustic.
+    // Infinitely far nodes are left out, since the CoC of empty space is not visible.
+    if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
+    t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
+    std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
+    for (const Record& node : nodes.subspan(1)) {
+        if (is_dark(node)) continue;
+        negative_ |= node.r < 0 || node.g < 0 || node.b < 0;
+        const NodeResponse response = responses.of(node, primary, place_px_);
+        if (response.key == primary.key) {
+            rgb = {rgb[0] + node.r, rgb[1] + node.g, rgb[2] + node.b};
+            continue;
+        }
+        const float share = responses.passing(response, place_px_);
+        const std::array<float, 3> shared{share * node.r, share * node.g, share * node.b};
+        if (whole_corner) {
+            add_splat(static_cast<std::int32_t>(s.x), response.key, shared, 0);
+        } else {
+            add_splats(s, response, shared, 0);
+        }
+    }
+    for (float& channel : rgb) channel *= responses.passing(primary, place_px_);
+    negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
+
+    if (whole_corner && primary.key.is_disc && round_) {
+        const auto column = static_cast<std::size_t>(static_cast<int>(s.x) - t_.source_.x_begin);
+        level_[column] = primary.key.level;
+        for (std::size_t c = 0; c < 3; ++c) raster_[c][column] = rgb[c];
+        return;
+    }
+    if (!(s.total_weight() > 0)) return;
+    if (responses.weighs_as_it_shines(primary)) {
+        add_splats(s, primary, rgb, 1);
+        return;
+    }
+    // Vignetting attenuates the colours, but not the weights by which they are divided.
+    add_splats(s, primary, rgb, 0);
+    add_splats(s, NodeResponses::whole(primary), {0, 0, 0}, 1);
+}
+
+// Adds the plain corners of a row (samples of undivided pixels without reflections). The result is that of
+// add_sample for each of them, which a test checks.
+void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
+    const std::size_t width = level_.size(), at = row * width;
+    const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);
+    t_.responses_.levels().levels_of(inverse, level_.data());
+    for (std::size_t i = 0; i < width; ++i) level_[i] = inverse[i] < 0 ? no_level : level_[i];
+    std::copy_n(plain.r.data() + at, width, raster_[0]);
+    std::copy_n(plain.g.data() + at, width, raster_[1]);
+    std::copy_n(plain.b.data() + at, width, raster_[2]);
+    const PlainCorners::Row& facts = plain.rows[row];
+    negative_ |= facts.negative;
+    if (facts.least_inverse > facts.greatest_inverse) return;
+    // The signed CoC radius is linear in 1/z', so the nearest or the farthest corner has the largest one.
+    for (const double end : {facts.least_inverse, facts.greatest_inverse}) {
+        const double radius_px = std::abs(t_.responses_.geometry().coc_diameter_px(end) / 2);
+        largest_radius_px_ = std::max(largest_radius_px_, radius_px);
+    }
+}
+
+void SplatTables::RowBuilder::add_light(const PixelLight& light) {
+    if (light.hidden) return;
+    const PointSample s = middle_of_pixel(light.x, y_);
+    place_px_ = from_middle_px(t_.picture_, s.x, s.y);
+    const NodeResponses& responses = t_.responses_;
+    const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
+    if (light.inverse_depth > 0) largest_radius_px_ = std::max(largest_radius_px_, response.exact_radius_px);
+    t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
+    const float share = responses.passing(response, place_px_);
+    const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};
+    negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
+    if (responses.weighs_as_it_shines(response)) {
+        add_splats(s, response, rgb, light.weight);
+        return;
+    }
+    add_splats(s, response, rgb, 0);
+    add_splats(s, NodeResponses::whole(response), {0, 0, 0}, light.weight);
+}
+
+void SplatTables::RowBuilder::split_runs() {
+    const std::size_t sparse = splats_.size();
+    for (std::size_t begin = 0; begin < level_.size();) {
+        const std::uint32_t level = level_[begin];
+        std::size_t end = begin + 1;
+        while (end < level_.size() && level_[end] == level) ++end;
+        const auto at = static_cast<std::int32_t>(begin) + t_.source_.x_begin;
+        if (level != no_level) {
+            t_.kernels_.use_disc(level);
+            if (static_cast<int>(end - begin) >= shortest_run(t_.kernels_.disc_radius_px(level))) {
+                runs_.push_back({at, static_cast<std::int32_t>(end) + t_.source_.x_begin, level});
+            } else {
+                for (std::size_t i = begin; i < end; ++i) {
+                    splats_.push_back({at + static_cast<std::int32_t>(i - begin), level, raster_[0][i],
+                                       raster_[1][i], raster_[2][i], 1.0F});
+                }
+            }
+        }
+        begin = end;
+    }
+    std::inplace_merge(splats_.begin(), splats_.begin() + static_cast<std::ptrdiff_t>(sparse), splats_.end(),
+                       [](const Splat& a, const Splat& b) { return a.x < b.x; });
+}
+
+void SplatTables::RowBuilder::begin_row(int y) {
+    const auto row = static_cast<std::size_t>(y - t_.source_.y_begin);
+    const auto width = static_cast<std::size_t>(t_.source_.width());
+    y_ = y;
+    largest_radius_px_ = 0;
+    negative_ = false;
+    level_.assign(width, no_level);
+    splats_.clear();
+    runs_.clear();
+    for (std::size_t c = 0; c < 3; ++c) raster_[c] = t_.raster_[c].get() + row * width;
+}
+
+void SplatTables::RowBuilder::store_row() {
+    const auto row = static_cast<std::size_t>(y_ - t_.source_.y_begin);
+    SplatRow& out = t_.rows_[row];
+    out.runs.assign(runs_.begin(), runs_.end());
+    if (t_.keep_ == Keep::all) out.splats.assign(splats_.begin(), splats_.end());
+    if (t_.keep_ == Keep::strip) {
+        t_.strip_rows_.begin_row(y_);
+        std::erase_if(splats_, [&](const Splat& s) {
+            const Reach reach = t_.reach_of(s);
+            t_.strip_rows_.add(y_, s, y_ + reach.dy_begin, y_ + reach.dy_end);
+            return !t_.reaches_strip(s, reach, y_);
+        });
+        out.splats.assign(splats_.begin(), splats_.end());
+    }
+    t_.row_largest_radius_px_[row] = largest_radius_px_;
+    t_.row_negative_[row] = negative_ ? 1 : 0;
+}
+
+void SplatTables::RowBuilder::build(const RecordBand& band, const PointSamples& samples,
+                                    const PlainCorners& plain, std::size_t row, int y) {
+    begin_row(y);
+    const auto add = [&](std::uint32_t i) {
+        const PointSample& s = samples.samples[i];
+        add_sample(s, std::span(band.records).subspan(s.first_record, s.record_count));
+    };
+    if (round_ && t_.responses_.levels().around_focus()) {
+        add_plain(plain, row);
+        for (std::uint32_t k = plain.other_begin[row]; k < plain.other_begin[row + 1]; ++k)
+            add(plain.others[k]);
+    } else {
+        const std::size_t width = level_.size();
+        for (std::uint32_t i = samples.offsets[row * width]; i < samples.offsets[(row + 1) * width]; ++i)
+            add(i);
+    }
+    split_runs();
+    store_row();
+}
+
+void SplatTables::RowBuilder::build(std::span<const PixelLight> lights, int y) {
+    begin_row(y);
+    for (const PixelLight& light : lights) add_light(light);
+    store_row();
+}
+
+struct SplatTables::Builders {
+    explicit Builders(SplatTables& tables) : of_thread([&tables] { return RowBuilder(tables); }) {}
+    tbb::enumerable_thread_specific<RowBuilder> of_thread;
+};
+
+SplatTables::~SplatTables() = default;
+
+void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
+    builders_->of_thread.local().build(lights, y);
+}
+
+KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
+    // The reach is one px more on either side, as the subpixel position of a kernel may be up to 1 px from
+    // its anchor.
+    return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
+            std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
+}
+
+SplatTables::SplatTables(const RasterWindow& source, const RasterWindow& picture,
+                         const FocusGeometry& geometry, const DepthLevels& levels, DepthModel model,
+                         std::shared_ptr<const ResponseModel> response)
+    : source_(source),
+      picture_(picture),
+      responses_(geometry, levels, model, response ? std::move(response) : std::make_shared<ResponseModel>()),
+      kernels_(levels.radius_px(), kernel_reach(source, picture), responses_.model()),
+      builders_(std::make_unique<Builders>(*this)),
+      border_(source) {
+    const auto width = static_cast<std::size_t>(source.width());
+    const auto height = static_cast<std::size_t>(source.height());
+    for (auto& plane : raster_) plane = std::make_unique_for_overwrite<float[]>(width * height);
+    rows_.resize(height);
+    row_largest_radius_px_.resize(height);
+    row_negative_.resize(height);
+}
+
+void SplatTables::add_rows(const FrameRows& rows) {
+    constexpr int step = FrameRows::rows_per_task;
+    const RecordBand& band = *rows.band;
+    const auto tasks = static_cast<std::size_t>((rows.y_end - rows.y_begin + step - 1) / step);
+    parallel_for(tasks, [&](std::size_t task) {
+        const int first = rows.y_begin + static_cast<int>(task) * step;
+        const int last = std::min(first + step, rows.y_end);
+        PointSamples found;
+        PlainCorners found_plain;
+        if (rows.samples.empty()) {
+            find_point_samples(band, first, last, source_.y_begin, source_.y_end - 1, found);
+            find_plain_corners(band, found, found_plain);
+        }
+        const PointSamples& samples = rows.samples.empty() ? found : rows.samples[task];
+        const PlainCorners& plain = rows.samples.empty() ? found_plain : rows.plain[task];
+        RowBuilder& builder = builders_->of_thread.local();
+        for (int y = first; y < last; ++y)
+            builder.build(band, samples, plain, static_cast<std::size_t>(y - first), y);
+    });
+    if (keep_ == Keep::strip) strip_rows_.settle();
+}
+
+void Reach::include(const Reach& other) {
+    dy_begin = std::min(dy_begin, other.dy_begin);
+    dy_end = std::max(dy_end, other.dy_end);
+    dx_begin = std::min(dx_begin, other.dx_begin);
+    dx_end = std::max(dx_end, other.dx_end);
+}
+
+std::size_t reach_class(const Reach& reach) {
+    constexpr std::array<int, reach_classes - 1> limits_px{8, 16, 32, 64, 256};
+    const int farthest = std::max({-reach.dy_begin, reach.dy_end, -reach.dx_begin, reach.dx_end});
+    return static_cast<std::size_t>(std::lower_bound(limits_px.begin(), limits_px.end(), farthest) -
+                                    limits_px.begin());
+}
+
+void SplatTables::find_reaches() {
+    reach_.assign(kernels_.numbers(), {});
+    for (std::uint32_t number = 0; number < reach_.size(); ++number) {
+        for (std::size_t channel = 0; channel < kernels_.channels(); ++channel) {
+            const Kernel& k = kernels_.kernel(number, channel);
+            reach_[number].include({k.y_begin, k.y_end(), k.x_begin, k.x_end});
+        }
+    }
+}
+
+// Sorts the splats of a row by how far they reach (reach_classes); within a class they stay sorted by column.
+void SplatTables::sort_by_reach(SplatRow& row) const {
+    const std::vector<Splat> unsorted = row.splats;
+    std::vector<std::uint8_t> classes;
+    classes.reserve(unsorted.size());
+    row.class_reach = {};
+    row.class_begin = {};
+    for (const Splat& s : unsorted) {
+        const Reach& reach = reach_of(s);
+        classes.push_back(static_cast<std::uint8_t>(reach_class(reach)));
+        row.class_reach[classes.back()].include(reach);
+        ++row.class_begin[classes.back() + 1U];
+    }
+    std::partial_sum(row.class_begin.begin(), row.class_begin.end(), row.class_begin.begin());
+    std::array<std::uint32_t, reach_classes + 1> to = row.class_begin;
+    for (std::size_t i = 0; i < unsorted.size(); ++i) row.splats[to[classes[i]]++] = unsorted[i];
+}
+
+void SplatTables::sort_rows() {
+    parallel_for(
+        rows_.size(), [&](std::size_t i) { sort_by_reach(rows_[i]); }, 16);
+    class_reach_ = {};
+    for (const SplatRow& row : rows_) {
+        for (std::size_t c = 0; c < reach_classes; ++c) class_reach_[c].include(row.class_reach[c]);
+    }
+}
+
+void SplatTables::finish() {
+    builders_->of_thread.clear();
+    kernels_.build();
+    find_reaches();
+    if (keep_ == Keep::all) kernels_.forget_keys();
+    for (SplatRow& row : rows_) {
+        for (const SplatRun& run : row.runs) {
+            row.run_dy_begin = std::min(row.run_dy_begin, kernels_[run.kernel].y_begin);
+            row.run_dy_end = std::max(row.run_dy_end, kernels_[run.kernel].y_end());
+        }
+        run_dy_begin_ = std::min(run_dy_begin_, row.run_dy_begin);
+        run_dy_end_ = std::max(run_dy_end_, row.run_dy_end);
+    }
+    sort_rows();
+    any_negative_ = std::find(row_negative_.begin(), row_negative_.end(), 1) != row_negative_.end();
+}
+
+bool SplatTables::reaches_strip(const Splat& splat, const Reach& reach, int y) const {
+    return y + reach.dy_end > strip_.y_begin && y + reach.dy_begin < strip_.y_end &&
+           splat.x + reach.dx_end > strip_.x_begin && splat.x + reach.dx_begin < strip_.x_end;
+}
+
+std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& part, int block_px) {
+    if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
+    keep_ = Keep::strip;
+    strip_ = part;
+    // Rows that are not added again only provide the splats that were kept because they reach far.
+    for (int y = source_.y_begin; y < source_.y_end; ++y) {
+        std::vector<Splat> splats;
+        for (const auto& far : strip_rows_.far(y)) {
+            if (reaches_strip(far.item, reach_of(far.item), y)) splats.push_back(far.item);
+        }
+        rows_[static_cast<std::size_t>(y - source_.y_begin)].splats = std::move(splats);
+    }
+    return strip_rows_.to_be_read(part.y_begin, part.y_end);
+}
+
+void SplatTables::finish_strip() {
+    builders_->of_thread.clear();
+    sort_rows();
+}
+
+double SplatTables::largest_coc_px() const {
+    const auto largest = std::max_element(row_largest_radius_px_.begin(), row_largest_radius_px_.end());
+    return largest != row_largest_radius_px_.end() ? 2 * *largest : 0;
+}
+
+}  // namespace postlens

@@ -1,0 +1,147 @@
+// For images that are made strip by strip: which rows of the file must be read again for a strip.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "focus/responses/node_response.h"
+
+namespace postlens {
+
+/// Decides which rows of the file are read again for each strip of the image. `Item`: an item of a row, for
+/// example a splat, that reaches several pixel rows. Most items reach only pixel rows close to their own. The
+/// few that reach far are kept in memory, so that for a strip only its own rows and those close to it must be
+/// read again.
+template <typename Item>
+class StripRows {
+  public:
+    struct Far {
+        Item item;
+        int first = 0, last = 0;  ///< pixel rows [first, last) that the item reaches
+    };
+
+    StripRows() = default;
+    /// `source`: the rows of the file. `picture`: the image, in blocks of `block_px` rows. A row that was
+    /// never added must be read for every strip.
+    StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
+        : y_begin_(source.y_begin),
+          first_(picture.y_begin),
+          block_px_(block_px),
+          blocks_((picture.height() + block_px - 1) / block_px),
+          rows_(static_cast<std::size_t>(source.height())) {}
+
+    /// Removes the items of a row, before all its items are added again, in order. Like `add`, it is
+    /// thread-safe for different rows.
+    void begin_row(int y) {
+        Row& to = row(y);
+        to.first = std::numeric_limits<int>::max();
+        to.last = std::numeric_limits<int>::min();
+        to.far.clear();
+        to.begins.assign(static_cast<std::size_t>(blocks_), 0);
+        to.ends = to.begins;
+    }
+    void add(int y, const Item& item, int first, int last) {
+        Row& to = row(y);
+        const int from = std::max(0, block_of(first)), to_block = std::min(blocks_ - 1, block_of(last - 1));
+        if (from <= to_block) {
+            ++to.begins[static_cast<std::size_t>(from)];
+            ++to.ends[static_cast<std::size_t>(to_block)];
+        }
+        if (is_far(y, first, last)) {
+            to.far.push_back({item, first, last});
+        } else {
+            to.include(first, last);
+        }
+    }
+    /// Keeps the memory of kept items within the limit: as long as they exceed it, doubles the smallest
+    /// distance that an item must reach to be kept, and drops the items that reach less far. Call it when
+    /// some rows are complete.
+    void settle() {
+        const auto kept = [&] {
+            std::size_t out = 0;
+            for (const Row& r : rows_) out += r.far.size();
+            return out;
+        };
+        while (kept() > far_bytes / sizeof(Far)) {
+            far_px_ *= 2;
+            for (std::size_t i = 0; i < rows_.size(); ++i) {
+                const int y = y_begin_ + static_cast<int>(i);
+                Row& r = rows_[i];
+                std::erase_if(r.far, [&](const Far& f) {
+                    const bool near = !is_far(y, f.first, f.last);
+                    if (near) r.include(f.first, f.last);
+                    return near;
+                });
+                r.far.shrink_to_fit();
+            }
+        }
+    }
+
+    /// The rows that must be read for the pixel rows [first, last), as ascending ranges [begin, end). Ranges
+    /// include short gaps of rows that need not be read, as reading these is faster than starting a new
+    /// range.
+    [[nodiscard]] std::vector<std::pair<int, int>> to_be_read(int first, int last) const {
+        constexpr int worth_a_gap = 16;
+        std::vector<std::pair<int, int>> out;
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            const Row& r = rows_[i];
+            if (r.known() && (r.first >= r.last || r.last <= first || r.first >= last)) continue;
+            const int y = y_begin_ + static_cast<int>(i);
+            if (!out.empty() && y - out.back().second < worth_a_gap) {
+                out.back().second = y + 1;
+            } else {
+                out.emplace_back(y, y + 1);
+            }
+        }
+        return out;
+    }
+    /// Number of items that reach the blocks [begin, end). Call it after all rows were added.
+    [[nodiscard]] std::uint64_t reaching(int begin, int end) const {
+        std::uint64_t out = 0, gone = 0;
+        for (const Row& r : rows_) {
+            if (!r.known()) continue;
+            out = std::accumulate(r.begins.begin(), r.begins.begin() + end, out);
+            gone = std::accumulate(r.ends.begin(), r.ends.begin() + begin, gone);
+        }
+        return out - gone;
+    }
+    /// The items of a row that are kept because they reach far, in order. A row that is not read again
+    /// provides only these.
+    [[nodiscard]] std::span<const Far> far(int y) const {
+        return rows_[static_cast<std::size_t>(y - y_begin_)].far;
+    }
+
+  private:
+    /// Memory limit of all kept items, bytes.
+    static constexpr std::size_t far_bytes = std::size_t{32} << 20;
+
+    struct Row {
+        int first = 0, last = 0;  ///< pixel rows that the items reach that are not kept
+        std::vector<Far> far;
+        std::vector<std::uint32_t> begins, ends;  ///< per block, number of items that reach it first or last
+        [[nodiscard]] bool known() const { return !begins.empty(); }
+        void include(int begin, int end) {
+            first = std::min(first, begin);
+            last = std::max(last, end);
+        }
+    };
+    [[nodiscard]] Row& row(int y) { return rows_[static_cast<std::size_t>(y - y_begin_)]; }
+    [[nodiscard]] bool is_far(int y, int first, int last) const {
+        return std::max(y - first, last - y) > far_px_;
+    }
+
+    [[nodiscard]] int block_of(int y) const { return y < first_ ? -1 : (y - first_) / block_px_; }
+
+    int y_begin_ = 0;
+    int first_ = 0, block_px_ = 1, blocks_ = 0;
+    int far_px_ = 32;
+    std::vector<Row> rows_;
+};
+
+}  // namespace postlens

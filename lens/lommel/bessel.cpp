@@ -1,0 +1,55 @@
+#include "lens/lommel/bessel.h"
+
+#include <cmath>
+
+#include "core/threads.h"
+
+namespace postlens {
+
+int bessel_last_order(double v) {
+    // For n > v, J_n(v) falls like Ai(2^(1/3) (n - v) / v^(1/3)), and Ai(15) is 5e-19. For small v, the
+    // factorials make it fall even faster.
+    return static_cast<int>(v + 12 * std::cbrt(v)) + 30;
+}
+
+std::vector<double> bessel_orders(double v) {
+    const int last = bessel_last_order(v);
+    std::vector<double> j(static_cast<std::size_t>(last) + 1);
+    if (v == 0) {
+        j[0] = 1;
+        return j;
+    }
+    // The downward recurrence starts at 1e-250 and grows by less than 1e250, namely (2n/v)^n / n!, if v
+    // exceeds 1e-3. Smaller v use the first two terms of the power series.
+    if (v < 1e-3) {
+        double term = 1;
+        for (int n = 0; n <= last; ++n) {
+            j[static_cast<std::size_t>(n)] = term * (1 - v * v / 4 / (n + 1));
+            term *= v / 2 / (n + 1);
+        }
+        return j;
+    }
+    double above = 0, here = 1e-250, sum = 0;
+    for (int n = last; n >= 0; --n) {
+        j[static_cast<std::size_t>(n)] = here;
+        if (n % 2 == 0) sum += n == 0 ? here : 2 * here;
+        const double below = 2 * n / v * here - above;
+        above = here;
+        here = below;
+    }
+    for (double& value : j) value /= sum;
+    return j;
+}
+
+BesselGrid::BesselGrid(double grid_step, std::size_t count) : step(grid_step), j0(count), j1(count) {
+    parallel_for(
+        count,
+        [this](std::size_t i) {
+            const double v = step * static_cast<double>(i);
+            j0[i] = ::j0(v);
+            j1[i] = ::j1(v);
+        },
+        1 << 12);
+}
+
+}  // namespace postlens

@@ -1,0 +1,182 @@
+#include "lens/lommel/pixel_energy.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/threads.h"
+#include "lens/lommel/quadrature.h"
+
+namespace postlens {
+namespace {
+
+constexpr double two_pi = 2 * std::numbers::pi;
+
+/// Energy flow through a pixel border, with every fringe resolved. The border lies on the line at distance
+/// `x` from the centre, from y0 to y1. With y = x sinh t and r = x cosh t, the flow L x / (2 pi r^2) dy
+/// becomes L / (2 pi cosh t) dt, whose steps in r are fine where the border passes close to the centre.
+double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
+    // Closer to the centre than this, the flow of energy is negligible, as the encircled energy falls with
+    // the square of the radius.
+    constexpr double nothing_px = 1e-7;
+    const double distance = std::abs(x);
+    if (distance < nothing_px) return 0;
+    const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
+    // 16 nodes resolve the fringes of L over a panel of 6 in v. More than 64 panels would resolve fringes of
+    // which a pixel has hundreds.
+    const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
+    const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
+    const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
+    const double width = (t1 - t0) / panels;
+    double sum = 0;
+    for (int i = 0; i < panels; ++i) {
+        for (const GaussNode& node : gauss_legendre_16()) {
+            const double r_of_x = std::cosh(t0 + (i + node.x) * width);
+            sum += node.weight * profile.within(distance * r_of_x) / r_of_x;
+        }
+    }
+    return std::copysign(sum * width / two_pi, x);
+}
+
+/// Width over which fringes are averaged: slightly less than the distance between two nodes, which gives the
+/// smallest error for fringes of medium width.
+double smoothing_px(const PixelEnergySettings& settings) {
+    return 0.7 / settings.nodes;
+}
+
+/// Table over the radius r of L / (2 pi r^2), smoothed, where L is the encircled energy. Multiplied by x, it
+/// is the flow of energy per length of a pixel border at distance x from the centre.
+class FlowTable {
+  public:
+    FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
+        : begin_(begin_px), per_px_(RadialProfile::row_steps / width_px) {
+        const auto count = static_cast<std::size_t>(std::ceil((end_px - begin_px) * per_px_)) + 2;
+        values_ = profile.smoothed_row(begin_px, width_px, count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const double r = begin_ + static_cast<double>(i) / per_px_;
+            values_[i] /= two_pi * r * r;
+        }
+    }
+    [[nodiscard]] double at(double r) const {
+        const double at = (r - begin_) * per_px_;
+        const auto i = static_cast<std::size_t>(at);
+        const double t = at - static_cast<double>(i);
+        return values_[i] + t * (values_[i + 1] - values_[i]);
+    }
+
+  private:
+    double begin_, per_px_;
+    std::vector<double> values_;
+};
+
+/// Flow in the direction of x through borders that lie on the line at `x`.
+class Flow {
+  public:
+    Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
+        : profile_(profile),
+          settings_(settings),
+          table_(profile, settings.near_px, std::max(end_px, settings.near_px), smoothing_px(settings)) {}
+
+    [[nodiscard]] double through(double x, double y0, double y1) const {
+        const double nearest_y = y0 <= 0 && y1 >= 0 ? 0 : std::min(std::abs(y0), std::abs(y1));
+        const double furthest_y = std::max(std::abs(y0), std::abs(y1));
+        const double r0 = std::sqrt(x * x + nearest_y * nearest_y);
+        if (r0 < settings_.near_px) return near_flow(profile_, x, y0, y1);
+        // Two-point Gauss quadrature on pairs of steps. Along a border, the flow depends only on r.
+        constexpr double node = 0.21132486540518713;  // (1 - 1/sqrt(3)) / 2
+        const double span = std::sqrt(x * x + furthest_y * furthest_y) - r0;
+        const int pairs = std::max(2, static_cast<int>(std::ceil(span * settings_.nodes / 2)));
+        const double step = (y1 - y0) / pairs;
+        double sum = 0;
+        for (int i = 0; i < pairs; ++i) {
+            const double a = y0 + (i + node) * step, b = y0 + (i + 1 - node) * step;
+            sum += table_.at(std::sqrt(x * x + a * a)) + table_.at(std::sqrt(x * x + b * b));
+        }
+        return sum * step / 2 * x;
+    }
+
+  private:
+    const RadialProfile& profile_;
+    PixelEnergySettings settings_;
+    FlowTable table_;
+};
+
+/// Flow through all pixel borders. If the centre is the corner or the centre of a pixel, the pixel grid is
+/// symmetric about it, so the flow is computed in advance for one quadrant and reused for the others.
+class Borders {
+  public:
+    Borders(const Flow& flow, double centre_x, double centre_y, int reach) : flow_(flow) {
+        const double offset = centre_x - std::floor(centre_x);
+        if (offset != centre_y - std::floor(centre_y) || (offset != 0 && offset != 0.5)) return;
+        size_ = static_cast<std::size_t>(reach) + 2;
+        quadrant_.resize(size_ * size_);
+        parallel_for(size_, [&](std::size_t line) {
+            for (std::size_t row = 0; row < size_; ++row) {
+                const double x = static_cast<double>(line) + offset, y = static_cast<double>(row) - offset;
+                // The grid has no border here, and the flow table ends.
+                if (std::max(x, y + 1) > reach + 1) break;
+                quadrant_[line * size_ + row] = std::hypot(x, y + 1) > 0 ? flow.through(x, y, y + 1) : 0;
+            }
+        });
+    }
+    /// Energy that flows in the direction of x through a border of a pixel, on the line at x from y0 to y0 +
+    /// 1 (divergence theorem).
+    [[nodiscard]] double through(double x, double y0) const {
+        if (quadrant_.empty()) return flow_.through(x, y0, y0 + 1);
+        const auto line = static_cast<std::size_t>(std::abs(x));
+        const auto row = static_cast<std::size_t>(std::abs(y0 + 0.5));
+        return std::copysign(quadrant_[line * size_ + row], x);
+    }
+
+  private:
+    const Flow& flow_;
+    std::size_t size_ = 0;
+    std::vector<double> quadrant_;
+};
+
+double furthest(int begin, int size, double centre) {
+    return std::max(std::abs(begin - centre), std::abs(begin + size - centre));
+}
+
+}  // namespace
+
+double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
+                const PixelEnergySettings& settings) {
+    const double x = furthest(grid.x_begin, grid.width, centre_x);
+    const double y = furthest(grid.y_begin, grid.height, centre_y);
+    // The quadrant of Borders needs the flow in the whole square around the grid.
+    return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
+           4 * smoothing_px(settings);
+}
+
+void fill_pixel_energy(const RadialProfile& profile, double centre_x, double centre_y,
+                       const PixelEnergySettings& settings, ResponseGrid& grid) {
+    const double reach = reach_px(grid, centre_x, centre_y, settings);
+    assert(profile.end_px() >= reach);
+    const Flow flow(profile, settings, reach - 2 * smoothing_px(settings));
+    const Borders borders(flow, centre_x, centre_y,
+                          static_cast<int>(std::max(furthest(grid.x_begin, grid.width, centre_x),
+                                                    furthest(grid.y_begin, grid.height, centre_y))));
+    const auto width = static_cast<std::size_t>(grid.width);
+    std::vector<double> down(width * (static_cast<std::size_t>(grid.height) + 1));
+    parallel_for(static_cast<std::size_t>(grid.height) + 1, [&](std::size_t j) {
+        const double y = grid.y_begin + static_cast<double>(j) - centre_y;
+        for (std::size_t i = 0; i < width; ++i) {
+            down[j * width + i] = borders.through(y, grid.x_begin + static_cast<double>(i) - centre_x);
+        }
+    });
+    parallel_for(static_cast<std::size_t>(grid.height), [&](std::size_t j) {
+        const double y = grid.y_begin + static_cast<double>(j) - centre_y;
+        double left = borders.through(grid.x_begin - centre_x, y);
+        for (std::size_t i = 0; i < width; ++i) {
+            const double right = borders.through(grid.x_begin + static_cast<double>(i + 1) - centre_x, y);
+            const double share = right - left + down[(j + 1) * width + i] - down[j * width + i];
+            grid.share[j * width + i] = std::max(share, 0.0);
+            left = right;
+        }
+    });
+}
+
+}  // namespace postlens

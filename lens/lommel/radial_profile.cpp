@@ -1,0 +1,83 @@
+#include "lens/lommel/radial_profile.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+
+#include "lens/lommel/lommel.h"
+
+namespace postlens {
+
+double RadialProfile::end_px() const {
+    double end = std::numeric_limits<double>::infinity();
+    for (const Part& p : parts_) end = std::min(end, p.energy->v_end() / p.v_per_px);
+    return end;
+}
+
+double RadialProfile::v_per_px() const {
+    double most = 0;
+    for (const Part& p : parts_) most = std::max(most, p.v_per_px);
+    return most;
+}
+
+double RadialProfile::within(double radius_px) const {
+    double sum = 0;
+    for (const Part& p : parts_) sum += p.weight * p.energy->within(radius_px * p.v_per_px);
+    return sum;
+}
+
+double RadialProfile::smoothed_within(double radius_px, double width_px) const {
+    double sum = 0;
+    for (const Part& p : parts_) {
+        const double v = radius_px * p.v_per_px, w = width_px * p.v_per_px;
+        if (w < 2 * p.energy->step()) {
+            sum += p.weight * p.energy->within(v);
+            continue;
+        }
+        // For a smooth function, the means B over three neighbouring spans give the value at the centre as
+        // (26 B_0 - B_-1 - B_1) / 24, with an error of 3/640 of the fourth difference.
+        const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
+        const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
+        sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
+    }
+    return sum;
+}
+
+std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
+    // One half and three halves of the width over which fringes are averaged, in steps.
+    constexpr std::size_t half = row_steps / 2, three = 3 * half;
+    std::vector<double> out(count), integral(count + 2 * three);
+    for (const Part& p : parts_) {
+        const double w = width_px * p.v_per_px;
+        if (w < 2 * p.energy->step()) {
+            for (std::size_t i = 0; i < count; ++i) {
+                const double radius_px = begin_px + static_cast<double>(i) * width_px / row_steps;
+                out[i] += p.weight * p.energy->within(radius_px * p.v_per_px);
+            }
+            continue;
+        }
+        for (std::size_t i = 0; i < integral.size(); ++i) {
+            const double steps = static_cast<double>(i) - static_cast<double>(three);
+            integral[i] = p.energy->within_integral((begin_px + steps * width_px / row_steps) * p.v_per_px);
+        }
+        // Same formula as in smoothed_within.
+        const double scale = p.weight / (24 * w);
+        for (std::size_t i = 0; i < count; ++i) {
+            out[i] += scale * (27 * (integral[i + three + half] - integral[i + three - half]) -
+                               (integral[i + 2 * three] - integral[i]));
+        }
+    }
+    return out;
+}
+
+double RadialProfile::density(double radius_px) const {
+    // The energy dE = I v dv / 2 lies in a ring of area 2 pi r dr.
+    double sum = 0;
+    for (const Part& p : parts_) {
+        sum += p.weight * lommel_intensity(p.energy->u(), radius_px * p.v_per_px) * p.v_per_px * p.v_per_px;
+    }
+    return sum / (4 * std::numbers::pi);
+}
+
+}  // namespace postlens

@@ -1,0 +1,42 @@
+// Encircled energy as a function of the radius in pixels, for a mixture of wavelengths.
+#pragma once
+
+#include <vector>
+
+#include "lens/lommel/radial_energy.h"
+
+namespace postlens {
+
+/// Weighted sum of the concentric responses of several wavelengths.
+class RadialProfile {
+  public:
+    struct Part {
+        const RadialEnergy* energy = nullptr;  ///< must outlive the profile
+        double v_per_px = 0;
+        double weight = 1;
+    };
+    explicit RadialProfile(std::vector<Part> parts) : parts_(std::move(parts)) {}
+
+    /// Radius up to which the tables of all parts extend, px.
+    [[nodiscard]] double end_px() const;
+    /// Largest v_per_px of all parts.
+    [[nodiscard]] double v_per_px() const;
+
+    /// Share of the energy within a radius from 0 to end_px().
+    [[nodiscard]] double within(double radius_px) const;
+    /// `within` without structure finer than `width_px`: exact to fourth order where it is smooth, averaged
+    /// over the width where fringes are finer. The radius must be at least 3/2 widths away from 0 and from
+    /// the end.
+    [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
+    /// `smoothed_within` for `count` radii from `begin_px` on, `row_steps` per width. Faster, because four
+    /// radii share each integral.
+    static constexpr int row_steps = 6;
+    [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
+    /// Energy per px^2 at the radius, from the closed form of each part.
+    [[nodiscard]] double density(double radius_px) const;
+
+  private:
+    std::vector<Part> parts_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,47 @@
+// Impulse responses of a traced lens for every depth and field, by interpolation between fans of rays.
+#pragma once
+
+#include <vector>
+
+#include "lens/traced/pupil_fan.h"
+
+namespace postlens {
+
+/// Fans of rays, each from one object point through the lens, on a grid of inverse depths and field tangents.
+/// The constructor traces the fans in parallel. Between the points of the grid, they are interpolated
+/// linearly (errors: docs/lens.md). Results are bit-identical for any number of threads.
+class FanTable {
+  public:
+    /// Covers inverse depths from 0 to `largest_inverse_depth_per_m` (beyond, responses grow linearly) and
+    /// tangents up to `widest_tangent` (beyond, the response is that of `widest_tangent`). `view` must
+    /// outlive the table.
+    FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
+
+    [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
+    /// Light that a pixel in this direction receives from a uniform scene, relative to the centre pixel (as
+    /// LensView::light). It does not depend on the depth of the scene.
+    [[nodiscard]] double light(double tangent) const;
+    /// Upper bound of the distance, as a tangent, from a point at this depth to the end of its response.
+    [[nodiscard]] double reach(double inverse_depth_per_m) const;
+    /// Largest displacement of a ray's landing point relative to its object point, per displacement of the
+    /// object point; both as tangents.
+    [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
+
+    static constexpr std::size_t depths = 7, fields = 25;
+
+  private:
+    struct Place {
+        std::size_t depth = 0, field = 0;       ///< indices of the grid node below
+        double depth_part = 0, field_part = 0;  ///< fraction of a step; depth_part may lie outside 0..1
+    };
+    [[nodiscard]] Place place(double inverse_depth_per_m, double tangent) const;
+    [[nodiscard]] double of_depth(const std::vector<double>& values, double inverse_depth_per_m) const;
+    void trace_depth(const LensView& view, std::size_t depth);
+
+    double depth_step_per_m_ = 1, field_step_ = 1;
+    std::vector<PupilFan> fans_;          ///< by depth and field
+    std::vector<double> light_;           ///< by field
+    std::vector<double> reach_, change_;  ///< by depth
+};
+
+}  // namespace postlens

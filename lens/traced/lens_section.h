@@ -1,0 +1,33 @@
+// Outlines of a lens and rays through it, for a drawing.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "lens/traced/traced_lens.h"
+
+namespace postlens {
+
+/// Section of a lens along its axis: points (z, y) in mm, z from the first vertex towards the film.
+struct LensSection {
+    struct RayLine {
+        std::size_t field = 0;  ///< index into the parameter `fields`
+        std::vector<glm::dvec2> points;
+    };
+    std::vector<std::vector<glm::dvec2>>
+        glass;  ///< closed outlines of the elements, the last point not repeated
+    std::vector<std::vector<glm::dvec2>> planes;  ///< surfaces that do not bound glass
+    std::vector<std::vector<glm::dvec2>> stop;    ///< the two edges of the stop's opening
+    std::vector<RayLine> rays;                    ///< rays that pass, from in front of the lens to the film
+    double film_z_mm = 0;
+    double front_z_mm = 0;  ///< where rays begin
+    double height_mm = 0;   ///< greatest distance from the axis of all of these
+};
+
+/// Traces `rays` rays across the pupil, in the plane of the drawing, for object points at depth_m towards
+/// each tangent of `fields`. Surfaces are drawn to their clear radius, or as wide as the rays need if the
+/// prescription states none.
+[[nodiscard]] LensSection lens_section(const Prescription& lens, const TracedLens& traced, double depth_m,
+                                       const std::vector<double>& fields, int rays);
+
+}  // namespace postlens

@@ -1,0 +1,167 @@
+#include "lens/traced/lens_stack.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace postlens {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+// Moves the origin of a ray along the ray to the plane z, because squares of distant coordinates lose
+// precision.
+void begin_at(double z, LensRay& ray) {
+    if (ray.direction.z != 0) ray.origin += (z - ray.origin.z) / ray.direction.z * ray.direction;
+}
+
+}  // namespace
+
+LensStack::LensStack(const Prescription& lens, double wavelength_nm, double stop_radius_mm)
+    : stop_(lens.stop()) {
+    double z = 0, n = 1;
+    elements_.reserve(lens.surfaces.size());
+    for (const Surface& s : lens.surfaces) {
+        Element e;
+        e.z = z;
+        e.c = s.curvature_per_mm;
+        e.k = s.conic;
+        e.asphere = s.asphere;
+        e.is_asphere = s.is_asphere();
+        const double after = s.glass.index(wavelength_nm);
+        e.forward_ratio = n / after;
+        e.backward_ratio = after / n;
+        const double opening =
+            s.is_stop && std::isfinite(stop_radius_mm) ? stop_radius_mm : s.clear_radius_mm;
+        e.radius_squared = opening * opening;
+        if (s.is_stop) stop_radius_mm_ = opening;
+        elements_.push_back(e);
+        z += s.thickness_mm;
+        n = after;
+    }
+}
+
+double LensStack::clear_radius_mm(std::size_t surface) const {
+    return std::sqrt(elements_[surface].radius_squared);
+}
+
+RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures apertures,
+                        dvec3& normal) noexcept {
+    const dvec3 d = ray.direction;
+    dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame
+    // If the origin is more than 100 radii of curvature away, the squares below lose the digits of the
+    // intersection, so the origin moves to the ray's point nearest to the vertex. A second step removes the
+    // rounding error of the first, which can be many radii of a tiny surface.
+    constexpr double far_in_radii = 100;
+    for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
+        p -= glm::dot(p, d) * d;
+    const double q = 1 + e.k;
+    // Solves c (x^2 + y^2 + q z^2) - 2 z = 0 along p + t d, for the root that stays finite as c goes to 0.
+    // [welford1986, 4.3]
+    const double a = e.c * (1 + e.k * d.z * d.z);
+    const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
+    const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;
+    const double discriminant = b * b - a * f;
+    bool met = discriminant >= 0;
+    if (met) {
+        const double divisor = b + sign * std::sqrt(discriminant);
+        if (divisor != 0) p += f / divisor * d;
+        met = divisor != 0 || f == 0;
+        // A conic turns back beyond its edge. Intersections there are rejected, as no lens has that part.
+        met = met && 1 - e.c * q * p.z > 0;
+    }
+    if (e.is_asphere) {
+        // The even polynomial moves the surface along z. Newton's method starts from the intersection with
+        // the conic.
+        constexpr int most_steps = 32;
+        constexpr double close_mm = 1e-10;
+        double miss = 0;
+        for (int step = 0; step < most_steps; ++step) {
+            const double r2 = p.x * p.x + p.y * p.y;
+            const double root = std::sqrt(1 - q * e.c * e.c * r2);
+            double sag = e.c * r2 / (1 + root);
+            double slope = e.c / root;  // d sag / d r / r
+            double power = 1;
+            for (std::size_t i = 0; i < asphere_terms; ++i) {
+                slope += 2 * static_cast<double>(i + 1) * e.asphere[i] * power;
+                power *= r2;
+                sag += e.asphere[i] * power;
+            }
+            normal = dvec3(-slope * p.x, -slope * p.y, 1);
+            miss = p.z - sag;
+            const double rate = d.z - slope * (p.x * d.x + p.y * d.y);
+            if (!(std::abs(miss) > close_mm) || rate == 0) break;
+            p -= miss / rate * d;
+        }
+        if (!(std::abs(miss) <= close_mm)) return RayFate::misses;  // also if it is not a number
+        normal /= glm::length(normal);
+    } else {
+        if (!met) return RayFate::misses;
+        normal = dvec3(-e.c * p.x, -e.c * p.y, 1 - e.c * q * p.z);
+        if (e.k != 0) normal /= glm::length(normal);
+    }
+    ray.origin = p + dvec3(0, 0, e.z);
+    // The comparison is false for coordinates that are not a number, so they count as outside of the clear
+    // radius.
+    const bool inside = p.x * p.x + p.y * p.y <= e.radius_squared;
+    if (apertures == Apertures::respected && !inside) return RayFate::vignetted;
+    return RayFate::passes;
+}
+
+// Snell's law: n' (d' x N) = n (d x N). `ratio` is n / n'; `normal` points towards +z. Returns false for
+// total reflection.
+bool LensStack::refract(dvec3& direction, const dvec3& normal, double ratio) noexcept {
+    const double cosine = glm::dot(direction, normal);
+    const double under_root = 1 - ratio * ratio * (1 - cosine * cosine);
+    if (!(under_root >= 0)) return false;
+    const double refracted = std::copysign(std::sqrt(under_root), cosine);
+    direction = ratio * direction + (refracted - ratio * cosine) * normal;
+    return true;
+}
+
+RayEnd LensStack::forward(LensRay& ray, Apertures apertures, std::span<dvec3> hits) const noexcept {
+    dvec3 normal(0, 0, 1);
+    begin_at(elements_.front().z, ray);
+    for (std::size_t i = 0; i < elements_.size(); ++i) {
+        const Element& e = elements_[i];
+        const RayFate fate = meet(e, ray, 1, apertures, normal);
+        if (!hits.empty()) hits[i] = ray.origin;
+        if (fate != RayFate::passes) return {fate, i};
+        if (e.forward_ratio != 1 && !refract(ray.direction, normal, e.forward_ratio)) {
+            return {RayFate::reflected, i};
+        }
+    }
+    return {};
+}
+
+RayEnd LensStack::backward(LensRay& ray, Apertures apertures, std::span<dvec3> hits) const noexcept {
+    dvec3 normal(0, 0, 1);
+    begin_at(elements_.back().z, ray);
+    for (std::size_t i = elements_.size(); i-- > 0;) {
+        const Element& e = elements_[i];
+        const RayFate fate = meet(e, ray, -1, apertures, normal);
+        if (!hits.empty()) hits[i] = ray.origin;
+        if (fate != RayFate::passes) return {fate, i};
+        if (e.backward_ratio != 1 && !refract(ray.direction, normal, e.backward_ratio)) {
+            return {RayFate::reflected, i};
+        }
+    }
+    return {};
+}
+
+dvec2 LensStack::at_stop(LensRay ray) const noexcept {
+    const dvec2 nowhere(std::numeric_limits<double>::quiet_NaN());
+    dvec3 normal(0, 0, 1);
+    begin_at(elements_.front().z, ray);
+    for (std::size_t i = 0; i <= stop_; ++i) {
+        const Element& e = elements_[i];
+        if (meet(e, ray, 1, Apertures::ignored, normal) != RayFate::passes) return nowhere;
+        if (i == stop_) return {ray.origin};
+        if (e.forward_ratio != 1 && !refract(ray.direction, normal, e.forward_ratio)) {
+            return nowhere;
+        }
+    }
+    return nowhere;
+}
+
+}  // namespace postlens

@@ -1,0 +1,61 @@
+// The light of one object point in the pupil: rays in rings, the outermost on the edge of the pupil.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <glm/glm.hpp>
+
+#include "lens/aperture_response.h"
+#include "lens/response_grid.h"
+#include "lens/traced/lens_view.h"
+
+namespace postlens {
+
+/// Rays of an object point on the +y axis, at nodes on rings and spokes. The rings run from the centre of the
+/// region of the pupil that passes light to its edge. Nodes with x < 0 are mirror images and not stored.
+/// Between nodes, all values are interpolated linearly.
+struct PupilFan {
+    static constexpr std::size_t rings = 12;
+    static constexpr std::size_t spokes = 48;  ///< steps over half a turn, from +y to -y
+    /// Rings are closer together towards the edge, where aberrations grow fastest.
+    [[nodiscard]] static double ring_radius(std::size_t ring) {
+        return std::pow(static_cast<double>(ring) / rings, 0.6);
+    }
+    struct Node {
+        glm::dvec2 pupil_m{0};  ///< on the plane of the pinhole
+        glm::dvec2 landing{0};  ///< tangent of the pixel it lands on, minus that of the object point
+        double light = 0;       ///< light per area of that plane
+    };
+    std::array<Node, (rings + 1) * (spokes + 1)> nodes;
+
+    [[nodiscard]] Node& at(std::size_t ring, std::size_t spoke) { return nodes[ring * (spokes + 1) + spoke]; }
+    [[nodiscard]] const Node& at(std::size_t ring, std::size_t spoke) const {
+        return nodes[ring * (spokes + 1) + spoke];
+    }
+};
+
+/// Traces the fan of an object point of inverse depth 1/z' (zero and negative allowed; negative: light that
+/// converges) towards the given tangent >= 0. The search for the lit region begins at `near_m`, which is set
+/// to its centre. Returns false and leaves `out` unchanged if no light gets through.
+[[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
+                             glm::dvec2& near_m, PupilFan& out);
+
+/// Position and scale of a fan's response on the raster.
+struct FanImage {
+    double gain_px = 1;  ///< px per tangent
+    glm::dmat2 further_px_m{
+        0};                 ///< added to a ray's landing point, per metre on the pupil, by mirrors and glass
+    glm::dvec2 axis{0, 1};  ///< unit vector on the raster from the image centre to the object point
+    glm::dvec2 centre_px{0};  ///< pinhole image of the object point, relative to the anchor
+};
+
+/// Largest distance of light of the response from `centre_px`, px.
+[[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
+
+/// The response on the pixel grid. The light between nodes is spread uniformly over the image of each mesh
+/// cell; small responses use fewer cells. Values add up to 1, except for the part outside `window`.
+[[nodiscard]] ResponseGrid fan_response(const PupilFan& fan, const FanImage& image,
+                                        const PixelWindow& window);
+
+}  // namespace postlens

@@ -1,0 +1,409 @@
+#include "lens/traced/traced_lens.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "core/error.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr std::size_t rear_zones = 32;
+constexpr int search_cells = 48;
+
+double checked_stop_radius(const FirstOrder& wide_open, const TracedLensSettings& settings,
+                           const Prescription& lens) {
+    if (!settings.f_number) return wide_open.stop_radius_mm;
+    const double n = *settings.f_number;
+    // The tolerance of 1e-6 admits an f-number that was typed with the digits of the one displayed.
+    if (!(n >= wide_open.f_number * (1 - 1e-6)) || !std::isfinite(n)) {
+        fail(ExitCode::wrong_arguments,
+             "--f-number: out of range (got {}; expected a finite number from {:.5g} on, which {} opens to)",
+             n, wide_open.f_number, lens.file);
+    }
+    return wide_open.stop_radius_mm * wide_open.f_number / n;
+}
+
+double checked_wavelength(const Prescription& lens, const TracedLensSettings& settings) {
+    const double nm = settings.wavelength_nm.value_or(lens.wavelength_nm);
+    if (!(nm >= 100 && nm <= 1e5)) {
+        fail(ExitCode::wrong_arguments, "--wavelength: out of range (got {} nm; expected 100 to 100000)", nm);
+    }
+    return nm;
+}
+
+// Rotates p by the rotation that turns (0, 1) into the unit vector `axis`.
+dvec2 turned(dvec2 p, dvec2 axis) {
+    return {p.x * axis.y + p.y * axis.x, -p.x * axis.x + p.y * axis.y};
+}
+
+dvec2 axis_of(dvec2 p) {
+    const double length = glm::length(p);
+    return length > 0 ? p / length : dvec2(0, 1);
+}
+
+}  // namespace
+
+TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& settings)
+    : settings_(settings),
+      wavelength_nm_(checked_wavelength(lens, settings)),
+      first_order_(postlens::first_order(lens, wavelength_nm_)),
+      stack_(lens, wavelength_nm_, checked_stop_radius(first_order_, settings, lens)) {
+    f_number_ = first_order_.f_number * first_order_.stop_radius_mm / stack_.stop_radius_mm();
+    if (!(first_order_.efl_mm > 0)) {
+        fail(ExitCode::invalid_input,
+             "{}: the lens forms no real image (got a focal length of {:.6g} mm; expected more than 0)",
+             lens.file, first_order_.efl_mm);
+    }
+    if (!std::isfinite(first_order_.entrance_pupil_z_mm) ||
+        std::abs(first_order_.entrance_pupil_z_mm) > 1e9) {
+        fail(ExitCode::invalid_input, "{}: the entrance pupil lies at infinity (expected a finite position)",
+             lens.file);
+    }
+    if (!(settings.film_radius_mm > 0) || !std::isfinite(settings.film_radius_mm)) {
+        fail(ExitCode::wrong_arguments,
+             "--film-width: out of range (got {} mm of radius; expected more than 0)",
+             settings.film_radius_mm);
+    }
+    film_index_squared_ = lens.image_index(wavelength_nm_) * lens.image_index(wavelength_nm_);
+    set_focus(lens);
+    find_rear_boxes();
+    if (rear_boxes_.front().empty()) {
+        // The message states where a ray at 0.7 of the pupil radius ends, which explains the failure.
+        LensRay ray =
+            object_ray(HUGE_VAL, dvec2(0), dvec2(0, 0.35 * first_order_.entrance_pupil_diameter_mm));
+        const RayEnd end = stack_.forward(ray);
+        static constexpr const char* fates[] = {"passes", "misses", "is vignetted at",
+                                                "is totally reflected at"};
+        fail(ExitCode::invalid_input,
+             "{}: no ray gets from the film's centre through the lens (a ray at 0.7 of the pupil {} surface "
+             "{}; "
+             "expected some to pass)",
+             place_of(lens, end.surface), fates[static_cast<std::size_t>(end.fate)], end.surface + 1);
+    }
+}
+
+LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
+    // The plane of the pupil moves with the lens, but depths and tangents are relative to the pinhole.
+    const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
+    dvec3 direction(-field, 1);
+    if (std::isfinite(depth_m)) {
+        const double depth_mm = depth_m * 1000;
+        const dvec3 object(field * depth_mm, pinhole_from_vertex_mm_ - depth_mm);
+        direction = pupil - object;
+        if (direction.z < 0) direction = -direction;
+    }
+    return {pupil, glm::normalize(direction)};
+}
+
+std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const noexcept {
+    const double tangent = glm::length(field);
+    if (tangent == 0) return dvec2(0);
+    const dvec2 axis = field / tangent;
+    const double scale = 0.5 * first_order_.entrance_pupil_diameter_mm;
+    // Secant method with steps of at most the pupil's size, because rays aimed farther away miss the lens.
+    const auto aimed = [&](double t, double start) -> std::optional<double> {
+        const auto height = [&](double y) { return stack_.at_stop(object_ray(depth_m, {0, t}, {0, y})).y; };
+        double y0 = start, f0 = height(y0), y1 = start + 0.01 * scale, f1 = height(y1);
+        for (int step = 0; step < 64; ++step) {
+            if (!std::isfinite(f0) || !std::isfinite(f1)) return std::nullopt;
+            if (std::abs(f1) <= 1e-11 * stack_.stop_radius_mm()) return y1;
+            if (f1 == f0) return std::nullopt;
+            const double change = std::clamp(-f1 * (y1 - y0) / (f1 - f0), -scale, scale);
+            y0 = y1;
+            f0 = f1;
+            y1 += change;
+            f1 = height(y1);
+            if (std::abs(change) <= 1e-14 * scale && std::isfinite(f1)) return y1;
+        }
+        return std::nullopt;
+    };
+    if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
+    // The pupil of a wide-angle lens moves with the field. It is followed from the axis in equal steps of the
+    // angle; each step begins at the linear extrapolation of the two before it.
+    constexpr int most_steps = 48;
+    const double angle = std::atan(tangent);
+    double before = 0, last = 0;
+    for (int i = 1; i <= most_steps; ++i) {
+        const double t = i == most_steps ? tangent : std::tan(angle * i / most_steps);
+        const auto y = aimed(t, 2 * last - before);
+        if (!y) return std::nullopt;
+        before = last;
+        last = *y;
+    }
+    return turned(dvec2(0, last), axis);
+}
+
+double TracedLens::sharp_film_mm(const Prescription& lens, double distance_from_pupil_m) const {
+    const double object_z = first_order_.entrance_pupil_z_mm - distance_from_pupil_m * 1000;
+    const double image = paraxial_image_z_mm(lens, wavelength_nm_, object_z);
+    if (!(image > 0) || !std::isfinite(image) || !(distance_from_pupil_m > 0) ||
+        object_z > first_order_.ffl_mm) {
+        fail(ExitCode::wrong_arguments,
+             "--focus: too near (got {} m from the entrance pupil; expected more than {:.5g} m, where the "
+             "image "
+             "lies at infinity)",
+             distance_from_pupil_m,
+             std::max(0.0, first_order_.entrance_pupil_z_mm - first_order_.ffl_mm) * 1e-3);
+    }
+    double z = stack_.last_vertex_z_mm() + image;
+    if (settings_.criterion == FocusCriterion::rms_spot) {
+        // Rays in a meridian at equal steps on the pupil, each weighted with its radius, in proportion to the
+        // area of its ring. The object distance is measured from the pupil here, because the pinhole, from
+        // which object_ray measures it, is where the pupil is before the lens moves.
+        double xu = 0, uu = 0;
+        constexpr int rays = 256;
+        for (int i = 0; i < rays; ++i) {
+            const double y = (i + 0.5) / rays * 0.65 * first_order_.entrance_pupil_diameter_mm *
+                             first_order_.f_number / f_number_;
+            LensRay ray;
+            ray.origin = dvec3(0, y, first_order_.entrance_pupil_z_mm);
+            ray.direction = std::isinf(distance_from_pupil_m)
+                                ? dvec3(0, 0, 1)
+                                : glm::normalize(dvec3(0, y, distance_from_pupil_m * 1000));
+            if (!stack_.forward(ray).passes()) continue;
+            const double slope = ray.direction.y / ray.direction.z;
+            xu += y * ray.at_z(z).y * slope;
+            uu += y * slope * slope;
+        }
+        if (uu > 0) z -= xu / uu;
+    }
+    return z;
+}
+
+void TracedLens::set_focus(const Prescription& lens) {
+    const double infinity = std::numeric_limits<double>::infinity();
+    pinhole_from_vertex_mm_ = first_order_.entrance_pupil_z_mm;
+    if (!settings_.focus_distance_m) {
+        const bool stated =
+            lens.film_distance_mm.has_value() && settings_.criterion == FocusCriterion::paraxial;
+        film_from_vertex_mm_ =
+            stated ? stack_.last_vertex_z_mm() + *lens.film_distance_mm : sharp_film_mm(lens, infinity);
+        return;
+    }
+    const double s = *settings_.focus_distance_m;
+    if (!(s > 0)) {
+        fail(ExitCode::wrong_arguments, "--focus: out of range (got {} m; expected more than 0, or inf)", s);
+    }
+    if (settings_.move == FocusMove::film || std::isinf(s)) {
+        film_from_vertex_mm_ = sharp_film_mm(lens, s);
+        return;
+    }
+    // The extension e lengthens the distance to the film and shortens that to the object: e = film(s - e) -
+    // film(infinity). The right side grows with e, so the iteration from e = 0 converges from below.
+    const double rest = sharp_film_mm(lens, infinity);
+    for (int step = 0; step < 200; ++step) {
+        const double film = sharp_film_mm(lens, s - extension_mm_ * 1e-3);
+        const double change = film - rest - extension_mm_;
+        extension_mm_ += change;
+        film_from_vertex_mm_ = film;
+        if (std::abs(change) < 1e-10 * first_order_.efl_mm) {
+            pinhole_from_vertex_mm_ += extension_mm_;
+            return;
+        }
+    }
+    fail(ExitCode::wrong_arguments,
+         "--focus: too near for a lens that moves as a whole (got {} m; expected more than about {:.4g} m)",
+         s, 4e-3 * first_order_.efl_mm);
+}
+
+TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from) const {
+    const dvec3 film(0, film_radius_mm, film_from_vertex_mm_);
+    const double z = stack_.last_vertex_z_mm();
+    const dvec2 step = (from.high - from.low) / static_cast<double>(search_cells);
+    // The region is symmetric about x = 0, so half of the grid is enough.
+    constexpr int rows = search_cells + 1, columns = search_cells / 2 + 1;
+    std::array<std::uint8_t, std::size_t{rows} * columns> passes{};
+    const auto node = [&](int i, int j) { return from.low + step * dvec2(i + search_cells / 2, j); };
+    for (int j = 0; j < rows; ++j) {
+        for (int i = 0; i < columns; ++i) {
+            LensRay ray{film, glm::normalize(dvec3(node(i, j), z) - film)};
+            passes[static_cast<std::size_t>(j * columns + i)] = stack_.backward(ray).passes() ? 1 : 0;
+        }
+    }
+    // If a prescription states no clear radii, stray rays get through that every real mount would block. Only
+    // the largest connected patch of rays is used.
+    Box box;
+    std::size_t largest = 0;
+    std::vector<int> patch;
+    for (int first = 0; first < rows * columns; ++first) {
+        if (passes[static_cast<std::size_t>(first)] == 0) continue;
+        passes[static_cast<std::size_t>(first)] = 0;
+        patch.assign(1, first);
+        Box around{dvec2(HUGE_VAL), dvec2(-HUGE_VAL)};
+        for (std::size_t k = 0; k < patch.size(); ++k) {
+            const int i = patch[k] % columns, j = patch[k] / columns;
+            around.low = glm::min(around.low, node(i, j));
+            around.high = glm::max(around.high, node(i, j));
+            for (const auto& [u, v] : {std::pair{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}}) {
+                if (u < 0 || u >= columns || v < 0 || v >= rows) continue;
+                std::uint8_t& next = passes[static_cast<std::size_t>(v * columns + u)];
+                if (next == 0) continue;
+                next = 0;
+                patch.push_back(v * columns + u);
+            }
+        }
+        if (patch.size() <= largest) continue;
+        largest = patch.size();
+        box = around;
+    }
+    if (largest == 0) return {};
+    // The edge of the region of rays that pass lies less than one step beyond the last grid node that passes.
+    const double x = box.high.x + step.x;
+    return {{-x, box.low.y - step.y}, {x, box.high.y + step.y}};
+}
+
+void TracedLens::find_rear_boxes() {
+    const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
+    const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
+    // Twice the region of the plane that the paraxial exit pupil covers, seen from the farthest film point.
+    const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
+    const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
+    const double beam =
+        share > 0 ? 2 * (radius * share + settings_.film_radius_mm * std::abs(1 - to_film / to_pupil))
+                  : to_film / first_order_.f_number + 2 * settings_.film_radius_mm;
+    const double clear = stack_.clear_radius_mm(stack_.size() - 1);
+    const double widest = std::isfinite(clear) ? std::min(1.02 * clear, 4 * beam) : beam;
+    std::vector<Box> at_radius;
+    for (std::size_t i = 0; i <= rear_zones; ++i) {
+        const double r = settings_.film_radius_mm * static_cast<double>(i) / rear_zones;
+        // The search begins coarsely over the whole region and is repeated around the rays that pass.
+        Box box = passing_rear(r, {dvec2(-widest), dvec2(widest)});
+        if (box.empty() && i == 0) box = {dvec2(-2 * radius * share), dvec2(2 * radius * share)};
+        for (int again = 0; again < 3 && !box.empty(); ++again) {
+            const Box closer = passing_rear(r, box);
+            if (closer.empty()) break;
+            box = closer;
+        }
+        at_radius.push_back(box);
+    }
+    for (std::size_t i = 0; i < rear_zones; ++i) {
+        const Box &a = at_radius[i], &b = at_radius[i + 1];
+        if (a.empty() || b.empty()) {
+            rear_boxes_.push_back(a.empty() ? b : a);
+        } else {
+            rear_boxes_.push_back({glm::min(a.low, b.low), glm::max(a.high, b.high)});
+        }
+    }
+    if (rear_boxes_.front().empty()) return;
+    // Computes E0, the irradiance at the film's centre per radiance, by the midpoint rule. The edge of the
+    // pupil causes a relative error of about 1 / nodes^1.5.
+    constexpr int nodes = 256;
+    double sum = 0;
+    SceneRay ray;
+    axial_irradiance_sr_ = 1;
+    for (int j = 0; j < nodes; ++j) {
+        for (int i = 0; i < nodes; ++i) {
+            if (scene_ray(dvec2(0), {(i + 0.5) / nodes, (j + 0.5) / nodes}, ray)) sum += ray.weight;
+        }
+    }
+    axial_irradiance_sr_ = sum / (nodes * nodes);
+    if (!(sum > 0)) rear_boxes_.front() = {};  // no sampled ray passes: the opening counts as closed
+}
+
+bool TracedLens::scene_ray(dvec2 film_mm, dvec2 uv, SceneRay& out) const noexcept {
+    const double r = glm::length(film_mm);
+    const auto zone = static_cast<std::size_t>(r / settings_.film_radius_mm * rear_zones);
+    // A film point exactly at film_radius_mm belongs to the last zone.
+    if (!(r <= settings_.film_radius_mm)) return false;
+    const Box& box = rear_boxes_[std::min(zone, rear_zones - 1)];
+    if (box.empty()) return false;
+    const dvec2 rear = turned(box.low + uv * (box.high - box.low), axis_of(film_mm));
+    const double to_film = film_distance_mm();
+    const dvec3 to_rear(rear - film_mm, -to_film);
+    const double length = glm::length(to_rear);
+    LensRay ray{dvec3(film_mm, film_from_vertex_mm_), to_rear / length};
+    if (!stack_.backward(ray).passes()) return false;
+    const double cosine = to_film / length;
+    const double area = (box.high.x - box.low.x) * (box.high.y - box.low.y);
+    out.origin_mm = ray.origin - dvec3(0, 0, pinhole_from_vertex_mm_);
+    out.direction = ray.direction;
+    // Weight by [kolb1995, eq. 4].
+    out.weight = film_index_squared_ * area * cosine * cosine * cosine * cosine / (to_film * to_film) /
+                 axial_irradiance_sr_;
+    return true;
+}
+
+TracedLens::Box TracedLens::passing_pupil(double depth_m, dvec2 field, Box from) const {
+    const dvec2 step = (from.high - from.low) / static_cast<double>(search_cells);
+    Box box{dvec2(HUGE_VAL), dvec2(-HUGE_VAL)};
+    for (int j = 0; j <= search_cells; ++j) {
+        for (int i = 0; i <= search_cells; ++i) {
+            const dvec2 p = from.low + step * dvec2(i, j);
+            LensRay ray = object_ray(depth_m, field, p);
+            if (!stack_.forward(ray).passes()) continue;
+            box.low = glm::min(box.low, p);
+            box.high = glm::max(box.high, p);
+        }
+    }
+    if (!(box.high.y >= box.low.y)) return {};
+    return {box.low - step, box.high + step};
+}
+
+bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out) const {
+    const auto count = static_cast<std::size_t>(nodes) * static_cast<std::size_t>(nodes);
+    out.nodes = nodes;
+    out.pupil_mm.assign(count, dvec2(0));
+    out.film_mm.assign(count, dvec2(0));
+    out.passes.assign(count, 0);
+    out.weight.assign(count, 0);
+    out.passing_area_mm2 = 0;
+    const std::optional<dvec2> aim = aim_at_stop(depth_m, field);
+    out.has_chief = false;
+    if (aim) {
+        LensRay chief = object_ray(depth_m, field, *aim);
+        out.has_chief = stack_.forward(chief, Apertures::ignored).passes();
+        if (out.has_chief) out.chief_film_mm = on_film(chief);
+    }
+    const double radius = 0.5 * first_order_.entrance_pupil_diameter_mm * first_order_.f_number / f_number_;
+    const dvec2 centre = aim.value_or(dvec2(0));
+    Box box = passing_pupil(depth_m, field, {centre - 2.5 * radius, centre + 2.5 * radius});
+    if (box.empty() && std::isfinite(stack_.clear_radius_mm(0))) {
+        // No ray passes near the paraxial pupil, because strong aberrations displace the pupil. The search
+        // therefore covers all rays that meet the first surface.
+        const LensRay through_vertex = object_ray(depth_m, field, dvec2(0));
+        const dvec2 middle = dvec2(0) - (through_vertex.at_z(0) - dvec2(through_vertex.origin));
+        const double clear = 1.1 * stack_.clear_radius_mm(0);
+        box = passing_pupil(depth_m, field, {middle - clear, middle + clear});
+    }
+    if (box.empty()) return false;
+    // A second search around the rays that pass makes the rectangle of pupil points fit tightly.
+    box = passing_pupil(depth_m, field, box);
+    if (box.empty()) return false;
+    const dvec2 step = (box.high - box.low) / static_cast<double>(nodes - 1);
+    const LensRay middle = object_ray(depth_m, field, centre);
+    const double middle_cosine = middle.direction.z;
+    dvec2 sum(0);
+    double passing = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const auto n = static_cast<std::size_t>(nodes);
+        const std::size_t i = k % n, j = k / n;
+        const dvec2 p = box.low + step * dvec2(i, j);
+        out.pupil_mm[k] = p;
+        LensRay ray = object_ray(depth_m, field, p);
+        // Solid angle per area of the pupil's plane: cos / r^2 = cos^3 / depth^2.
+        const double ratio = ray.direction.z / middle_cosine;
+        const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
+        out.weight[k] = static_cast<float>(weight);
+        if (!stack_.forward(ray).passes()) continue;
+        out.passes[k] = 1;
+        out.film_mm[k] = on_film(ray);
+        sum += weight * out.film_mm[k];
+        passing += weight;
+    }
+    if (passing == 0) return false;
+    out.passing_area_mm2 = passing * step.x * step.y;
+    if (!out.has_chief) out.chief_film_mm = sum / passing;
+    for (std::size_t k = 0; k < count; ++k) {
+        if (out.passes[k] != 0) out.film_mm[k] -= out.chief_film_mm;
+    }
+    return true;
+}
+
+}  // namespace postlens

@@ -1,0 +1,49 @@
+// Input of both methods of convolution: the nonzero parts of i1 (raster of an object) and of i2 (raster of
+// its path), and the window of the result.
+#pragma once
+
+#include <vector>
+
+#include "motionblur/convolution/convolution.h"
+
+namespace postlens {
+
+/// Columns [begin, end) of a row; empty where begin >= end.
+struct ColumnRange {
+    int begin = 0, end = 0;
+    [[nodiscard]] bool is_empty() const { return begin >= end; }
+};
+
+struct ConvolutionTask {
+    const Planes& i1;
+    const PathRaster& i2;
+    CellWindow source;              ///< bounding box of the object's nonzero cells, over all planes
+    CellWindow path;                ///< bounding box of the path's nonzero cells
+    CellWindow out;                 ///< wanted cells of the result that nonzero cells may reach
+    std::vector<ColumnRange> rows;  ///< per row of `source`, the range of its nonzero columns
+
+    /// Task that convolves a, the raster of an object, with b, that of its path. `out` is empty if the result
+    /// is 0 everywhere in `wanted`.
+    ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
+
+    [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
+    /// Row y of a plane of the object's raster, as a pointer p such that p[x] is the cell in column x.
+    [[nodiscard]] const float* row(std::size_t plane, int y) const {
+        return i1.planes[plane].data() +
+               static_cast<std::ptrdiff_t>(y - i1.y_begin) * static_cast<std::ptrdiff_t>(i1.width) -
+               i1.x_begin;
+    }
+    [[nodiscard]] ColumnRange columns(int y) const {
+        return rows[static_cast<std::size_t>(y - source.y_begin)];
+    }
+};
+
+/// Planes of zeros over the window, written by all threads in parallel. Throws Error(out_of_memory).
+[[nodiscard]] Planes zero_planes(const CellWindow& window, std::size_t count);
+
+/// Window of the full convolution of rasters with windows a and b.
+[[nodiscard]] CellWindow full_window(const CellWindow& a, const CellWindow& b);
+[[nodiscard]] CellWindow window_of(const Planes& planes);
+[[nodiscard]] CellWindow window_of(const PathRaster& raster);
+
+}  // namespace postlens

@@ -1,0 +1,343 @@
+#include "motionblur/convolution/direct_convolution.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/memory.h"
+#include "core/multiversion.h"
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+/// Columns whose sums are in registers at once: eight vectors, half of the sixteen that AVX2 has.
+constexpr int tile = 64;
+constexpr int lanes = 8;
+constexpr int vectors = tile / lanes;
+/// A float sum is added to a double sum after this many terms, so that rounding stays below 34 * 2^-24 of it.
+constexpr std::size_t terms_per_flush = 32;
+/// A run of equal weights costs about as much as this many cells. Shorter runs are handled cell by cell.
+constexpr int run_cost = 6;
+/// Relative difference up to which two weights count as equal. The limit is above 0 because weights are
+/// differences of accumulated light, which is rounded to 2^-53.
+constexpr double equal_weights = 1e-9;
+
+// NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
+typedef float Floats __attribute__((vector_size(lanes * sizeof(float))));
+// NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
+typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), aligned(4), may_alias));
+// NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
+typedef double Doubles __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
+
+/// Columns [begin, end) of a row of the path's raster that have the same weight.
+struct PathRun {
+    int y, begin, end;
+    double weight;
+};
+
+/// The path's raster as runs of equal weight, row by row. A run may be a single cell. The cost is in units of
+/// cells.
+struct PathRuns {
+    std::vector<PathRun> runs;
+    double cost = 0;
+    bool any_long = false;
+};
+
+bool is_long(const PathRun& run) {
+    return run.end - run.begin > run_cost;
+}
+
+/// Divides the window into runs of cells with equal weight(x, y) along each row.
+template <typename Weight>
+PathRuns runs_of(const CellWindow& window, const Weight& weight) {
+    PathRuns out;
+    for (int y = window.y_begin; y < window.y_end; ++y) {
+        for (int x = window.x_begin; x < window.x_end;) {
+            const double first = weight(x, y);
+            if (first == 0) {
+                ++x;
+                continue;
+            }
+            int end = x + 1;
+            double sum = first;
+            while (end < window.x_end && std::abs(weight(end, y) - first) <= equal_weights * std::abs(first))
+                sum += weight(end++, y);
+            if (end - x > run_cost) {
+                out.runs.push_back({y, x, end, sum / (end - x)});
+                out.cost += run_cost;
+                out.any_long = true;
+            } else {
+                end = x + 1;
+                out.runs.push_back({y, x, end, first});
+                out.cost += 1;
+            }
+            x = end;
+        }
+    }
+    return out;
+}
+
+CellWindow transposed(const CellWindow& w) {
+    return {w.y_begin, w.y_end, w.x_begin, w.x_end};
+}
+
+struct Orientation {
+    PathRuns runs;
+    bool is_transposed = false;
+};
+
+/// Runs lie along rows. If runs along columns are cheaper, the whole convolution is transposed.
+Orientation orient(const ConvolutionTask& task) {
+    Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
+    Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
+    // Transposing the object's raster and the result takes about as long as adding 12 cells of the path.
+    constexpr double turning = 12;
+    return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
+}
+
+/// Copies the window's cell (x, y) to cell (y, x) of `to`.
+void transpose(const Planes& from, const CellWindow& window, Planes& to) {
+    constexpr int block = 32;  // cells along a side; source and target block stay in the cache
+    const int bands = (window.height() + block - 1) / block;
+    parallel_for(static_cast<std::size_t>(bands) * from.planes.size(), [&](std::size_t task) {
+        const std::size_t plane = task / static_cast<std::size_t>(bands);
+        const int y0 = window.y_begin + static_cast<int>(task % static_cast<std::size_t>(bands)) * block;
+        const int y1 = std::min(y0 + block, window.y_end);
+        const std::ptrdiff_t from_width = from.width, to_width = to.width;
+        const float* source = from.planes[plane].data() - from.y_begin * from_width - from.x_begin;
+        float* target = to.planes[plane].data() - to.y_begin * to_width - to.x_begin;
+        for (int x0 = window.x_begin; x0 < window.x_end; x0 += block) {
+            const int x1 = std::min(x0 + block, window.x_end);
+            for (int x = x0; x < x1; ++x)
+                for (int y = y0; y < y1; ++y) target[x * to_width + y] = source[y * from_width + x];
+        }
+    });
+}
+
+/// One cell of the path's raster, and the offset of the values that it weights, relative to the tile's
+/// position.
+struct CellTerm {
+    std::ptrdiff_t at;
+    float weight;
+};
+/// A run of path cells with equal weight. It weights the difference of two running sums, at the offsets
+/// `high` and `low`, which are relative to the tile's position.
+struct RunTerm {
+    std::ptrdiff_t high, low;
+    double weight;
+};
+struct Terms {
+    std::vector<CellTerm> cells;
+    std::vector<RunTerm> runs;
+};
+/// A row of the path's raster, and the ranges of its terms.
+struct PathRow {
+    int y;
+    ColumnRange columns;
+    std::size_t cells_begin, cells_end, runs_begin, runs_end;
+};
+
+POSTLENS_MULTIVERSION
+void add_cells(const float* plane, std::ptrdiff_t at, const CellTerm* terms, std::size_t count,
+               double* sums) {
+    for (std::size_t begin = 0; begin < count; begin += terms_per_flush) {
+        const std::size_t end = begin + terms_per_flush < count ? begin + terms_per_flush : count;
+        Floats partial[vectors] = {};
+        for (std::size_t t = begin; t < end; ++t) {
+            const float* from = plane + (at + terms[t].at);
+            for (int v = 0; v < vectors; ++v)
+                partial[v] += terms[t].weight * *reinterpret_cast<const FloatsAnywhere*>(from + v * lanes);
+        }
+        for (int v = 0; v < vectors; ++v)
+            *reinterpret_cast<Doubles*>(sums + v * lanes) += __builtin_convertvector(partial[v], Doubles);
+    }
+}
+
+POSTLENS_MULTIVERSION
+void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, std::size_t count,
+              double* sums) {
+    for (std::size_t t = 0; t < count; ++t) {
+        const double* high = running + (at + terms[t].high);
+        const double* low = running + (at + terms[t].low);
+        const double weight = terms[t].weight;
+        for (int i = 0; i < tile; ++i) sums[i] += weight * (high[i] - low[i]);
+    }
+}
+
+/// Direct convolution. It reads copies of the object's rows that are padded with zeros as far as any tile
+/// reads.
+class DirectConvolution {
+  public:
+    DirectConvolution(const ConvolutionTask& task, PathRuns runs)
+        : task_(task), runs_(std::move(runs)), source_(task.source), path_(task.path), out_(task.out) {
+        const int tiles = (out_.width() + tile - 1) / tile;
+        begin_ = std::min(source_.x_begin, out_.x_begin - path_.x_end);
+        const int end = std::max(source_.x_end, out_.x_begin + tiles * tile - path_.x_begin);
+        stride_ = static_cast<std::size_t>(end - begin_) + 1;
+        const std::size_t cells = stride_ * static_cast<std::size_t>(source_.height());
+        require_memory(
+            task.i1.planes.size() * cells * (sizeof(float) + (runs_.any_long ? sizeof(double) : 0)),
+            "convolution with a path");
+        lay_rows(cells);
+        lay_terms();
+    }
+
+    void run(Planes& result) const {
+        // Tiles are processed downwards in strips, so that the rows of i1 that a strip reads stay in the
+        // cache.
+        constexpr int band = 64;
+        const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
+        const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
+        parallel_for(strips * bands, [&](std::size_t i) {
+            const int x = out_.x_begin + static_cast<int>(i / bands) * tile;
+            const int y = out_.y_begin + static_cast<int>(i % bands) * band;
+            Terms terms;
+            for (int row = y; row < std::min(y + band, out_.y_end); ++row) run_tile(x, row, terms, result);
+        });
+    }
+
+  private:
+    void lay_rows(std::size_t cells) {
+        const std::size_t planes = task_.i1.planes.size(),
+                          height = static_cast<std::size_t>(source_.height());
+        values_.resize(planes);
+        running_.resize(planes);
+        parallel_for(planes, [&](std::size_t p) {
+            values_[p].resize(cells);
+            if (runs_.any_long) running_[p].resize(cells);
+        });
+        parallel_for(height, [&](std::size_t r) {
+            const int y = source_.y_begin + static_cast<int>(r);
+            const ColumnRange c = task_.columns(y);
+            if (c.is_empty()) return;
+            for (std::size_t p = 0; p < planes; ++p) {
+                std::copy(task_.row(p, y) + c.begin, task_.row(p, y) + c.end,
+                          values_[p].data() + r * stride_ + (c.begin - begin_));
+                if (!runs_.any_long) continue;
+                // running[i] is the sum of the values before i.
+                const float* from = values_[p].data() + r * stride_;
+                double* running = running_[p].data() + r * stride_;
+                double sum = 0;
+                for (std::size_t i = 0; i < stride_; ++i) {
+                    running[i] = sum;
+                    sum += static_cast<double>(from[i]);
+                }
+            }
+        });
+    }
+
+    /// Computes the terms of each row of the path's raster, with offsets relative to the tile.
+    void lay_terms() {
+        const auto stride = static_cast<std::ptrdiff_t>(stride_);
+        for (const PathRun& run : runs_.runs) {
+            const std::ptrdiff_t row = -run.y * stride;
+            if (path_rows_.empty() || path_rows_.back().y != run.y)
+                path_rows_.push_back(
+                    {run.y, {run.begin, run.end}, all_.cells.size(), 0, all_.runs.size(), 0});
+            if (is_long(run)) {
+                all_.runs.push_back({row - run.begin + 1, row - run.end + 1, run.weight});
+            } else {
+                all_.cells.push_back({row - run.begin, static_cast<float>(run.weight)});
+            }
+            PathRow& path_row = path_rows_.back();
+            path_row.columns.end = run.end;
+            path_row.cells_end = all_.cells.size();
+            path_row.runs_end = all_.runs.size();
+        }
+    }
+
+    void run_tile(int x, int y, Terms& terms, Planes& result) const {
+        terms.cells.clear();
+        terms.runs.clear();
+        for (const PathRow& row : path_rows_) {
+            const int from = y - row.y;
+            if (from < source_.y_begin) break;
+            if (from >= source_.y_end) continue;
+            const ColumnRange c = task_.columns(from);
+            // The tile reads columns [x - end + 1, x + tile - begin) of i1.
+            if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
+            const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
+            terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
+                               all_.cells.begin() + at(row.cells_end));
+            terms.runs.insert(terms.runs.end(), all_.runs.begin() + at(row.runs_begin),
+                              all_.runs.begin() + at(row.runs_end));
+        }
+        if (terms.cells.empty() && terms.runs.empty()) return;
+        const std::ptrdiff_t at =
+            static_cast<std::ptrdiff_t>(y - source_.y_begin) * static_cast<std::ptrdiff_t>(stride_) +
+            (x - begin_);
+        for (std::size_t p = 0; p < values_.size(); ++p) {
+            alignas(64) double sums[tile] = {};
+            add_cells(values_[p].data(), at, terms.cells.data(), terms.cells.size(), sums);
+            if (!terms.runs.empty())
+                add_runs(running_[p].data(), at, terms.runs.data(), terms.runs.size(), sums);
+            write(result, p, x, y, sums);
+        }
+    }
+
+    void write(Planes& result, std::size_t plane, int x, int y, const double* sums) const {
+        const int count = std::min(tile, out_.x_end - x);
+        const auto width = static_cast<std::ptrdiff_t>(result.width);
+        float* to = result.planes[plane].data() + (y - result.y_begin) * width + (x - result.x_begin);
+        for (int i = 0; i < count; ++i) to[i] = static_cast<float>(sums[i]);
+    }
+
+    const ConvolutionTask& task_;
+    PathRuns runs_;
+    CellWindow source_, path_, out_;
+    int begin_ = 0;  ///< column of the first value of a padded row
+    std::size_t stride_ = 0;
+    Terms all_;
+    std::vector<PathRow> path_rows_;
+    std::vector<std::vector<float>> values_;
+    std::vector<std::vector<double>> running_;
+};
+
+}  // namespace
+
+void convolve_direct(const ConvolutionTask& task, Planes& result) {
+    if (task.is_empty()) return;
+    Orientation chosen = orient(task);
+    if (!chosen.is_transposed) {
+        DirectConvolution(task, std::move(chosen.runs)).run(result);
+        return;
+    }
+    Planes i1 = zero_planes(transposed(task.source), result.planes.size());
+    transpose(task.i1, task.source, i1);
+    PathRaster i2{task.path.y_begin, task.path.x_begin,    task.path.height(),
+                  task.path.width(), task.i2.cells_per_px, {}};
+    for (int x = task.path.x_begin; x < task.path.x_end; ++x)
+        for (int y = task.path.y_begin; y < task.path.y_end; ++y) i2.weight.push_back(task.i2.at(x, y));
+    const ConvolutionTask turned(i1, i2, transposed(task.out));
+    Planes turned_result = zero_planes(turned.out, result.planes.size());
+    DirectConvolution(turned, std::move(chosen.runs)).run(turned_result);
+    transpose(turned_result, turned.out, result);
+}
+
+double direct_cost_s(const ConvolutionTask& task) {
+    if (task.is_empty()) return 0;
+    const Orientation chosen = orient(task);
+    // Each term reads the nonzero columns of i1 in whole tiles.
+    double area = 0;
+    for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
+    const auto planes = static_cast<double>(task.i1.planes.size());
+    // The number of additions is proportional to the wanted share of the full result.
+    const CellWindow full = full_window(task.source, task.path);
+    const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
+    // The costs are measured with `one_object/direct` in convolution_bench. Paths of 8 px give the cost of
+    // copying the object's raster. The increase to 60 and 240 px at 45 degrees gives the cost of a cell, and
+    // paths along a row give that of running sums. A value of a large array costs more, since the system
+    // first has to provide memory.
+    constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
+    const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
+    const double s_per_sum = 2 * s_per_copy;
+    double cost_s = planes * area * (share * chosen.runs.cost * s_per_cell + s_per_copy);
+    if (chosen.runs.any_long) {
+        const CellWindow path = chosen.is_transposed ? transposed(task.path) : task.path;
+        const CellWindow source = chosen.is_transposed ? transposed(task.source) : task.source;
+        cost_s += planes * source.height() * (source.width() + path.width()) * s_per_sum;
+    }
+    return cost_s;
+}
+
+}  // namespace postlens

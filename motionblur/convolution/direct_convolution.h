@@ -1,0 +1,14 @@
+// Convolution as a sum over the path's cells.
+#pragma once
+
+#include "motionblur/convolution/convolution_task.h"
+
+namespace postlens {
+
+/// Adds the result for `task.out` to `result`, whose planes are 0 there.
+void convolve_direct(const ConvolutionTask& task, Planes& result);
+
+/// Predicted time of one thread, s.
+[[nodiscard]] double direct_cost_s(const ConvolutionTask& task);
+
+}  // namespace postlens

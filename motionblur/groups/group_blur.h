@@ -1,0 +1,42 @@
+// Motion blur of a moving group of objects: the convolution of its raster with that of its path, for the
+// whole group or for each of its depth slices.
+#pragma once
+
+#include "lens/shutter_curve.h"
+#include "motionblur/groups/depth_slices.h"
+#include "motionblur/groups/group_raster.h"
+
+namespace postlens {
+
+/// Coverage below this is rounding error of a Fourier transform.
+inline constexpr float least_coverage = 2e-6F;
+
+/// Keeps references to the exposure and the curve.
+class GroupBlur {
+  public:
+    /// `width` and `height`: size of the frame, px.
+    GroupBlur(int width, int height, int cells_per_px, const Exposure& exposure, const ShutterCurve& curve)
+        : width_(width), height_(height), cells_per_px_(cells_per_px), exposure_(exposure), curve_(curve) {}
+
+    /// Moves the whole group on its path.
+    [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group);
+    /// Moves each depth slice of the group on its own path and adds up the slices, which are parts of one
+    /// opaque surface.
+    [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group);
+
+    /// Numbers of convolutions so far, by method.
+    [[nodiscard]] int direct() const { return direct_; }
+    [[nodiscard]] int fft() const { return fft_; }
+
+  private:
+    [[nodiscard]] Planes convolved(const Planes& i1, const std::vector<PathPoint>& path,
+                                   const std::vector<double>& values);
+    [[nodiscard]] GroupPicture nothing_over(const DepthSlices& slices, const MovingGroup& group) const;
+
+    int width_, height_, cells_per_px_;
+    const Exposure& exposure_;
+    const ShutterCurve& curve_;
+    int direct_ = 0, fft_ = 0;
+};
+
+}  // namespace postlens

@@ -1,0 +1,52 @@
+// The raster (i1 of [potmesil1983]) of a moving group of objects, and conversion of its cells to pixels.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "motionblur/convolution/convolution.h"
+#include "motionblur/groups/band_surfaces.h"
+
+namespace postlens {
+
+/// Premultiplied colour and coverage over a window of pixels: r, g, b, coverage.
+struct GroupPicture {
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+    std::vector<std::array<float, 4>> rgba;
+    [[nodiscard]] const std::array<float, 4>* at(int x, int y) const {
+        if (x < x_begin || x >= x_end || y < y_begin || y >= y_end) return nullptr;
+        return &rgba[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
+                     static_cast<std::size_t>(x - x_begin)];
+    }
+};
+
+/// Cells per px for a group. Short paths, and paths that are parallel to neither axis, need finer cells.
+[[nodiscard]] int cells_for(const MovingGroup& group);
+
+/// Window of the cells in which a moving group's records can lie, within the rows and columns of `bands`.
+[[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
+                                      int cells_per_px);
+
+/// Cells [x, x + n) x [y, y + n) that the quarter of a leaf at one corner covers, each by the share `share`
+/// of its area. Sizes of leaves and cells are powers of 2, so that a quarter covers whole cells or lies
+/// within one.
+struct QuarterCells {
+    int x = 0, y = 0, n = 1;
+    float share = 1;
+};
+[[nodiscard]] QuarterCells quarter_cells(const PointSample& leaf_at, float leaf_size, std::size_t corner,
+                                         int cells_per_px);
+
+/// The nearest surface at a point sample that belongs to the moving group, or nullptr.
+[[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
+                                             const GroupTable& table, int g);
+
+/// Draws the raster of moving group g, in cells of 1/cells_per_px px: at every position the nearest recorded
+/// surface of the group, from all layers.
+[[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
+                                const MovingGroup& group, int cells_per_px);
+
+/// Converts a raster of cells to pixels: the mean of the cells in each pixel that lies in the frame.
+[[nodiscard]] GroupPicture in_pixels(const Planes& cells, int cells_per_px, int width, int height);
+
+}  // namespace postlens

@@ -1,0 +1,43 @@
+// Groups of objects that share a path: their centres, or their points at equal depths, move alike on the
+// raster.
+#pragma once
+
+#include <vector>
+
+#include "motionblur/motion_kinds.h"
+#include "motionblur/paths/screen_path.h"
+
+namespace postlens {
+
+struct MovingGroup {
+    std::vector<std::uint32_t> ids;  ///< sorted
+    IdExtent extent;
+    double inverse_z = 0;  ///< mean inverse depth of its records, 1/m, by which groups are sorted
+    /// Inverse depth, 1/m, of the points that move by `path`. With parallax, the displacement of any other
+    /// point is `path` times its inverse depth / path_inverse_z. Without parallax, all points move by `path`.
+    double path_inverse_z = 0;
+    bool has_parallax = false;
+    /// Displacement from the recorded position, px, from open to close; linear in time between the points.
+    std::vector<PathPoint> path;
+    std::size_t points = 0;        ///< number of the path's points before it was fitted
+    std::size_t fitted_knots = 0;  ///< number of knots of the fitted path; 0: not fitted
+    double fit_error_px = 0;
+};
+
+/// Largest displacement of the group from its recorded position, px.
+[[nodiscard]] double longest_way_px(const MovingGroup& group);
+/// Largest difference, px, between the displacements of the group's nearest and farthest point; 0 without
+/// parallax.
+[[nodiscard]] double parallax_px(const MovingGroup& group);
+
+/// Groups all moving objects that share a path; the nearest group comes first. Objects share a group if their
+/// displacements agree within 0.02 px at all times. Objects with parallax share one if they overlap in depth
+/// and their displacements agree at equal depths. `fit_px`: tolerance within which each path is replaced by a
+/// spline of few knots (`fit_path`); absent: paths are not replaced. Throws Error(wrong_arguments) for an
+/// object that passes the camera, since it has no path.
+[[nodiscard]] std::vector<MovingGroup> find_groups(const FrameMotion& motion,
+                                                   const std::vector<IdMotion>& ids, const IdExtents& extents,
+                                                   double recorded_s, const Exposure& exposure,
+                                                   const std::optional<double>& fit_px);
+
+}  // namespace postlens

@@ -1,0 +1,38 @@
+// Rule by which `auto` decides whether to convolve an object with parallax in slices of depth.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "motionblur/groups/band_surfaces.h"
+#include "records/sample_header.h"
+
+namespace postlens {
+
+/// Bounding box of the area in which a group was recorded and over which its path takes it, raster px.
+struct PassedBox {
+    glm::dvec2 low_px{0}, high_px{0};
+};
+[[nodiscard]] PassedBox passed_box(const MovingGroup& group);
+
+/// Share of the box's area in which a surface that belongs to no moving group lies between this group's
+/// nearest and farthest point. There the order of depth is wrong, since all slices of the group are
+/// composited at its mean depth.
+[[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
+                                 const MovingGroup& group);
+
+/// The reason why lightfield is the better method for groups[g], which has parallax; empty if convolve is. A
+/// group has such a reason if its parallax exceeds `most_parallax_px`, if another object lies in its range of
+/// depth along its path, or if it is several surfaces that uncover each other.
+[[nodiscard]] std::string why_not_sliced(const std::vector<MovingGroup>& groups, std::size_t g,
+                                         const GroupTable& table, const std::vector<BandSurfaces>& bands,
+                                         const SampleHeader& header);
+
+/// Largest accepted parallax. Beyond it, slices would be too many or too coarse.
+inline constexpr double most_parallax_px = 256;
+/// Largest accepted value of share_among.
+inline constexpr double most_among = 0.001;
+/// Largest accepted value of torn_share.
+inline constexpr double most_torn = 0.01;
+
+}  // namespace postlens

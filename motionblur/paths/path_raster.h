@@ -1,0 +1,60 @@
+// i2 of [potmesil1983]: raster of a path over the exposure. Each cell holds the light that arrives while the
+// path is in it.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "lens/shutter_curve.h"
+#include "motionblur/paths/screen_path.h"
+
+namespace postlens {
+
+/// Cells [x_begin, x_end) x [y_begin, y_end) of a raster of cells.
+struct CellWindow {
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+    [[nodiscard]] int width() const { return x_end - x_begin; }
+    [[nodiscard]] int height() const { return y_end - y_begin; }
+};
+
+struct PathRaster {
+    int x_begin = 0, y_begin = 0, width = 0, height = 0;
+    int cells_per_px = 1;
+    std::vector<double> weight;  ///< row by row
+
+    /// Weight of cell (x, y), which must lie in the window: x_begin <= x < x_begin + width, y likewise.
+    [[nodiscard]] double at(int x, int y) const {
+        return weight[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +
+                      static_cast<std::size_t>(x - x_begin)];
+    }
+};
+
+/// Largest side, in cells, of the raster that a motion path is drawn into, and largest number of cell borders
+/// that the path may cross.
+inline constexpr double most_path_cells = 1'000'000;
+inline constexpr double most_path_crossings = 200'000'000;
+
+/// Draws the raster of a path. Cell (i, j) holds the share of the shutter's light that arrives while the
+/// displacement (path minus `origin_px`, times cells_per_px >= 1) lies in [i - 1/2, i + 1/2) x [j - 1/2, j +
+/// 1/2). This is exact for pieces of constant velocity: each is cut at the cells' borders, and the weight of
+/// a part is a difference of the shutter's accumulated light. The weights sum to 1. With open_s == close_s
+/// there is one cell of weight 1. The path stands still before its first and after its last point.
+///
+/// `keep`: only these cells are computed, and the weights sum to the share of the light in them. The raster
+/// is empty if no light arrives in these cells. The time is bounded by the number of points times the width
+/// and height of the window, however long the path is.
+///
+/// `values`: one value per point, linear in time between the points. If given, a cell holds the integral of
+/// the value over the cell's light, instead of the light.
+///
+/// Throws Error(wrong_arguments) for times out of order, for no points, for positions that are not finite or
+/// more than 1e13 cells away, for a raster longer than `most_path_cells` and for a path with more crossings
+/// than `most_path_crossings` (both after `keep` has clipped it). Throws Error(out_of_memory) for a raster
+/// that does not fit.
+[[nodiscard]] PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, double open_s,
+                                   double close_s, const ShutterCurve& curve, int cells_per_px,
+                                   const std::optional<CellWindow>& keep = std::nullopt,
+                                   std::span<const double> values = {});
+
+}  // namespace postlens

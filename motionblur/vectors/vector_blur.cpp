@@ -1,0 +1,132 @@
+#include "motionblur/vectors/vector_blur.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "motionblur/field_blur.h"
+#include "motionblur/motion_warnings.h"
+#include "motionblur/shutter_views.h"
+#include "motionblur/vectors/vector_sheets.h"
+#include "pictures/crop.h"
+#include "reproject/fill_gaps.h"
+
+namespace postlens {
+namespace {
+
+/// Smallest share of static pixels in an image with which they serve as the background of moving pixels.
+constexpr double least_still_share = 0.01;
+
+void check(const VectorBlurSettings& s) {
+    const Exposure& e = s.exposure;
+    constexpr double most_frames = 1000;
+    if (!(e.open_s <= e.close_s) || !(std::abs(e.open_s) <= most_frames) ||
+        !(std::abs(e.close_s) <= most_frames)) {
+        fail(ExitCode::wrong_arguments,
+             "--shutter: out of range (got {}:{}; expected frames, OPEN not after CLOSE, within {} of 0)",
+             e.open_s, e.close_s, most_frames);
+    }
+    check_views(s.views);
+}
+
+/// Tolerance of the positions of patches, the planar parts of the image that are reprojected, and their
+/// overlap. The overlap is smaller than the distance of the views' sample positions from the sides of a
+/// pixel.
+constexpr double exact_px = 0.02, overlap_px = 0.005;
+static_assert(overlap_px < 0.5 / most_places);
+
+PatchField views_of(const VectorFrame& frame, const PatchMesh& patches, const VectorBlurSettings& s,
+                    int views) {
+    PatchField field;
+    field.instants = {{&patches, nullptr}};
+    field.width = frame.width;
+    field.height = frame.height;
+    field.motion_class = [](std::uint32_t id) { return std::size_t{id}; };
+    field.class_marks = {0, 1};
+    PatchViews set;
+    for (const ShutterView& view : shutter_views(s.curve, s.exposure, views)) {
+        PatchView v;
+        v.sample = view.place;
+        v.uses = {{0, 1, {}}};
+        v.lens.lens_px = {view.time_s, 0};
+        set.views.push_back(std::move(v));
+    }
+    field.sets.push_back(std::move(set));
+    return field;
+}
+
+/// Per pixel, 1 where the image stands still, else 0. Empty if too little of the image stands still.
+std::vector<float> what_stands_still(const VectorFrame& frame) {
+    std::vector<float> weight(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height),
+                              1);
+    std::size_t still = weight.size();
+    for (int y = std::max(0, frame.y_begin); y < std::min(frame.height, frame.y_end); ++y) {
+        for (int x = std::max(0, frame.x_begin); x < std::min(frame.width, frame.x_end); ++x) {
+            const VectorPixel& p = frame.at(x, y);
+            if (std::hypot(static_cast<double>(p.right_px), static_cast<double>(p.down_px)) <= still_px)
+                continue;
+            weight[static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.width) +
+                   static_cast<std::size_t>(x)] = 0;
+            --still;
+        }
+    }
+    const bool known = static_cast<double>(still) >= least_still_share * static_cast<double>(weight.size());
+    return known ? weight : std::vector<float>();
+}
+
+/// Background colours for the unknown shares of pixels, from the static pixels around (`weight` 1). If
+/// `weight` is empty, the colours come from what the views show there and around.
+Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
+    Image out = picture;
+    if (weight.empty()) {
+        weight.resize(seen.unknown.size());
+        for (std::size_t k = 0; k < weight.size(); ++k) {
+            weight[k] = seen.unknown[k] < 1 ? 1.0F : 0.0F;
+            if (seen.touched[k] != 0) std::copy_n(seen.image.rgb.data() + 3 * k, 3, out.rgb.data() + 3 * k);
+        }
+    }
+    fill_gaps(out, weight);
+    return out;
+}
+
+}  // namespace
+
+MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings& settings) {
+    check(settings);
+    check_crop(settings.crop, frame.width, frame.height);
+    MotionBlurResult result;
+    result.method = MotionMethod::lightfield;
+    result.image = frame.picture();
+    const Exposure& e = settings.exposure;
+    if (frame.largest_px == 0 || (e.open_s == 0 && e.close_s == 0)) return result;
+    result.views = settings.views.value_or(views_for_way(frame.largest_px * (e.close_s - e.open_s)));
+    const SheetMesh sheets = vector_sheets(frame);
+    PatchLens lens;
+    lens.radius_px_m = std::max(std::abs(e.open_s), std::abs(e.close_s));
+    lens.exact_px = exact_px;
+    lens.overlap_px = overlap_px;
+    const PatchMesh patches = cut_patches(sheets, lens);
+    PatchField views = views_of(frame, patches, settings, result.views);
+    PatchPicture seen = touched_picture(views, settings.crop);
+    Image behind;
+    if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
+        const std::vector<float> still = what_stands_still(frame);
+        // Without static pixels, the background that moving pixels uncover is interpolated from the views.
+        // With a crop, the views of the whole image are drawn for it, so that a crop does not change the
+        // result.
+        if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
+        behind = filled(still, result.image, seen);
+    }
+    lay_over(result.image, seen, 0xFF, behind);
+    const std::vector<std::uint8_t> marks = cut(seen.touched, frame.width, settings.crop);
+    const auto touched =
+        std::count_if(marks.begin(), marks.end(), [](std::uint8_t mark) { return mark != 0; });
+    result.touched_share = static_cast<double>(touched) / static_cast<double>(marks.size());
+    warn_of_gaps(cut(seen.unknown, frame.width, settings.crop),
+                 "what comes to light while the shutter is open is not in the picture in {:.2f} % of the "
+                 "pixels and is filled from around them",
+                 result.warnings);
+    return result;
+}
+
+}  // namespace postlens

@@ -1,0 +1,23 @@
+// Motion blur of another program's image by its motion vectors.
+#pragma once
+
+#include "motionblur/motion_blur.h"
+#include "motionblur/vectors/vector_frame.h"
+
+namespace postlens {
+
+struct VectorBlurSettings {
+    Exposure exposure;  ///< in frames: 0 is the instant of the image, 1 that of the next frame
+    ShutterCurve curve = ShutterCurve::box();
+    std::optional<int> views;  ///< number of instants, 1..most_views; absent: from the longest displacement
+    std::optional<Crop> crop;  ///< as in MotionBlurSettings
+};
+
+/// Blurs an image by its motion vectors: averages views at many instants, in which every pixel moves on a
+/// straight line at its own constant velocity. Surfaces that this motion uncovers are not in the image. They
+/// are filled from the pixels around them, with the warning "uncovered". If nothing moves, or if the exposure
+/// is the instant 0, the result is the image, bit for bit. The result is bit-identical for any number of
+/// threads. Throws Error(wrong_arguments) for settings out of range and Error(out_of_memory).
+[[nodiscard]] MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings& settings);
+
+}  // namespace postlens

@@ -1,0 +1,126 @@
+#include "motionblur/vectors/vector_channels.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/error.h"
+#include "pictures/foreign/foreign_channels.h"
+
+namespace postlens {
+namespace {
+
+/// Names of channels and scale of the vectors that a program writes.
+struct Convention {
+    std::string_view word;  ///< name of the pass; empty: any pass, only in a separate file
+    const char *u, *v;
+    glm::dvec2 scale;
+};
+constexpr std::array<std::string_view, 1> forward{"forward"}, vector{"vector"}, motion{"motion"},
+    velocity{"velocity"};
+
+std::vector<Convention> conventions(bool own_file) {
+    std::vector<Convention> out{{forward[0], "u", "v", {1, -1}},
+                                // Position in this frame minus that in the next one; W points upwards.
+                                {vector[0], "Z", "W", {-1, 1}},
+                                {motion[0], "x", "y", {1, 1}},
+                                {velocity[0], "x", "y", {1, 1}}};
+    if (own_file) {
+        for (const auto& [u, v] : {std::pair("x", "y"), {"X", "Y"}, {"u", "v"}, {"U", "V"}, {"R", "G"}})
+            out.push_back({{}, u, v, {1, 1}});
+    }
+    return out;
+}
+
+bool may_hold(const ForeignFile& file, std::size_t part) {
+    const ForeignPart& p = file.parts()[part];
+    return !p.deep && p.use == (file.has_own_file(PartUse::vectors) ? PartUse::vectors : PartUse::picture);
+}
+
+VectorChannels named(const ForeignFile& file, const ChannelGroup& own, const VectorChoice& choice) {
+    const auto& [u, v] = *choice.channels;
+    std::optional<std::size_t> found;
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        const ForeignPart& part = file.parts()[i];
+        if (!may_hold(file, i) || !part.has(u) || !part.has(v)) continue;
+        // The part of the file with the colours is preferred, then a part of the same stereo view, then any
+        // part.
+        const auto better = [&](std::size_t one, std::size_t other) {
+            const auto order = [&](std::size_t k) {
+                return std::pair(k != own.part, file.parts()[k].view != file.parts()[own.part].view);
+            };
+            return order(one) < order(other);
+        };
+        if (!found || better(i, *found)) found = i;
+    }
+    if (!found) {
+        std::vector<std::string> names;
+        std::string missing = u, source = file.name();
+        for (std::size_t i = 0; i < file.parts().size(); ++i) {
+            if (!may_hold(file, i)) continue;
+            source = file.name_of(i);
+            if (file.parts()[i].has(u)) missing = v;
+            names.insert(names.end(), file.parts()[i].channels.begin(), file.parts()[i].channels.end());
+        }
+        fail(ExitCode::invalid_input, "{}: no channel {} (got {}; expected what --vectors names)", source,
+             missing, listed(names));
+    }
+    return {.part = *found, .u = u, .v = v, .scale = {1, 1}, .offset = {0, 0}, .assumed = {}};
+}
+
+}  // namespace
+
+std::optional<VectorChannels> find_vector_channels(const ForeignFile& file, const ChannelGroup& own,
+                                                   const VectorChoice& choice,
+                                                   std::optional<ChannelGroup>& other) {
+    other.reset();
+    std::optional<VectorChannels> out;
+    if (choice.channels) {
+        out = named(file, own, choice);
+    } else {
+        const bool own_file = file.has_own_file(PartUse::vectors);
+        const std::vector<Convention> known = conventions(own_file);
+        std::vector<GroupCandidate> candidates;
+        std::vector<VectorChannels> channels;
+        for (std::size_t i = 0; i < file.parts().size(); ++i) {
+            if (!may_hold(file, i)) continue;
+            for (const std::string& name : file.parts()[i].channels) {
+                const std::size_t dot = name.rfind('.') + 1;  // 0 without a dot
+                const std::string before = name.substr(0, dot), letter = name.substr(dot);
+                for (std::size_t k = 0; k < known.size(); ++k) {
+                    const Convention& c = known[k];
+                    if (letter != c.u || !file.parts()[i].has(before + c.v)) continue;
+                    const ChannelGroup group = channel_group(
+                        file, i, before, c.word.empty() ? PassWords(vector_words) : PassWords(&c.word, 1));
+                    if (!c.word.empty() && !group.has_pass) continue;
+                    candidates.push_back({group, name, static_cast<int>(k)});
+                    channels.push_back({.part = i,
+                                        .u = name,
+                                        .v = before + c.v,
+                                        .scale = c.scale,
+                                        .offset = {0, 0},
+                                        .assumed = {}});
+                }
+            }
+        }
+        auto match = match_group(candidates, own, colour_groups(file));
+        if (!match && own_file && !candidates.empty()) {
+            const auto best = std::min_element(
+                candidates.begin(), candidates.end(),
+                [](const GroupCandidate& a, const GroupCandidate& b) { return a.rank < b.rank; });
+            match = GroupMatch{static_cast<std::size_t>(best - candidates.begin()), false};
+        }
+        if (!match) {
+            if (!candidates.empty()) other = candidates[0].group;
+            return std::nullopt;
+        }
+        out = channels[match->candidate];
+        if (match->surmised && !own_file)
+            out->assumed =
+                out->u + " and " + out->v + " are taken as the motion: the colours have none of their own";
+    }
+    out->scale = choice.scale.value_or(out->scale);
+    out->offset = choice.offset.value_or(out->offset);
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,60 @@
+// A flat OpenEXR image of another program with depth and forward motion vectors.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "motionblur/vectors/vector_channels.h"
+#include "pictures/foreign/foreign_channels.h"
+#include "pictures/image.h"
+
+namespace postlens {
+
+/// Values of one pixel in the file.
+struct VectorPixel {
+    std::array<float, 3> rgb{};       ///< scene-linear; premultiplied if the file has an alpha
+    float inverse_z = 0;              ///< 1 / depth in the file's unit; 0: infinitely far
+    float right_px = 0, down_px = 0;  ///< displacement from this frame to the next
+    std::uint32_t id = 0;             ///< id of the surface; 0: not in the file
+    [[nodiscard]] bool still() const { return right_px == 0 && down_px == 0; }
+};
+
+struct VectorFrame {
+    int width = 0, height = 0;  ///< size of the display window, px, which is the raster
+    /// Stored pixels: [x_begin, x_end) x [y_begin, y_end) on the raster. They may extend beyond it on any
+    /// side.
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+    std::vector<VectorPixel> pixels;  ///< row-major
+    bool has_z = false, has_alpha = false;
+    double largest_px = 0;  ///< length of the longest vector
+    std::string u_name, v_name;
+    std::string id_name;                ///< channel of the ids; empty: no ids
+    std::vector<std::string> problems;  ///< one line for each kind of ids in the file that is not used
+    std::vector<std::string> assumed;   ///< one line for each assumption about the file
+
+    [[nodiscard]] const VectorPixel& at(int x, int y) const {
+        return pixels[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
+                      static_cast<std::size_t>(x - x_begin)];
+    }
+    [[nodiscard]] bool stores(int x, int y) const {
+        return x >= x_begin && x < x_end && y >= y_begin && y < y_end;
+    }
+    /// The image in the display window; black where the file stores no pixel.
+    [[nodiscard]] Image picture() const;
+};
+
+/// Reads the part that has the colours (pictures/foreign/foreign_channels.h, `choice` as there; of a stereo
+/// file, the hero view), and vectors, alpha, depth and ids from any part. Depth increases with distance.
+/// Pixels whose depth is 0 or at least 1e9, or whose alpha is 0, are the background, infinitely far. Without
+/// depth, pixels that move faster on the raster count as nearer. Ids come from the first rank of a
+/// Cryptomatte or from an id channel. Throws Error(invalid_input) for other files, for windows out of bounds
+/// (sides of 65536 px, 65536 px between the windows) and, with the position, for colours and vectors that are
+/// not finite, vectors longer than 1e6 px and negative depths. Throws Error(out_of_memory) before memory is
+/// allocated.
+[[nodiscard]] VectorFrame read_vector_frame(const std::filesystem::path& path, const VectorChoice& vectors,
+                                            const ForeignChoice& choice = {});
+
+}  // namespace postlens

@@ -1,0 +1,35 @@
+// Crops images.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "pictures/image.h"
+
+namespace postlens {
+
+/// Throws Error(wrong_arguments) for a crop that is empty or not within an image of width x height.
+void check_crop(const std::optional<Crop>& crop, int width, int height);
+
+/// Number of pixels in the crop of an image of width x height, or in the whole image without a crop.
+[[nodiscard]] std::size_t wanted_pixels(const std::optional<Crop>& crop, int width, int height);
+
+/// Returns the cropped image, or the whole image without a crop. Throws the errors of check_crop.
+[[nodiscard]] Image cut(const Image& picture, const std::optional<Crop>& crop);
+
+/// Crops one value per pixel, stored row by row with `width` values per row.
+template <typename Value>
+[[nodiscard]] std::vector<Value> cut(const std::vector<Value>& of_pixels, int width,
+                                     const std::optional<Crop>& crop) {
+    if (!crop || of_pixels.empty()) return of_pixels;
+    std::vector<Value> out;
+    out.reserve(static_cast<std::size_t>(crop->width) * static_cast<std::size_t>(crop->height));
+    for (int y = crop->y; y < crop->y + crop->height; ++y) {
+        const auto row = of_pixels.begin() + static_cast<std::ptrdiff_t>(y) * width + crop->x;
+        out.insert(out.end(), row, row + crop->width);
+    }
+    return out;
+}
+
+}  // namespace postlens

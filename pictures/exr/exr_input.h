@@ -1,0 +1,101 @@
+// An OpenEXR file opened for reading, and its headers, with every size checked before anything is allocated.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pictures/exr/chunk_codec.h"
+
+namespace postlens {
+
+/// A regular file. All functions throw Error(invalid_input) that names the file. Several threads may read at
+/// once.
+class InputFile {
+  public:
+    explicit InputFile(const std::filesystem::path& path);
+    ~InputFile();
+    InputFile(const InputFile&) = delete;
+    InputFile& operator=(const InputFile&) = delete;
+    InputFile(InputFile&&) = delete;
+    InputFile& operator=(InputFile&&) = delete;
+
+    [[nodiscard]] const std::string& name() const { return name_; }
+    [[nodiscard]] std::uint64_t size() const { return size_; }
+    /// Reads from `offset` until `out` is full; throws if the file ends before.
+    void read_at(std::uint64_t offset, std::span<std::uint8_t> out) const;
+
+  private:
+    std::string name_;
+    int fd_ = -1;
+    std::uint64_t size_ = 0;
+};
+
+/// Inclusive corners, as in OpenEXR's box2i.
+struct Window {
+    std::int32_t x_min = 0, y_min = 0, x_max = -1, y_max = -1;
+    friend bool operator==(const Window&, const Window&) = default;
+};
+
+/// Row-vector convention, as all OpenEXR matrices: p' = p M, m[4 * row + column].
+using Matrix44 = std::array<double, 16>;
+
+struct ExrChannel {
+    enum class Type : std::int32_t { uint32 = 0, half = 1, float32 = 2 };
+    std::string name;
+    Type type = Type::float32;
+    friend bool operator==(const ExrChannel&, const ExrChannel&) = default;
+};
+
+/// The attributes of one part, by name. Getters return an empty optional if the attribute is absent, and
+/// throw Error(invalid_input) if it has another type or a damaged value.
+class ExrPart {
+  public:
+    explicit ExrPart(std::string file_name) : file_(std::move(file_name)) {}
+    void add(std::string name, std::string type, ByteView value);
+
+    [[nodiscard]] std::optional<int> get_int(std::string_view name) const;
+    [[nodiscard]] std::optional<double> get_double(std::string_view name) const;
+    [[nodiscard]] std::optional<std::string> get_string(std::string_view name) const;
+    [[nodiscard]] std::optional<Window> get_window(std::string_view name) const;
+    [[nodiscard]] std::optional<Matrix44> get_matrix(std::string_view name) const;
+    [[nodiscard]] std::optional<ChunkCompression> compression() const;
+    /// Channels in file order. Throws for subsampled channels.
+    [[nodiscard]] std::optional<std::vector<ExrChannel>> channels() const;
+    [[nodiscard]] std::optional<ByteView> raw(std::string_view name, std::string_view type) const;
+
+    [[nodiscard]] std::size_t size() const { return attributes_.size(); }
+
+  private:
+    struct Attribute {
+        std::string type;
+        Bytes value;
+    };
+    std::string file_;
+    std::map<std::string, Attribute, std::less<>> attributes_;
+};
+
+struct ExrHeaders {
+    std::vector<ExrPart> parts;  ///< at least one
+    std::uint64_t end = 0;       ///< position at which the chunk offset tables begin
+    bool multi_part = false;     ///< the file is multi-part; each part has a type
+    bool tiled = false;          ///< if there is a single part: it consists of tiles, not of scanlines
+};
+
+enum class AttributeSizes {
+    any,     ///< no check
+    filled,  ///< refuses values whose size is not what the OpenEXR library reads: see fills_its_size
+};
+
+/// Reads the headers of the first `most_parts` parts; `end` is valid if the file has no more. Throws
+/// Error(invalid_input) for files other than OpenEXR 2, and for headers beyond 64 MB or 1000 attributes per
+/// part.
+[[nodiscard]] ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts,
+                                          AttributeSizes sizes = AttributeSizes::any);
+
+}  // namespace postlens

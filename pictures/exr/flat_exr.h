@@ -1,0 +1,42 @@
+// Writes flat OpenEXR files with one part, in scanlines.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pictures/exr/chunk_codec.h"
+#include "pictures/exr/exr_input.h"
+
+namespace postlens {
+
+struct FlatExr {
+    /// Pixel (0, 0) is at `first`; the next pixel is `pixel_bytes` and the next row `row_bytes` farther.
+    struct Channel {
+        std::string name;
+        ExrChannel::Type type = ExrChannel::Type::float32;
+        const void* first = nullptr;
+        enum class Layout {
+            pixels,   ///< beside the other channels of the same pixel
+            plane,    ///< the channel's values lie side by side, row after row
+            one_row,  ///< as `plane`, but every row of the image is the row at `first`
+        };
+        Layout layout = Layout::pixels;
+    };
+    Window display, data;
+    std::vector<Channel> channels;
+    std::size_t pixel_bytes = 0, row_bytes = 0;
+    ChunkCompression compression = ChunkCompression::rle;
+    std::vector<std::pair<std::string, std::string>> texts;  ///< string attributes: names and values
+};
+
+/// Overwrites the existing file `path`. `shown_name` is the name for error messages. Returns the XXH3 hash of
+/// the file if it is not compressed. Throws Error(cannot_write), also if the disk is full.
+std::optional<std::uint64_t> write_flat_exr(const std::filesystem::path& path, const std::string& shown_name,
+                                            const FlatExr& picture);
+
+}  // namespace postlens

@@ -1,0 +1,112 @@
+#include "pictures/foreign/channel_groups.h"
+
+#include <algorithm>
+#include <cctype>
+#include <tuple>
+
+namespace postlens {
+namespace {
+
+bool has_word(PassWords words, const std::string& word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+bool contains(const std::vector<std::string>& sorted, const std::vector<std::string>& some) {
+    return std::includes(sorted.begin(), sorted.end(), some.begin(), some.end());
+}
+
+std::vector<std::string> sorted_words(std::string_view name) {
+    std::vector<std::string> out = words_of(name);
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+}
+
+/// True for the names that libraries give to parts without a name: "subimage" or "part" and a number.
+bool is_number_of_part(const std::string& word) {
+    for (const std::string_view stem : {"subimage", "part"}) {
+        if (word.size() > stem.size() && word.starts_with(stem) &&
+            std::all_of(word.begin() + static_cast<std::ptrdiff_t>(stem.size()), word.end(),
+                        [](unsigned char c) { return std::isdigit(c) != 0; }))
+            return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+std::vector<std::string> words_of(std::string_view name) {
+    std::vector<std::string> out;
+    bool inside = false;
+    for (const char c : name) {
+        const auto letter = static_cast<unsigned char>(c);
+        // Bytes of characters beyond ASCII count as letters.
+        if (letter < 128 && std::isalnum(letter) == 0) {
+            inside = false;
+            continue;
+        }
+        if (!inside) out.emplace_back();
+        inside = true;
+        out.back() += letter < 128 ? static_cast<char>(std::tolower(letter)) : c;
+    }
+    return out;
+}
+
+ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::string_view prefix,
+                           PassWords pass) {
+    const ForeignPart& p = file.parts()[part];
+    ChannelGroup out;
+    out.part = part;
+    std::vector<std::string> words = sorted_words(p.name + "." + std::string(prefix));
+    out.view = p.view;
+    for (const std::string& view : file.views()) {
+        const std::vector<std::string> names = sorted_words(view);
+        if (names.empty() || !contains(words, names)) continue;
+        if (out.view.empty()) out.view = view;
+        if (out.view != view) continue;
+        std::erase_if(words, [&](const std::string& w) {
+            return std::find(names.begin(), names.end(), w) != names.end();
+        });
+    }
+    if (out.view.empty() && !p.views.empty()) out.view = p.views[0];
+    std::erase_if(words, [&](const std::string& w) {
+        const bool of_pass = has_word(pass, w);
+        out.has_pass = out.has_pass || of_pass;
+        return of_pass || is_number_of_part(w);
+    });
+    out.layer = std::move(words);
+    return out;
+}
+
+std::optional<GroupMatch> match_group(std::span<const GroupCandidate> candidates, const ChannelGroup& own,
+                                      std::span<const ChannelGroup> pictures) {
+    const auto has_colours = [&](const ChannelGroup& group) {
+        return std::any_of(pictures.begin(), pictures.end(), [&](const ChannelGroup& p) {
+            return p.view == group.view && p.layer == group.layer;
+        });
+    };
+    using Order = std::tuple<std::size_t, bool, int>;
+    std::optional<std::pair<Order, std::size_t>> best;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const ChannelGroup& g = candidates[i].group;
+        if (g.view != own.view || !contains(own.layer, g.layer)) continue;
+        const Order order{own.layer.size() - g.layer.size(), g.part != own.part, candidates[i].rank};
+        if (!best || order < best->first) best = {order, i};
+    }
+    if (best) {
+        const ChannelGroup& g = candidates[best->second].group;
+        return GroupMatch{best->second, g.layer != own.layer && has_colours(g)};
+    }
+    std::optional<std::size_t> only;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const ChannelGroup& g = candidates[i].group;
+        if ((!g.view.empty() && !own.view.empty() && g.view != own.view) || has_colours(g)) continue;
+        if (only && (candidates[*only].group.layer != g.layer || candidates[*only].group.part != g.part))
+            return std::nullopt;
+        if (!only || candidates[i].rank < candidates[*only].rank) only = i;
+    }
+    if (!only) return std::nullopt;
+    return GroupMatch{*only, true};
+}
+
+}  // namespace postlens

@@ -1,0 +1,215 @@
+#include "pictures/foreign/cryptomatte.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <fmt/format.h>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace postlens {
+namespace {
+
+/// Largest number of layers, of two ranks each, that are read; more do not improve edges.
+constexpr int most_layers = 16;
+constexpr std::size_t most_sets = 64;
+/// Names in messages are cut to this length.
+constexpr std::size_t longest_shown = 80;
+
+/// Largest length of a channel name in OpenEXR.
+constexpr std::size_t longest_name = 255;
+
+/// Makes a name from a file fit for a message: limits its length and replaces control characters.
+std::string shown(const std::string& name) {
+    std::string out = name.size() <= longest_shown ? name : name.substr(0, longest_shown) + "...";
+    std::replace_if(
+        out.begin(), out.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }, '?');
+    return out;
+}
+
+/// True if a part may hold mattes for the colours in part `own`: a flat part of the same view or, if a
+/// separate file of ids is given, a flat part of that file.
+bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
+    const ForeignPart& p = file.parts()[part];
+    if (p.deep) return false;
+    if (file.has_own_file(PartUse::ids)) return p.use == PartUse::ids;
+    return p.use == PartUse::picture && p.view == file.parts()[own].view;
+}
+
+/// Finds the part that holds a channel; the part of the colours is tried first.
+std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
+    const auto parts = file.parts();
+    if (may_hold(file, own, own) && parts[own].has(channel)) return own;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (may_hold(file, own, i) && parts[i].has(channel)) return i;
+    }
+    return std::nullopt;
+}
+
+struct Letter {
+    std::array<const char*, 3> names;
+};
+constexpr Letter red{{"R", "r", "red"}}, green{{"G", "g", "green"}}, blue{{"B", "b", "blue"}},
+    alpha{{"A", "a", "alpha"}};
+
+std::optional<MatteRank> rank_of(const ForeignFile& file, std::size_t own, const std::string& layer,
+                                 const Letter& id, const Letter& coverage) {
+    for (std::size_t i = 0; i < id.names.size(); ++i) {
+        MatteRank rank{own, layer + id.names[i], layer + coverage.names[i]};
+        const auto part = part_with(file, own, rank.id);
+        if (!part || !file.parts()[*part].has(rank.coverage)) continue;
+        rank.part = *part;
+        return rank;
+    }
+    return std::nullopt;
+}
+
+std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const std::string& name) {
+    std::vector<MatteRank> out;
+    if (name.size() > longest_name) return out;
+    for (int i = 0; i < most_layers; ++i) {
+        const std::string layer = fmt::format("{}{:02}.", name, i);
+        for (const auto& [id, coverage] : {std::pair(&red, &green), std::pair(&blue, &alpha)}) {
+            const auto rank = rank_of(file, own, layer, *id, *coverage);
+            if (!rank) return out;
+            out.push_back(*rank);
+        }
+    }
+    return out;
+}
+
+/// Finds Cryptomattes by the names of their channels. The name of a Cryptomatte is the text before "00.R".
+std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
+    std::vector<std::string> out;
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        if (!may_hold(file, own, i)) continue;
+        for (const std::string& channel : file.parts()[i].channels) {
+            for (const char* letter : red.names) {
+                const std::string end = std::string("00.") + letter;
+                if (channel.ends_with(end) && channel.find("rypto") != std::string::npos)
+                    out.push_back(channel.substr(0, channel.size() - end.size()));
+            }
+        }
+    }
+    return out;
+}
+
+/// Sort key of a Cryptomatte by its name: objects first, then assets, then others.
+int kind(const std::string& name) {
+    const auto has = [&](const char* upper, const char* lower) {
+        return name.find(upper) != std::string::npos || name.find(lower) != std::string::npos;
+    };
+    return has("Object", "object") ? 0 : has("Asset", "asset") ? 1 : 2;
+}
+
+std::string why_not(const ForeignFile& file, const Cryptomatte& set) {
+    if (set.ranks.empty()) return fmt::format("no channels {0}00.R and {0}00.G", shown(set.name));
+    for (const MatteRank& rank : set.ranks) {
+        if (file.kind(rank.part, rank.id) != ChannelKind::float32)
+            return fmt::format("channel {} does not have 32 bits", shown(rank.id));
+        if (file.loses_bits(rank.part)) return "the file's compression has changed its ids";
+    }
+    return "";
+}
+
+}  // namespace
+
+Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part) {
+    struct Said {
+        std::string name, manifest;
+    };
+    std::map<std::string, Said> keys;
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        if (!may_hold(file, part, i)) continue;
+        for (const char* prefix : {"cryptomatte/", "exr/cryptomatte/"}) {
+            for (auto& [name, text] : file.texts(i, prefix)) {
+                const std::string rest = name.substr(std::string(prefix).size());
+                const std::size_t slash = rest.find('/');
+                if (slash == std::string::npos) continue;
+                Said& said = keys[rest.substr(0, slash)];
+                const std::string what = rest.substr(slash + 1);
+                if (what == "name") {
+                    said.name = std::move(text);
+                } else if (what == "manifest") {
+                    said.manifest = std::move(text);
+                }
+            }
+        }
+    }
+    std::map<std::string, Cryptomatte> sets;
+    Cryptomattes out;
+    for (auto& [key, said] : keys) {
+        if (said.name.empty()) {
+            out.problems.push_back(fmt::format("Cryptomatte {} has no name", shown(key)));
+        } else {
+            sets[said.name] = {said.name, {}, std::move(said.manifest)};
+        }
+    }
+    for (const std::string& name : named_so(file, part)) sets.try_emplace(name, Cryptomatte{name, {}, ""});
+    for (auto& [name, set] : sets) {
+        if (out.usable.size() + out.problems.size() >= most_sets) break;
+        set.ranks = ranks_of(file, part, name);
+        const std::string why = why_not(file, set);
+        if (why.empty()) {
+            out.usable.push_back(std::move(set));
+        } else {
+            out.problems.push_back(fmt::format("Cryptomatte {} is not used: {}", shown(name), why));
+        }
+    }
+    std::stable_sort(out.usable.begin(), out.usable.end(),
+                     [](const Cryptomatte& a, const Cryptomatte& b) { return kind(a.name) < kind(b.name); });
+    return out;
+}
+
+ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set) {
+    ChannelGroup out = channel_group(file, set.ranks.at(0).part, set.name, id_words);
+    std::erase_if(out.layer, [](const std::string& word) {
+        return word.starts_with("crypto") || word.starts_with("ucrypto") || word == "asset" ||
+               word == "material";
+    });
+    return out;
+}
+
+std::optional<std::vector<std::string>> manifest_names(const std::string& manifest) {
+    // The parser reports errors without exceptions, and deep nesting does not overflow the call stack.
+    const auto json = nlohmann::json::parse(manifest, nullptr, false);
+    if (!json.is_object()) return std::nullopt;
+    std::vector<std::string> names;
+    for (const auto& [name, id] : json.items()) {
+        if (!id.is_string()) return std::nullopt;
+        const auto& digits = id.get_ref<const std::string&>();
+        if (digits.empty() || digits.size() > 8 ||
+            digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
+            return std::nullopt;
+        names.push_back(name);
+    }
+    return names;
+}
+
+std::uint32_t cryptomatte_id(std::string_view name) {
+    constexpr std::uint32_t c1 = 0xcc9e2d51U, c2 = 0x1b873593U;
+    std::uint32_t hash = 0;
+    const auto scrambled = [](std::uint32_t k) { return std::rotl(k * c1, 15) * c2; };
+    const auto byte = [&](std::size_t i) {
+        return static_cast<std::uint32_t>(static_cast<unsigned char>(name[i]));
+    };
+    std::size_t i = 0;
+    for (; i + 4 <= name.size(); i += 4) {
+        const std::uint32_t k = byte(i) | byte(i + 1) << 8U | byte(i + 2) << 16U | byte(i + 3) << 24U;
+        hash = std::rotl(hash ^ scrambled(k), 13) * 5 + 0xe6546b64U;
+    }
+    std::uint32_t tail = 0;
+    for (std::size_t k = name.size(); k > i; --k) tail = tail << 8U | byte(k - 1);
+    hash ^= scrambled(tail);
+    hash ^= static_cast<std::uint32_t>(name.size());
+    hash = (hash ^ hash >> 16U) * 0x85ebca6bU;
+    hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
+    hash ^= hash >> 16U;
+    // An exponent of 0 or 255 means zero, denormal, infinite or NaN, whose bits compositors may change.
+    const std::uint32_t exponent = hash >> 23U & 255U;
+    if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
+    return hash;
+}
+
+}  // namespace postlens

@@ -1,0 +1,94 @@
+#include "pictures/foreign/deep_volumes.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace postlens {
+namespace {
+
+bool is_volume(const DeepSample& s) {
+    return s.z > 0 && s.z_back > s.z && std::isfinite(s.z_back) && s.alpha < 1;
+}
+
+/// Emission per unit of length in red, green and blue, and density of a volume.
+using Rates = std::array<double, 4>;
+
+Rates rates_of(const DeepSample& s) {
+    const double length = static_cast<double>(s.z_back) - static_cast<double>(s.z);
+    const auto alpha = static_cast<double>(s.alpha);
+    const double depth = -std::log1p(-alpha);
+    const double gain = alpha > 0 ? depth / alpha : 1;
+    return {static_cast<double>(s.r) * gain / length, static_cast<double>(s.g) * gain / length,
+            static_cast<double>(s.b) * gain / length, depth / length};
+}
+
+/// A depth at which a volume begins or ends.
+struct Event {
+    float z;
+    bool begins;
+    std::size_t volume;
+};
+
+}  // namespace
+
+void tidy_volumes(std::vector<DeepSample>& samples) {
+    std::vector<DeepSample> volumes, out;
+    for (const DeepSample& s : samples) (is_volume(s) ? volumes : out).push_back(s);
+    // Sorting makes the result independent of the order in the file, including its rounding.
+    std::sort(volumes.begin(), volumes.end(), [](const DeepSample& a, const DeepSample& b) {
+        const auto key = [](const DeepSample& s) {
+            // Colours may be NaN, which has no order; their bits have one.
+            const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
+            return std::tuple(s.z, s.z_back, s.alpha, bits(s.r), bits(s.g), bits(s.b), s.id);
+        };
+        return key(a) < key(b);
+    });
+    bool overlap = false;
+    float end = 0;
+    for (const DeepSample& v : volumes) {
+        overlap = overlap || v.z < end;
+        end = std::max(end, v.z_back);
+    }
+    if (!overlap) return;
+    std::vector<Event> events;
+    for (std::size_t i = 0; i < volumes.size(); ++i) {
+        events.push_back({volumes[i].z, true, i});
+        events.push_back({volumes[i].z_back, false, i});
+    }
+    std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
+        return std::tie(a.z, a.begins, a.volume) < std::tie(b.z, b.begins, b.volume);
+    });
+    std::set<std::pair<double, std::size_t>> inside;  // volumes at this depth, sorted by density
+    Rates sum{};
+    for (std::size_t i = 0; i < events.size(); ++i) {
+        const Event& e = events[i];
+        const Rates rates = rates_of(volumes[e.volume]);
+        for (std::size_t c = 0; c < 4; ++c) sum[c] += e.begins ? rates[c] : -rates[c];
+        if (e.begins) {
+            inside.emplace(rates[3], e.volume);
+        } else {
+            inside.erase({rates[3], e.volume});
+        }
+        if (inside.empty()) {
+            sum = {};
+            continue;
+        }
+        const float next = events[i + 1].z;
+        if (!(next > e.z)) continue;
+        const double length = static_cast<double>(next) - static_cast<double>(e.z);
+        const double depth = std::max(sum[3], 0.0) * length;
+        const double alpha = -std::expm1(-depth);
+        const double gain = length * (depth > 0 ? alpha / depth : 1);
+        out.push_back({e.z, next, static_cast<float>(sum[0] * gain), static_cast<float>(sum[1] * gain),
+                       static_cast<float>(sum[2] * gain), static_cast<float>(alpha),
+                       volumes[inside.rbegin()->second].id});
+    }
+    samples = std::move(out);
+}
+
+}  // namespace postlens

@@ -1,0 +1,201 @@
+#include "pictures/foreign/filtered_depth.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace postlens {
+namespace {
+
+constexpr float nothing_z = 1e9F;
+/// Largest relative difference between the depths of neighbouring pixels of one surface.
+constexpr double same = 0.05;
+/// Smallest difference of two depths that counts as a depth edge ("step"), relative to the nearer depth.
+constexpr double least_step = 0.1;
+/// Largest change of depth from pixel to pixel on both sides of a depth edge, relative to the difference of
+/// depth at the edge.
+constexpr double plateau = 0.1;
+constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus, from a filter with a radius of 2 px
+constexpr std::size_t few = 4;           ///< fewer edges are no evidence
+constexpr float transparent = 0.02F, opaque = 0.998F;
+
+bool is_nothing(float v) {
+    return !(std::abs(v) < nothing_z) || v == 0;
+}
+
+bool alike(float a, float b) {
+    const auto x = static_cast<double>(a), y = static_cast<double>(b);
+    return std::abs(x - y) <= same * std::max(std::abs(x), std::abs(y));
+}
+
+class Mender {
+  public:
+    Mender(std::span<float> depth, std::span<const float> alpha, std::size_t width)
+        : depth_(depth), alpha_(alpha), width_(width), height_(width > 0 ? depth.size() / width : 0) {}
+
+    FilteredDepths run(bool means) {
+        FilteredDepths out;
+        divide_by_alpha(out);
+        if (means) find_ramps();
+        if (ramps_ >= few && 2 * ramps_ >= jumps_) {
+            for (const auto& [pixel, found] : found_) settle(found, out);
+        }
+        take_over_rims(out);
+        return out;
+    }
+
+  private:
+    [[nodiscard]] bool is_rim(std::size_t i) const { return alpha_[i] > transparent && alpha_[i] < opaque; }
+
+    /// Calls visit(pixel) for the pixels within `reach` px of pixel i, except i.
+    template <typename Visit>
+    void around(std::size_t i, std::size_t reach, const Visit& visit) const {
+        const std::size_t x = i % width_, y = i / width_;
+        for (std::size_t v = y - std::min(y, reach); v <= std::min(y + reach, height_ - 1); ++v) {
+            for (std::size_t u = x - std::min(x, reach); u <= std::min(x + reach, width_ - 1); ++u) {
+                if (u != x || v != y) visit(v * width_ + u);
+            }
+        }
+    }
+
+    void divide_by_alpha(FilteredDepths& out) {
+        std::size_t times = 0, plain = 0;
+        for (std::size_t i = 0; i < depth_.size(); ++i) {
+            if (!is_rim(i) || is_nothing(depth_[i])) continue;
+            bool fits = false, fits_divided = false;
+            around(i, 1, [&](std::size_t k) {
+                if (alpha_[k] < opaque || is_nothing(depth_[k])) return;
+                fits = fits || alike(depth_[k], depth_[i]);
+                fits_divided = fits_divided || alike(depth_[k], depth_[i] / alpha_[i]);
+            });
+            if (fits != fits_divided) ++(fits ? plain : times);
+        }
+        if (times < few || times < 4 * plain) return;
+        for (std::size_t i = 0; i < depth_.size(); ++i) {
+            if (!(alpha_[i] > 0 && alpha_[i] < 1) || is_nothing(depth_[i])) continue;
+            depth_[i] /= alpha_[i];
+            ++out.divided;
+        }
+    }
+
+    void find_ramps() {
+        for (std::size_t y = 0; y < height_; ++y) look_along(y * width_, 1, width_);
+        for (std::size_t x = 0; x < width_; ++x) look_along(x, width_, height_);
+    }
+
+    /// Whether the depths a and b of two neighbouring pixels are nearly equal, as on both sides of a depth
+    /// edge. Equal values always are, which includes pixels that hit nothing, whatever value the file has for
+    /// these.
+    [[nodiscard]] static bool is_plateau(double step, float a, float b) {
+        return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
+    }
+
+    void look_along(std::size_t first, std::size_t stride, std::size_t count) {
+        const auto at = [&](std::size_t i) { return depth_[first + i * stride]; };
+        for (std::size_t begin = 1; begin + 2 < count; ++begin) {
+            for (std::size_t length = 0; length <= longest_ramp && begin + length + 2 < count; ++length) {
+                const std::size_t end = begin + length + 1;
+                const float a = at(begin), b = at(end);
+                if (!std::isfinite(a) || !std::isfinite(b)) break;
+                const double step = std::abs(static_cast<double>(a) - static_cast<double>(b));
+                const double nearer =
+                    std::min(std::abs(static_cast<double>(a)), std::abs(static_cast<double>(b)));
+                if (!(step > least_step * nearer) || !is_plateau(step, at(begin - 1), a)) continue;
+                if (!is_plateau(step, b, at(end + 1))) continue;
+                if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
+                ++(length > 0 ? ramps_ : jumps_);
+                // The pixels `begin` and `end` may be slightly mixed too, so the depths of both sides are
+                // extrapolated from the pixels beyond them.
+                const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
+                            after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
+                const auto is_empty = [&](std::size_t i) {
+                    return is_nothing(at(i)) || alpha_[first + i * stride] <= transparent;
+                };
+                const bool empty = at(begin) < at(end) ? is_empty(end + 1) : is_empty(begin - 1);
+                for (std::size_t i = begin; i <= end; ++i)
+                    note(first + i * stride, at(i), before, after, empty);
+                break;
+            }
+        }
+    }
+
+    /// Extrapolates the depth of a surface beside an edge from the depths of the last two pixels.
+    [[nodiscard]] static float goes_on(float last, float before, double step) {
+        return is_plateau(step, last, before) && std::isfinite(before) ? last + (last - before) : last;
+    }
+
+    template <typename At>
+    [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
+        const double up = at(end) > at(begin) ? 1 : -1;
+        const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
+        // A pixel whose depth is hardly mixed belongs to the surface on its side of the edge.
+        if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
+            return false;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!(height(i + 1) > height(i))) return false;
+        }
+        return true;
+    }
+
+    void note(std::size_t pixel, float v, float a, float b, bool far_is_empty) {
+        const auto size = [](float x) { return is_nothing(x) ? nothing_z : std::abs(x); };
+        MixedDepth m{pixel, a, b, 0, far_is_empty};
+        if (size(m.near) > size(m.far)) std::swap(m.near, m.far);
+        m.before_nothing = m.before_nothing || is_nothing(m.far);
+        m.near_share = std::clamp((v - m.far) / (m.near - m.far), 0.0F, 1.0F);
+        constexpr float hardly = 5e-4F;
+        if (m.near_share > 1 - hardly || (m.near_share < hardly && alpha_[pixel] >= opaque)) return;
+        const auto [it, is_new] = found_.try_emplace(pixel, m);
+        // A row or column that runs along an edge meets only mixed depths. So of the results along rows and
+        // along columns, the one with the larger difference of depth is kept.
+        const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
+        if (!is_new && step(m) > step(it->second)) it->second = m;
+    }
+
+    void settle(const MixedDepth& m, FilteredDepths& out) {
+        if (alpha_[m.pixel] < opaque && m.before_nothing) {
+            depth_[m.pixel] = m.near;
+            ++out.taken_over;
+            return;
+        }
+        depth_[m.pixel] = m.near_share >= 0.5F ? m.near : m.far;
+        out.mixed.push_back(m);
+    }
+
+    /// Edge pixels in front of nothing get the depth of their surface. Their own depth is useless, as a mean
+    /// with an infinite depth is infinite.
+    void take_over_rims(FilteredDepths& out) {
+        std::vector<std::pair<std::size_t, float>> rims;
+        for (std::size_t i = 0; i < depth_.size(); ++i) {
+            if (!(alpha_[i] > 0 && alpha_[i] < opaque) || !is_nothing(depth_[i])) continue;
+            bool before_nothing = false;
+            float nearest = 0;
+            // 2 px is the radius of the filter.
+            around(i, 2, [&](std::size_t k) {
+                before_nothing = before_nothing || alpha_[k] <= transparent;
+                if (alpha_[k] >= opaque && !is_nothing(depth_[k]) &&
+                    (nearest == 0 || std::abs(depth_[k]) < std::abs(nearest)))
+                    nearest = depth_[k];
+            });
+            if (before_nothing && nearest != 0) rims.emplace_back(i, nearest);
+        }
+        for (const auto& [pixel, v] : rims) depth_[pixel] = v;
+        out.taken_over += rims.size();
+    }
+
+    std::span<float> depth_;
+    std::span<const float> alpha_;
+    std::size_t width_, height_;
+    std::size_t jumps_ = 0, ramps_ = 0;
+    std::map<std::size_t, MixedDepth> found_;
+};
+
+}  // namespace
+
+FilteredDepths mend_filtered_depths(std::span<float> depth, std::span<const float> alpha, std::size_t width,
+                                    bool means) {
+    return Mender(depth, alpha, width).run(means);
+}
+
+}  // namespace postlens

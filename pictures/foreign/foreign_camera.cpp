@@ -1,0 +1,113 @@
+#include "pictures/foreign/foreign_camera.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+
+#include "core/error.h"
+
+namespace postlens {
+namespace {
+
+bool usable(double value) {
+    return value > 0 && std::isfinite(value);
+}
+
+std::optional<double> checked(const std::optional<double>& value, const char* option) {
+    if (value && !usable(*value)) {
+        fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected more than 0)", option, *value);
+    }
+    return value;
+}
+
+/// Value of an attribute; empty if it is absent or not usable.
+std::optional<double> attribute(const ForeignFile& file, std::size_t part, const char* name) {
+    const auto value = file.number(part, name);
+    return value && usable(*value) ? value : std::nullopt;
+}
+
+/// Converts from row vectors, p' = p M, to the column vectors of glm.
+glm::dmat4 transposed(const Matrix44& m) {
+    glm::dmat4 out;
+    std::size_t i = 0;
+    for (int row = 0; row < 4; ++row) {
+        for (int column = 0; column < 4; ++column) out[row][column] = m[i++];
+    }
+    return out;
+}
+
+std::optional<double> view_of(const ForeignFile& file, std::size_t part) {
+    const auto camera = file.matrix(part, "worldToCamera"), ndc = file.matrix(part, "worldToNDC");
+    if (camera && ndc) {
+        if (const auto tangent = half_width_tangent(*camera, *ndc)) return tangent;
+    }
+    // The OpenEXR library writes a screenWindowWidth of 1 by default, so the value 1 means that the width is
+    // not stated.
+    const auto width = attribute(file, part, "screenWindowWidth");
+    if (width && *width != 1) return *width / 2;
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const Matrix44& world_to_ndc) {
+    const glm::dmat4 camera = transposed(world_to_camera);
+    if (!(std::abs(glm::determinant(camera)) > 1e-12)) return std::nullopt;
+    // For column vectors, ndc = projection * camera space. Elements are projection[column][row].
+    const glm::dmat4 projection = transposed(world_to_ndc) * glm::inverse(camera);
+    const double x = std::abs(projection[0][0]), w = std::abs(projection[2][3]);
+    if (!usable(x) || !(w > 1e-9)) return std::nullopt;
+    // If NDC runs from 0 to 1, the projection adds half of the homogeneous coordinate to x.
+    const double middle = std::abs(projection[2][0]) / w;
+    const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
+    const double tangent = half * w / x;
+    return usable(tangent) ? std::optional<double>(tangent) : std::nullopt;
+}
+
+ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part, const ForeignCameraChoice& choice) {
+    ForeignCamera out;
+    const auto assume = [&](const char* what, double value, const char* unit, const char* option) {
+        out.assumed.push_back(
+            fmt::format("{} is not in the file: {:g}{} is assumed ({})", what, value, unit, option));
+        return value;
+    };
+    const auto sensor = file.pair(part, "sensorOverallDimensions");
+    if (const auto asked = checked(choice.film_width_mm, "--film-width")) {
+        out.film_width_mm = *asked;
+    } else if (sensor && usable((*sensor)[0])) {
+        out.film_width_mm = (*sensor)[0];
+    } else {
+        assume("the film's width", out.film_width_mm, " mm", "--film-width");
+    }
+    const auto nominal = attribute(file, part, "nominalFocalLength");
+    const auto asked_focal = checked(choice.focal_length_mm, "--focal-length");
+    if (const auto asked = checked(choice.film_distance_mm, "--film-distance")) {
+        out.film_distance_mm = *asked;
+    } else if (const auto pinhole = attribute(file, part, "pinholeFocalLength")) {
+        out.film_distance_mm = *pinhole;
+    } else if (const auto tangent = view_of(file, part)) {
+        out.film_distance_mm = out.film_width_mm / (2 * *tangent);
+    } else if (nominal) {
+        out.film_distance_mm = *nominal;
+    } else if (asked_focal) {
+        out.film_distance_mm = *asked_focal;
+    } else {
+        assume("the film's distance", out.film_distance_mm, " mm", "--film-distance");
+    }
+    out.focal_length_mm = asked_focal.value_or(nominal.value_or(out.film_distance_mm));
+    if (const auto asked = checked(choice.metres_per_unit, "--metres-per-unit")) {
+        out.metres_per_unit = *asked;
+    } else {
+        assume("the unit of depth", out.metres_per_unit, " m", "--metres-per-unit");
+    }
+    if (choice.depth_along) {
+        out.depth_along = *choice.depth_along;
+    } else {
+        out.assumed.emplace_back("what Z is measured along is not in the file: the axis is assumed (--z)");
+    }
+    out.f_number = attribute(file, part, "aperture");
+    if (const auto focus = file.number(part, "focus"); focus && *focus > 0) out.focus_m = focus;
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,80 @@
+// Implementation of ForeignFile: the file of the OpenEXR library, and functions that flat and deep reading
+// share.
+#pragma once
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfPixelType.h>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "pictures/foreign/foreign_file.h"
+
+namespace postlens {
+
+namespace foreign {
+
+/// Memory, bytes, that may be allocated for a file without a comparison with the size of the file.
+inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
+/// Upper bound of the compression ratio. Deflate, the densest method of OpenEXR, reaches 1032 to 1, and none
+/// compresses twice.
+inline constexpr std::uint64_t densest = 4096;
+
+/// Converts a message of the library to one line.
+[[nodiscard]] std::string one_line(std::string text);
+
+/// Number of rows that are compressed together.
+[[nodiscard]] int chunk_rows(const Imf::Header& h);
+
+/// Type as which the library reads a channel: float, or integers, whose bits are stored in place of a float.
+/// Throws Error(invalid_input) for a channel that is missing or subsampled.
+[[nodiscard]] Imf::PixelType read_as(const Imf::Header& h, const std::string& channel,
+                                     const std::string& name);
+
+/// Runs a call of the OpenEXR library and converts its exceptions to Error.
+template <typename Call>
+auto guarded(const std::string& name, const Call& call) {
+    try {
+        return call();
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        fail(ExitCode::out_of_memory, "{}: not enough memory to read it", name);
+    } catch (const std::exception& e) {
+        fail(ExitCode::invalid_input, "{}: cannot read ({})", name, one_line(e.what()));
+    }
+}
+
+}  // namespace foreign
+
+struct ForeignFile::Impl {
+    struct Opened {
+        std::string name;
+        std::uint64_t bytes = 0;
+        std::size_t first_part = 0;
+        std::unique_ptr<Imf::MultiPartInputFile> file;
+    };
+    std::vector<Opened> files;  ///< the image's file, then attached files
+
+    [[nodiscard]] const Opened& of(std::size_t part) const {
+        std::size_t i = files.size() - 1;
+        while (files[i].first_part > part) --i;
+        return files[i];
+    }
+    /// Number of the part within its own file.
+    [[nodiscard]] int number(std::size_t part) const { return static_cast<int>(part - of(part).first_part); }
+    [[nodiscard]] const Imf::Header& header(std::size_t part) const {
+        return of(part).file->header(number(part));
+    }
+    template <typename Attribute>
+    [[nodiscard]] const Attribute* find(std::size_t part, const char* name) const {
+        return header(part).findTypedAttribute<Attribute>(name);
+    }
+};
+
+}  // namespace postlens

@@ -1,0 +1,77 @@
+#include "pictures/foreign/foreign_planes.h"
+
+#include <algorithm>
+
+#include "core/memory.h"
+
+namespace postlens {
+
+void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
+                   const ForeignPart& onto, const TakeRow& take) {
+    const ForeignPart& from = file.parts()[part];
+    // Shift from the coordinates of part `from` to those of part `onto`.
+    const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
+    const int x_begin = std::max(from.data.x_min + right, onto.data.x_min),
+              x_last = std::min(from.data.x_max + right, onto.data.x_max);
+    if (x_begin > x_last) return;
+    const int columns = x_last - x_begin + 1, skipped = x_begin - right - from.data.x_min;
+    const auto count = static_cast<std::size_t>(columns), first = static_cast<std::size_t>(skipped);
+    file.read_flat(part, channels, [&](int own_y, std::span<const float* const> values) {
+        const int y = own_y + down;
+        if (y < onto.data.y_min || y > onto.data.y_max) return;
+        take(static_cast<std::size_t>(y - onto.data.y_min) * static_cast<std::size_t>(onto.width()) +
+                 static_cast<std::size_t>(x_begin - onto.data.x_min),
+             count, first, values);
+    });
+}
+
+std::vector<float> plane_onto(const ForeignFile& file, std::size_t part, const std::string& channel,
+                              const ForeignPart& onto, float otherwise) {
+    const std::size_t pixels =
+        static_cast<std::size_t>(onto.width()) * static_cast<std::size_t>(onto.height());
+    require_memory(pixels * sizeof(float), "the channel of another part");
+    std::vector<float> plane(pixels, otherwise);
+    each_row_onto(
+        file, part, std::span(&channel, 1), onto,
+        [&](std::size_t first, std::size_t count, std::size_t from, std::span<const float* const> values) {
+            std::copy_n(values[0] + from, count, plane.begin() + static_cast<std::ptrdiff_t>(first));
+        });
+    return plane;
+}
+
+std::optional<std::size_t> JoinedChannels::add(std::size_t part, const std::string& name, float otherwise,
+                                               bool interpolated) {
+    if (name.empty()) return std::nullopt;
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+        if (channels_[i].part == part && channels_[i].name == name) return i;
+    }
+    Channel& channel = channels_.emplace_back();
+    channel.part = part;
+    channel.name = name;
+    if (interpolated && part == part_ && file_.sampling(part, name) != ChannelSampling()) {
+        channel.plane = file_.read_sampled(part, name);
+    } else if (part != part_) {
+        channel.plane = plane_onto(file_, part, name, file_.parts()[part_], otherwise);
+    } else {
+        channel.row = own_.size();
+        own_.push_back(name);
+    }
+    return channels_.size() - 1;
+}
+
+void JoinedChannels::read(
+    const std::function<void(int y, std::span<const float* const> values)>& take) const {
+    const ForeignPart& part = file_.parts()[part_];
+    const auto width = static_cast<std::size_t>(part.width());
+    std::vector<const float*> joined(channels_.size());
+    file_.read_flat(part_, own_, [&](int y, std::span<const float* const> values) {
+        const std::size_t first = static_cast<std::size_t>(y - part.data.y_min) * width;
+        for (std::size_t i = 0; i < channels_.size(); ++i) {
+            const Channel& channel = channels_[i];
+            joined[i] = channel.plane.empty() ? values[channel.row] : channel.plane.data() + first;
+        }
+        take(y, joined);
+    });
+}
+
+}  // namespace postlens

@@ -1,0 +1,107 @@
+// RGB images in memory, and functions that read and write image files.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace postlens {
+
+/// An RGB image: row-major, top row first, three floats per pixel, Rec.709 primaries, linear, not clamped; 1
+/// is white. Colours are premultiplied by alpha, if present.
+struct Image {
+    int width = 0, height = 0;
+    std::vector<float> rgb;
+    std::vector<float> alpha;  ///< one value per pixel; empty: opaque
+    /// `rgb` is radiance times 2^exposure_stops. Empty if unknown, as for another program's PNG, TIFF or
+    /// JPEG.
+    std::optional<double> exposure_stops = 0.0;
+    /// A further channel, with one value per pixel. The exposure does not apply to it.
+    struct Plane {
+        std::string name;
+        std::vector<float> values;
+    };
+    std::vector<Plane> planes;                               ///< only .exr files have them
+    std::vector<std::pair<std::string, std::string>> texts;  ///< attributes that belong to `planes`
+    std::string made_by;  ///< how the image was made, for its file; empty: the file does not say
+
+    Image() = default;
+    Image(int w, int h)
+        : width(w), height(h), rgb(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 3, 0.0F) {}
+    [[nodiscard]] float* pixel(int x, int y) {
+        return rgb.data() +
+               (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
+                   3;
+    }
+    [[nodiscard]] const float* pixel(int x, int y) const { return const_cast<Image*>(this)->pixel(x, y); }
+};
+
+/// A part of an image: pixels [x, x + width) x [y, y + height), with (0, 0) at the upper left of the image
+/// (pictures/crop.h).
+struct Crop {
+    int x = 0, y = 0, width = 0, height = 0;
+    [[nodiscard]] bool operator==(const Crop&) const = default;
+    [[nodiscard]] bool contains(int px, int py) const {
+        return px >= x && px < x + width && py >= y && py < y + height;
+    }
+    /// True if the crop overlaps the given rectangle of the image.
+    [[nodiscard]] bool meets(int px, int py, int w, int h) const {
+        return px < x + width && x < px + w && py < y + height && y < py + h;
+    }
+};
+
+/// Writes an image in the format of the path's extension: .exr (float radiance, with alpha); .png (8 bit),
+/// .tif or .jpg (sRGB transfer curve, clamped to 0..1, without alpha, so that premultiplied colours appear
+/// over black). The file appears complete or not at all.
+///
+/// The exposure is stored as `postlens.exposure_stops`: in .exr as an attribute, if it is not 0; in other
+/// formats as text, if it is known, and their values have it applied. With a `crop`, only that part is
+/// written. An .exr then has the crop as data window and the whole image as display window, and
+/// `postlens.crop` tells `read_image` to return the crop alone.
+///
+/// `made_by`, if not empty, is stored as `postlens.made_by`: in .exr as an attribute, in other formats as
+/// text.
+///
+/// Returns the XXH3 hash (64 bits) of the file. Throws Error(cannot_write) on any failure, and
+/// Error(wrong_arguments) for an unknown extension and a crop that is not within the image.
+std::uint64_t write_image(const std::filesystem::path& path, const Image& image,
+                          const std::optional<Crop>& crop = std::nullopt);
+
+/// Checks a path before an image is computed. Throws Error(wrong_arguments) if `write_image` does not accept
+/// it, and Error(invalid_input) if the library for its format cannot be loaded
+/// (pictures/formats/picture_library.h).
+void check_image_path(const std::filesystem::path& path);
+/// Checks the path of a file that can only be OpenEXR. `what` names its contents: "records", "responses".
+void check_exr_path(const std::filesystem::path& path, const char* what);
+
+struct ImageSize {
+    int width = 0, height = 0;
+    [[nodiscard]] bool operator==(const ImageSize&) const = default;
+};
+
+/// Size of the image that `read_image` returns, from the header alone. Throws Error(invalid_input).
+[[nodiscard]] ImageSize read_image_size(const std::filesystem::path& path);
+
+/// How the image or sample file was made, as the file says (Image::made_by, SampleHeader::made_by); empty if
+/// it does not say. Throws Error(invalid_input).
+[[nodiscard]] std::string read_made_by(const std::filesystem::path& path);
+
+/// How `read_image` treats an OpenEXR file that states an exposure.
+enum class PictureValues {
+    exposed,  ///< returns radiance times 2^postlens.exposure_stops, so that 1 is white
+    stored    ///< returns radiance, for textures and apertures
+};
+
+/// Reads the first three channels of the first part of any file that OpenImageIO reads; with one or two
+/// channels, the first is grey. Integer formats and formats tagged sRGB are converted to scene-linear. The
+/// image is that of the display window: pixels outside it are dropped, and pixels that the file does not
+/// store are black. For a crop (see write_image), the image is the crop alone. Throws Error(invalid_input).
+[[nodiscard]] Image read_image(const std::filesystem::path& path,
+                               PictureValues values = PictureValues::exposed);
+
+}  // namespace postlens

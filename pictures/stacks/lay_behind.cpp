@@ -1,0 +1,107 @@
+#include "pictures/stacks/lay_behind.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "core/error.h"
+#include "core/memory.h"
+
+namespace postlens {
+namespace {
+
+/// Transmittance of a stack of samples below which the stack counts as opaque. The rest is rounding of
+/// alphas.
+constexpr double opaque_within = 1e-3;
+/// Largest relative difference of two inverse depths that count as equal. The depths were stored as half
+/// floats.
+constexpr float same_depth = 1.0F / 1024;
+/// A sample that is nearer by more than this share of its distance is another surface, and not the same one
+/// with other noise.
+constexpr float nearer_by = 1.0F / 20;
+
+void check_same_view(const ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
+    if (front.width != back.width || front.height != back.height) {
+        fail(ExitCode::invalid_input, "{}: cannot lie behind (got {}x{} px; expected {}x{} px, as in front)",
+             name, back.width, back.height, front.width, front.height);
+    }
+    // The field of view is given by the ratio of film width and film distance.
+    const double view = front.camera.film_width_mm / front.camera.film_distance_mm,
+                 other = back.camera.film_width_mm / back.camera.film_distance_mm;
+    constexpr double rounding = 1e-4;
+    if (!(std::abs(view - other) <= rounding * view)) {
+        fail(
+            ExitCode::invalid_input,
+            "{}: cannot lie behind (got a view {:.6g} wide at a distance of 1; expected {:.6g}, as in front)",
+            name, other, view);
+    }
+}
+
+/// Inverse depth, 1/m, of the last sample of an opaque stack; infinity if the stack transmits light.
+float last_opaque(std::span<const StackSample> stack) {
+    float last = std::numeric_limits<float>::infinity();
+    double left = 1;
+    for (const StackSample& s : stack) {
+        left *= 1 - static_cast<double>(s.alpha);
+        if (left <= opaque_within) last = s.inverse_z;
+    }
+    return last;
+}
+
+}  // namespace
+
+LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
+    check_same_view(front, back, name);
+    ForeignPicture out;
+    out.x_begin = std::min(front.x_begin, back.x_begin);
+    out.x_end = std::max(front.x_end, back.x_end);
+    out.y_begin = std::min(front.y_begin, back.y_begin);
+    out.y_end = std::max(front.y_end, back.y_end);
+    const auto pixels =
+        static_cast<std::size_t>(out.x_end - out.x_begin) * static_cast<std::size_t>(out.y_end - out.y_begin);
+    require_memory((front.samples.size() + back.samples.size()) * sizeof(StackSample) +
+                       (pixels + 1) * sizeof(std::uint64_t),
+                   "images behind each other");
+    out.samples.reserve(front.samples.size() + back.samples.size());
+    out.offsets.reserve(pixels + 1);
+    LaidBehind found;
+    std::size_t nearer = 0;
+    const auto stack_of = [](const ForeignPicture& p, int x, int y) {
+        return p.stores(x, y) ? p.stack(x, y) : std::span<const StackSample>();
+    };
+    for (int y = out.y_begin; y < out.y_end; ++y) {
+        for (int x = out.x_begin; x < out.x_end; ++x) {
+            const std::span<const StackSample> before = stack_of(front, x, y), more = stack_of(back, x, y);
+            const float last = last_opaque(before);
+            const auto begin = static_cast<std::ptrdiff_t>(out.samples.size());
+            out.samples.insert(out.samples.end(), before.begin(), before.end());
+            bool is_nearer = false;
+            for (const StackSample& s : more) {
+                if (s.inverse_z < last * (1 - same_depth)) {
+                    out.samples.push_back(s);
+                    ++found.samples;
+                } else {
+                    is_nearer = is_nearer || s.inverse_z * (1 - nearer_by) > last;
+                }
+            }
+            nearer += is_nearer ? 1 : 0;
+            std::inplace_merge(
+                out.samples.begin() + begin,
+                out.samples.begin() + begin + static_cast<std::ptrdiff_t>(before.size()), out.samples.end(),
+                [](const StackSample& a, const StackSample& b) { return a.inverse_z > b.inverse_z; });
+            out.offsets.push_back(out.samples.size());
+        }
+    }
+    if (back.offsets.size() > 1)
+        found.nearer_share = static_cast<double>(nearer) / static_cast<double>(back.offsets.size() - 1);
+    front.x_begin = out.x_begin;
+    front.x_end = out.x_end;
+    front.y_begin = out.y_begin;
+    front.y_end = out.y_end;
+    front.samples = std::move(out.samples);
+    front.offsets = std::move(out.offsets);
+    return found;
+}
+
+}  // namespace postlens

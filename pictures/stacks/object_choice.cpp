@@ -1,0 +1,167 @@
+#include "pictures/stacks/object_choice.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "core/error.h"
+#include "core/memory.h"
+#include "pictures/foreign/cryptomatte.h"
+#include "pictures/image.h"
+
+namespace postlens {
+namespace {
+
+/// Shares of a pixel below this are rounding.
+constexpr float least_share = 1e-4F;
+
+std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& choice) {
+    const Image mask = read_image(choice.object, PictureValues::stored);
+    if (mask.width != picture.width || mask.height != picture.height) {
+        fail(ExitCode::invalid_input,
+             "{}: {} has another size than the picture (got {}x{} px; expected {}x{})", choice.option,
+             choice.object, mask.width, mask.height, picture.width, picture.height);
+    }
+    std::vector<float> out(mask.rgb.size() / 3);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const float mean = (mask.rgb[3 * i] + mask.rgb[3 * i + 1] + mask.rgb[3 * i + 2]) / 3;
+        if (!std::isfinite(mean)) {
+            fail(ExitCode::invalid_input, "{}: {} at pixel {},{} is unusable (got {}; expected 0 to 1)",
+                 choice.option, choice.object, i % static_cast<std::size_t>(mask.width),
+                 i / static_cast<std::size_t>(mask.width), mean);
+        }
+        out[i] = std::clamp(mean, 0.0F, 1.0F);
+    }
+    return out;
+}
+
+/// Ids that a text from an option may stand for: the id of that name, the number itself and, in channels of
+/// floats, the bits of that number as a float.
+std::vector<std::uint32_t> ids_of(const std::string& object) {
+    std::vector<std::uint32_t> out{cryptomatte_id(object)};
+    std::uint32_t number = 0;
+    const char* end = object.data() + object.size();
+    if (const auto [at, error] = std::from_chars(object.data(), end, number);
+        error == std::errc() && at == end) {
+        out.push_back(number);
+        out.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(number)));
+    }
+    return out;
+}
+
+[[noreturn]] void fail_unknown(const ForeignPicture& picture, const ObjectChoice& choice) {
+    std::string expected = "an image file: the picture has no ids";
+    const ForeignChannels& c = picture.channels;
+    if (c.matte) {
+        expected = "a name of the Cryptomatte " + c.matte->name;
+        const auto names = manifest_names(c.matte->manifest);
+        if (names && !names->empty()) expected += ": " + listed(*names);
+    } else if (!c.id.empty()) {
+        expected = "a number of the channel " + c.id;
+    }
+    fail(ExitCode::wrong_arguments, "{}: no pixel shows it (got {}; expected {})", choice.option,
+         choice.object, expected);
+}
+
+/// Divides a sample: `share` of it belongs to the object and comes first.
+std::array<StackSample, 2> divided(const StackSample& s, float share) {
+    std::array<StackSample, 2> out{s, s};
+    const float rest = (1 - share) / (1 - share * s.alpha);
+    for (float* v : {&out[0].r, &out[0].g, &out[0].b, &out[0].alpha}) *v *= share;
+    for (float* v : {&out[1].r, &out[1].g, &out[1].b, &out[1].alpha}) *v *= rest;
+    // An opaque sample stays opaque; rounding must not let light through.
+    if (s.alpha == 1) out[1].alpha = 1;
+    return out;
+}
+
+std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vector<float>& mask) {
+    require_memory((picture.samples.size() + mask.size()) * (sizeof(StackSample) + 1),
+                   "the samples of an object");
+    std::vector<StackSample> samples;
+    samples.reserve(picture.samples.size() + mask.size());
+    std::vector<std::uint64_t> offsets{0};
+    offsets.reserve(picture.offsets.size());
+    std::vector<std::uint8_t> chosen;
+    for (int y = picture.y_begin; y < picture.y_end; ++y) {
+        for (int x = picture.x_begin; x < picture.x_end; ++x) {
+            const bool shown = x >= 0 && x < picture.width && y >= 0 && y < picture.height;
+            const float share =
+                shown ? mask[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
+                             static_cast<std::size_t>(x)]
+                      : 0;
+            const auto stack = picture.stack(x, y);
+            for (const StackSample& s : stack) {
+                const bool nearest = &s == stack.data();
+                if (!nearest || share < least_share || share > 1 - least_share) {
+                    samples.push_back(s);
+                    chosen.push_back(nearest && share > 1 - least_share ? 1 : 0);
+                    continue;
+                }
+                for (const StackSample& part : divided(s, share)) samples.push_back(part);
+                chosen.insert(chosen.end(), {1, 0});
+            }
+            offsets.push_back(samples.size());
+        }
+    }
+    picture.samples = std::move(samples);
+    picture.offsets = std::move(offsets);
+    return chosen;
+}
+
+std::vector<std::uint8_t> choose_by_id(const ForeignPicture& picture, const ObjectChoice& choice) {
+    std::vector<std::uint8_t> out(picture.samples.size());
+    for (const std::uint32_t id : ids_of(choice.object)) {
+        bool found = false;
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            if (picture.samples[i].id != id || id == 0) continue;
+            out[i] = 1;
+            found = true;
+        }
+        if (found) return out;
+    }
+    fail_unknown(picture, choice);
+}
+
+}  // namespace
+
+bool ObjectChoice::is_file() const {
+    std::string ending = std::filesystem::path(object).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    constexpr std::array endings{".exr", ".png", ".tif", ".tiff", ".jpg", ".jpeg"};
+    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+std::vector<std::uint8_t> choose_samples(ForeignPicture& picture, const ObjectChoice& choice) {
+    return choice.is_file() ? choose_by_mask(picture, mask_of(picture, choice))
+                            : choose_by_id(picture, choice);
+}
+
+std::vector<float> choose_pixels(const ForeignPicture& picture, const ObjectChoice& choice) {
+    if (choice.is_file()) return mask_of(picture, choice);
+    const std::vector<std::uint8_t> chosen = choose_by_id(picture, choice);
+    std::vector<float> out(static_cast<std::size_t>(picture.width) *
+                           static_cast<std::size_t>(picture.height));
+    for (int y = 0; y < picture.height; ++y) {
+        for (int x = 0; x < picture.width; ++x) {
+            if (!picture.stores(x, y)) continue;
+            double left = 1, shown = 0;
+            const auto stack = picture.stack(x, y);
+            const auto first = static_cast<std::size_t>(stack.data() - picture.samples.data());
+            for (std::size_t k = 0; k < stack.size(); ++k) {
+                const auto alpha = static_cast<double>(stack[k].alpha);
+                if (chosen[first + k] != 0) shown += left * alpha;
+                left *= 1 - alpha;
+            }
+            out[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
+                static_cast<std::size_t>(x)] = static_cast<float>(shown);
+        }
+    }
+    return out;
+}
+
+}  // namespace postlens

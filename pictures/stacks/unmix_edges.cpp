@@ -1,0 +1,262 @@
+#include "pictures/stacks/unmix_edges.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/memory.h"
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+/// Radius, px, within which unmixed pixels of the same surface are searched. It is larger if depths are means
+/// of two depths, because the filter that made the means mixed more pixels.
+constexpr int reach_px = 2, reach_of_means_px = 5;
+/// Largest relative difference between depths at one position of a surface.
+constexpr double same_depth = 0.05;
+
+/// Clamps to the range of float, which one surface's part of a very bright pixel may exceed.
+float within_float(double value) {
+    constexpr double most = std::numeric_limits<float>::max();
+    return static_cast<float>(std::clamp(value, -most, most));
+}
+
+/// A surface's part of a pixel: premultiplied colour and alpha of the part alone.
+struct Portion {
+    std::uint32_t id = 0;
+    double share = 0;
+    std::optional<double> at;  ///< inverse depth, 1/m; set if depths, not ids, identify the surface
+    std::array<double, 4> rgba{};
+    double inverse_z = 0;
+    bool has_colour = false, has_depth = false;
+};
+
+class Unmixer {
+  public:
+    explicit Unmixer(const ForeignPicture& picture)
+        : p_(picture), width_(picture.x_end - picture.x_begin), mixed_(picture.offsets.size() - 1) {
+        for (const MixedPixel& m : p_.mixed) mixed_[m.pixel] = 1;
+    }
+
+    /// Samples that replace a mixed pixel; empty if it stays unchanged.
+    [[nodiscard]] std::vector<StackSample> apart(const MixedPixel& m) const {
+        std::vector<Portion> portions;
+        for (std::size_t i = m.first; i < m.first + m.count; ++i) {
+            const SurfaceShare& s = p_.shares[i];
+            Portion portion;
+            portion.id = s.id;
+            portion.share = static_cast<double>(s.share);
+            if (s.inverse_z) portion.at = static_cast<double>(*s.inverse_z);
+            find(m.pixel, portion);
+            if (portion.has_depth) portions.push_back(portion);
+        }
+        if (portions.size() < 2) return {};
+        double sum = 0;
+        for (const Portion& portion : portions) sum += portion.share;
+        for (Portion& portion : portions) portion.share /= sum;
+        const std::array<double, 4> whole = value_of(m.pixel);
+        give_colours(whole, portions);
+        return stack_of(whole[3], portions);
+    }
+
+  private:
+    [[nodiscard]] std::array<double, 4> value_of(std::size_t pixel) const {
+        if (is_empty(pixel)) return {};
+        const StackSample& s = p_.samples[p_.offsets[pixel]];
+        return {static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
+                static_cast<double>(s.alpha)};
+    }
+    /// Id of a pixel; 0 also if the pixel is empty.
+    [[nodiscard]] std::uint32_t id_of(std::size_t pixel) const {
+        return is_empty(pixel) ? 0 : p_.samples[p_.offsets[pixel]].id;
+    }
+    [[nodiscard]] double inverse_z_of(std::size_t pixel) const {
+        return is_empty(pixel) ? 0 : static_cast<double>(p_.samples[p_.offsets[pixel]].inverse_z);
+    }
+
+    /// Calls visit(pixel, squared distance) for the pixels within `reach`. Pixels of the raster that are not
+    /// stored are empty and visited as `unstored`.
+    template <typename Visit>
+    void around(std::size_t pixel, int reach, const Visit& visit) const {
+        const auto width = static_cast<std::size_t>(width_);
+        const int x = p_.x_begin + static_cast<int>(pixel % width),
+                  y = p_.y_begin + static_cast<int>(pixel / width);
+        for (int v = y - reach; v <= y + reach; ++v) {
+            for (int u = x - reach; u <= x + reach; ++u) {
+                const bool stored = p_.stores(u, v);
+                if (!stored && (u < 0 || u >= p_.width || v < 0 || v >= p_.height)) continue;
+                visit(stored ? static_cast<std::size_t>(v - p_.y_begin) * width +
+                                   static_cast<std::size_t>(u - p_.x_begin)
+                             : unstored,
+                      (u - x) * (u - x) + (v - y) * (v - y));
+            }
+        }
+    }
+    static constexpr std::size_t unstored = ~std::size_t{0};
+
+    [[nodiscard]] bool is_empty(std::size_t pixel) const {
+        return pixel == unstored || p_.offsets[pixel] == p_.offsets[pixel + 1];
+    }
+    [[nodiscard]] bool is_mixed(std::size_t pixel) const { return pixel != unstored && mixed_[pixel] != 0; }
+    [[nodiscard]] static bool alike(double a, double b) {
+        return std::abs(a - b) <= same_depth * std::max(a, b);
+    }
+
+    void find(std::size_t pixel, Portion& portion) const {
+        const int reach = portion.at ? reach_of_means_px : reach_px;
+        for (const bool pure : {true, false}) {
+            int nearest = 0;
+            double depth = 0;
+            const auto is_one = [&](std::size_t at) {
+                if (is_mixed(at) == pure) return false;
+                return portion.at ? alike(inverse_z_of(at), *portion.at) : id_of(at) == portion.id;
+            };
+            around(pixel, reach, [&](std::size_t at, int distance) {
+                if (!is_one(at) || (portion.has_depth && distance >= nearest)) return;
+                nearest = distance;
+                depth = inverse_z_of(at);
+                if (portion.at) portion.id = id_of(at);
+                portion.has_depth = true;
+            });
+            if (!portion.has_depth) continue;
+            // If mixed pixels count, the pixel itself is one of them, at distance 0. Adding 0.5 to the
+            // squared distance avoids a division by 0.
+            double sum = 0, depths = 0;
+            around(pixel, reach, [&](std::size_t at, int distance) {
+                const double z = inverse_z_of(at);
+                if (!is_one(at) || !alike(z, depth)) return;
+                const double weight = 1 / (distance + (pure ? 0.0 : 0.5));
+                const auto value = value_of(at);
+                for (std::size_t c = 0; c < 4; ++c) portion.rgba[c] += weight * value[c];
+                depths += weight * z;
+                sum += weight;
+            });
+            for (double& channel : portion.rgba) channel /= sum;
+            portion.inverse_z = depths / sum;
+            portion.has_colour = pure;
+            return;
+        }
+    }
+
+    /// Changes the colours of the surfaces in a mixed pixel so that their sum, weighted with the surfaces'
+    /// shares, equals the pixel's colour.
+    static void give_colours(const std::array<double, 4>& whole, std::vector<Portion>& portions) {
+        double unknown = 0, squares = 0;
+        for (const Portion& portion : portions) {
+            if (!portion.has_colour) unknown += portion.share;
+            squares += portion.share * portion.share;
+        }
+        for (std::size_t c = 0; c < 4; ++c) {
+            double known = 0;
+            for (const Portion& portion : portions) {
+                if (portion.has_colour) known += portion.share * portion.rgba[c];
+            }
+            if (unknown > 0) {
+                for (Portion& portion : portions) {
+                    if (!portion.has_colour) portion.rgba[c] = (whole[c] - known) / unknown;
+                }
+            } else {
+                for (Portion& portion : portions)
+                    portion.rgba[c] += (whole[c] - known) * portion.share / squares;
+            }
+            if (whole[c] >= 0) keep_within(whole[c], c, portions);
+        }
+    }
+
+    /// Limits channel `c` of each surface in a mixed pixel to 0 or more, and alpha to at most 1, without
+    /// changing the sum that is weighted with the surfaces' shares.
+    static void keep_within(double whole, std::size_t c, std::vector<Portion>& portions) {
+        const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
+        double sum = 0, room = 0;
+        for (Portion& portion : portions) {
+            portion.rgba[c] = std::clamp(portion.rgba[c], 0.0, most);
+            sum += portion.share * portion.rgba[c];
+            room += portion.share * (1 - portion.rgba[c]);
+        }
+        for (Portion& portion : portions) {
+            double& value = portion.rgba[c];
+            if (c == 3 && whole > sum) {
+                if (room > 0) value = std::min(1.0, value + (1 - value) * (whole - sum) / room);
+            } else if (sum > 0) {
+                value *= whole / sum;
+            }
+        }
+    }
+
+    /// Converts surfaces that are side by side in a pixel to samples that lie over each other.
+    static std::vector<StackSample> stack_of(double whole_alpha, std::vector<Portion>& portions) {
+        std::stable_sort(portions.begin(), portions.end(),
+                         [](const Portion& a, const Portion& b) { return a.inverse_z > b.inverse_z; });
+        std::vector<StackSample> out;
+        double left = 1;
+        constexpr double nothing_left = 1e-5;
+        for (const Portion& portion : portions) {
+            if (left <= nothing_left) break;
+            const double times = portion.share / left;
+            StackSample s;
+            s.inverse_z = static_cast<float>(portion.inverse_z);
+            s.id = portion.id;
+            s.r = within_float(times * portion.rgba[0]);
+            s.g = within_float(times * portion.rgba[1]);
+            s.b = within_float(times * portion.rgba[2]);
+            s.alpha = static_cast<float>(std::clamp(times * portion.rgba[3], 0.0, 1.0));
+            if (1 - s.alpha < static_cast<float>(nothing_left)) s.alpha = 1;
+            left -= portion.share * portion.rgba[3];
+            out.push_back(s);
+        }
+        // Rounding of the shares must not make an opaque pixel transparent.
+        if (!out.empty() && whole_alpha == 1) out.back().alpha = 1;
+        return out;
+    }
+
+    const ForeignPicture& p_;
+    int width_;
+    std::vector<std::uint8_t> mixed_;
+};
+
+}  // namespace
+
+std::size_t unmix_edges(ForeignPicture& picture) {
+    if (picture.mixed.empty()) return 0;
+    const std::size_t pixels = picture.offsets.size() - 1;
+    require_memory(picture.mixed.size() * sizeof(std::vector<StackSample>) +
+                       picture.shares.size() * sizeof(StackSample) + pixels,
+                   "edges taken apart");
+    std::vector<std::vector<StackSample>> stacks(picture.mixed.size());
+    {
+        const Unmixer unmixer(picture);
+        parallel_for(
+            stacks.size(), [&](std::size_t i) { stacks[i] = unmixer.apart(picture.mixed[i]); }, 64);
+    }
+    require_memory((picture.samples.size() + picture.shares.size()) * sizeof(StackSample) +
+                       picture.offsets.size() * sizeof(std::uint64_t),
+                   "edges taken apart");
+    std::vector<StackSample> samples;
+    samples.reserve(picture.samples.size() + picture.shares.size());
+    std::vector<std::uint64_t> offsets{0};
+    offsets.reserve(picture.offsets.size());
+    std::size_t next = 0, count = 0;
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+        const bool is_mixed = next < picture.mixed.size() && picture.mixed[next].pixel == pixel;
+        if (is_mixed && !stacks[next].empty()) {
+            samples.insert(samples.end(), stacks[next].begin(), stacks[next].end());
+            ++count;
+        } else {
+            samples.insert(samples.end(),
+                           picture.samples.begin() + static_cast<std::ptrdiff_t>(picture.offsets[pixel]),
+                           picture.samples.begin() + static_cast<std::ptrdiff_t>(picture.offsets[pixel + 1]));
+        }
+        if (is_mixed) ++next;
+        offsets.push_back(samples.size());
+    }
+    picture.samples = std::move(samples);
+    picture.offsets = std::move(offsets);
+    picture.mixed.clear();
+    picture.shares.clear();
+    return count;
+}
+
+}  // namespace postlens

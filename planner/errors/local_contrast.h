@@ -1,0 +1,25 @@
+// The error of a pixel whose colour is estimated from its neighbourhood.
+#pragma once
+
+#include <vector>
+
+#include "pictures/image.h"
+
+namespace postlens {
+
+/// Per pixel, the variance (sRGB values, mean over channels) of the image within a square of 2 radius_px + 1
+/// px. The result is bit-identical for any number of threads.
+[[nodiscard]] std::vector<float> local_contrast(const Image& image, int radius_px = 32);
+
+/// Expected squared error (sRGB values) of a pixel if a share of its light is replaced by light of its
+/// neighbourhood, whose values have the given variance.
+[[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
+    return unknown_share * unknown_share * variance;
+}
+/// Expected squared error of a pixel if `light` (sRGB values) of it is reprojected to a wrong position: a
+/// quarter of the square of `light`, as on average half of it still reaches the right pixel.
+[[nodiscard]] inline double misplaced_error(double light) {
+    return light * light / 4;
+}
+
+}  // namespace postlens

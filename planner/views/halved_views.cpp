@@ -1,0 +1,181 @@
+#include "planner/views/halved_views.h"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "focus/responses/depth_levels.h"
+#include "pictures/crop.h"
+#include "planner/stated_error.h"
+#include "planner/views/picture_request.h"
+
+namespace postlens {
+namespace {
+
+/// Number of scrambled sets of lens points that the image's square pieces use in turn, and the step from one
+/// row of pieces to the next. Moving scenes use fewer sets, since the objects must be placed for every view.
+/// The numbers are prime, so that a set repeats along a row, a column or a diagonal only after that many
+/// pieces.
+constexpr int scrambles = 61, scrambles_moving = 17, scrambles_down = 23;
+
+/// Linear interpolation of a pixel's values from `to` towards `from`, by `share`.
+template <typename T>
+void mix(const std::vector<T>& from, std::vector<T>& to, std::size_t begin, std::size_t count, float share) {
+    if (from.empty()) return;
+    for (std::size_t i = begin; i < begin + count; ++i)
+        to[i] = share < 1 ? to[i] + share * (from[i] - to[i]) : from[i];
+}
+
+void mix_pixel(const FieldFocus& from, std::size_t k, float share, FieldFocus& to) {
+    mix(from.image.rgb, to.image.rgb, 3 * k, 3, share);
+    mix(from.unknown, to.unknown, k, 1, share);
+    mix(from.unknown_below, to.unknown_below, k, 1, share);
+    mix(from.traced, to.traced, k, 1, share);
+}
+
+}  // namespace
+
+HalvedViews::HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set)
+    : by_field_(field_settings(frame.file().header(), settings)),
+      grid_{by_field_.window.width(), by_field_.window.height()},
+      first_set_(first_set),
+      checked_(settings.checked) {
+    const SampleHeader& h = frame.file().header();
+    if (settings.scene != nullptr) {
+        setup_ =
+            std::make_unique<RenderSetup>(*settings.scene, ray_settings(h, settings, by_field_.aperture));
+        rays_ = std::make_unique<SceneRays>(*setup_, DistributedSettings{h.max_depth, h.min_contribution},
+                                            most_lens_views);
+        by_field_.rays = rays_.get();
+    }
+    by_field_.piece_px = piece_px(grid_.width, grid_.height);
+    focuser_ = std::make_unique<FieldFocuser>(frame, by_field_);
+    views_.assign(grid_.count(), 0);
+    left_.assign(grid_.count(), 0);
+}
+
+void HalvedViews::draw(const std::vector<int>& views) {
+    const int count = by_field_.shutter ? scrambles_moving : scrambles;
+    const auto scramble_of = [count, piece = by_field_.piece_px](int x, int y) {
+        return (x / piece + scrambles_down * (y / piece)) % count;
+    };
+    std::vector<FieldViews> sets;
+    for (std::size_t half = 0; half < 2; ++half) {
+        std::set<std::pair<int, int>> spans;  // ranges [first, end) of the half's missing views
+        for (std::size_t t = 0; t < views.size(); ++t) {
+            const std::pair span{of_half(views_[t], half), of_half(views[t], half)};
+            if (span.first < span.second) spans.insert(span);
+        }
+        for (const auto& [first, end] : spans) {
+            for (int scramble = 0; scramble < count; ++scramble) {
+                FieldViews set{.count = end - first,
+                               .set = first_set_ + 2 * scramble + static_cast<int>(half),
+                               .first = first,
+                               .picture = half};
+                set.wanted = [&, this, first = first, end = end, half, scramble, scramble_of](int x, int y,
+                                                                                              int, int) {
+                    const std::size_t t = grid_.at(x, y);
+                    return of_half(views_[t], half) == first && of_half(views[t], half) == end &&
+                           scramble_of(x, y) == scramble;
+                };
+                if (rays_) {
+                    set.left_to_rays = [this](int x, int y) { return left_[grid_.at(x, y)] != 0; };
+                    set.checked = checked_;
+                    if (!checked_) {
+                        set.checked = [half, first = first, count = end - first,
+                                       pixels = CheckedPixels(grid_.width, grid_.height)](
+                                          int x, int y, std::vector<std::uint32_t>& some) {
+                            pixels.views(x, y, static_cast<int>(half), first, count, some);
+                        };
+                    }
+                }
+                sets.push_back(std::move(set));
+            }
+        }
+    }
+    if (sets.empty()) return;
+    std::vector<FieldFocus> drawn = focuser_->draw(sets);
+    for (std::size_t half = 0; half < drawn.size(); ++half) take(std::move(drawn[half]), half, views);
+    for (std::size_t t = 0; t < views.size(); ++t) views_[t] = std::max(views_[t], views[t]);
+}
+
+void HalvedViews::take(FieldFocus&& drawn, std::size_t half, const std::vector<int>& views) {
+    FieldFocus& to = halves_[half];
+    if (to.image.rgb.empty()) {
+        to = std::move(drawn);
+        return;
+    }
+    std::size_t k = 0;
+    for (int y = 0; y < grid_.height; ++y) {
+        for (int x = 0; x < grid_.width; ++x, ++k) {
+            const std::size_t t = grid_.at(x, y);
+            const int before = of_half(views_[t], half), after = of_half(views[t], half);
+            if (before >= after) continue;
+            const double share = static_cast<double>(after - before) / after;
+            mix_pixel(drawn, k, static_cast<float>(share), to);
+            if (to.checks.empty()) continue;
+            PixelCheck& check = to.checks[k];
+            const PixelCheck& more = drawn.checks[k];
+            const std::uint32_t both = check.views + more.views;
+            for (std::size_t c = 0; c < 3; ++c)
+                check.sum[c] = both * (check.mean(c) + share * (more.mean(c) - check.mean(c)));
+            check.views = both;
+            check.rays += more.rays;
+        }
+    }
+}
+
+void HalvedViews::leave_to_rays(const std::vector<std::uint8_t>& tiles) {
+    const std::vector<int> wanted = views_;
+    bool any = false;
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+        if (tiles[t] == 0 || left_[t] != 0) continue;
+        any = true;
+        left_[t] = 1;
+        views_[t] = 0;
+    }
+    if (any) draw(wanted);
+}
+
+FieldFocus HalvedViews::whole() && {
+    FieldFocus all = std::move(halves_[0]);
+    const FieldFocus& other = halves_[1];
+    if (other.image.rgb.empty()) return all;
+    std::size_t k = 0;
+    for (int y = 0; y < grid_.height; ++y) {
+        for (int x = 0; x < grid_.width; ++x, ++k) {
+            const int views = views_[grid_.at(x, y)];
+            if (views < 2) continue;
+            mix_pixel(other, k, static_cast<float>(static_cast<double>(of_half(views, 1)) / views), all);
+            if (all.checks.empty()) continue;
+            for (std::size_t c = 0; c < 3; ++c) all.checks[k].sum[c] += other.checks[k].sum[c];
+            all.checks[k].views += other.checks[k].views;
+            all.checks[k].rays += other.checks[k].rays;
+        }
+    }
+    return all;
+}
+
+HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop) {
+    const SampleFileReader& file = frame.file();
+    HybridResult out;
+    out.rays = views.rays();
+    out.focus.geometry = views.geometry();
+    out.focus.largest_coc_px = largest_coc_px(depth_range(file), views.geometry());
+    FieldFocus all = std::move(views).whole();
+    out.focus.image = std::move(all.image);
+    out.focus.image.exposure_stops = file.exposure_stops();
+    out.what.assign(all.unknown.size(), 0);
+    out.traced = std::move(all.traced);
+    out.checks = std::move(all.checks);
+    if (out.traced.empty()) return out;
+    for (std::size_t k = 0; k < out.what.size(); ++k) {
+        if (out.traced[k] > 0.5F) out.what[k] = 2;
+    }
+    const std::vector<float> asked = cut(out.traced, file.header().width, crop);
+    out.retraced_share = std::accumulate(asked.begin(), asked.end(), 0.0) / static_cast<double>(asked.size());
+    return out;
+}
+
+}  // namespace postlens

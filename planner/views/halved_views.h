@@ -1,0 +1,66 @@
+// An image as the mean of two independent halves of its views; their difference measures its noise.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "focus/light_field/field_focus.h"
+#include "planner/hybrid.h"
+#include "planner/views/tile_grid.h"
+#include "tracer/distributed/render_setup.h"
+#include "tracer/distributed/scene_rays.h"
+
+namespace postlens {
+
+/// Draws views of an image in steps, with a number of views for each tile. With a scene, rays replace the
+/// view samples that the records do not determine.
+class HalvedViews {
+  public:
+    /// `focus.views` and `focus.method` are ignored. `first_set` numbers the first set of lens points; images
+    /// whose numbers differ by at least 128 share no set. Throws what hybrid_picture throws.
+    HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
+
+    /// Draws further views until each tile of `grid()` has `views[tile]` of them. If that number is odd, half
+    /// 0 has one view more than half 1. The result is bit-identical for any number of threads.
+    void draw(const std::vector<int>& views);
+    /// Redraws the tiles whose entry in `tiles` is not 0: rays replace all their view samples, also in later
+    /// views.
+    void leave_to_rays(const std::vector<std::uint8_t>& tiles);
+
+    [[nodiscard]] const TileGrid& grid() const { return grid_; }
+    [[nodiscard]] const FocusGeometry& geometry() const { return by_field_.geometry; }
+    [[nodiscard]] bool has_rays() const { return rays_ != nullptr; }
+    [[nodiscard]] const std::vector<int>& views() const { return views_; }                 ///< per tile
+    [[nodiscard]] const std::vector<std::uint8_t>& left_to_rays() const { return left_; }  ///< per tile
+    /// Half 0 or 1, as drawn so far.
+    [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
+    [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
+    /// Mean of all drawn views. Its comparisons with check rays are the sums over both halves.
+    [[nodiscard]] FieldFocus whole() &&;
+
+  private:
+    [[nodiscard]] static int of_half(int views, std::size_t half) {
+        return half == 0 ? (views + 1) / 2 : views / 2;
+    }
+    void take(FieldFocus&& drawn, std::size_t half, const std::vector<int>& views);
+
+    FieldFocusSettings by_field_;
+    TileGrid grid_;
+    int first_set_;
+    std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked_;
+    std::unique_ptr<RenderSetup> setup_;  ///< null without a scene
+    std::unique_ptr<SceneRays> rays_;
+    std::unique_ptr<FieldFocuser> focuser_;
+    std::vector<int> views_;
+    std::vector<std::uint8_t> left_;
+    std::array<FieldFocus, 2> halves_;
+};
+
+/// The image as the mean of all views, with its statistics: shares of pixels within `crop` and counts of
+/// rays. `stated` stays empty.
+[[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
+
+}  // namespace postlens

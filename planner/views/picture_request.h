@@ -1,0 +1,30 @@
+// Checks the settings of an image and converts them to settings of the light field and of the ray tracer.
+#pragma once
+
+#include <string>
+
+#include "focus/light_field/field_focus.h"
+#include "planner/hybrid.h"
+#include "records/sample_file.h"
+#include "scene/scene.h"
+#include "tracer/render.h"
+
+namespace postlens {
+
+/// The name of the camera in `scene` through which the file was traced. Throws Error(invalid_input) if the
+/// file was traced from another scene, or if the scene has no such camera.
+[[nodiscard]] std::string checked_camera(const SampleHeader& header, const Scene& scene);
+
+/// Throws Error(wrong_arguments) if the framing is not the trace's, if the impulse response has no lens
+/// points, if the crop exceeds the image, or if the scene's exposure differs from the file's. The message
+/// names `method`.
+void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method);
+
+/// Settings of the light field: lens, shutter and crop, without rays.
+[[nodiscard]] FieldFocusSettings field_settings(const SampleHeader& header, const HybridSettings& settings);
+
+/// Settings with which `render` makes the same image. Throws what checked_camera throws.
+[[nodiscard]] RenderSettings ray_settings(const SampleHeader& header, const HybridSettings& settings,
+                                          const Aperture& aperture);
+
+}  // namespace postlens

@@ -1,0 +1,62 @@
+// Keyframed motion, prepared for fast evaluation at the instant of each ray.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <vector>
+
+#include "records/motion/transform_key.h"
+
+namespace postlens {
+
+/// Evaluates keys as transform_at does, but with precomputed inverse cosines: rotations by slerp,
+/// translations and scales linearly.
+class MotionPath {
+  public:
+    MotionPath() = default;
+    explicit MotionPath(const std::vector<TransformKey>& keys);
+
+    /// Position and orientation at an instant: world = translation + rotation * scale * p.
+    struct Pose {
+        glm::dvec3 translation{0};
+        glm::dmat3 rotation{1};
+        glm::dvec3 scale{1};
+        [[nodiscard]] glm::dvec3 point(const glm::dvec3& p) const {
+            return translation + rotation * (scale * p);
+        }
+        [[nodiscard]] glm::dvec3 direction(const glm::dvec3& v) const { return rotation * (scale * v); }
+        /// Inverse of `point`: p is in world coordinates.
+        [[nodiscard]] glm::dvec3 unmoved_point(const glm::dvec3& p) const {
+            return unmoved_direction(p - translation);
+        }
+        [[nodiscard]] glm::dvec3 unmoved_direction(const glm::dvec3& v) const {
+            return (v * rotation) / scale;  // v * rotation is the transposed rotation times v
+        }
+        [[nodiscard]] glm::dmat4 matrix() const;
+    };
+    [[nodiscard]] Pose at(double time_s) const;
+
+    /// True if the transform changes between two instants.
+    [[nodiscard]] bool moves(double open_s, double close_s) const;
+    /// Returns open, the instants of all keys between open and close, and close.
+    [[nodiscard]] std::vector<double> intervals(double open_s, double close_s) const;
+
+  private:
+    struct Interval {
+        double begin_s = 0, per_s = 0;  // position between the two keys: (t - begin_s) * per_s, 0 to 1
+        glm::dvec3 translation{0}, translation_step{0};
+        glm::dvec3 scale{1}, scale_step{0};
+        glm::dquat from{1, 0, 0, 0}, to{1, 0, 0, 0};
+        double angle = 0, inverse_sine = 0;  // for slerp; angle 0: linear interpolation
+        bool turns = false;
+        glm::dmat3 rotation{1};  // used if `turns` is false
+        [[nodiscard]] bool still() const {
+            return !turns && translation_step == glm::dvec3(0) && scale_step == glm::dvec3(0);
+        }
+    };
+    std::vector<Interval> intervals_;  // between keys; the first begins at the first key
+    std::vector<double> times_s_;      // instants of the keys
+    Pose first_, last_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,48 @@
+// Motion of objects, camera and lights: the part of a sample file's header that gives their poses at every
+// instant.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "records/motion/transform_key.h"
+
+namespace postlens {
+
+/// The rigid motion of one id: world(t) = key(t) * p, with p the same at all times.
+struct ObjectMotion {
+    std::vector<TransformKey> keys;  ///< in ascending order; constant before the first and after the last
+    glm::dvec3 centre_m{0};          ///< of a sphere that holds the object, in the space of p
+    double radius_m = 0;
+    [[nodiscard]] bool operator==(const ObjectMotion&) const = default;
+};
+
+/// A light that moves or casts shadows. `place` is its position or direction before the keys are applied.
+struct LightMotion {
+    bool directional = false;  ///< true: `place` is the direction in which the light travels
+    glm::dvec3 place{0};       ///< position, m, or direction
+    bool casts_shadows = true;
+    std::vector<TransformKey> keys;  ///< empty: does not move
+    [[nodiscard]] bool operator==(const LightMotion&) const = default;
+};
+
+struct SceneMotion {
+    std::map<std::uint32_t, ObjectMotion> objects;  ///< only objects with keys
+    std::vector<TransformKey> camera;               ///< empty: does not move
+    std::vector<LightMotion> lights;                ///< lights that move or cast shadows
+    [[nodiscard]] bool empty() const { return objects.empty() && camera.empty() && lights.empty(); }
+    [[nodiscard]] bool operator==(const SceneMotion&) const = default;
+};
+
+/// Converts to JSON that reads back to equal values; empty for an empty motion. docs/sample_file.md lists the
+/// keys.
+[[nodiscard]] std::string motion_text(const SceneMotion& motion);
+
+/// Reads the text of motion_text. Throws Error(invalid_input), whose message begins with `source`, for other
+/// JSON, numbers that are not finite, times that do not grow, scales of 0, rotations that are not unit
+/// quaternions, and id 0.
+[[nodiscard]] SceneMotion motion_of_text(const std::string& text, const std::string& source);
+
+}  // namespace postlens

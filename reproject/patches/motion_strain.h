@@ -1,0 +1,26 @@
+// Bounds of how motion distorts a patch: they limit the patch's size and the error of its depth plane.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "reproject/patches/patches.h"
+
+namespace postlens {
+
+/// Function object for PatchLens::motion: how much the motions of all views distort a part of a surface.
+struct StrainOfMotions {
+    /// Per view, the motion of each class of objects that move alike (PatchView::Use::motions).
+    /// `strain_views` views, spread evenly over the shutter, are enough.
+    std::vector<std::vector<RasterMap>> views;
+    std::function<std::size_t(std::uint32_t id)> motion_class;
+
+    /// The maximum over the views; 0 if the object does not move.
+    [[nodiscard]] MotionStrain operator()(const SheetKey& key, const RasterPoint& middle,
+                                          const glm::dvec2& slope, const glm::dvec2& reach) const;
+};
+inline constexpr int strain_views = 16;
+
+}  // namespace postlens

@@ -1,0 +1,135 @@
+// Rasterises patches into a tile with a depth test, one sample per pixel.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <functional>
+
+#include "reproject/patches/patches.h"
+
+namespace postlens {
+
+struct TilePlace;
+
+/// The nearest surface that one view sees in each pixel of a tile.
+struct SeenTile {
+    static constexpr int edge = 64;  ///< px
+    static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
+    static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
+    static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
+    /// Bit of `texel`, for reflected and transmitted nodes: drawn by a patch with nonlinear W (Patch::bent).
+    static constexpr std::uint32_t bent = 0x80000000U;
+
+    /// SIMD kernels read 16 values at a time, also beyond the end of the last row.
+    static constexpr std::size_t slack = 16;
+
+    alignas(64) std::array<float, pixels + slack> inverse_z{};
+    alignas(64) std::array<std::uint32_t, pixels> texel{};
+    /// Inverse depth of the nearest surface that may cover the pixel (SheetNode::maybe), if it is in front of
+    /// everything drawn before it.
+    alignas(64) std::array<float, pixels> maybe_inverse_z{};
+
+    void clear() {
+        inverse_z.fill(nothing);
+        texel.fill(no_texel);
+        maybe_inverse_z.fill(nothing);
+    }
+    /// Clears only the pixels in use.
+    void clear(const TilePlace& at);
+    /// Whether a surface whose edge is not resolved may hide the visible one.
+    [[nodiscard]] bool may_be_hidden(std::size_t pixel) const {
+        return maybe_inverse_z[pixel] > inverse_z[pixel];
+    }
+};
+
+/// Position of a tile on the raster, the pixels in use, and the sample position within each pixel.
+struct TilePlace {
+    int x = 0, y = 0;                                     ///< raster px of the first pixel
+    int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
+    glm::dvec2 sample{0.5};                               ///< px
+};
+
+/// Sets the values of the pixels in use; `values` has rows of SeenTile::edge.
+template <typename Values>
+void fill_pixels(const TilePlace& at, Values& values, const typename Values::value_type& value) {
+    for (int y = 0; y < at.height; ++y) std::fill_n(values.begin() + y * SeenTile::edge, at.width, value);
+}
+
+inline void SeenTile::clear(const TilePlace& at) {
+    fill_pixels(at, inverse_z, nothing);
+    fill_pixels(at, texel, no_texel);
+    fill_pixels(at, maybe_inverse_z, nothing);
+}
+
+/// Pixels [x_begin, x_end) x [y_begin, y_end) of a tile.
+struct TilePart {
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+    [[nodiscard]] bool empty() const { return x_begin >= x_end || y_begin >= y_end; }
+};
+
+/// A bit mask of the 8 x 8 px blocks of a tile that are not empty.
+class PixelBlocks {
+  public:
+    void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
+    /// Whether any block that overlaps [x0, x1] x [y0, y1], px from the tile's corner, is not empty.
+    [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
+        constexpr auto end = static_cast<float>(SeenTile::edge);
+        if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;
+        const auto block = [](float at) {
+            return static_cast<unsigned>(std::clamp(at, 0.0F, end - 1)) / block_px;
+        };
+        // Bits [from, to] of eight.
+        const auto bits = [](unsigned from, unsigned to) { return (2U << to) - (1U << from); };
+        const std::uint64_t columns = bits(block(x0), block(x1)) * std::uint64_t{0x0101010101010101};
+        const unsigned top = block(y0), bottom = block(y1);
+        const std::uint64_t rows =
+            (~std::uint64_t{0} >> (across * (across - 1 - bottom))) >> (across * top) << (across * top);
+        return (blocks_ & columns & rows) != 0;
+    }
+
+  private:
+    static constexpr unsigned across = 8, block_px = SeenTile::edge / across;
+    std::uint64_t blocks_ = 0;
+};
+
+/// Draws a patch at `place`. In each pixel the nearest surface stays; of equally near ones, the first drawn.
+/// A patch that shows its back is not drawn, because its back is not recorded.
+void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
+                SeenTile& out);
+
+/// The pixels that need a reflected or transmitted node, and the objects that show it.
+struct WantedPixels {
+    std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
+        in{};       ///< per pixel that needs a node, id of the object that shows it
+    TilePart part;  ///< bounding box of these pixels; empty: no pixel needs a node
+    PixelBlocks blocks;
+    /// Whether pixels need a node whose parent is missing. There `in` is in_gap of the id of the nearest
+    /// ancestor that is seen.
+    bool any_gaps = false;
+    [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
+};
+
+/// Finds the pixels of `part` in which a node of `in`, with texels of `in_mesh`, has a child node for the
+/// bounces `bounce` (child_bit) that is drawn for itself, and writes them to `wanted`. `part` must contain
+/// all pixels with such child nodes. Clears `out` in these pixels. The other pixels in the rows of `part` get
+/// an infinite inverse depth, so that nothing is drawn there.
+///
+/// Where `in` needs a node but misses it, the view may still see that node's child. `around` returns the id
+/// of the missing node's nearest ancestor that the view sees. Without `around`, such pixels are left out.
+void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
+                 const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
+                 SeenTile& out);
+/// Bounding box of the pixels of a tile whose surface has child nodes that are drawn for themselves.
+[[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
+
+/// Draws a patch of reflected or transmitted nodes with a depth test, only in pixels that need a node shown
+/// by the object that reflects or transmits the patch. A patch may be mirrored, as seen in a mirror. It is
+/// not drawn if the view stretches a raster px to more than `largest_torn_px`. A patch with nonlinear W
+/// (Patch::bent) is not drawn in pixels where the parent node is missing (WantedPixels::any_gaps). `out`: as
+/// find_wanted leaves it.
+void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
+                   const WantedPixels& wanted, SeenTile& out);
+inline constexpr double largest_torn_px = 16;
+
+}  // namespace postlens

@@ -1,0 +1,393 @@
+#include "reproject/patches/patches.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+/// Largest error of a cell's reprojected position, for a lens point at the lens's rim, as a share of the CoC
+/// radius.
+constexpr double exact_share = 0.02;
+/// Largest amount by which depth tests move a patch of a hidden surface back (Patch::back_per_m), as a share
+/// of its inverse depth 1/z'.
+constexpr double most_back = 0.02;
+/// Smaller semi-axis of the circle of confusion, px, from which each pixel of a surface is drawn as a uniform
+/// square (SheetMesh::coarse). The square adds only 1/12 px^2 to the blur's variance of 9 px^2.
+constexpr double coarse_from_px = 6;
+
+/// Least-squares planes over the cells of a patch, with origin at the patch's corner. Each cell counts at
+/// four positions.
+template <std::size_t values>
+class Fit {
+  public:
+    void add(int x, int y, const CellPlane* planes) {
+        each(x, y, planes, [&](double px, double py, const std::array<double, values>& v) {
+            n_ += 1;
+            x_ += px;
+            y_ += py;
+            xx_ += px * px;
+            xy_ += px * py;
+            yy_ += py * py;
+            for (std::size_t i = 0; i < values; ++i) {
+                v_[i] += v[i];
+                vx_[i] += v[i] * px;
+                vy_[i] += v[i] * py;
+            }
+        });
+    }
+    void solve() {
+        const double mx = x_ / n_, my = y_ / n_;
+        const double xx = xx_ / n_ - mx * mx, xy = xy_ / n_ - mx * my, yy = yy_ / n_ - my * my;
+        const double det = xx * yy - xy * xy;
+        for (std::size_t i = 0; i < values; ++i) {
+            const double mean = v_[i] / n_, cx = vx_[i] / n_ - mx * mean, cy = vy_[i] / n_ - my * mean;
+            const double dx = (yy * cx - xy * cy) / det, dy = (xx * cy - xy * cx) / det;
+            plane_[i] = {mean - dx * mx - dy * my, dx, dy};
+        }
+    }
+    /// The largest difference between the fitted planes and the planes of the single pixel (x, y).
+    [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
+        double worst = 0;
+        each(x, y, planes, [&](double px, double py, const std::array<double, values>& v) {
+            for (std::size_t i = first_moving; i < values; ++i)
+                worst = std::max(worst, std::abs(v[i] - at(i, px, py)));
+        });
+        return worst;
+    }
+    [[nodiscard]] double at(std::size_t i, double x, double y) const {
+        return plane_[i][0] + plane_[i][1] * x + plane_[i][2] * y;
+    }
+    [[nodiscard]] CellPlane plane(std::size_t i) const {
+        return {static_cast<float>(plane_[i][0]), static_cast<float>(plane_[i][1]),
+                static_cast<float>(plane_[i][2])};
+    }
+
+  private:
+    static constexpr std::size_t first_moving =
+        values == 1 ? 0 : 1;  ///< first value that affects positions: with W stored, 1/z' does not
+    template <typename Visit>
+    void each(int x, int y, const CellPlane* planes, const Visit& visit) const {
+        for (const double oy : {-0.25, 0.25}) {
+            for (const double ox : {-0.25, 0.25}) {
+                std::array<double, values> v{};
+                for (std::size_t i = 0; i < values; ++i) {
+                    v[i] = static_cast<double>(planes[i].value) + static_cast<double>(planes[i].x) * ox +
+                           static_cast<double>(planes[i].y) * oy;
+                }
+                visit(x + 0.5 + ox, y + 0.5 + oy, v);
+            }
+        }
+    }
+    double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0;
+    std::array<double, values> v_{}, vx_{}, vy_{};
+    std::array<std::array<double, 3>, values> plane_{};
+};
+
+template <std::size_t values>
+class Cutter {
+  public:
+    Cutter(const SheetMesh& sheets, PatchLens lens, PatchMesh& out)
+        : sheets_(sheets), lens_(std::move(lens)), out_(out) {}
+
+    void cut(std::uint32_t sheet) {
+        sheet_ = sheet;
+        const Sheet& s = sheets_.sheets[sheet];
+        cut(0, 0, s.width, s.height);
+    }
+
+  private:
+    [[nodiscard]] std::size_t cell(int x, int y) const {
+        const Sheet& s = sheets_.sheets[sheet_];
+        return s.first_cell + static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
+               static_cast<std::size_t>(x);
+    }
+    template <typename Visit>
+    void each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
+        for (int y = y0; y < y0 + height; ++y) {
+            for (int x = x0; x < x0 + width; ++x) {
+                const std::size_t k = cell(x, y);
+                if (sheets_.fine[k] != SheetNode::none)
+                    visit(x - x0, y - y0, k, sheets_.planes.data() + k * values);
+            }
+        }
+    }
+    [[nodiscard]] Mat2 w_of(const CellPlane* p) const {
+        if constexpr (values == 5) {
+            return {p[1].value, p[2].value, p[3].value, p[4].value};
+        } else {
+            return Mat2::isotropic(p[0].value);
+        }
+    }
+
+    void cut(int x0, int y0, int width, int height) {
+        Fit<values> fit;
+        double blur_px = HUGE_VAL;
+        int cells = 0;
+        each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const CellPlane* p) {
+            fit.add(x, y, p);
+            blur_px = std::min(blur_px, lens_.least_blur_px(w_of(p)));
+            ++cells;
+        });
+        if (cells == 0) return;
+        fit.solve();
+        const MotionStrain strain = motion_of(x0, y0, width, height, fit);
+        const double within = std::min(std::max(lens_.exact_px, exact_share * blur_px) / lens_.radius_px_m,
+                                       lens_.exact_px / strain.px_m);
+        if (width > 1 || height > 1) {
+            double error = 0;
+            each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const CellPlane* p) {
+                error = std::max(error, fit.error(x, y, p));
+            });
+            if (!(error <= within) || 2 * strain.bend_px > lens_.overlap_px) {
+                const int left = (width + 1) / 2, upper = (height + 1) / 2;
+                cut(x0, y0, left, upper);
+                if (left < width) cut(x0 + left, y0, width - left, upper);
+                if (upper < height) cut(x0, y0 + upper, left, height - upper);
+                if (left < width && upper < height) cut(x0 + left, y0 + upper, width - left, height - upper);
+                return;
+            }
+        }
+        add(x0, y0, width, height, fit, blur_px, within);
+    }
+
+    [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
+                                         const Fit<values>& fit) const {
+        // A reflected or transmitted surface moves with the object that shows it, so its own depth has no
+        // effect on its position.
+        if (values != 1 || !lens_.motion) return {};
+        const Sheet& s = sheets_.sheets[sheet_];
+        const glm::dvec2 half(width / 2.0, height / 2.0);
+        const CellPlane plane = fit.plane(0);
+        return lens_.motion(s.key, {s.x + x0 + half.x, s.y + y0 + half.y, fit.at(0, half.x, half.y)},
+                            {plane.x, plane.y}, half);
+    }
+
+    void add(int x0, int y0, int width, int height, const Fit<values>& fit, double blur_px, double within) {
+        Patch p;
+        p.sheet = sheet_;
+        p.x = static_cast<std::uint8_t>(x0);
+        p.y = static_cast<std::uint8_t>(y0);
+        p.width = static_cast<std::uint8_t>(width);
+        p.height = static_cast<std::uint8_t>(height);
+        p.coarse = blur_px >= coarse_from_px;
+        const std::vector<std::uint32_t>& roots = p.coarse ? sheets_.coarse : sheets_.fine;
+        bool divided = false;
+        each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
+            divided = divided || (roots[k] & SheetNode::leaf) == 0;
+            if constexpr (values == 5) {
+                // An infinite error counts as nonlinear for every lens, also if bend_px_m2 is 0.
+                const auto bend = static_cast<double>(sheets_.bends[k]);
+                p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
+            }
+        });
+        p.depth = divided ? static_cast<std::uint8_t>(sheets_.sheets[sheet_].depth) : std::uint8_t{0};
+        p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
+        for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
+        if (sheets_.sheets[sheet_].key.hidden) {
+            // The value is limited to a share of the patch's 1/z', since `within` is unbounded for a very
+            // small aperture.
+            const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
+            p.back_per_m = static_cast<float>(std::min(2 * within, most));
+        }
+        out_.patches.push_back(p);
+    }
+
+    const SheetMesh& sheets_;
+    PatchLens lens_;
+    PatchMesh& out_;
+    std::uint32_t sheet_ = 0;
+};
+
+}  // namespace
+
+PatchLens patch_lens(const FocusGeometry& geometry) {
+    const double radius_px_m = geometry.gain_px * geometry.aperture_radius_m;
+    PatchLens lens;
+    lens.radius_px_m = radius_px_m;
+    lens.inverse_focus_per_m = geometry.inverse_focus_per_m;
+    lens.bend_px_m2 = radius_px_m * geometry.aperture_radius_m;
+    return lens;
+}
+
+double PatchLens::least_blur_px(const Mat2& w) const {
+    // The smaller singular value of I/s - W.
+    const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
+                 c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
+    // Not std::hypot, which is slower: nothing overflows here, and this is computed for every cell.
+    const double sum = std::sqrt((a + d) * (a + d) + (b - c) * (b - c)),
+                 difference = std::sqrt((a - d) * (a - d) + (b + c) * (b + c));
+    return radius_px_m * std::abs(sum - difference) / 2;
+}
+
+PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens) {
+    PatchMesh out;
+    out.sheets = &sheets;
+    out.overlap_px = static_cast<float>(lens.overlap_px);
+    out.follows.reserve(sheets.sheets.size());
+    for (const Sheet& sheet : sheets.sheets) {
+        std::uint32_t follows = 0;
+        for (std::size_t bounce = 0; bounce < 2; ++bounce) {
+            const double strays_px = lens.radius_px_m * static_cast<double>(sheet.strays[bounce]);
+            if (strays_px <= lens.follow_px || lens.follow_px == PatchLens::all_follow)
+                follows |= 1U << bounce;
+        }
+        out.follows.push_back(static_cast<std::uint8_t>(follows));
+    }
+    constexpr std::size_t per_task = 256;
+    const std::size_t tasks = (sheets.sheets.size() + per_task - 1) / per_task;
+    std::vector<PatchMesh> parts(tasks);
+    parallel_for(tasks, [&](std::size_t t) {
+        const auto cut = [&](auto&& cutter) {
+            for (std::size_t i = t * per_task; i < std::min((t + 1) * per_task, sheets.sheets.size()); ++i)
+                cutter.cut(static_cast<std::uint32_t>(i));
+        };
+        if (sheets.has_w()) {
+            cut(Cutter<5>(sheets, lens, parts[t]));
+        } else {
+            cut(Cutter<1>(sheets, lens, parts[t]));
+        }
+    });
+    for (const PatchMesh& part : parts) {
+        const auto first = static_cast<std::uint32_t>(out.planes.size());
+        for (Patch p : part.patches) {
+            p.first_plane += first;
+            out.patches.push_back(p);
+        }
+        out.planes.insert(out.planes.end(), part.planes.begin(), part.planes.end());
+    }
+    return out;
+}
+
+bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& motion, const LensShift& lens,
+                 PatchPlace& out) {
+    const CellPlane* p = mesh.planes.data() + patch.first_plane;
+    const glm::dvec2 corner = mesh.corner(patch);
+    if (motion.identity()) {
+        out.move = glm::dmat2(1);
+        out.from = corner;
+        out.inverse_z = {static_cast<double>(p[0].value), static_cast<double>(p[0].x),
+                         static_cast<double>(p[0].y)};
+    } else {
+        // First-order map around the patch's centre, at the depth of the plane there.
+        const glm::dvec2 half(patch.width / 2.0, patch.height / 2.0), slope(p[0].x, p[0].y);
+        const RasterPoint middle{corner.x + half.x, corner.y + half.y,
+                                 static_cast<double>(p[0].value) + glm::dot(slope, half)};
+        const auto to = motion.tangent(middle, slope, half);
+        if (!to) return false;
+        out.move = {{to->by_x.x, to->by_x.y}, {to->by_y.x, to->by_y.y}};
+        out.from = glm::dvec2(to->at.x, to->at.y) - out.move * half;
+        out.inverse_z = {to->at.inverse_z - to->by_x.inverse_z * half.x - to->by_y.inverse_z * half.y,
+                         to->by_x.inverse_z, to->by_y.inverse_z};
+    }
+    const glm::dvec2 q = lens.lens_px;
+    out.from += lens.inverse_focus_per_m * q + lens.offset_px;
+    if (!mesh.sheets->has_w()) {
+        out.from -= out.inverse_z.x * q;
+        out.move[0] -= out.inverse_z.y * q;
+        out.move[1] -= out.inverse_z.z * q;
+        out.inverse_z.x -= static_cast<double>(patch.back_per_m);
+        return true;
+    }
+    const auto moved = [&](float CellPlane::*part) {
+        return glm::dvec2(static_cast<double>(p[1].*part) * q.x + static_cast<double>(p[2].*part) * q.y,
+                          static_cast<double>(p[3].*part) * q.x + static_cast<double>(p[4].*part) * q.y);
+    };
+    out.from -= moved(&CellPlane::value);
+    out.move[0] -= moved(&CellPlane::x);
+    out.move[1] -= moved(&CellPlane::y);
+    out.inverse_z.x -= static_cast<double>(patch.back_per_m);
+    return true;
+}
+
+namespace {
+
+/// Inverse depth 1/z' of a part of a patch: its value at the part's corner and its slopes by x and y.
+glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& part) {
+    const CellPlane& plane = mesh.planes[whole.first_plane];
+    const glm::dvec2 slope(plane.x, plane.y);
+    return {
+        static_cast<double>(plane.value) + glm::dot(slope, glm::dvec2(part.x - whole.x, part.y - whole.y)),
+        slope.x, slope.y};
+}
+
+// Pixel p has the lens point q = L (p - at). A surface point at raster position x and inverse depth w is seen
+// at p = x + (s - w) q. So x - at = C (p - at) with C = I - (s - w) L, where w depends on x.
+bool place_part(const PatchMesh& mesh, const Patch& part, const glm::dvec3& inverse_z, const PointRays& rays,
+                PatchPlace& out) {
+    constexpr double least_determinant = 1e-9;
+    out.inverse_z = inverse_z;
+    const glm::dvec2 half(part.width / 2.0, part.height / 2.0), slope(inverse_z.y, inverse_z.z);
+    const double w = inverse_z.x + glm::dot(slope, half);
+    const glm::dmat2 c = glm::dmat2(1) - (rays.inverse_focus_per_m - w) * rays.lens_px_per_px;
+    if (!(std::abs(glm::determinant(c)) > least_determinant)) return false;
+    const glm::dmat2 back = glm::inverse(c);
+    const glm::dvec2 middle = back * (mesh.corner(part) + half - rays.at);
+    const glm::dvec2 by_depth = back * (rays.lens_px_per_px * middle);
+    out.move[0] = back[0] - slope.x * by_depth;
+    out.move[1] = back[1] - slope.y * by_depth;
+    out.from = rays.at + middle - out.move * half;
+    out.inverse_z.x -= static_cast<double>(part.back_per_m);
+    return true;
+}
+
+struct Nearer {
+    const PatchMesh& mesh;
+    const Patch& whole;
+    const PointRays& rays;
+    double light_per_m, nearest_per_m;
+    std::vector<PlacedPatch>& out;
+
+    void add(const Patch& part) const {
+        const glm::dvec3 z = inverse_z_of(mesh, whole, part);
+        const double across = part.width * z.y, down = part.height * z.z,
+                     low = z.x + std::min(across, 0.0) + std::min(down, 0.0),
+                     high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
+        if (high <= nearest_per_m) return;
+        const bool is_cell = part.width == 1 && part.height == 1;
+        if (is_cell || high - light_per_m <= 2 * (low - light_per_m)) {
+            PlacedPatch placed{part, {}};
+            if ((low + high) / 2 > nearest_per_m && place_part(mesh, part, z, rays, placed.place))
+                out.push_back(placed);
+            return;
+        }
+        Patch first = part, second = part;
+        if (part.height == 1 || (part.width > 1 && std::abs(across) >= std::abs(down))) {
+            first.width = static_cast<std::uint8_t>(part.width / 2);
+            second.x = static_cast<std::uint8_t>(part.x + first.width);
+            second.width = static_cast<std::uint8_t>(part.width - first.width);
+        } else {
+            first.height = static_cast<std::uint8_t>(part.height / 2);
+            second.y = static_cast<std::uint8_t>(part.y + first.height);
+            second.height = static_cast<std::uint8_t>(part.height - first.height);
+        }
+        add(first);
+        add(second);
+    }
+};
+
+}  // namespace
+
+bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, PatchPlace& out) {
+    return place_part(mesh, patch, inverse_z_of(mesh, patch, patch), rays, out);
+}
+
+void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
+                  double nearest_per_m, std::vector<PlacedPatch>& out) {
+    Nearer{mesh, patch, rays, light_per_m, nearest_per_m, out}.add(patch);
+}
+
+RasterRect covered(const Patch& patch, const PatchPlace& place) {
+    const glm::dvec2 across = static_cast<double>(patch.width) * place.move[0],
+                     down = static_cast<double>(patch.height) * place.move[1];
+    return {place.from.x + std::min(across.x, 0.0) + std::min(down.x, 0.0),
+            place.from.x + std::max(across.x, 0.0) + std::max(down.x, 0.0),
+            place.from.y + std::min(across.y, 0.0) + std::min(down.y, 0.0),
+            place.from.y + std::max(across.y, 0.0) + std::max(down.y, 0.0)};
+}
+
+}  // namespace postlens

@@ -1,0 +1,27 @@
+// Sums, per pixel of a tile, the radiance of directly visible surfaces over all views.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "reproject/patches/patch_raster.h"
+
+namespace postlens {
+
+/// Per pixel of a tile, the sum over views of r, g, b times the view's weight, and of the weights.
+using LightSums = std::array<std::array<double, 4>, SeenTile::pixels>;
+/// A list of pixels of a tile.
+struct PixelList {
+    std::array<std::uint16_t, SeenTile::pixels> pixels{};
+    std::size_t count = 0;
+    [[nodiscard]] auto begin() const { return pixels.begin(); }
+    [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
+};
+
+/// Adds the colours of the texels, recorded squares of surfaces, that a view sees in the tile's first `width`
+/// x `height` pixels. `with_children` gets the pixels whose texel has reflected or transmitted child nodes.
+void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
+                    LightSums& sums, PixelList& with_children);
+
+}  // namespace postlens

@@ -1,0 +1,105 @@
+// Radiance that views see by reflection and transmission: sums per pixel of a tile and per path.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "reproject/patches/patch_raster.h"
+
+namespace postlens {
+
+/// Order of calls. For each view of a tile: begin_use; begin_chain and drawing, path by path; add for each
+/// pixel. After all views: end_views, then sum_up for each pixel.
+///
+/// If a view needs a node that was not recorded, the mean of the other views replaces it. If hardly any view
+/// has the node, the radiance seen from the pinhole replaces it.
+///
+/// A view may lack a node but have its child nodes. For example, W does not describe the far side of a glass
+/// ball, which is seen through a caustic, but it describes the scene behind the ball. Nodes inside one object
+/// are therefore also drawn where their parent node is needed but missing.
+class TreeSums {
+  public:
+    /// `paths`: all paths that may occur, in any order, with repetitions. `at`: the pixels in use.
+    void begin(std::vector<NodePath> paths, const TilePlace& at);
+    [[nodiscard]] bool any() const { return !chains_.empty(); }
+
+    /// Starts a view, or one of its two recorded instants. `primary`: the primary surfaces that the view
+    /// sees; it must stay valid until all pixels are added.
+    void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
+    /// The cleared tile into which the nodes of `path` are drawn, after the nodes of the parent path.
+    /// `wanted` gets the pixels that need a node of `path`. Null if no pixel needs one, or if `begin` did not
+    /// get the path.
+    [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
+    /// Whether the records determine the reflected and transmitted light of pixel k. That is so if every node
+    /// that is drawn for itself is seen, no edge cuts the node's leaf, and the node's W is linear
+    /// (Patch::bent is false).
+    [[nodiscard]] bool sure(std::size_t k) const;
+    /// Radiance of the nodes that are drawn for themselves in pixel k. Requires sure(k).
+    [[nodiscard]] glm::dvec3 light(std::size_t k) const;
+    /// Adds the nodes that are drawn for themselves in pixel k to the sums.
+    void add(std::size_t k, double weight);
+    /// Call after the last view, before sum_up.
+    void end_views();
+    /// Weight of the nodes that are not recorded, reduced for nodes that are dim in the whole tile.
+    /// `guessed`: the part that is not replaced by the mean of other views, as too few of them have the node.
+    struct Unknown {
+        double all = 0, guessed = 0;
+    };
+    /// Adds the nodes of all views to `sum`, a pixel's radiance times `weight`. If views lack child nodes,
+    /// nodes whose patches have nonlinear W (Patch::bent) count as unknown as well.
+    Unknown sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
+
+  private:
+    struct Sums {
+        std::array<double, 3> seen{};  ///< weight times radiance, with child nodes drawn as part of the node
+        std::array<double, 3>
+            instead{};                 ///< weight times the pinhole's radiance, for views that miss the node
+        double known = 0, wanted = 0;  ///< weight of the views that have the node, and of those that need it
+        double beside = 0;             ///< weight of views that miss the node, but have its descendants
+        double alone = 0;              ///< weight of views that have the node, but miss its parent
+        double bent = 0;               ///< part of `known` drawn by patches with nonlinear W
+        double total = 0;              ///< weight that the node gets after all views, set by sum_up
+    };
+    static constexpr std::uint32_t no_chain = 0xFFFFFFFFU;
+    using Children = std::array<std::uint32_t, 2>;  ///< per bounce, an index into chains_, or no_chain
+    /// The nodes that share one path (sequence of reflections and transmissions from the eye), in the tile.
+    struct Chain {
+        NodePath path;
+        std::size_t parent = 0;  ///< index into chains_; its own index if the parent is the primary surface
+        std::uint8_t bounce = 0;
+        TilePart part;  ///< part of `seen` in which nodes may be drawn; empty: `seen` is not valid
+        Children children{no_chain, no_chain};
+        std::unique_ptr<SeenTile> seen;
+        std::vector<Sums> sums;
+        /// Largest radiance of a node of this path in the tile. After end_views it includes the radiance of
+        /// the node's descendants.
+        float brightest = 0;
+        bool any_wanted = false, any_seen = false;
+    };
+    void add(std::size_t k, double weight, const Children& chains, std::uint8_t children,
+             std::uint32_t primary_texel);
+    [[nodiscard]] bool sure(std::size_t k, const Children& chains, std::uint8_t children) const;
+    [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
+    void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
+                  std::uint32_t primary_texel);
+    /// Adds the descendants of a node that is missing in pixel k. Returns whether the node has descendants
+    /// there.
+    bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
+    /// Id of the object that should show the node of a path in pixel k: the object of the node's nearest
+    /// ancestor that the view sees.
+    [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
+    [[nodiscard]] std::uint32_t number_of(NodePath path) const;
+
+    Children first_{no_chain, no_chain};  ///< chains of one bounce
+    std::vector<Chain> chains_;           ///< sorted by path, parents first
+    std::vector<Chain> spare_;            ///< memory of earlier tiles
+    const PatchMesh *primary_mesh_ = nullptr, *deeper_mesh_ = nullptr;
+    const SeenTile* primary_ = nullptr;
+    TilePlace at_;
+    TilePart
+        primary_part_;  ///< bounding box of the pixels whose primary surface has nodes drawn for themselves
+};
+
+}  // namespace postlens

@@ -1,0 +1,500 @@
+#include "reproject/sheets/sheet_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+namespace postlens {
+namespace {
+
+constexpr int edge = SheetMesh::square_px;
+constexpr std::uint32_t none = 0xFFFFFFFFU;
+/// Contrast threshold for files that state none, because `trace` did not divide pixels.
+constexpr float usual_contrast = 0.1F;
+
+}  // namespace
+
+SheetBuilder::SheetBuilder(const PixelLeaves& leaves, const SampleTrees& trees, const SheetKeys& keys,
+                           const SampleHeader& header, const HighlightRule& rule, SheetMesh& out)
+    : leaves_(leaves),
+      trees_(trees),
+      keys_(keys),
+      rule_(rule),
+      out_(out),
+      per_px_(across_per_px(header)),
+      contrast_(header.subdivide_threshold > 0 ? static_cast<float>(header.subdivide_threshold)
+                                               : usual_contrast),
+      black_(static_cast<float>(0.05 * std::exp2(-header.exposure_stops))),
+      perspective_(header.projection == Projection::perspective),
+      key_pieces_(keys.keys.size(), 0),
+      key_group_(keys.keys.size(), none) {}
+
+bool SheetBuilder::continuous(float low, float high, float size) const {
+    return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
+}
+
+void SheetBuilder::build(const SheetSquare& square) {
+    square_ = square;
+    pieces_.clear();
+    keys_used_.clear();
+    for (int row = 0; row < square.rows; ++row) {
+        for (int column = square.first_pixel; column < square.last_pixel; ++column) {
+            const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(square.band_width) +
+                               static_cast<std::size_t>(column);
+            const int cell = row * edge + column - square.first_pixel;
+            for (std::uint32_t i = leaves_.leaf_offsets[pixel]; i < leaves_.leaf_offsets[pixel + 1]; ++i)
+                add_leaf(leaves_.leaves[i], cell);
+        }
+    }
+    sort_pieces();
+    std::uint32_t begin = 0;
+    for (const std::uint32_t key : keys_used_) {
+        const std::uint32_t end = key_pieces_[key];
+        key_ = keys_.keys[key];
+        add_sheets(std::span(sorted_).subspan(begin, end - begin));
+        key_pieces_[key] = 0;
+        begin = end;
+    }
+}
+
+void SheetBuilder::sort_pieces() {
+    std::sort(keys_used_.begin(), keys_used_.end());
+    std::uint32_t begin = 0;
+    for (const std::uint32_t key : keys_used_) begin += std::exchange(key_pieces_[key], begin);
+    sorted_.resize(pieces_.size());
+    for (const Piece& p : pieces_) sorted_[key_pieces_[p.key]++] = &p;
+}
+
+void SheetBuilder::add_leaf(const Leaf& leaf, int cell) {
+    const PointSample& at = leaves_.points.samples[leaf.corner[0]];
+    const int row = cell / edge;
+    const float x = at.x - static_cast<float>(square_.x + cell % edge),
+                y = at.y - static_cast<float>(square_.y + row);
+    std::array<std::uint32_t, 4> begin{};
+    bool simple = true;
+    for (std::size_t k = 0; k < 4; ++k) {
+        begin[k] = trees_.offsets[leaf.corner[k]];
+        simple = simple && trees_.offsets[leaf.corner[k] + 1] == begin[k] + 1 &&
+                 keys_.of_node[begin[k]] == keys_.of_node[begin[0]];
+    }
+    if (simple) {  // by far the most frequent case
+        add_group(keys_.of_node[begin[0]], begin, x, y, leaf.size, cell, leaf);
+        return;
+    }
+    // Groups the n-th node of a surface (SheetKey) at each corner of the leaf with its n-th nodes at the
+    // other corners.
+    groups_.clear();
+    for (std::size_t k = 0; k < 4; ++k) {
+        for (std::uint32_t i = begin[k]; i < trees_.offsets[leaf.corner[k] + 1]; ++i) {
+            const std::uint32_t key = keys_.of_node[i];
+            std::uint32_t before = none, at_group = key_group_[key];
+            while (at_group != none && groups_[at_group].corners[k] != none) {
+                before = at_group;
+                at_group = groups_[at_group].next;
+            }
+            if (at_group == none) {
+                at_group = static_cast<std::uint32_t>(groups_.size());
+                (before == none ? key_group_[key] : groups_[before].next) = at_group;
+                groups_.push_back({key, none, {none, none, none, none}});
+            }
+            groups_[at_group].corners[k] = i;
+        }
+    }
+    for (const Group& g : groups_) {
+        add_group(g.key, g.corners, x, y, leaf.size, cell, leaf);
+        key_group_[g.key] = none;
+    }
+}
+
+void SheetBuilder::add_piece(const Piece& piece) {
+    if (key_pieces_[piece.key]++ == 0) keys_used_.push_back(piece.key);
+    pieces_.push_back(piece);
+}
+
+void SheetBuilder::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
+                             float size, int cell, const Leaf& leaf) {
+    if (std::find(corners.begin(), corners.end(), none) == corners.end()) {
+        const auto [low, high] = std::minmax({node(corners[0]).inverse_z, node(corners[1]).inverse_z,
+                                              node(corners[2]).inverse_z, node(corners[3]).inverse_z});
+        if (continuous(low, high, size)) {
+            add_piece({key, cell, x, y, size, corners});
+            return;
+        }
+    }
+    std::uint32_t nearest = none;
+    for (const std::uint32_t c : corners) {
+        if (c != none && (nearest == none || node(c).inverse_z > node(nearest).inverse_z)) nearest = c;
+    }
+    std::array<Beside, 4> around;
+    for (std::size_t k = 0; k < 4; ++k) around[k] = beside(leaf.corner[k], node(nearest), size);
+    const bool cut_before =
+        std::any_of(around.begin(), around.end(), [](const Beside& b) { return b.before; });
+    const float half = size / 2;
+    const auto quarter = [&](std::size_t k, std::uint32_t of, bool maybe) {
+        const bool right = (k & 1U) != 0, down = (k & 2U) != 0;
+        add_piece({key,
+                   cell,
+                   right ? x + half : x,
+                   down ? y + half : y,
+                   half,
+                   {of},
+                   1,
+                   right ? x + size : x,
+                   down ? y + size : y,
+                   cut_before,
+                   maybe});
+    };
+    for (std::size_t k = 0; k < 4; ++k) {
+        if (corners[k] != none) quarter(k, corners[k], false);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+        if (around[k].behind) quarter(k, nearest, true);
+    }
+}
+
+SheetBuilder::Beside SheetBuilder::beside(std::uint32_t corner, const TreeSurface& of, float size) const {
+    Beside out;
+    // The nodes at a corner of the leaf are sorted, nearest first.
+    for (std::uint32_t i = trees_.offsets[corner]; i < trees_.offsets[corner + 1]; ++i) {
+        const TreeSurface& s = node(i);
+        if (s.path != of.path || s.parent_id != of.parent_id) continue;
+        const auto [low, high] = std::minmax(s.inverse_z, of.inverse_z);
+        if (s.id == of.id && continuous(low, high, size)) return {out.before, false};
+        out.before = out.before || s.inverse_z > of.inverse_z;
+        out.behind = out.behind || s.inverse_z < of.inverse_z;
+    }
+    return out;
+}
+
+bool SheetBuilder::has_contrast(const Piece& piece) const {
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (is_contrast(node(piece.node[0]).rgb[c], node(piece.node[1]).rgb[c], node(piece.node[2]).rgb[c],
+                        node(piece.node[3]).rgb[c]))
+            return true;
+    }
+    return false;
+}
+
+bool SheetBuilder::is_marked(const Piece& piece) const {
+    return std::all_of(piece.node.begin(), piece.node.end(),
+                       [&](std::uint32_t n) { return node(n).mark != 0; });
+}
+
+bool SheetBuilder::has_contrast_below(const Piece& piece) const {
+    for (std::size_t n = 0; n < 2; ++n) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            if (is_contrast(node(piece.node[0]).below[n][c], node(piece.node[1]).below[n][c],
+                            node(piece.node[2]).below[n][c], node(piece.node[3]).below[n][c]))
+                return true;
+        }
+    }
+    return false;
+}
+
+// The contrast of [mitchell1987], by which `trace` divides pixels.
+bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
+    const auto [low, high] = std::minmax({a, b, c, d});
+    return high - low > contrast_ * (high + low + black_);
+}
+
+void SheetBuilder::add_sheets(std::span<const Piece* const> pieces) {
+    // The parts of a pixel whose depths differ too much for one surface, each with its range of 1/z'.
+    struct Part {
+        float low = 0, high = 0;
+        std::vector<const Piece*> pieces;
+    };
+    thread_local std::vector<Part> parts;
+    drafts_used_ = 0;
+    for (std::size_t i = 0; i < pieces.size();) {
+        const int cell = pieces[i]->cell;
+        std::size_t used = 0;
+        for (; i < pieces.size() && pieces[i]->cell == cell; ++i) {
+            const Piece& p = *pieces[i];
+            float low = node(p.node[0]).inverse_z, high = low;
+            for (int k = 1; k < p.corners; ++k) {
+                low = std::min(low, node(p.node[static_cast<std::size_t>(k)]).inverse_z);
+                high = std::max(high, node(p.node[static_cast<std::size_t>(k)]).inverse_z);
+            }
+            std::size_t part = 0;
+            while (part < used &&
+                   !continuous(std::min(low, parts[part].low), std::max(high, parts[part].high), 1))
+                ++part;
+            if (part == used) {
+                if (used == parts.size()) parts.emplace_back();
+                parts[used].pieces.clear();
+                parts[used].low = low;
+                parts[used++].high = high;
+            }
+            parts[part].low = std::min(parts[part].low, low);
+            parts[part].high = std::max(parts[part].high, high);
+            parts[part].pieces.push_back(&p);
+        }
+        for (std::size_t s = 0; s < used; ++s) {
+            if (s == drafts_used_) {
+                if (drafts_used_ == drafts_.size()) drafts_.emplace_back();
+                Draft& d = drafts_[drafts_used_++];
+                d.cells.clear();
+                d.fine.clear();
+                d.coarse.clear();
+                d.planes.clear();
+                d.bends.clear();
+                d.depth = 0;
+                d.strays = {};
+                d.number = static_cast<std::uint32_t>(out_.sheets.size() + s);
+            }
+            add_cell(s, parts[s].pieces, cell);
+        }
+    }
+    emit();
+}
+
+void SheetBuilder::note_bright(std::size_t first_light, float area) {
+    if (out_.bright.size() == first_light) return;
+    const Texel& t = out_.texels.back();
+    out_.bright_texels.push_back({static_cast<std::uint32_t>(out_.texels.size() - 1),
+                                  static_cast<std::uint32_t>(first_light),
+                                  static_cast<std::uint32_t>(out_.bright.size() - first_light),
+                                  area,
+                                  {t.r, t.g, t.b}});
+}
+
+std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
+    std::array<float, 3> rgb{};
+    const std::size_t first_light = out_.bright.size();
+    std::uint8_t children = 0;
+    std::array<std::array<float, 3>, 2> below{};
+    std::array<float, 2>& strays = drafts_[sheet].strays;
+    Texel t;
+    const float share = 1.0F / static_cast<float>(piece.corners);
+    const bool whole = piece.corners == 4;
+    for (int k = 0; k < piece.corners; ++k) {
+        const TreeSurface& s = node(piece.node[static_cast<std::size_t>(k)]);
+        std::array<float, 3> colour = s.rgb, excess{};
+        for (std::size_t c = 0; c < 3; ++c) {
+            excess[c] = std::max(0.0F, colour[c] - rule_.above);
+            colour[c] -= excess[c];
+        }
+        for (std::size_t c = 0; c < 3; ++c) rgb[c] += share * colour[c];
+        if (trees_.any_below) {
+            for (std::size_t n = 0; n < 2; ++n) {
+                for (std::size_t c = 0; c < 3; ++c) below[n][c] += share * s.below[n][c];
+            }
+        }
+        children |= s.children;
+        for (std::size_t n = 0; n < 2; ++n) strays[n] = std::max(strays[n], s.strays[n]);
+        if (excess == std::array<float, 3>{}) continue;
+        // Each corner stands for the quarter of the leaf next to it.
+        const float area = share * piece.size * piece.size;
+        const float x = piece.x + piece.size * (whole ? ((k & 1) != 0 ? 0.75F : 0.25F) : 0.5F),
+                    y = piece.y + piece.size * (whole ? ((k & 2) != 0 ? 0.75F : 0.25F) : 0.5F);
+        Highlight light;
+        light.x = x + static_cast<float>(square_.x + piece.cell % edge);
+        const int row = piece.cell / edge;
+        light.y = y + static_cast<float>(square_.y + row);
+        light.rgb = {area * excess[0], area * excess[1], area * excess[2]};
+        light.area = area;
+        light.w = s.path.bits() == 0 ? Mat2::isotropic(s.inverse_z) : s.w;
+        light.inverse_z = s.inverse_z;
+        light.sheet = drafts_[sheet].number;
+        light.cut_before = piece.cut_before;
+        out_.bright.push_back(light);
+    }
+    t.r = rgb[0];
+    t.g = rgb[1];
+    t.b = rgb[2];
+    t.info = Texel::info_of(
+        drafts_[sheet].number, children,
+        (!whole || has_contrast(piece) || is_marked(piece) ? Texel::unsure_bit : 0U) |
+            (children != 0 && (!whole || has_contrast_below(piece)) ? Texel::unsure_below_bit : 0U));
+    out_.texels.push_back(t);
+    note_bright(first_light, piece.size * piece.size);
+    if (children != 0) {
+        out_.below.resize(out_.texels.size());
+        out_.below.back() = below;
+    } else if (!out_.below.empty()) {
+        out_.below.resize(out_.texels.size());
+    }
+    const double area = static_cast<double>(piece.size) * static_cast<double>(piece.size);
+    for (std::size_t c = 0; c < 3; ++c) mean_.rgb[c] += area * static_cast<double>(rgb[c]);
+    if (trees_.any_below) {
+        for (std::size_t n = 0; n < 2; ++n) {
+            for (std::size_t c = 0; c < 3; ++c) mean_.below[n][c] += area * static_cast<double>(below[n][c]);
+        }
+    }
+    mean_.children |= children;
+    mean_.area += area;
+    ++mean_.texels;
+    return SheetNode::leaf | static_cast<std::uint32_t>(out_.texels.size() - 1);
+}
+
+void SheetBuilder::add_cell(std::size_t sheet, std::span<const Piece* const> pieces, int cell) {
+    Draft& draft = drafts_[sheet];
+    tree_pieces_.assign(pieces.begin(), pieces.end());
+    mean_ = {};
+    const std::size_t first_light = out_.bright.size();
+    draft.cells.push_back(cell);
+    draft.fine.push_back(add_tree(sheet, tree_pieces_, 0, tree_pieces_.size(), 0, 0, 1, 0));
+    draft.coarse.push_back(draft.fine.back());
+    if (mean_.texels > 1 && mean_.area > 1 - 1e-9) {
+        out_.texels.push_back({static_cast<float>(mean_.rgb[0]), static_cast<float>(mean_.rgb[1]),
+                               static_cast<float>(mean_.rgb[2]),
+                               Texel::info_of(draft.number, mean_.children)});
+        note_bright(first_light, 1);
+        if (!out_.below.empty()) {
+            out_.below.resize(out_.texels.size());
+            for (std::size_t n = 0; n < 2; ++n) {
+                for (std::size_t c = 0; c < 3; ++c)
+                    out_.below.back()[n][c] = static_cast<float>(mean_.below[n][c]);
+            }
+        }
+        draft.coarse.back() = SheetNode::leaf | static_cast<std::uint32_t>(out_.texels.size() - 1);
+    }
+    std::array<CellPlane, 5> planes;
+    if (out_.values == 1) {
+        fit<1>(pieces, planes.data());
+    } else {
+        fit<5>(pieces, planes.data());
+    }
+    draft.planes.insert(draft.planes.end(), planes.begin(),
+                        planes.begin() + static_cast<std::ptrdiff_t>(out_.values));
+    if (!out_.has_w()) return;
+    float bend = 0;
+    for (const Piece* p : pieces) {
+        for (int k = 0; k < p->corners; ++k)
+            bend = std::max(bend, node(p->node[static_cast<std::size_t>(k)]).bend);
+    }
+    draft.bends.push_back(bend);
+}
+
+std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*>& pieces, std::size_t begin,
+                                     std::size_t end, float x, float y, float size, int depth) {
+    if (begin == end) return SheetNode::none;
+    const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
+    if (pieces[begin]->size >= size) {
+        // A piece that is recorded at this place takes precedence over a surface that only may extend to it.
+        const auto there = std::find_if(at(begin), at(end), [](const Piece* p) { return !p->maybe; });
+        return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
+    }
+    drafts_[sheet].depth = std::max(drafts_[sheet].depth, depth + 1);
+    const float half = size / 2;
+    const auto first = static_cast<std::uint32_t>(out_.nodes.size());
+    out_.nodes.resize(out_.nodes.size() + 4, SheetNode::none);
+    std::size_t from = begin;
+    for (std::uint32_t k = 0; k < 4; ++k) {
+        const float cx = (k & 1U) != 0 ? x + half : x, cy = (k & 2U) != 0 ? y + half : y;
+        const auto inside = [&](const Piece* p) {
+            return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
+        };
+        // Leaves of one surface are in quadtree order already: those of a subtree are consecutive. Only where
+        // two surfaces lie one behind the other do their leaves alternate and need this partition.
+        auto middle = std::find_if_not(at(from), at(end), inside);
+        if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
+        const auto to = static_cast<std::size_t>(middle - pieces.begin());
+        const std::uint32_t child = add_tree(sheet, pieces, from, to, cx, cy, half, depth + 1);
+        out_.nodes[first + k] = child;
+        from = to;
+    }
+    return first;
+}
+
+template <std::size_t values>
+void SheetBuilder::fit(std::span<const Piece* const> pieces, CellPlane* planes) const {
+    // Least-squares planes around the cell's centre. The ridge term keeps slopes small that the samples
+    // barely determine.
+    double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
+    std::array<double, values> mean{}, vx{}, vy{};
+    const auto each = [&](const auto& visit) {
+        for (const Piece* p : pieces) {
+            if (p->maybe) continue;
+            const double area = static_cast<double>(p->size) * static_cast<double>(p->size) / p->corners;
+            for (int k = 0; k < p->corners; ++k) {
+                const auto x = static_cast<double>(p->corners == 1 ? p->at_x
+                                                   : (k & 1) != 0  ? p->x + p->size
+                                                                   : p->x),
+                           y = static_cast<double>(p->corners == 1 ? p->at_y
+                                                   : (k & 2) != 0  ? p->y + p->size
+                                                                   : p->y);
+                const TreeSurface& s = node(p->node[static_cast<std::size_t>(k)]);
+                std::array<double, values> v{static_cast<double>(s.inverse_z)};
+                if constexpr (values == 5) {
+                    v = {static_cast<double>(s.inverse_z), static_cast<double>(s.w.xx),
+                         static_cast<double>(s.w.xy), static_cast<double>(s.w.yx),
+                         static_cast<double>(s.w.yy)};
+                }
+                visit(area, x, y, v);
+            }
+        }
+    };
+    each([&](double a, double x, double y, const std::array<double, values>& v) {
+        weight += a;
+        mx += a * x;
+        my += a * y;
+        for (std::size_t i = 0; i < values; ++i) mean[i] += a * v[i];
+    });
+    mx /= weight;
+    my /= weight;
+    for (double& m : mean) m /= weight;
+    each([&](double a, double x, double y, const std::array<double, values>& v) {
+        xx += a * (x - mx) * (x - mx);
+        xy += a * (x - mx) * (y - my);
+        yy += a * (y - my) * (y - my);
+        for (std::size_t i = 0; i < values; ++i) {
+            vx[i] += a * (x - mx) * (v[i] - mean[i]);
+            vy[i] += a * (y - my) * (v[i] - mean[i]);
+        }
+    });
+    constexpr double ridge = 1e-3;  // px^2
+    xx += ridge * weight;
+    yy += ridge * weight;
+    const double det = xx * yy - xy * xy;
+    for (std::size_t i = 0; i < values; ++i) {
+        const double dx = (yy * vx[i] - xy * vy[i]) / det, dy = (xx * vy[i] - xy * vx[i]) / det;
+        planes[i] = {static_cast<float>(mean[i] + dx * (0.5 - mx) + dy * (0.5 - my)), static_cast<float>(dx),
+                     static_cast<float>(dy)};
+    }
+}
+
+void SheetBuilder::emit() {
+    for (std::size_t s = 0; s < drafts_used_; ++s) {
+        const Draft& d = drafts_[s];
+        int x0 = edge, x1 = 0;
+        Sheet sheet;
+        sheet.inverse_z_min = HUGE_VALF;
+        sheet.inverse_z_max = -HUGE_VALF;
+        for (std::size_t i = 0; i < d.cells.size(); ++i) {
+            x0 = std::min(x0, d.cells[i] % edge);
+            x1 = std::max(x1, d.cells[i] % edge + 1);
+            const float z = d.planes[i * out_.values].value;
+            sheet.inverse_z_min = std::min(sheet.inverse_z_min, z);
+            sheet.inverse_z_max = std::max(sheet.inverse_z_max, z);
+        }
+        const int y0 = d.cells.front() / edge, y1 = d.cells.back() / edge + 1;
+        sheet.key = key_;
+        sheet.x = square_.x + x0;
+        sheet.y = square_.y + y0;
+        sheet.width = x1 - x0;
+        sheet.height = y1 - y0;
+        sheet.depth = d.depth;
+        sheet.strays = d.strays;
+        const std::size_t first = out_.fine.size();
+        sheet.first_cell = static_cast<std::uint32_t>(first);
+        const std::size_t end = first + static_cast<std::size_t>(sheet.width * sheet.height);
+        out_.fine.resize(end, SheetNode::none);
+        out_.coarse.resize(end, SheetNode::none);
+        out_.planes.resize(end * out_.values);
+        if (out_.has_w()) out_.bends.resize(end, 0.0F);
+        for (std::size_t i = 0; i < d.cells.size(); ++i) {
+            const std::size_t to = first + static_cast<std::size_t>((d.cells[i] / edge - y0) * sheet.width +
+                                                                    d.cells[i] % edge - x0);
+            out_.fine[to] = d.fine[i];
+            out_.coarse[to] = d.coarse[i];
+            std::copy_n(d.planes.begin() + static_cast<std::ptrdiff_t>(i * out_.values), out_.values,
+                        out_.planes.begin() + static_cast<std::ptrdiff_t>(to * out_.values));
+            if (out_.has_w()) out_.bends[to] = d.bends[i];
+        }
+        out_.sheets.push_back(sheet);
+    }
+}
+
+}  // namespace postlens

@@ -1,0 +1,15 @@
+// Copies some of the sheets (surfaces within squares of the raster) of a mesh into another mesh.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "reproject/sheets/sheet_mesh.h"
+
+namespace postlens {
+
+/// Copies the sheets whose entry in `wanted` is not 0, in the same order, with their pixels, quadtrees and
+/// colours. Call it before take_highlights.
+[[nodiscard]] SheetMesh sheet_subset(const SheetMesh& mesh, std::span<const std::uint8_t> wanted);
+
+}  // namespace postlens

@@ -1,0 +1,36 @@
+// The triangles of a glTF document.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "scene/gltf/gltf_accessor.h"
+#include "scene/scene.h"
+#include "scene/scene_notes.h"
+
+namespace postlens {
+
+/// The set of texture coordinates that a material uses, and the transform of KHR_texture_transform that is
+/// applied to them, with v running downwards.
+struct UvSource {
+    std::size_t set = 0;  ///< TEXCOORD_set
+    glm::dvec2 offset{0}, scale{1};
+    double rotation = 0;  ///< radians
+    [[nodiscard]] bool operator==(const UvSource&) const = default;
+};
+
+/// One primitive of a mesh.
+struct GltfPart {
+    std::shared_ptr<const Mesh> mesh;
+    std::optional<std::size_t> material;  ///< index in the document; empty: the default material
+};
+
+/// The primitives of mesh `index` that have triangles, in metres. Points, lines, triangles without area and
+/// morph targets are left out with a note. `uvs`: per material of the document, the texture coordinates that
+/// its textures use. Throws Error(invalid_input).
+[[nodiscard]] std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
+                                                   GltfAccessors& accessors, const std::vector<UvSource>& uvs,
+                                                   double metres_per_unit, SceneNotes& notes);
+
+}  // namespace postlens

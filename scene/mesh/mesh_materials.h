@@ -1,0 +1,44 @@
+// Converts materials that assimp read from MTL, and textures of OBJ and PLY files, to Whitted's model.
+#pragma once
+
+#include <assimp/material.h>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scene/referred_files.h"
+#include "scene/scene.h"
+#include "scene/scene_notes.h"
+
+namespace postlens {
+
+/// The ambient light of scenes from OBJ and PLY, by which Ka is multiplied. It is low because exporters write
+/// Ka 1 for every material.
+inline constexpr double mesh_ambient_light = 0.1;
+
+class MeshMaterials {
+  public:
+    MeshMaterials(std::filesystem::path scene_path, std::vector<ReferredFile>& files, SceneNotes& notes)
+        : scene_path_(std::move(scene_path)), files_(files), notes_(notes) {}
+
+    /// Converts a material. Throws Error(invalid_input) if the path of a texture leads out of the scene's
+    /// folder.
+    [[nodiscard]] Material read(const aiMaterial& from);
+    /// The default material: white and diffuse.
+    [[nodiscard]] static Material plain();
+    /// Reads a texture. Null, with a note, if it cannot be read. Throws Error(invalid_input) if its path
+    /// leads out of the scene's folder.
+    [[nodiscard]] std::shared_ptr<const Texture> picture(std::string file);
+
+  private:
+    std::shared_ptr<const Texture> picture(const aiMaterial& from, aiTextureType type);
+
+    std::filesystem::path scene_path_;
+    std::vector<ReferredFile>& files_;
+    SceneNotes& notes_;
+    std::map<std::string, std::shared_ptr<const Texture>> textures_;
+};
+
+}  // namespace postlens

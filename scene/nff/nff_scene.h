@@ -1,0 +1,14 @@
+// Scenes in the Neutral File Format [haines1987], as the Standard Procedural Databases use it.
+#pragma once
+
+#include "scene/scene.h"
+
+namespace postlens {
+
+/// Reads v, b, l, f, c, s, p, pp and comments. Lengths are multiplied by `options.metres_per_unit`.
+/// docs/scene_format.md describes the conversion, the defaults and what is skipped (each with a note). Every
+/// `s` and `c` becomes an object with its own id; consecutive `p` and `pp` under one `f` become one mesh with
+/// one id. Throws Error(invalid_input) "FILE:LINE: ...".
+[[nodiscard]] Scene read_nff_scene(const std::filesystem::path& path, const SceneReadOptions& options);
+
+}  // namespace postlens

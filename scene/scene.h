@@ -1,0 +1,190 @@
+// The scene as the tracer uses it: lengths in metres, scene-linear colours, all defaults resolved. Readers of
+// scene files (read_scene) make it; RayScene prepares it for ray tracing.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "records/motion/transform_key.h"
+#include "scene/texture.h"
+
+namespace postlens {
+
+/// Whitted's model with a colour for each coefficient:
+/// I = emission + ambient Ia + sum over lights (diffuse N.L + diffuse_transmission (-N.L) + specular (R.V)^n)
+///     + reflection R + transmission T.
+struct Material {
+    std::string name;
+    glm::dvec3 ambient{0.1};
+    glm::dvec3 diffuse{0.8};
+    glm::dvec3 diffuse_transmission{0};  ///< cosine term for light from behind
+    glm::dvec3 specular{0};
+    double shininess = 32;  ///< Phong exponent n
+    glm::dvec3 reflection{0};
+    glm::dvec3 transmission{0};
+    double ior = 1;  ///< index of refraction inside; 1 outside
+    /// True if `reflection`, `specular` and `transmission` are the values at normal incidence. Towards
+    /// grazing incidence they change to the `_grazing` values with Schlick's weight (1 - cos)^5
+    /// [schlick1994].
+    bool fresnel = false;
+    glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
+    /// Exponents of the lobes cos^n about the exact directions of reflection and refraction; infinity: exact
+    /// directions only. A trace replaces the radiance over a lobe that is wider than the lens by its mean
+    /// (tracer/shading_trees/lobe_means.h), and uses the exact direction for narrower lobes.
+    double reflection_exponent = std::numeric_limits<double>::infinity();
+    double transmission_exponent = std::numeric_limits<double>::infinity();
+    glm::dvec3 emission{0};
+    /// Multiplies `ambient`, `diffuse` and `diffuse_transmission`; null: white.
+    std::shared_ptr<const Texture> colour_texture;
+    /// Multiplies `emission`; null: white.
+    std::shared_ptr<const Texture> emission_texture;
+    /// Whether the material reflects rays at any angle.
+    [[nodiscard]] bool reflects() const {
+        return reflection != glm::dvec3(0) || (fresnel && reflection_grazing != glm::dvec3(0));
+    }
+    /// Whether the material has a specular highlight at any angle.
+    [[nodiscard]] bool has_highlight() const {
+        return specular != glm::dvec3(0) || (fresnel && specular_grazing != glm::dvec3(0));
+    }
+    /// Whether the material's radiance depends on lights.
+    [[nodiscard]] bool answers_lights() const {
+        return diffuse != glm::dvec3(0) || has_highlight() || diffuse_transmission != glm::dvec3(0);
+    }
+    /// Whether the material reflects or transmits into a lobe of directions.
+    [[nodiscard]] bool has_lobe() const {
+        return (reflects() && std::isfinite(reflection_exponent)) ||
+               (transmission != glm::dvec3(0) && std::isfinite(transmission_exponent));
+    }
+};
+
+// Shapes in object space. For refraction, the outward normal defines which side is inside.
+struct Sphere {
+    glm::dvec3 centre{0};
+    double radius = 1;
+};
+struct Box {
+    glm::dvec3 min{-0.5}, max{0.5};
+};
+struct Disc {  // in the plane through `centre` with normal `normal`
+    glm::dvec3 centre{0}, normal{0, 0, 1};
+    double radius = 1, inner_radius = 0;
+};
+struct Rectangle {  // corner + a * edge_u + b * edge_v, 0 <= a, b <= 1; normal edge_u x edge_v; u = a, v = b
+    glm::dvec3 corner{0}, edge_u{1, 0, 0}, edge_v{0, 1, 0};
+};
+struct Plane {  // infinite
+    glm::dvec3 point{0}, normal{0, 0, 1};
+};
+/// Cone or cylinder, whose radius changes linearly from base to apex. u runs from the object's +X about the
+/// axis towards +Y, v from base to apex (docs/scene_format.md: axes other than +Z).
+struct Cone {
+    glm::dvec3 base{0}, apex{0, 0, 1};
+    double base_radius = 1, apex_radius = 1;
+    bool capped = false;
+};
+struct Mesh {
+    std::vector<glm::vec3> positions;
+    std::vector<glm::uvec3> triangles;
+    std::vector<glm::vec3> normals;  ///< per position, or empty for flat shading
+    std::vector<glm::vec2> uvs;      ///< per position, or empty
+    std::vector<glm::vec3>
+        colours;  ///< per position, or empty; factors of the material's colour_texture, 0 to 1
+};
+using Shape = std::variant<Sphere, Box, Disc, Rectangle, Plane, Cone, std::shared_ptr<const Mesh>>;
+
+struct Object {
+    std::string name;
+    std::uint32_t id = 0;  ///< >= 1; the shapes of a compound object share one id
+    std::size_t material = 0;
+    Shape shape;
+    glm::dmat4 world_from_object{1};  ///< at rest; affine
+    /// Keys of the motion. If there are any, key(t) * motion_base replaces world_from_object at time t.
+    std::vector<TransformKey> keys;
+    glm::dmat4 motion_base{1};
+    bool casts_shadows = true;  ///< false: light passes, e.g. through an emitting ball around a point light
+};
+
+struct Light {
+    enum class Kind { point, directional, spot, sphere, rectangle };
+    Kind kind = Kind::point;
+    std::string name;
+    glm::dvec3 position{0};          ///< point, spot; centre of a sphere or rectangle
+    glm::dvec3 direction{0, 0, -1};  ///< directional, spot: direction in which light travels, unit length
+    glm::dvec3 intensity{1};         ///< radiance of a surface of diffuse coefficient 1 at N.L = 1
+    double cone_degrees = 30;        ///< spot: full angle of the lit cone
+    double cone_soft_degrees =
+        0;  ///< spot: full angle at which the fall-off begins; equal to cone_degrees: hard edge
+    glm::dvec3 attenuation{1, 0, 0};  ///< 1 / (a0 + a1 r + a2 r^2), r in m
+    /// Size of lights with an extent, which cast penumbrae; m.
+    double radius = 0;                ///< sphere
+    glm::dvec3 edge_u{0}, edge_v{0};  ///< rectangle
+    [[nodiscard]] bool has_extent() const { return kind == Kind::sphere || kind == Kind::rectangle; }
+    bool casts_shadows = true;
+    std::vector<TransformKey> keys;  ///< motion of position and direction; empty: still
+};
+
+struct Camera {
+    enum class Projection { perspective, orthographic };
+    std::string name = "camera";
+    Projection projection = Projection::perspective;
+    glm::dvec3 position{0};
+    glm::dvec3 look_at{0, 0, -1};
+    glm::dvec3 up{0, 1, 0};
+    double film_width_mm = 36;
+    /// For a perspective camera. At most one of these is set: the film distance d (the focal length if the
+    /// lens is focused at infinity), or a field of view.
+    std::optional<double> focal_length_mm;
+    std::optional<double> horizontal_fov_degrees;
+    std::optional<double> vertical_fov_degrees;
+    /// True: the field of view is measured between the centres of the outermost rows (columns) of pixels, as
+    /// in NFF.
+    bool fov_between_pixel_centres = false;
+    double orthographic_width_m = 1;
+    int width = 960, height = 540;   ///< raster, px
+    std::optional<double> f_number;  ///< default, copied to the sample file, as are the next two
+    std::optional<double> focus_m;
+    std::optional<double> exposure_s;
+    std::vector<TransformKey> keys;  ///< rigid motion; empty: still
+};
+
+/// A scene in memory. Radiance 1 is white: all colours of light (intensities, emission, background,
+/// ambient_light) are those of the file times 2^exposure_stops (tracer/exposure.h).
+struct Scene {
+    std::string name;
+    std::string sha256;                           ///< of the file and of all files that it refers to
+    std::vector<std::filesystem::path> referred;  ///< paths of the files that it refers to
+    std::vector<Material> materials;
+    std::vector<Object> objects;
+    std::vector<Light> lights;
+    std::vector<Camera> cameras;  ///< the first is the default
+    glm::dvec3 background{0};
+    glm::dvec3 ambient_light{1};  ///< Ia
+    double exposure_stops = 0;    ///< set by `expose`
+    /// Divisor of the intensities of photometric lights; empty: the file has no such lights.
+    std::optional<double> lumens_per_watt;
+    double time_s = 0;               ///< default instant
+    std::vector<std::string> notes;  ///< warnings of the reader about defaults and skipped content
+};
+
+struct SceneReadOptions {
+    double metres_per_unit = 1;    ///< > 0 finite; lengths in the file are multiplied by it
+    double lumens_per_watt = 683;  ///< > 0 finite; lux and candelas of glTF are divided by it
+};
+
+/// Whether `read_scene` supports the file's extension.
+[[nodiscard]] bool is_scene_file(const std::filesystem::path& path);
+
+/// Reads a scene by the file's extension: .toml, .nff, .gltf, .glb, .obj or .ply. Throws Error(invalid_input)
+/// "FILE:LINE[:COLUMN]: ...".
+[[nodiscard]] Scene read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
+
+}  // namespace postlens

@@ -1,0 +1,71 @@
+// Textures: colours over a surface, as functions of the object-space position (checkers) or of (u, v)
+// (images).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "scene/texel_ranges.h"
+
+namespace postlens {
+
+/// A checker pattern, exact at cell borders: the cell of coordinate c is floor((c - offset) / size), so a
+/// border belongs to the higher cell. Cells whose coordinates have an even sum get the colour `even`.
+struct Checker {
+    int dimensions = 3;  ///< 3: object-space x, y, z; 2: u, v
+    glm::dvec3 size{1};  ///< cell edge; object-space metres, or (u, v); infinite: no borders along that axis
+    glm::dvec3 offset{0};
+    glm::dvec3 even{1}, odd{0};
+};
+
+/// An image over the unit square of (u, v), with u to the right and v upwards. u repeats unless `clamp_u` is
+/// set. v repeats if `wrap_v` is set or `repeat.y` is not 1; otherwise it is clamped to the first and last
+/// row, so that the poles of a sphere do not mix.
+struct ImageTexture {
+    int width = 0, height = 0;
+    std::vector<float> rgb;  ///< scene-linear, top row first
+    glm::dvec2 repeat{1};    ///< number of repetitions in the unit square
+    bool nearest = false;    ///< false: bilinear interpolation
+    bool clamp_u = false;    ///< clamps u to the first and last column
+    bool wrap_v = false;
+};
+
+/// floor((c - offset) / size) without rounding error, for finite c and offset and size > 0 (infinite: 0).
+[[nodiscard]] double checker_cell(double c, double offset, double size);
+
+class Texture {
+  public:
+    explicit Texture(Checker checker);
+    explicit Texture(ImageTexture image);
+    /// The colour at a hit: `object` is its position in object space, m; `uv` its texture coordinates. A pure
+    /// function.
+    [[nodiscard]] glm::dvec3 colour(const glm::dvec3& object, const glm::dvec2& uv) const;
+    /// Whether `colour` depends on uv; else it depends on the object position.
+    [[nodiscard]] bool uses_uv() const { return is_image_ || checker_.dimensions == 2; }
+    /// The greatest channel value that `colour` can return.
+    [[nodiscard]] double maximum() const { return maximum_; }
+    /// The texture position on which `colour` depends: uv, or the object position.
+    [[nodiscard]] glm::dvec3 place(const glm::dvec3& object, const glm::dvec2& uv) const {
+        return uses_uv() ? glm::dvec3(uv, 0) : object;
+    }
+    /// The colour at a texture position.
+    [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
+        return colour(place, glm::dvec2(place));
+    }
+    /// The range of colours in the bounding box of two texture positions: of all cells or texels that overlap
+    /// the box. If the positions are half an image or more apart, a seam of the texture is assumed between
+    /// them, and only the colours at the two positions count.
+    [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
+
+  private:
+    bool is_image_ = false;
+    Checker checker_;
+    ImageTexture image_;
+    TexelRanges ranges_;
+    double maximum_ = 0;
+};
+
+}  // namespace postlens

@@ -1,0 +1,193 @@
+// --frames: one command processes all frames of a range.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "records/sample_file.h"
+#include "tests/support/command_test.h"
+
+namespace postlens::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Words = std::vector<std::string>;
+
+Words operator+(Words a, const Words& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+class Frames : public CommandTest {
+  protected:
+    // A ball that crosses the frame in two seconds.
+    std::string scene() {
+        std::string path = in("scene.toml");
+        std::ofstream(path) << "[[camera]]\n"
+                               "focal_length_mm = 50\n"
+                               "width_px = 48\n"
+                               "height_px = 32\n"
+                               "f_number = 2\n"
+                               "focus_m = 3\n"
+                               "\n"
+                               "[[light]]\n"
+                               "kind = \"point\"\n"
+                               "position_m = [2, 3, 1]\n"
+                               "\n"
+                               "[[object]]\n"
+                               "shape = \"sphere\"\n"
+                               "radius_m = 0.4\n"
+                               "keys = [{ time_s = 0, translate_m = [-0.5, 0, -3] }, "
+                               "{ time_s = 2, translate_m = [0.5, 0.2, -4] }]\n"
+                               "\n"
+                               "[[object]]\n"
+                               "shape = \"plane\"\n"
+                               "normal = [0, 1, 0]\n"
+                               "point_m = [0, -0.5, 0]\n";
+        return path;
+    }
+    json done(const Words& words) {
+        const Outcome r = run(words + Words{"--json"});
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        return r.exit_code == 0 ? json::parse(r.out) : json();
+    }
+    void expect_same_file(const std::string& a, const std::string& b) {
+        EXPECT_TRUE(!test::text_of(in(a)).empty() && test::text_of(in(a)) == test::text_of(in(b)))
+            << a << ", " << b;
+    }
+    json trace_three(const Words& more = {}) {
+        return done(Words{"trace", scene(), "-o", in("f.%04d.exr"), "--frames", "0-2", "--fps", "2"} + more);
+    }
+};
+
+TEST_F(Frames, TraceTakesEachFrameAtItsTime) {
+    const json said = trace_three({"--for-shutter", "0:0.25"});
+    ASSERT_EQ(said.at("frames").size(), 3U);
+    for (int n = 0; n < 3; ++n) {
+        const json& frame = said.at("frames").at(static_cast<std::size_t>(n));
+        EXPECT_EQ(frame.at("frame"), n);
+        EXPECT_EQ(frame.at("output"), in(fmt::format("f.000{}.exr", n)));
+        EXPECT_EQ(frame.at("time_s"), n / 2.0);
+        EXPECT_GT(frame.at("records"), 0);
+        // The shutter of --for-shutter opens at the frame's instant.
+        const std::string t = fmt::format("{}", n / 2.0), close = fmt::format("{}", n / 2.0 + 0.25);
+        done({"trace", scene(), "-o", in("one.exr"), "--time", t, "--for-shutter", t + ":" + close});
+        expect_same_file("one.exr", fmt::format("f.000{}.exr", n));
+    }
+    done({"trace", scene(), "-o", in("late.#.exr"), "--frames", "12", "--time", "0.25"});
+    EXPECT_EQ(SampleFileReader(in("late.12.exr")).header().time_s, 0.75);  // 24 frames/s
+}
+
+TEST_F(Frames, PicturesAreThoseOfTheFramesAlone) {
+    trace_three({"--for-shutter", "0:0.5", "--overscan", "4"});
+    const Words of_all{"--frames", "0-2x2"};
+    const std::string frames = in("f.%04d.exr");
+    done(Words{"image", frames, "-o", in("image.%d.png")} + of_all);
+    done(Words{"focus", frames, "-o", in("focus.%d.exr"), "--f-number", "1.4", "--focus", "2"} + of_all);
+    done(Words{"motionblur", frames, "-o", in("motion.##.exr"), "--shutter", "0:0.25"} + of_all);
+    done(Words{"shoot", in("f.####.exr"), "-o", in("both.%02d.exr"), "--shutter", "-0.125:0.25", "--views",
+               "8", "--f-number", "2", "--focus", "3", "--explain", in("why.%d.png")} +
+         of_all);
+    done(
+        Words{"render", scene(), "-o", in("rays.%d.exr"), "--spp", "4", "--shutter", "0:0.25", "--fps", "2"} +
+        of_all);
+    EXPECT_FALSE(fs::exists(in("image.1.png")));
+    const std::string last = in("f.0002.exr");  // at 1 s
+    done({"image", last, "-o", in("image.png")});
+    done({"focus", last, "-o", in("focus.exr"), "--f-number", "1.4", "--focus", "2"});
+    done({"motionblur", last, "-o", in("motion.exr"), "--shutter", "1:1.25"});
+    done({"shoot", last, "-o", in("both.exr"), "--shutter", "0.875:1.25", "--views", "8", "--f-number", "2",
+          "--focus", "3", "--explain", in("why.png")});
+    done({"render", scene(), "-o", in("rays.exr"), "--spp", "4", "--shutter", "1:1.25"});
+    expect_same_file("image.2.png", "image.png");
+    expect_same_file("focus.2.exr", "focus.exr");
+    expect_same_file("motion.02.exr", "motion.exr");
+    expect_same_file("both.02.exr", "both.exr");
+    expect_same_file("why.2.png", "why.png");
+    expect_same_file("rays.2.exr", "rays.exr");
+}
+
+TEST_F(Frames, AnInterruptedRangeGoesOn) {
+    trace_three();
+    const Words again{"trace", scene(), "-o", in("f.%04d.exr"), "--frames", "0-3", "--fps", "2"};
+    const std::string whole = test::text_of(in("f.0001.exr"));
+    // One file was truncated while it was copied; another lacks only its last byte.
+    std::ofstream(in("f.0001.exr"), std::ios::binary) << whole.substr(0, whole.size() / 2);
+    fs::resize_file(in("f.0002.exr"), fs::file_size(in("f.0002.exr")) - 1);
+    const json said = done(again + Words{"--keep"});
+    EXPECT_EQ(said.at("kept"), 1);
+    std::vector<bool> kept;
+    for (const json& frame : said.at("frames")) kept.push_back(frame.at("kept"));
+    EXPECT_EQ(kept, (std::vector{true, false, false, false}));
+    EXPECT_TRUE(test::text_of(in("f.0001.exr")) == whole);
+
+    const Words images{"image", in("f.%04d.exr"), "-o", in("p.%d.png"), "--frames", "0-3"};
+    done(images);
+    fs::resize_file(in("p.2.png"), fs::file_size(in("p.2.png")) / 2);
+    EXPECT_EQ(done(images + Words{"--keep"}).at("kept"), 3);
+    EXPECT_EQ(done(images + Words{"--keep"}).at("kept"), 4);
+    EXPECT_EQ(done(images).at("kept"), 0);  // made again
+}
+
+TEST_F(Frames, AnErrorNamesItsFrame) {
+    trace_three();
+    fs::remove(in("f.0001.exr"));
+    const Outcome r = run({"image", in("f.%04d.exr"), "-o", in("p.%04d.png"), "--frames", "0-2"});
+    EXPECT_EQ(r.exit_code, static_cast<int>(ExitCode::invalid_input));
+    EXPECT_EQ(r.err.rfind("postlens: frame 1: ", 0), 0U) << r.err;
+    EXPECT_NE(r.err.find("f.0001.exr"), std::string::npos) << r.err;
+    EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
+    EXPECT_TRUE(fs::exists(in("p.0000.png")));
+    EXPECT_FALSE(fs::exists(in("p.0002.png")));
+    EXPECT_EQ(r.out.rfind("frame 0: ", 0), 0U) << r.out;
+}
+
+TEST_F(Frames, WarningsAreOfTheFirstFrameThatHasThem) {
+    trace_three();
+    const json said = done({"focus", in("f.%04d.exr"), "-o", in("p.%d.exr"), "--frames", "2,0,1",
+                            "--f-number", "1", "--focus", "1"});
+    ASSERT_EQ(said.at("warnings").size(), 1U) << said.at("warnings");
+    const json& w = said.at("warnings").at(0);
+    EXPECT_EQ(w.at("code"), "overscan");
+    EXPECT_EQ(w.at("text").get<std::string>().rfind("frame 2 (and 2 more): ", 0), 0U) << w;
+    for (const json& frame : said.at("frames")) EXPECT_EQ(frame.at("warnings").size(), 1U);
+    EXPECT_EQ(run({"focus", in("f.%04d.exr"), "-o", in("p.%d.exr"), "--frames", "2,0,1", "--f-number", "1",
+                   "--focus", "1", "--strict"})
+                  .exit_code,
+              static_cast<int>(ExitCode::shortfall));
+}
+
+TEST_F(Frames, WhatMeansNothingIsRefused) {
+    const std::string s = scene();
+    const Words trace{"trace", s, "-o", in("f.%04d.exr")};
+    refused(trace, ExitCode::wrong_arguments, "holds a frame number");
+    refused(trace + Words{"--frames", "1-3", "--fps", "0"}, ExitCode::wrong_arguments, "--fps");
+    refused({"trace", s, "-o", in("f.exr"), "--frames", "1-3"}, ExitCode::wrong_arguments,
+            "the output holds no");
+    // Other printf conversions are plain text.
+    refused({"trace", s, "-o", in("%s%n%4d%*d%ld.exr"), "--frames", "1-3"}, ExitCode::wrong_arguments,
+            "the output holds no");
+    refused({"image", in("f.exr"), "-o", in("p.%d.png"), "--frames", "1-3"}, ExitCode::wrong_arguments,
+            "the input is the same");
+    refused({"image", in("f.%d.exr"), "-o", in("p.png")}, ExitCode::wrong_arguments, "holds a frame number");
+    refused({"image", in("f.exr"), "-o", in("p.png"), "--keep"}, ExitCode::wrong_arguments, "--keep");
+    refused({"shoot", in("f.%d.exr"), "-o", in("p.%d.png"), "--frames", "1", "--explain", in("why.png")},
+            ExitCode::wrong_arguments, "--explain holds no");
+    for (const char* range : {"", "1-", "3-1", "1-5x0", "1,,2", "1-3,2", "99999999", "0-9999999"}) {
+        refused(trace + Words{std::string("--frames=") + range}, ExitCode::wrong_arguments, "--frames: ");
+    }
+}
+
+TEST_F(Frames, OtherPercentSignsAndHashesStayInTheName) {
+    const std::string s = scene();
+    done({"trace", s, "-o", in("100%_#1.exr")});
+    EXPECT_TRUE(fs::exists(in("100%_#1.exr")));
+    done({"trace", s, "-o", in("100%s_#_%02d_%d.exr"), "--frames", "123"});
+    EXPECT_TRUE(fs::exists(in("100%s_#_123_123.exr")));
+    done({"image", in("100%s_#_%d_%d.exr"), "-o", in("%_##.png"), "--frames", "123"});
+    EXPECT_TRUE(fs::exists(in("%_123.png")));
+}
+
+}  // namespace
+}  // namespace postlens::test

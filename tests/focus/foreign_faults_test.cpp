@@ -1,0 +1,116 @@
+// Faults that depth-of-field filters of other programs are known for, on pictures that bring them about.
+#include <gtest/gtest.h>
+
+#include "focus/foreign_focus.h"
+#include "tests/focus/level_radius.h"
+#include "tests/support/stack_bench.h"
+
+namespace postlens {
+namespace {
+
+using test::alpha;
+using test::edge_response;
+using test::Stack;
+using test::value;
+using Bench = test::StackBench;
+
+constexpr FocusMethod methods[] = {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield};
+
+TEST(ForeignFaults, DepthEdgesInsideABlurredForegroundDoNotShow) {
+    // Two halves of one colour at depths whose circles differ by 2 px: no line where they meet.
+    const Bench bench{.width = 60, .height = 40, .margin_px = 20};
+    const ForeignPicture p = bench.picture([&](int x, int) {
+        return Stack{{bench.inverse_z(x < 30 ? -8 : -10), 0.5F, 0.25F, 0.75F}};
+    });
+    for (const FocusMethod method : methods) {
+        const FocusResult r = bench.focus(p, method);
+        for (int x = 0; x < bench.width; ++x) ASSERT_NEAR(value(r.image, x, 20, 1), 0.25, 2e-6) << x;
+    }
+}
+
+TEST(ForeignFaults, WideRastersHaveNoSeams) {
+    // Columns of a raster beyond 4096 px are those of the same columns in a narrow one.
+    constexpr int columns = 4300, shift = 4096 - 64;
+    const auto stack_at = [](const Bench& bench, int x, int y) {
+        const bool near = (x / 23 + y / 5) % 3 == 0;
+        const float v = 0.25F + 0.02F * static_cast<float>((x * 7 + y * 3) % 20);
+        return Stack{{bench.inverse_z(near ? -5 : 4), v, 1 - v, 0.5F}};
+    };
+    const Bench wide{.width = columns, .height = 12};
+    const Bench narrow{.width = 128, .height = 12, .margin_px = 0};
+    const ForeignPicture whole = wide.picture([&](int x, int y) { return stack_at(wide, x, y); });
+    const ForeignPicture part = narrow.picture([&](int x, int y) { return stack_at(narrow, x + shift, y); });
+    for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers}) {
+        const Image a = wide.focus(whole, method).image, b = narrow.focus(part, method).image;
+        for (int y = 0; y < 12; ++y) {
+            // Away from the narrow raster's own border by the two circles that reach a pixel.
+            for (int x = 24; x < 104; ++x)
+                ASSERT_NEAR(value(a, x + shift, y, 0), value(b, x, y, 0), 1e-5) << x << "," << y;
+        }
+    }
+}
+
+TEST(ForeignFaults, TheFocalLineHasNeitherHalosNorBands) {
+    // A floor of one colour, from 12 px in front of the focus to 12 px behind it.
+    const Bench bench{.width = 16, .height = 96, .margin_px = 24};
+    const ForeignPicture p = bench.picture([&](int, int y) {
+        return Stack{{bench.inverse_z((y - 48) / 4.0), 0.5F, 0.25F, 0.75F}};
+    });
+    for (const FocusMethod method : methods) {
+        const FocusResult r = bench.focus(p, method);
+        for (int y = 12; y < 84; ++y) ASSERT_NEAR(value(r.image, 8, y, 1), 0.25, 2e-6) << y;
+    }
+}
+
+TEST(ForeignFaults, WhatIsSharpHasNoHaloOfTheBlurredThingsAround) {
+    // A card in focus before a blurred wall keeps its colour up to its edge.
+    const Bench bench{.width = 80, .height = 8, .margin_px = 20};
+    const ForeignPicture p = bench.picture([&](int x, int) {
+        const StackSample wall{bench.inverse_z(9), 0, 1, 0};
+        if (x < 40) return Stack{wall};
+        return Stack{{bench.inverse_z(0), 1, 0, 0}, wall};
+    });
+    for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
+        const FocusResult r = bench.focus(p, method);
+        for (int x = 0; x < 80; ++x) {
+            EXPECT_NEAR(value(r.image, x, 4, 0), x < 40 ? 0 : 1, 1e-5) << x;
+            EXPECT_NEAR(value(r.image, x, 4, 1), x < 40 ? 1 : 0, 1e-5) << x;
+        }
+    }
+}
+
+TEST(ForeignFaults, GlassInFocusDoesNotKeepWhatIsBehindItSharp) {
+    // A pane of alpha 0.2 in focus before the edge of something far: the edge is blurred behind the pane.
+    const Bench bench{.width = 80, .height = 8, .margin_px = 20};
+    const ForeignPicture p = bench.picture([&](int x, int) {
+        return Stack{{bench.inverse_z(0), 0.2F, 0, 0, 0.2F},
+                     {bench.inverse_z(8), 0, x < 40 ? 1.0F : 0.0F, 0}};
+    });
+    FocusResult r = bench.focus(p, FocusMethod::layers);
+    for (int x = 0; x < 80; ++x) {
+        const double far = 1 - edge_response((x + 0.5 - 40) / test::level_radius(8));
+        EXPECT_NEAR(value(r.image, x, 4, 0), 0.2, 1e-5) << x;
+        EXPECT_NEAR(value(r.image, x, 4, 1), 0.8 * far, 1e-5) << x;
+    }
+}
+
+TEST(ForeignFaults, ATransparentBackgroundStaysTransparent) {
+    // A blurred card before nothing: premultiplied colour and alpha have the same edge, with no dark fringe.
+    const Bench bench{.width = 80, .height = 8, .margin_px = 20};
+    const ForeignPicture p = bench.picture([&](int x, int) {
+        return x < 40 ? Stack{} : Stack{{bench.inverse_z(-8), 0.5F, 0.25F, 0.75F}};
+    });
+    for (const FocusMethod method : methods) {
+        const FocusResult r = bench.focus(p, method);
+        for (int x = 0; x < 80; ++x) {
+            ASSERT_NEAR(value(r.image, x, 4, 0), 0.5 * static_cast<double>(alpha(r.image, x, 4)), 3e-6) << x;
+            const bool at_edge = x >= 30 && x <= 50;
+            if (!at_edge) {
+                ASSERT_NEAR(alpha(r.image, x, 4), x < 30 ? 0 : 1, 1e-6) << x;
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace postlens

@@ -1,0 +1,162 @@
+// All kinds of apertures: the focused image against rays through the same aperture. The scene is one plane,
+// so nothing is hidden and only the blur is tested.
+#include <cmath>
+#include <fstream>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/threads.h"
+#include "focus/focus.h"
+#include "pictures/aperture_file.h"
+#include "pictures/image.h"
+#include "tests/focus/mosaic.h"
+#include "tests/support/temporary_folder.h"
+#include "tracer/render.h"
+#include "tracer/trace.h"
+
+namespace postlens::test {
+namespace {
+
+constexpr double depth_m = 4;
+constexpr double gain_px = 50.0 / 36 * 64;
+/// The radius of the CoC is 6.7 px with the focus at 1.6 m, -3.3 px at 16 m and -4.4 px at infinity.
+constexpr ThinLens lens{.focal_length_mm = 200, .f_number = 0.5};
+
+class ImpulseFocus : public testing::Test {
+  protected:
+    // Traces the scene once, in the first test, because a temporary folder needs the name of a test.
+    void SetUp() override {
+        if (scene_ != nullptr) return;
+        scene_ = new Scene(mosaic(depth_m, 0.33));
+        folder_ = new TemporaryFolder();
+        TraceSettings settings;
+        settings.overscan_px = 24;
+        // Tiles of the mosaic meet at pixel corners. A corner sees the first tile, which displaces the border
+        // by half a cell.
+        settings.subdivision.levels = 5;
+        trace_to_file(*scene_, settings, folder_->path() / "frame.exr");
+        file_ = new SampleFileReader(folder_->path() / "frame.exr");
+        std::ofstream letter(folder_->path() / "F.pgm");
+        letter << "P2 5 7 255 255 255 255 255 255 255 0 0 0 0 255 255 255 255 0 255 0 0 0 0 255 0 0 0 0 "
+                  "255 0 0 0 0 255 0 0 0 0";
+    }
+    static void TearDownTestSuite() {
+        delete file_;
+        delete folder_;
+        delete scene_;
+    }
+    static Image focused(const Impulse& impulse, double focus_m) {
+        return focus_picture(*file_, {.lens = lens, .focus_distance_m = focus_m, .impulse = impulse}).image;
+    }
+    static Image rays(const Impulse& impulse, double focus_m) {
+        RenderSettings s;
+        s.focal_length_mm = lens.focal_length_mm;
+        s.f_number = lens.f_number;
+        s.focus_m = focus_m;
+        s.spp = 1024;
+        s.aperture = std::make_shared<Aperture>(read_aperture(impulse));
+        return render_picture(*scene_, s).image;
+    }
+    static Impulse letter() { return {.kind = ImpulseKind::picture, .file = folder_->path() / "F.pgm"}; }
+
+    static inline Scene* scene_ = nullptr;
+    static inline TemporaryFolder* folder_ = nullptr;
+    static inline SampleFileReader* file_ = nullptr;
+};
+
+// 1024 samples per pixel have a noise of about 12 / sqrt(1024) / 3 = 0.1 of 12 (40 dB) where the edge of a
+// light crosses the aperture, and less elsewhere. Sobol samples have less noise.
+TEST_F(ImpulseFocus, AgreesWithRaysThroughTheSameAperture) {
+    const std::vector<Impulse> impulses{
+        {},
+        {.kind = ImpulseKind::polygon, .blades = 3, .rotation_deg = 20},
+        {.kind = ImpulseKind::polygon, .blades = 5, .rotation_deg = -90, .roundness = 0.4, .squeeze = 1.7},
+        {.squeeze = 2},
+        letter(),
+        {.cats_eye = 0.9},
+        {.kind = ImpulseKind::polygon, .blades = 6, .cats_eye = 0.5},
+        {.spherical = 0.12},
+        {.kind = ImpulseKind::polygon, .blades = 3, .spherical = -0.2}};
+    for (const double focus_m : {1.6, 30.0}) {
+        for (const Impulse& impulse : impulses) {
+            const Image got = focused(impulse, focus_m), truth = rays(impulse, focus_m);
+            const std::string what =
+                fmt::format("{}, squeeze {}, cat's eye {}, spherical {}, focus {} m", impulse_text(impulse),
+                            impulse.squeeze, impulse.cats_eye, impulse.spherical, focus_m);
+            EXPECT_GT(psnr(got, truth, 12), 46) << what;
+            // Both images lose the same amount of light.
+            EXPECT_NEAR(mean(got) / mean(truth), 1, 2e-3) << what;
+        }
+    }
+}
+
+// Shows that the test above can fail: an aperture upside down, or at another field position, has a larger
+// error.
+TEST_F(ImpulseFocus, TellsApertureFromAperture) {
+    const Image triangle = rays({.kind = ImpulseKind::polygon, .blades = 3, .rotation_deg = 20}, 1.6);
+    EXPECT_LT(
+        psnr(focused({.kind = ImpulseKind::polygon, .blades = 3, .rotation_deg = 200}, 1.6), triangle, 12),
+        38);
+    const Image vignetted = rays({.cats_eye = 0.9}, 1.6);
+    EXPECT_LT(psnr(focused({}, 1.6), vignetted, 12), 36);
+    EXPECT_LT(psnr(focused({.spherical = -0.12}, 1.6), rays({.spherical = 0.12}, 1.6), 12), 36);
+}
+
+TEST_F(ImpulseFocus, InFocusAllAreThePinholeButForLostLight) {
+    const Image pinhole = pinhole_picture(*file_);
+    // A sample on a border with a response of 1e-4 px is divided among pixels by its rounded position.
+    constexpr float tolerance = 1e-4F;
+    for (const Impulse& impulse :
+         {Impulse{.kind = ImpulseKind::polygon, .blades = 5}, letter(), Impulse{.squeeze = 3}}) {
+        const Image got = focused(impulse, depth_m);
+        for (std::size_t i = 0; i < got.rgb.size(); ++i)
+            ASSERT_NEAR(got.rgb[i], pinhole.rgb[i], tolerance * std::max(1.0F, pinhole.rgb[i]))
+                << impulse_text(impulse);
+    }
+    const Impulse cats_eye{.cats_eye = 0.8};
+    const Image got = focused(cats_eye, depth_m);
+    const Aperture aperture = read_aperture(cats_eye);
+    for (int y = 0; y < got.height; ++y) {
+        for (int x = 0; x < got.width; ++x) {
+            // Within a pixel the loss changes by at most 0.8 / 40 * 2 / pi.
+            const glm::dvec2 field((x + 0.5 - got.width / 2.0) / 40, (y + 0.5 - got.height / 2.0) / 40);
+            const auto expected = static_cast<double>(pinhole.pixel(x, y)[1]) *
+                                  aperture.transmission(field, 1 - 0.8 * 0.2 * gain_px / 40 / depth_m);
+            ASSERT_NEAR(static_cast<double>(got.pixel(x, y)[1]), expected, 0.015 * std::max(0.1, expected))
+                << x << ", " << y;
+        }
+    }
+}
+
+TEST_F(ImpulseFocus, SameBitsForAnyNumberOfThreads) {
+    for (const Impulse& impulse : {letter(), Impulse{.cats_eye = 0.9}, Impulse{.spherical = 0.1}}) {
+        Image first;
+        for (const int threads : {1, 2, 5}) {
+            const ThreadLimit limit(threads);
+            const Image image = focused(impulse, 1.6);
+            if (threads == 1) first = image;
+            EXPECT_TRUE(image.rgb == first.rgb) << impulse_text(impulse) << ", " << threads;
+        }
+    }
+}
+
+TEST_F(ImpulseFocus, RefusesWhatIsNoAperture) {
+    const auto code = [](const Impulse& impulse) {
+        try {
+            (void)focused(impulse, 1.6);
+        } catch (const Error& e) {
+            return e.code();
+        }
+        return ExitCode::ok;
+    };
+    EXPECT_EQ(code({.kind = ImpulseKind::picture, .file = folder_->path() / "missing.png"}),
+              ExitCode::invalid_input);
+    std::ofstream(folder_->path() / "black.pgm") << "P2 2 2 255 0 0 0 0";
+    EXPECT_EQ(code({.kind = ImpulseKind::picture, .file = folder_->path() / "black.pgm"}),
+              ExitCode::invalid_input);
+    EXPECT_EQ(code({.kind = ImpulseKind::picture, .file = folder_->path()}), ExitCode::invalid_input);
+    EXPECT_EQ(code({.squeeze = -1}), ExitCode::wrong_arguments);
+}
+
+}  // namespace
+}  // namespace postlens::test

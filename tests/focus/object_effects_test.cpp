@@ -1,0 +1,178 @@
+// Holdouts, objects that stay sharp, objects whose focus is moved, and how objects are chosen.
+#include "focus/foreign/object_effects.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "pictures/foreign/cryptomatte.h"
+#include "tests/focus/level_radius.h"
+#include "tests/support/stack_bench.h"
+#include "tests/support/temporary_folder.h"
+
+namespace postlens {
+namespace {
+
+using test::alpha;
+using test::edge_response;
+using test::Stack;
+using test::value;
+using Bench = test::StackBench;
+
+constexpr int x0 = 40;
+constexpr double near_px = -8, wall_px = 6;
+
+/// A red half-plane called "card", with a CoC radius of 8 px in front of the focus, before a blue wall.
+class ObjectEffectsTest : public testing::Test {
+  protected:
+    [[nodiscard]] ForeignPicture card() const {
+        ForeignPicture p = bench_.picture([&](int x, int) {
+            const StackSample wall{bench_.inverse_z(wall_px), 0, 0.25F, 1, 1, cryptomatte_id("wall")};
+            if (x < x0) return Stack{wall};
+            return Stack{{bench_.inverse_z(near_px), 1, 0.5F, 0, 1, cryptomatte_id("card")}, wall};
+        });
+        p.channels.matte = Cryptomatte{"CryptoObject", {}, R"({"card":"1","wall":"2"})"};
+        return p;
+    }
+    [[nodiscard]] FocusResult focused(const ObjectEffects& effects, FocusMethod method) const {
+        ForeignPicture p = card();
+        apply_object_effects(p, effects, bench_.inverse_focus_per_m);
+        return bench_.focus(p, method);
+    }
+    const Bench bench_{.width = 80, .height = 4, .margin_px = 40};
+    const ObjectChoice by_name_{"--option", "card"};
+};
+
+TEST_F(ObjectEffectsTest, AHoldoutHidesSharplyAndIsNotShown) {
+    for (const FocusMethod method : {FocusMethod::pinhole, FocusMethod::layers, FocusMethod::lightfield}) {
+        const FocusResult r = focused({.holdouts = {by_name_}}, method);
+        ASSERT_FALSE(r.image.alpha.empty());
+        for (int x = 0; x < bench_.width; ++x) {
+            const float shown = x < x0 ? 1 : 0;
+            EXPECT_NEAR(alpha(r.image, x, 1), shown, 1e-5) << x;
+            EXPECT_NEAR(value(r.image, x, 1, 0), 0, 1e-5) << x;
+            EXPECT_NEAR(value(r.image, x, 1, 2), shown, 1e-5) << x;
+        }
+    }
+}
+
+TEST_F(ObjectEffectsTest, AnObjectThatIsKeptSharpIsItsPixels) {
+    for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
+        const FocusResult r = focused({.sharp = {by_name_}}, method);
+        for (int x = 0; x < bench_.width; ++x) {
+            EXPECT_NEAR(value(r.image, x, 1, 0), x < x0 ? 0 : 1, 1e-5) << x;
+            EXPECT_NEAR(value(r.image, x, 1, 2), x < x0 ? 1 : 0, 1e-5) << x;
+        }
+    }
+}
+
+TEST_F(ObjectEffectsTest, AnOffsetGivesTheCirclesOfTheOtherDepth) {
+    // From 8 px in front of the focus to 3 px in front of it.
+    const double moved_px = -3;
+    const double metres = 1 / static_cast<double>(bench_.inverse_z(moved_px)) -
+                          1 / static_cast<double>(bench_.inverse_z(near_px));
+    const FocusResult r = focused({.offsets = {{by_name_, metres}}}, FocusMethod::layers);
+    for (int x = 0; x < bench_.width; ++x) {
+        const double front = edge_response((x + 0.5 - x0) / test::level_radius(moved_px));
+        EXPECT_NEAR(value(r.image, x, 1, 0), front, 1e-5) << x;
+    }
+}
+
+TEST_F(ObjectEffectsTest, WhatAnObjectHidesStaysWhereItsFocusGoes) {
+    // With the circles of something behind the wall, the card still hides it.
+    const double metres =
+        1 / static_cast<double>(bench_.inverse_z(9)) - 1 / static_cast<double>(bench_.inverse_z(near_px));
+    ForeignPicture p = card();
+    const Image before = p.flattened();
+    apply_object_effects(p, {.offsets = {{by_name_, metres}}}, bench_.inverse_focus_per_m);
+    EXPECT_EQ(p.flattened().rgb, before.rgb);
+    const FocusResult r = bench_.focus(p, FocusMethod::layers);
+    EXPECT_NEAR(value(r.image, 79, 1, 0), 1, 1e-5);
+    EXPECT_NEAR(value(r.image, 79, 1, 2), 0, 1e-5);
+}
+
+TEST_F(ObjectEffectsTest, AMaskChoosesWhatANameDoes) {
+    const test::TemporaryFolder folder;
+    const std::string path = (folder.path() / "mask.exr").string();
+    Image mask(bench_.width, bench_.height);
+    for (int y = 0; y < bench_.height; ++y) {
+        for (int x = x0; x < bench_.width; ++x) {
+            for (std::size_t c = 0; c < 3; ++c) mask.pixel(x, y)[c] = 1;
+        }
+    }
+    write_image(path, mask);
+    // Beyond the raster the mask says nothing.
+    const Bench inside{.width = 80, .height = 4};
+    const ForeignPicture whole = card();
+    const auto with = [&](const ObjectChoice& choice) {
+        ForeignPicture p = inside.picture([&](int x, int y) {
+            const auto stack = whole.stack(x, y);
+            return Stack(stack.begin(), stack.end());
+        });
+        apply_object_effects(p, {.holdouts = {choice}}, bench_.inverse_focus_per_m);
+        return inside.focus(p, FocusMethod::layers).image;
+    };
+    const Image one = with({"--holdout", path}), other = with(by_name_);
+    EXPECT_EQ(one.rgb, other.rgb);
+    EXPECT_EQ(one.alpha, other.alpha);
+}
+
+TEST_F(ObjectEffectsTest, AShareOfAMaskDividesASampleInTwo) {
+    const test::TemporaryFolder folder;
+    const std::string path = (folder.path() / "mask.exr").string();
+    const Bench small{.width = 4, .height = 1};
+    Image mask(4, 1);
+    for (int x = 0; x < 4; ++x) mask.rgb[static_cast<std::size_t>(3 * x) + 1] = 0.3F * static_cast<float>(x);
+    write_image(path, mask);
+    ForeignPicture p = small.picture([](int, int) {
+        return Stack{{0.5F, 0.6F, 0.3F, 0, 0.75F, 3}, {0.25F, 0, 0, 1}};
+    });
+    const Image before = p.flattened();
+    const std::vector<std::uint8_t> chosen = choose_samples(p, {"--matte", path});
+    ASSERT_EQ(chosen.size(), p.samples.size());
+    EXPECT_EQ(chosen, (std::vector<std::uint8_t>{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0}));
+    EXPECT_FLOAT_EQ(p.samples[2].alpha, 0.1F * 0.75F);
+    for (std::size_t i = 0; i < before.rgb.size(); ++i)
+        EXPECT_NEAR(p.flattened().rgb[i], before.rgb[i], 1e-6);
+    EXPECT_TRUE(p.flattened().alpha.empty());
+}
+
+TEST_F(ObjectEffectsTest, NumbersOfAnIdChannelNameObjectsToo) {
+    for (const bool whole : {true, false}) {
+        ForeignPicture p = bench_.picture([&](int x, int) {
+            return Stack{{1, 0, 0, 0, 1, surface_id(x < x0 ? 7 : 8, whole)}};
+        });
+        p.channels.id = "id";
+        if (whole) {
+            for (StackSample& s : p.samples) s.id = s.id == surface_id(7, true) ? 7 : 8;
+        }
+        const std::vector<float> pixels = choose_pixels(p, {"--matte", "7"});
+        for (int x = 0; x < bench_.width; ++x)
+            EXPECT_EQ(pixels[static_cast<std::size_t>(x)], x < x0 ? 1 : 0) << x;
+    }
+}
+
+TEST_F(ObjectEffectsTest, WhatNoPixelShowsIsRefusedWithTheNamesThereAre) {
+    ForeignPicture p = card();
+    const auto refused = [&](const std::string& object, ExitCode code, const std::string& text) {
+        try {
+            (void)choose_samples(p, {"--holdout", object});
+            ADD_FAILURE() << object;
+        } catch (const Error& e) {
+            EXPECT_EQ(e.code(), code);
+            EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
+        }
+    };
+    refused("cup", ExitCode::wrong_arguments,
+            "cup; expected a name of the Cryptomatte CryptoObject: card, wall");
+    refused("", ExitCode::wrong_arguments, "--holdout");
+    refused("none.png", ExitCode::invalid_input, "none.png");
+    p.channels.matte.reset();
+    refused("cup", ExitCode::wrong_arguments, "no ids");
+    const test::TemporaryFolder folder;
+    const std::string path = (folder.path() / "mask.exr").string();
+    write_image(path, Image(3, 3));
+    refused(path, ExitCode::invalid_input, "3x3");
+}
+
+}  // namespace
+}  // namespace postlens

@@ -1,0 +1,122 @@
+// Images of one camera behind each other.
+#include "pictures/stacks/lay_behind.h"
+
+#include <gtest/gtest.h>
+#include <random>
+
+#include "core/error.h"
+#include "tests/support/stack_bench.h"
+
+namespace postlens {
+namespace {
+
+using test::Stack;
+using Bench = test::StackBench;
+
+/// What a test says of a sample.
+StackSample sample(float z_m, float grey, float a = 1) {
+    return {1 / z_m, grey, grey, grey, a};
+}
+
+TEST(LayBehind, WhatTheFrontHidesIsAddedAndWhatItShowsIsNot) {
+    const Bench bench{.width = 8, .height = 2};
+    ForeignPicture front =
+        bench.picture([](int x, int) { return x < 4 ? Stack{sample(1, 0.9F)} : Stack{sample(5, 0.2F)}; });
+    const ForeignPicture back = bench.picture([](int, int) { return Stack{sample(5, 0.2F)}; });
+    const Image before = front.flattened();
+    const LaidBehind laid = lay_behind(front, back, "back.exr");
+    EXPECT_EQ(laid.samples, 8U);
+    EXPECT_EQ(laid.nearer_share, 0);
+    for (int x = 0; x < 8; ++x) EXPECT_EQ(front.stack(x, 1).size(), x < 4 ? 2U : 1U) << x;
+    EXPECT_EQ(front.flattened().rgb, before.rgb);
+    EXPECT_TRUE(front.flattened().alpha.empty());
+}
+
+TEST(LayBehind, IsWhatOneDeepImageWouldHold) {
+    // Random stacks that end in something opaque, of which a part is in one image and the rest in another.
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> unit(0, 1);
+    std::vector<Stack> whole, first, second;
+    const Bench bench{.width = 16, .height = 8};
+    for (int i = 0; i < 16 * 8; ++i) {
+        Stack all, a, b;
+        float z = 0.5F;
+        const int count = 1 + static_cast<int>(4 * unit(random));
+        for (int k = 0; k < count; ++k) {
+            z += 0.3F + unit(random);
+            const float alpha = k + 1 < count ? 0.8F * unit(random) : 1;
+            all.push_back(sample(z, alpha * unit(random), alpha));
+            (alpha < 1 && unit(random) < 0.5F ? a : b).push_back(all.back());
+        }
+        whole.push_back(all);
+        first.push_back(a);
+        second.push_back(b);
+    }
+    const auto of = [](const std::vector<Stack>& stacks) {
+        return [&stacks](int x, int y) { return stacks[static_cast<std::size_t>(16 * y + x)]; };
+    };
+    ForeignPicture laid = bench.picture(of(first));
+    lay_behind(laid, bench.picture(of(second)), "back.exr");
+    const ForeignPicture deep = bench.picture(of(whole));
+    ASSERT_EQ(laid.offsets, deep.offsets);
+    EXPECT_EQ(laid.flattened().rgb, deep.flattened().rgb);
+    for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield})
+        EXPECT_EQ(bench.focus(laid, method).image.rgb, bench.focus(deep, method).image.rgb);
+}
+
+TEST(LayBehind, WhatIsNearerThanTheFrontIsLeftOutAndCounted) {
+    const Bench bench{.width = 10, .height = 1};
+    ForeignPicture front = bench.picture([](int, int) { return Stack{sample(2, 0.5F)}; });
+    // Two of ten are much nearer; one is nearer by less than noise on a slope.
+    const ForeignPicture back = bench.picture([](int x, int) {
+        return Stack{sample(x < 2 ? 1 : x == 2 ? 1.95F : 3, 0.1F)};
+    });
+    const LaidBehind laid = lay_behind(front, back, "back.exr");
+    EXPECT_DOUBLE_EQ(laid.nearer_share, 0.2);
+    EXPECT_EQ(laid.samples, 7U);
+    EXPECT_EQ(front.stack(0, 0).size(), 1U);
+}
+
+TEST(LayBehind, ThreeImagesLieInTheirOrder) {
+    const Bench bench{.width = 4, .height = 1};
+    ForeignPicture front = bench.picture([](int, int) { return Stack{sample(1, 0.9F)}; });
+    lay_behind(front, bench.picture([](int, int) { return Stack{sample(2, 0.5F)}; }), "b");
+    // The third shows at one pixel what the second has already.
+    lay_behind(front, bench.picture([](int x, int) { return Stack{sample(x == 0 ? 2 : 4, 0.1F)}; }), "c");
+    EXPECT_EQ(front.stack(0, 0).size(), 2U);
+    ASSERT_EQ(front.stack(1, 0).size(), 3U);
+    EXPECT_FLOAT_EQ(front.stack(1, 0)[2].inverse_z, 0.25F);
+}
+
+TEST(LayBehind, StoresThePixelsOfBoth) {
+    const Bench narrow{.width = 4, .height = 2}, wide{.width = 4, .height = 2, .margin_px = 3};
+    ForeignPicture front = narrow.picture([](int, int) { return Stack{sample(1, 0.9F)}; });
+    lay_behind(front, wide.picture([](int, int) { return Stack{sample(2, 0.5F)}; }), "b");
+    EXPECT_EQ(front.x_begin, -3);
+    EXPECT_EQ(front.y_end, 5);
+    EXPECT_EQ(front.stack(-3, 4).size(), 1U);
+    EXPECT_EQ(front.stack(0, 0).size(), 2U);
+}
+
+TEST(LayBehind, OtherRastersAndViewsAreRefused) {
+    const Bench bench{.width = 8, .height = 4};
+    const auto grey = [](int, int) { return Stack{sample(1, 0.5F)}; };
+    const auto refused = [&](const ForeignPicture& back, const std::string& what) {
+        ForeignPicture front = bench.picture(grey);
+        try {
+            lay_behind(front, back, "back.exr");
+            ADD_FAILURE() << what;
+        } catch (const Error& e) {
+            EXPECT_EQ(e.code(), ExitCode::invalid_input);
+            EXPECT_NE(std::string(e.what()).find("back.exr"), std::string::npos) << e.what();
+            EXPECT_NE(std::string(e.what()).find(what), std::string::npos) << e.what();
+        }
+    };
+    refused(Bench{.width = 9, .height = 4}.picture(grey), "9x4");
+    ForeignPicture other = bench.picture(grey);
+    other.camera.film_distance_mm *= 1.01;
+    refused(other, "view");
+}
+
+}  // namespace
+}  // namespace postlens

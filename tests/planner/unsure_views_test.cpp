@@ -1,0 +1,270 @@
+// Rays replace unsure view samples: the result is as accurate as with a ray for every view sample, with few
+// rays.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <string>
+
+#include "compare/metrics/pixel_errors.h"
+#include "planner/hybrid.h"
+#include "planner/views/tile_grid.h"
+#include "tests/support/motion_frame.h"
+#include "tests/support/temporary_folder.h"
+#include "tracer/distributed/render_setup.h"
+#include "tracer/distributed/scene_rays.h"
+#include "tracer/render.h"
+
+namespace postlens::test {
+namespace {
+
+using glm::dvec3;
+
+/// PSNR of encoded values, dB.
+double db(const Image& image, const Image& truth) {
+    return pixel_errors(Picture(image), Picture(truth), PixelMask(image.rgb.size() / 3, 1)).psnr_db;
+}
+
+struct Case {
+    std::string scene;
+    double f_number = 1.4, focus_m = 5;
+};
+
+Scene small(const std::string& name) {
+    Scene scene = read_scene(std::string(POSTLENS_SAMPLES) + "/scenes/" + name);
+    scene.cameras[0].width = 96;
+    scene.cameras[0].height = 54;
+    return scene;
+}
+
+TraceSettings traced_for(const Case& c) {
+    TraceSettings s;
+    s.for_f_number = c.f_number;
+    s.for_focus_m = c.focus_m;
+    return s;
+}
+
+HybridSettings hybrid_of(const Case& c, double focal_length_mm, int views) {
+    HybridSettings s;
+    s.focus = {.lens = {focal_length_mm, c.f_number}, .focus_distance_m = c.focus_m, .views = views};
+    return s;
+}
+
+Image rendered(const Scene& scene, const Case& c, double focal_length_mm, int spp, std::uint64_t seed,
+               bool halves = false) {
+    RenderSettings s;
+    s.focal_length_mm = focal_length_mm;
+    s.f_number = c.f_number;
+    s.focus_m = c.focus_m;
+    s.spp = spp;
+    s.seed = seed;
+    s.halves = halves;
+    return render_picture(scene, s).image;
+}
+
+class UnsureViews : public testing::TestWithParam<Case> {};
+
+TEST_P(UnsureViews, AreAsRightAsRays) {
+    const Case& c = GetParam();
+    const Scene scene = small(c.scene);
+    const TracedFrame frame(scene, traced_for(c));
+    const double focal_length_mm = frame.file().header().focal_length_mm;
+    const Image truth = rendered(scene, c, focal_length_mm, 1024, 9);
+    constexpr int views = 64;
+    HybridSettings s = hybrid_of(c, focal_length_mm, views);
+    s.scene = &scene;
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    const double of_rays = db(rendered(scene, c, focal_length_mm, views, 5, true), truth);
+    EXPECT_GT(db(got.focus.image, truth), std::min(50.0, of_rays - 0.5));
+    EXPECT_LT(got.retraced_share, 0.5);
+    ASSERT_TRUE(got.stated);
+    EXPECT_EQ(got.rays.eye, static_cast<std::uint64_t>(std::lround(got.retraced_share * 96 * 54 * views)) +
+                                got.stated->check_rays);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, UnsureViews,
+                         testing::Values(Case{"bars.toml", 1.4, 5}, Case{"bars.toml", 5.6, 5},
+                                         Case{"bars_lit.toml", 1.4, 5}, Case{"bars_lit.toml", 5.6, 5},
+                                         Case{"night.toml", 1.4, 4}, Case{"night.toml", 5.6, 4},
+                                         Case{"still_life.toml", 1.4, 1.2},
+                                         Case{"still_life.toml", 5.6, 1.2}),
+                         [](const auto& p) {
+                             return p.param.scene.substr(0, p.param.scene.find('.')) + "_" +
+                                    std::to_string(std::lround(10 * p.param.f_number));
+                         });
+
+// A rectangle brighter than white in front of a cone that passes through its depth. The rectangle has a lobe:
+// a record includes the lobe's mean, while rays sample it. The radiance above white is added as a highlight,
+// and only once.
+TEST(UnsureViews, LightAboveWhiteIsCountedOnce) {
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.path() / "bright.toml";
+    std::ofstream(path) << R"(
+[scene]
+background = [0.48, 0.36, 0.25]
+[[camera]]
+focal_length_mm = 50
+[[light]]
+kind = "directional"
+intensity = [0.983, 1.013, 0.927]
+direction = [0.0024, -0.478, -0.86]
+[[light]]
+kind = "directional"
+intensity = [0.518, 0.365, 0.544]
+direction = [0.117, -0.387, -0.671]
+[[material]]
+name = "bright"
+colour = [0.939, 0.986, 0.534]
+reflection = 0.213
+reflection_exponent = 30
+[[object]]
+material = "bright"
+shape = "rectangle"
+corner_m = [0.3285, -0.1346, -1.2178]
+edge_u_m = [0.131224, 0.00816861, -0.0651629]
+edge_v_m = [-0.0238423, 0.131224, 0.00256993]
+[[material]]
+name = "cone"
+colour = [0.893, 0.689, 0.959]
+[[object]]
+material = "cone"
+shape = "cone"
+base_m = [0.36468, -0.000282753, -1.27245]
+apex_m = [0.0261869, 0.0502991, -1.5584]
+base_radius_m = 0.0891971
+)";
+    Scene scene = read_scene(path);
+    scene.cameras[0].width = 240;
+    scene.cameras[0].height = 136;
+    const Case c{"", 2, 5.7};
+    const TracedFrame frame(scene, traced_for(c));
+    const double focal_length_mm = frame.file().header().focal_length_mm;
+    const Image truth = rendered(scene, c, focal_length_mm, 256, 9);
+    HybridSettings s = hybrid_of(c, focal_length_mm, 64);
+    for (const bool with_rays : {false, true}) {
+        s.scene = with_rays ? &scene : nullptr;
+        const Image got = hybrid_picture(frame.file(), s).focus.image;
+        int bright = 0;
+        for (std::size_t k = 0; k < truth.rgb.size(); k += 3) {
+            // Inside of the rectangle all views see it, except two of 64 at its border.
+            if (truth.rgb[k] < 1.0795F) continue;
+            ++bright;
+            EXPECT_NEAR(got.rgb[k], truth.rgb[k], 2 * 0.6F / 64) << k << " " << with_rays;
+        }
+        EXPECT_GT(bright, 100);
+    }
+}
+
+// Check rays do not change the image, and their sum equals the difference from a ray for every view.
+TEST(UnsureViews, ChecksTellTheDifferenceToRays) {
+    const Case c{"bars.toml", 1.4, 5};
+    const Scene scene = small(c.scene);
+    TraceSettings coarse = traced_for(c);
+    coarse.subdivision.levels = 0;
+    const TracedFrame frame(scene, coarse);
+    constexpr int views = 16;
+    HybridSettings s = hybrid_of(c, frame.file().header().focal_length_mm, views);
+    s.scene = &scene;
+    s.checked = [](int, int, std::vector<std::uint32_t>&) {};
+    const Image plain = hybrid_picture(frame.file(), s).focus.image;
+    s.checked = [](int, int, std::vector<std::uint32_t>& all) {
+        for (std::uint32_t v = 0; v < views / 2; ++v) all.push_back(v);
+    };
+    const HybridResult checked = hybrid_picture(frame.file(), s);
+    EXPECT_EQ(checked.focus.image.rgb, plain.rgb);
+
+    RenderSettings r;
+    r.focal_length_mm = s.focus.lens.focal_length_mm;
+    r.f_number = c.f_number;
+    r.focus_m = c.focus_m;
+    const RenderSetup setup(scene, r);
+    const SceneRays rays(setup, {}, views);
+    // Pieces of 4 px use 61 scrambles in turn.
+    ASSERT_EQ(piece_px(96, 54), 4);
+    std::array<std::vector<SightLine>, 61> ways;
+    for (std::uint32_t scramble = 0; scramble < ways.size(); ++scramble) {
+        for (std::uint32_t set = 2 * scramble; set < 2 * scramble + 2; ++set) {
+            const auto points = lens_view_points(Aperture(Impulse{}), *checked.focus.geometry, views / 2,
+                                                 static_cast<int>(set));
+            for (std::uint32_t v = 0; v < views / 2; ++v)
+                ways[scramble].push_back(
+                    {0, 0, points[v].place, points[v].lens, points[v].light_before, set, v});
+        }
+    }
+    double found = 0;
+    for (int y = 0; y < 54; ++y) {
+        for (int x = 0; x < 96; ++x) {
+            std::vector<SightLine> lines = ways[static_cast<std::size_t>((x / 4 + 23 * (y / 4)) % 61)];
+            for (SightLine& line : lines) {
+                line.x = x;
+                line.y = y;
+            }
+            std::vector<std::array<float, 3>> seen(lines.size());
+            rays.trace(lines, {}, seen);
+            const auto k = static_cast<std::size_t>(y) * 96 + static_cast<std::size_t>(x);
+            for (std::size_t n = 0; n < 3; ++n) {
+                double mean = 0;
+                for (const auto& radiance : seen) mean += static_cast<double>(radiance[n]) / views;
+                const double off = checked.checks[k].sum[n] / views;
+                // Tolerance: float rounding of colours of about 1.
+                ASSERT_NEAR(static_cast<double>(plain.rgb[3 * k + n]) + off, mean, 1e-5) << x << ',' << y;
+                found += std::abs(off);
+            }
+        }
+    }
+    EXPECT_GT(found, 0);
+}
+
+// Nothing is recorded beyond the border of the records, where a bar that they cut continues.
+TEST(UnsureViews, KnowThatThingsGoOnBeyondTheBorder) {
+    const Case c{"bars.toml", 1.4, 5};
+    const Scene scene = small(c.scene);
+    const TracedFrame frame(scene, traced_for(c));  // without overscan
+    HybridSettings s = hybrid_of(c, frame.file().header().focal_length_mm, 64);
+    s.scene = &scene;
+    const Image got = hybrid_picture(frame.file(), s).focus.image;
+    const Image truth = rendered(scene, c, s.focus.lens.focal_length_mm, 1024, 9),
+                of_rays = rendered(scene, c, s.focus.lens.focal_length_mm, 64, 5, true);
+    const auto border_error = [&](const Image& image) {
+        double sum = 0;
+        for (int y = 0; y < 54; ++y) {
+            for (int x = 0; x < 96; ++x) {
+                if (x >= 3 && y >= 3 && x < 93 && y < 51) continue;
+                for (int n = 0; n < 3; ++n) {
+                    const double d = static_cast<double>(image.pixel(x, y)[n]) - truth.pixel(x, y)[n];
+                    sum += d * d;
+                }
+            }
+        }
+        return sum;
+    };
+    EXPECT_LT(border_error(got), 1.25 * border_error(of_rays));
+}
+
+// A light is added to the image by its exact response, so rays must not see it again.
+TEST(UnsureViews, MeetNoHighlightTwice) {
+    SceneBuilder b;
+    b.add(Rectangle{dvec3(-0.02, -0.02, -4), dvec3(0.04, 0, 0), dvec3(0, 0.04, 0)}, glowing({60, 40, 20}));
+    b.add(Rectangle{dvec3(-90, -90, -10), dvec3(180, 0, 0), dvec3(0, 180, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.scene.sha256 = std::string(64, 'c');
+    TraceSettings trace;
+    trace.overscan_px = 16;
+    trace.subdivision.levels = 4;
+    const TracedFrame frame(b.scene, trace);
+    const Case c{"", 0.7, 2};
+    HybridSettings s = hybrid_of(c, 50, 64);
+    const Image recorded = hybrid_picture(frame.file(), s).focus.image;
+    s.scene = &b.scene;
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    EXPECT_GT(got.retraced_share, 0);
+    const Image truth = rendered(b.scene, c, 50, 65536, 9);
+    EXPECT_GT(db(got.focus.image, truth), db(recorded, truth) - 0.1);
+    EXPECT_GT(db(got.focus.image, truth), db(rendered(b.scene, c, 50, 64, 5), truth) + 6);
+    double light = 0, right = 0;
+    for (const float v : got.focus.image.rgb) light += static_cast<double>(v);
+    for (const float v : truth.rgb) right += static_cast<double>(v);
+    EXPECT_NEAR(light / right, 1, 0.01);
+}
+
+}  // namespace
+}  // namespace postlens::test

@@ -1,0 +1,105 @@
+// Runs the command as people type it, and looks at what it leaves.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <string>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+#include "core/error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace postlens::test {
+
+/// Until a program that was started has a handler for SIGINT, which kills it before: the loader alone may
+/// take a second on a busy machine. A bit of a hexadecimal mask says so [proc(5)].
+inline void wait_for_handler(pid_t process) {
+    for (int i = 0; i < 600; ++i) {
+        std::ifstream status("/proc/" + std::to_string(process) + "/status");
+        for (std::string line; std::getline(status, line);) {
+            if (line.rfind("SigCgt:", 0) == 0 &&
+                (std::stoull(line.substr(7), nullptr, 16) >> (SIGINT - 1) & 1U) != 0)
+                return;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+}
+
+struct Outcome {
+    int exit_code = -1;
+    std::string out, err;
+};
+
+inline std::string text_of(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline std::string quoted(const std::string& word) {
+    std::string out(1, '\'');
+    for (const char c : word) {
+        if (c == '\'') out.append("'\\'");  // ends the quoted text, adds a quote, begins again
+        out.push_back(c);
+    }
+    out.push_back('\'');
+    return out;
+}
+
+/// A test with a folder of its own.
+class CommandTest : public testing::Test {
+  protected:
+    Outcome run(const std::vector<std::string>& words, const std::string& before = "") {
+        std::string command = before + test::quoted(program_);
+        for (const std::string& w : words) command.append(" ").append(quoted(w));
+        const std::filesystem::path out = folder_.path() / ".out", err = folder_.path() / ".err";
+        command.append(" >")
+            .append(quoted(out.string()))
+            .append(" 2>")
+            .append(quoted(err.string()))
+            .append(" </dev/null");
+        const int status = std::system(command.c_str());
+        Outcome r{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text_of(out), text_of(err)};
+        std::filesystem::remove(out);
+        std::filesystem::remove(err);
+        return r;
+    }
+    // Refused: this exit code, one line that begins as it should, and nothing on disk.
+    void refused(const std::vector<std::string>& words, ExitCode code, const std::string& part) {
+        const std::size_t before = folder_.file_count();
+        const Outcome r = run(words);
+        std::string all;
+        for (const auto& w : words) all.append(" ").append(w);
+        EXPECT_EQ(r.exit_code, static_cast<int>(code)) << all << "\n" << r.err;
+        EXPECT_EQ(r.err.rfind("postlens: ", 0), 0U) << all << "\n" << r.err;
+        EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << all << "\n" << r.err;
+        EXPECT_NE(r.err.find(part), std::string::npos) << all << "\n" << r.err;
+        EXPECT_EQ(folder_.file_count(), before) << all;
+    }
+    std::string in(const std::string& name) { return (folder_.path() / name).string(); }
+    // Begins the command and leaves it running.
+    static pid_t begin(const std::vector<std::string>& words) {
+        const pid_t child = ::fork();
+        if (child != 0) return child;
+        std::vector<char*> arguments;
+        std::vector<std::string> all{POSTLENS_BINARY};
+        all.insert(all.end(), words.begin(), words.end());
+        for (std::string& w : all) arguments.push_back(w.data());
+        arguments.push_back(nullptr);
+        ::execv(POSTLENS_BINARY, arguments.data());
+        ::_exit(127);
+    }
+
+    TemporaryFolder folder_;
+    std::string program_ = POSTLENS_BINARY;  ///< that `run` runs
+};
+
+}  // namespace postlens::test

@@ -1,0 +1,393 @@
+// The instants of a shutter that are recorded. The records of each instant must equal those of a trace at
+// that instant alone.
+#include "tracer/recording/key_instants.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <glm/gtc/quaternion.hpp>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <limits>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/threads.h"
+#include "records/motion/motion_path.h"
+#include "tests/support/scene_builder.h"
+#include "tests/support/temporary_folder.h"
+#include "tracer/recording/recorded_motion.h"
+#include "tracer/shading_trees/film_motion.h"
+#include "tracer/trace.h"
+
+namespace postlens::test {
+namespace {
+
+namespace fs = std::filesystem;
+using glm::dvec3;
+
+constexpr TimeSpan shutter{0, 1};
+
+TransformKey turned(double time_s, double degrees, const dvec3& axis, const dvec3& translation = dvec3(0)) {
+    return {.time_s = time_s,
+            .translation = translation,
+            .rotation = glm::angleAxis(degrees * std::numbers::pi / 180, glm::normalize(axis))};
+}
+
+// A box 4 m in front of the camera that rotates about its centre.
+SceneBuilder turning_box(double degrees, const dvec3& axis) {
+    SceneBuilder b;
+    Object& box = b.add(Box{}, glowing({1, 0, 0}));
+    box.keys = {turned(0, 0, axis, {0, 0, -4}), turned(1, degrees, axis, {0, 0, -4})};
+    return b;
+}
+
+double sweep(const SceneBuilder& b, const TimeSpan& span = shutter) {
+    return view_sweep_degrees(b.scene, b.scene.cameras[0], span);
+}
+
+// Tolerance: rounding of 512 steps in double.
+constexpr double rounding_degrees = 1e-9;
+
+TEST(ViewSweep, IsTheTurnTowardsTheCamera) {
+    EXPECT_NEAR(sweep(turning_box(60, {0, 1, 0})), 60, rounding_degrees);
+    EXPECT_NEAR(sweep(turning_box(60, {1, 0, 0})), 60, rounding_degrees);
+    EXPECT_NEAR(sweep(turning_box(60, {0, 1, 0}), {0.25, 0.75}), 30, rounding_degrees);
+    EXPECT_NEAR(sweep(turning_box(80, {0, 0, 1})), 0, rounding_degrees);
+    // About an axis at 45 degrees the direction moves on a cone, by the angle times sin 45. The steps are
+    // great circle arcs, which are shorter by a relative (80 / 512 degrees)^2 / 24 = 3e-7.
+    EXPECT_NEAR(sweep(turning_box(80, {0, 1, 1})), 80 * std::sqrt(0.5), 80 * 3e-7);
+    EXPECT_EQ(sweep(turning_box(60, {0, 1, 0}), {0.5, 0.5}), 0);
+}
+
+TEST(ViewSweep, AddsUpThereAndBack) {
+    SceneBuilder b = turning_box(60, {0, 1, 0});
+    b.scene.objects[0].keys.insert(b.scene.objects[0].keys.begin() + 1,
+                                   turned(0.3001, 100, {0, 1, 0}, {0, 0, -4}));
+    EXPECT_NEAR(sweep(b), 140, rounding_degrees);
+}
+
+TEST(ViewSweep, PassingByShowsAnotherSide) {
+    SceneBuilder b;
+    b.add(Sphere{{0, 0, 0}, 0.3}, glowing({1, 0, 0})).keys = {{.time_s = 0, .translation = {-4, 0, -4}},
+                                                              {.time_s = 1, .translation = {4, 0, -4}}};
+    EXPECT_NEAR(sweep(b), 90, rounding_degrees);
+}
+
+TEST(ViewSweep, TheCameraGoesRoundWhatStands) {
+    SceneBuilder b;
+    b.add(Sphere{{0, 0, -4}, 0.5}, glowing({1, 0, 0}));
+    b.add(Plane{{0, -1, 0}, {0, 1, 0}}, glowing({0, 1, 0}));  // infinite, so it does not count
+    Camera& camera = b.scene.cameras[0];
+    // The camera moves around the ball by 45 degrees: a rotation about the ball's position.
+    camera.position = {0, 0, 4};
+    camera.look_at = {0, 0, 0};
+    b.scene.objects[0].shape = Sphere{{0, 0, 0}, 0.5};
+    camera.keys = {turned(0, 0, {0, 1, 0}), turned(1, 45, {0, 1, 0})};
+    EXPECT_NEAR(sweep(b), 45, rounding_degrees);
+    // Rotations about the pinhole and about the optical axis have no sweep.
+    camera.position = dvec3(0);
+    camera.look_at = {0, 0, -1};
+    b.scene.objects[0].shape = Sphere{{0, 0, -4}, 0.5};
+    EXPECT_NEAR(sweep(b), 0, rounding_degrees);
+    camera.keys = {turned(0, 0, {0, 0, 1}), turned(1, 90, {0, 0, 1})};
+    EXPECT_NEAR(sweep(b), 0, rounding_degrees);
+    // An object that moves with the camera is always seen from the same side.
+    b.scene.objects[0].keys = camera.keys = {{.time_s = 0}, {.time_s = 1, .translation = {3, 1, 2}}};
+    b.scene.objects[0].motion_base = glm::dmat4(1);
+    EXPECT_NEAR(sweep(b), 0, rounding_degrees);
+}
+
+TEST(ViewSweep, ARoomAroundTheCameraDoesNotTurn) {
+    SceneBuilder b;
+    b.add(Box{dvec3(-5), dvec3(5)}, glowing({1, 0, 0}));
+    b.scene.cameras[0].keys = {{.time_s = 0}, {.time_s = 1, .translation = {2, 0, 0.5}}};
+    EXPECT_EQ(sweep(b), 0);
+}
+
+TEST(ViewSweep, OrthographicCamerasSeeAlongTheAxis) {
+    SceneBuilder b;
+    b.scene.cameras[0].projection = Camera::Projection::orthographic;
+    b.add(Sphere{{0, 0, 0}, 0.3}, glowing({1, 0, 0})).keys = {turned(0, 0, {0, 1, 0}, {-4, 0, -4}),
+                                                              turned(1, 20, {0, 1, 0}, {4, 0, -4})};
+    EXPECT_NEAR(sweep(b), 20, rounding_degrees);
+}
+
+TEST(KeysForSweep, OneMoreForEveryFifteenDegrees) {
+    EXPECT_EQ(keys_for_sweep(0), 1);
+    EXPECT_EQ(keys_for_sweep(1e-9), 1);
+    EXPECT_EQ(keys_for_sweep(1), 1);
+    EXPECT_EQ(keys_for_sweep(15), 1);
+    EXPECT_EQ(keys_for_sweep(15.001), 3);
+    EXPECT_EQ(keys_for_sweep(sweep(turning_box(60, {0, 1, 0}))), 5);
+    EXPECT_EQ(keys_for_sweep(sweep(turning_box(80, {0, 0, 1}))), 1);
+    EXPECT_EQ(keys_for_sweep(1e9), 64);
+}
+
+TEST(KeyInstants, AreSpreadEvenlyWithBothEnds) {
+    using Times = std::vector<double>;
+    EXPECT_EQ(key_instants(1, shutter, 0.5), Times());
+    EXPECT_EQ(key_instants(2, shutter, 0.5), (Times{0, 1}));
+    EXPECT_EQ(key_instants(5, shutter, 0), (Times{0.25, 0.5, 0.75, 1}));
+    EXPECT_EQ(key_instants(3, shutter, 0.5), (Times{0, 1}));
+    EXPECT_EQ(key_instants(3, shutter, 1), (Times{0, 0.5}));
+    EXPECT_EQ(key_instants(3, shutter, 7), (Times{0, 0.5, 1}));
+    EXPECT_EQ(key_instants(64, shutter, 7).size(), 64U);
+    EXPECT_EQ(key_instants(64, shutter, 7).back(), 1);
+    // Instants that agree to 1e-9 are equal, such as -0.1 + 0.3 / 3 and 0.
+    EXPECT_EQ(key_instants(2, {0, 1 + 1e-11}, 1), (Times{0}));
+    EXPECT_EQ(key_instants(4, {-0.1, 0.2}, 0).size(), 3U);
+    // A shutter of length 0 has one instant.
+    EXPECT_EQ(key_instants(9, {0.5, 0.5}, 0), (Times{0.5}));
+    EXPECT_EQ(key_instants(9, {0.5, 0.5}, 0.5), Times());
+}
+
+TEST(FilmMotion, MovesPointsAsTheSceneDoes) {
+    // A rotating box and a camera that rotates and moves: compares a corner of the box with the formula.
+    SceneBuilder b = turning_box(70, {0.3, 1, 0.2});
+    Camera& camera = b.scene.cameras[0];
+    camera.keys = {turned(0, 0, {0, 1, 0}), turned(1, 8, {0, 1, 0.5}, {0.3, 0.1, -0.2})};
+    const double from_s = 0.2, to_s = 0.9;
+    const std::vector<double> at{to_s};
+    const FilmMotion film(recorded_motion(b.scene, camera), camera, {}, from_s, at);
+    const MotionPath path(b.scene.objects[0].keys);
+    const dvec3 corner{0.5, -0.5, 0.5};
+    const CameraModel then(camera, to_s);
+    const auto expected = then.place(path.at(to_s).point(corner));
+    const auto got = film.place(1, path.at(from_s).point(corner), 0);
+    ASSERT_TRUE(expected && got);
+    // Tolerance: a few dozen roundings of raster positions.
+    EXPECT_NEAR(got->x, expected->x, 1e-11 * 64);
+    EXPECT_NEAR(got->y, expected->y, 1e-11 * 64);
+    // `place` inverts `ray` at any distance.
+    const CameraRay ray = then.ray(11.5, 40.25);
+    for (const double t : {0.1, 3.0, 1e6}) {
+        EXPECT_NEAR(then.place(ray.origin + t * ray.direction)->x, 11.5, 1e-11 * 64);
+        EXPECT_NEAR(then.place(ray.origin + t * ray.direction)->y, 40.25, 1e-11 * 64);
+    }
+    EXPECT_NEAR(film.place_of_nothing(ray.direction, {}, 0)->x, 11.5, 1e-11 * 64);
+    EXPECT_FALSE(then.place(ray.origin - ray.direction));
+    Camera flat = camera;
+    flat.projection = Camera::Projection::orthographic;
+    const CameraModel parallel(flat, to_s);
+    const CameraRay side = parallel.ray(11.5, 40.25);
+    EXPECT_NEAR(parallel.place(side.origin + 3.0 * side.direction)->y, 40.25, 1e-11 * 64);
+}
+
+TEST(FilmMotion, KnowsWhichRaysMayMeetWhatMoves) {
+    SceneBuilder b = turning_box(70, {0, 1, 0});  // its bounding ball has radius sqrt(0.75) about (0, 0, -4)
+    const std::vector<double> at{0.5};
+    const FilmMotion film(recorded_motion(b.scene, b.scene.cameras[0]), b.scene.cameras[0], {}, 0, at);
+    const dvec3 ahead{0, 0, -1};
+    EXPECT_TRUE(film.may_meet_moving({0.86, 0, 0}, ahead, 0));
+    EXPECT_FALSE(film.may_meet_moving({0.87, 0, 0}, ahead, 0));
+    EXPECT_TRUE(film.may_meet_moving({0, 0, 0}, ahead, 4.86));
+    EXPECT_FALSE(film.may_meet_moving({0, 0, 0}, ahead, 4.87));
+    EXPECT_FALSE(film.may_meet_moving({0, 0, 0}, -ahead, 0));
+}
+
+TEST(RecordedMotion, NamesIdsWhoseShapesMoveApart) {
+    SceneBuilder b;
+    const std::vector<TransformKey> keys{{.time_s = 0}, {.time_s = 1, .translation = {1, 0, 0}}};
+    for (int i = 0; i < 6; ++i) b.add(Sphere{}, glowing({1, 0, 0}));
+    const std::uint32_t ids[] = {1, 1, 2, 2, 3, 3};
+    for (std::size_t i = 0; i < 6; ++i) b.scene.objects[i].id = ids[i];
+    b.scene.objects[0].keys = b.scene.objects[1].keys = b.scene.objects[3].keys = keys;
+    EXPECT_EQ(ids_that_move_apart(b.scene), std::vector<std::uint32_t>{2});
+    b.scene.objects[4].keys = b.scene.objects[5].keys = keys;
+    b.scene.objects[5].keys[1].translation.x = 2;
+    EXPECT_EQ(ids_that_move_apart(b.scene), (std::vector<std::uint32_t>{2, 3}));
+}
+
+// Files -------------------------------------------------------------------------------------------------
+
+// A scene with shadows, mirrors, a ball that moves before and behind other objects, and a panning camera.
+SceneBuilder moving_scene() {
+    SceneBuilder b;
+    Material shiny = mirror(0.4);
+    shiny.diffuse = dvec3(0.3);
+    b.add(square({0, 0, -6}, {0, 0, 1}, 8), matte({0.2, 0.7, 0.3}));
+    b.add(Box{{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}}, shiny).keys = {turned(0, 0, {0, 1, 0}, {-0.7, 0, -4}),
+                                                                   turned(1, 40, {0, 1, 0.2}, {0.3, 0, -4})};
+    b.add(sphere_mesh(6, 8, true), matte({0.8, 0.3, 0.1})).keys = {
+        turned(0, 0, {1, 0, 0}, {1, 0.2, -5}), turned(1, 30, {1, 0, 0}, {0.2, 0.4, -4.8})};
+    b.add(Box{{-0.05, -2, -2.1}, {0.05, 2, -2}}, matte(dvec3(0.5)));
+    b.point_light({2, 3, 0});
+    b.scene.cameras[0].keys = {turned(0, 0, {0, 1, 0}), turned(1, 2, {0, 1, 0})};
+    return b;
+}
+
+TraceSettings trace_settings(int keys) {
+    TraceSettings s;
+    s.for_shutter = shutter;
+    s.keys = keys;
+    s.overscan_px = 1;
+    return s;
+}
+
+TEST(KeyFiles, HoldAtEachInstantWhatATraceThereRecords) {
+    const TemporaryFolder folder;
+    const SceneBuilder b = moving_scene();
+    const fs::path path = folder.path() / "a.exr", alone_path = folder.path() / "b.exr";
+    // Five keys are among the nine instants at which motion is always sampled.
+    for (const bool automatic : {true, false}) {
+        TraceSettings settings = trace_settings(5);
+        settings.time_s = 0.5;
+        if (!automatic) settings.hidden_layers = 2;
+        const TraceResult result = trace_to_file(b.scene, settings, path);
+        EXPECT_EQ(result.instants_s, (std::vector<double>{0.5, 0, 0.25, 0.75, 1}));
+        const SampleFileReader file(path);
+        ASSERT_EQ(file.instants(), 5U);
+        EXPECT_EQ(file.header().sufficient.shutter_close_s, 1.0);
+        EXPECT_EQ(file.record_count(), result.records);
+        RayCounts rays;
+        for (std::size_t i = 0; i < 5; ++i) {
+            settings.keys = 1;
+            settings.time_s = result.instants_s[i];
+            rays += trace_to_file(b.scene, settings, alone_path).rays;
+            const SampleFileReader alone(alone_path);
+            ASSERT_EQ(alone.instants(), 1U);
+            RecordBand expected, got;
+            alone.read(alone.y_begin(), alone.y_end(), expected);
+            file.read(file.y_begin(), file.y_end(), got, i);
+            EXPECT_EQ(file.instant_s(i), settings.time_s);
+            EXPECT_EQ(got.offsets, expected.offsets);
+            EXPECT_TRUE(got.records == expected.records) << i;
+            const auto hidden = std::count_if(got.records.begin(), got.records.end(),
+                                              [](const Record& r) { return r.layer > 0; });
+            EXPECT_GT(hidden, 50) << i;
+        }
+        EXPECT_EQ(rays.eye, result.rays.eye);
+        EXPECT_EQ(rays.hidden, result.rays.hidden);
+        EXPECT_EQ(rays.shadow, result.rays.shadow);
+    }
+}
+
+TEST(KeyFiles, SameBitsForAnyNumberOfThreads) {
+    const TemporaryFolder folder;
+    const SceneBuilder b = moving_scene();
+    std::string first;
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        trace_to_file(b.scene, trace_settings(3), folder.path() / "a.exr");
+        std::ifstream in(folder.path() / "a.exr", std::ios::binary);
+        const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+        if (first.empty()) first = bytes;
+        EXPECT_TRUE(bytes == first) << threads;
+    }
+}
+
+TEST(KeyFiles, ThePictureIsTheFramesOwn) {
+    const TemporaryFolder folder;
+    const SceneBuilder b = moving_scene();
+    TraceSettings bare, keyed = trace_settings(3);
+    bare.overscan_px = 1;
+    bare.subdivision.levels = keyed.subdivision.levels = 0;  // edges of hidden surfaces would add samples
+    trace_to_file(b.scene, bare, folder.path() / "a.exr");
+    trace_to_file(b.scene, keyed, folder.path() / "b.exr");
+    const SampleFileReader one(folder.path() / "a.exr"), more(folder.path() / "b.exr");
+    EXPECT_EQ(one.picture().rgb, more.picture().rgb);
+    EXPECT_FALSE(one.header().has_layers);
+    EXPECT_TRUE(more.header().has_layers);
+}
+
+TEST(KeyFiles, AutomaticKeysFollowTheMotion) {
+    const TemporaryFolder folder;
+    TraceSettings settings = trace_settings(1);
+    settings.keys.reset();
+    TraceResult r = trace_to_file(turning_box(60, {0, 1, 0}).scene, settings, folder.path() / "a.exr");
+    EXPECT_EQ(r.keys, 5);
+    EXPECT_NEAR(r.keys_sweep_degrees.value(), 60, rounding_degrees);
+    EXPECT_EQ(r.instants_s.size(), 5U);
+    r = trace_to_file(turning_box(60, {0, 0, 1}).scene, settings, folder.path() / "a.exr");
+    EXPECT_EQ(r.keys, 1);
+    EXPECT_EQ(r.instants_s.size(), 1U);
+}
+
+TEST(Overscan, ReachesAsFarAsTheShutterBringsThingsIn) {
+    const TemporaryFolder folder;
+    // The scale is 64 px * 50 / 36 mm = 88.9 px per unit of tangent, so 1 m at a distance of 4 m is 22.2 px.
+    // A ball of radius 0.6 m moves by 1 m to the right. The part of it outside of the left border, at least 1
+    // m, moves into the frame.
+    SceneBuilder b;
+    b.add(square({0, 0, -9}, {0, 0, 1}, 100), glowing({0, 1, 0}));
+    const auto overscan = [&](const std::vector<TransformKey>& keys,
+                              const std::vector<TransformKey>& camera) {
+        SceneBuilder c = b;
+        c.add(Sphere{{0, 0, 0}, 0.6}, glowing({1, 1, 0})).keys = keys;
+        c.scene.cameras[0].keys = camera;
+        TraceSettings settings = trace_settings(1);
+        settings.overscan_px = 0;
+        settings.overscan_auto = true;
+        const TraceResult r = trace_to_file(c.scene, settings, folder.path() / "a.exr");
+        EXPECT_EQ(SampleFileReader(folder.path() / "a.exr").header().overscan_px, r.overscan_px);
+        return r.overscan_px;
+    };
+    const double edge = -32 / (64 * 50 / 36.0) * 4;              // the frame's left edge at 4 m
+    EXPECT_EQ(overscan({{.time_s = 0}, {.time_s = 1}}, {}), 0);  // the ball is not in view and does not move
+    const int right = overscan({{.time_s = 0, .translation = {edge - 0.4, 0, -4}},
+                                {.time_s = 1, .translation = {edge + 0.6, 0, -4}}},
+                               {});
+    // The coarse samples are 8 px apart.
+    EXPECT_GE(right, 22);
+    EXPECT_LE(right, 22 + 16);
+    // A ball that moves out of the frame, or along its border, needs no overscan.
+    EXPECT_EQ(overscan({{.time_s = 0, .translation = {edge, 0, -4}},
+                        {.time_s = 1, .translation = {edge - 2, 0, -4}}},
+                       {}),
+              0);
+    // A ball that is hidden by a nearer still object counts as well.
+    b.add(Box{{-2, -1, -3.1}, {-1.1, 1, -3}}, glowing({1, 0, 0}));
+    EXPECT_GE(overscan({{.time_s = 0, .translation = {edge - 0.4, 0, -4}},
+                        {.time_s = 1, .translation = {edge + 0.6, 0, -4}}},
+                       {}),
+              22);
+    // A pan by 5 degrees moves the image by 88.9 * tan 5 degrees = 7.8 px on the axis, and by more at the
+    // sides (tan 24.8 - tan 19.8 degrees: 9.1 px).
+    const int pan =
+        overscan({{.time_s = 0}, {.time_s = 1}}, {turned(0, 0, {0, 1, 0}), turned(1, 5, {0, 1, 0})});
+    EXPECT_GE(pan, 9);
+    EXPECT_LE(pan, 9 + 16);
+}
+
+TEST(TraceSettingsOfShutters, AreChecked) {
+    const TemporaryFolder folder;
+    const SceneBuilder b = moving_scene();
+    const auto refused = [&](const TraceSettings& settings, const char* part) {
+        try {
+            trace_to_file(b.scene, settings, folder.path() / "a.exr");
+            ADD_FAILURE() << "accepted: " << part;
+        } catch (const Error& e) {
+            EXPECT_EQ(e.code(), ExitCode::wrong_arguments) << part;
+            EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+        }
+    };
+    const double nan = std::nan("");
+    for (const int keys : {0, 65, -1}) refused(trace_settings(keys), "--keys: out of range");
+    for (const int layers : {-1, 17}) {
+        TraceSettings s = trace_settings(1);
+        s.hidden_layers = layers;
+        refused(s, "--hidden-layers: out of range");
+    }
+    for (const TimeSpan span : {TimeSpan{1, 0}, TimeSpan{nan, 1}, TimeSpan{0, nan}, TimeSpan{0, INFINITY}}) {
+        TraceSettings s = trace_settings(1);
+        s.for_shutter = span;
+        refused(s, "--for-shutter: ");
+    }
+    TraceSettings s;
+    s.keys = 2;
+    refused(s, "--keys: needs");
+    s.keys.reset();
+    refused(s, "--keys: needs");
+    s.keys = 1;
+    s.hidden_auto = true;
+    refused(s, "--hidden-layers auto: needs");
+    s.hidden_auto = false;
+    s.overscan_auto = true;
+    refused(s, "--overscan auto: needs");
+    EXPECT_EQ(folder.file_count(), 0U);
+}
+
+}  // namespace
+}  // namespace postlens::test

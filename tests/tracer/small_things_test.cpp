@@ -1,0 +1,306 @@
+// Objects narrower than the distance of two corners are found, and their light is correct.
+#include "tracer/recording/small_things.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <map>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "records/quadtree.h"
+#include "records/sample_file.h"
+#include "tests/support/scene_builder.h"
+#include "tests/support/temporary_folder.h"
+#include "tracer/recording/corner_sampler.h"
+#include "tracer/trace.h"
+
+namespace postlens::test {
+namespace {
+
+namespace fs = std::filesystem;
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr int width = 64, height = 48;
+constexpr double depth_m = 10, pixel_m = 36.0 / width / 50 * depth_m;  // width of a pixel at that depth
+
+// The point at depth_m that the camera sees at raster position `px`.
+dvec3 point_at(const dvec2& px) {
+    return {(px.x - width / 2.0) * pixel_m, -(px.y - height / 2.0) * pixel_m, -depth_m};
+}
+
+SmallThings things_of(const Scene& scene) {
+    return {scene, CameraModel(scene.cameras[0], scene.time_s), scene.time_s, 0, width, 0, height};
+}
+
+struct Sampled {
+    RayCounts counts;
+    std::vector<double> light;          // per pixel
+    std::map<std::uint32_t, int> hits;  // number of point samples per object id
+};
+Sampled sample(const Scene& scene, const SmallThings& things, int levels = 2) {
+    const RayScene rays(scene, scene.time_s);
+    const CameraModel camera(scene.cameras[0], scene.time_s);
+    const WhittedTracer tracer(rays, camera, {});
+    RecordBand all;
+    all.x_begin = 0;
+    all.x_end = width + 1;
+    all.y_end = 0;
+    Sampled out;
+    const SubdivisionSettings settings{.levels = std::max(levels, things.levels()), .edge_levels = levels};
+    out.counts = sample_corners(
+        tracer, {0, width, 0, height}, settings,
+        [&](const RecordBand& band) {
+            const auto before = static_cast<std::uint32_t>(all.records.size());
+            if (all.offsets.empty()) all.offsets.push_back(0);
+            for (std::size_t i = 1; i < band.offsets.size(); ++i)
+                all.offsets.push_back(before + band.offsets[i]);
+            all.records.insert(all.records.end(), band.records.begin(), band.records.end());
+            all.y_end = band.y_end;
+        },
+        things);
+    for (const Record& r : all.records) ++out.hits[r.id];
+    std::vector<float> rgb(3 * width);
+    for (int y = 0; y < height; ++y) {
+        picture_row(all, y, 0, width, rgb);
+        for (std::size_t x = 0; x < width; ++x) out.light.push_back(static_cast<double>(rgb[3 * x]));
+    }
+    return out;
+}
+
+double sum(const std::vector<double>& v) {
+    double out = 0;
+    for (const double x : v) out += x;
+    return out;
+}
+
+TEST(SmallThings, EveryLampIsFoundAndAsBrightAsItsAreaSays) {
+    // Each block of 8 x 8 px has one light of 0.2 to 1.4 px width, at a random position within 5 px.
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> place(1.5, 6.5), wide(0.2, 1.4);
+    SceneBuilder b;
+    std::vector<double> expected;
+    for (int by = 0; by < height / 8; ++by) {
+        for (int bx = 0; bx < width / 8; ++bx) {
+            const dvec3 at = point_at({8 * bx + place(random), 8 * by + place(random)});
+            const double diameter_px = wide(random);
+            b.add(Sphere{at, diameter_px / 2 * pixel_m}, glowing(dvec3(20)));
+            // A small sphere off the axis is an ellipse on the film, whose area is larger by 1 / cosine of
+            // the angle.
+            expected.push_back(20 * std::numbers::pi / 4 * diameter_px * diameter_px * glm::length(at) /
+                               depth_m);
+        }
+    }
+    const Sampled without = sample(b.scene, {}), with = sample(b.scene, things_of(b.scene));
+    int missed = 0;
+    double mean = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        const auto id = static_cast<std::uint32_t>(i + 1);
+        missed += without.hits.contains(id) ? 0 : 1;
+        EXPECT_TRUE(with.hits.contains(id)) << i;
+        double light = 0;
+        for (std::size_t y = 0; y < 8; ++y) {
+            for (std::size_t x = 0; x < 8; ++x) light += with.light[(i / 8 * 8 + y) * width + i % 8 * 8 + x];
+        }
+        // The number of lattice points in a circle with a radius of R cells has a variance of 0.6765 R
+        // [kendall1948]. R is at least 8 here, unless the deepest level limits it.
+        const double diameter_px = std::sqrt(expected[i] / 20 * 4 / std::numbers::pi);
+        const double cells = std::max(8.0, std::min(diameter_px / 2 * (1 << SmallThings::most_levels), 8.0));
+        const double deviation = std::sqrt(0.6765 * cells) / (std::numbers::pi * cells * cells);
+        EXPECT_NEAR(light / expected[i], 1, 4 * deviation) << i << ", " << diameter_px << " px";
+        mean += light / expected[i] / static_cast<double>(expected.size());
+    }
+    EXPECT_GT(missed, 5);         // otherwise the scene tests nothing
+    EXPECT_NEAR(mean, 1, 0.007);  // four standard deviations of the mean of 48
+}
+
+TEST(SmallThings, AHairOfAFifthOfAPixelCoversWhatItShould) {
+    SceneBuilder b;
+    const dvec3 from = point_at({-4, 7.3}), to = point_at({width + 4.0, 37.9});
+    b.add(Cone{from, to, 0.1 * pixel_m, 0.1 * pixel_m}, glowing(dvec3(1)));
+    const Sampled s = sample(b.scene, things_of(b.scene));
+    // Each column of pixels has the same length of the hair, seen slightly obliquely towards the sides.
+    const dvec2 slope(width + 8, 37.9 - 7.3);
+    const double across = 0.2 * glm::length(slope) / slope.x * width;
+    EXPECT_NEAR(sum(s.light) / across, 1, 0.02);
+    for (std::size_t x = 0; x < width; ++x) {
+        double column = 0;
+        for (std::size_t y = 0; y < height; ++y) column += s.light[y * width + x];
+        EXPECT_GT(column, 0.1) << x;
+    }
+}
+
+// Away from the centre of the film, the line of sight determines the projected width, not the optical axis.
+TEST(SmallThings, ADiscSeenFromItsEdgeCoversWhatItShould) {
+    SceneBuilder b;
+    const dvec3 centre = point_at({52.3, 37.8}), sight = glm::normalize(centre),
+                beside = glm::normalize(glm::cross(sight, dvec3(0.3, 1, 0))),
+                normal = glm::normalize(beside + 0.01 * sight), u = glm::normalize(glm::cross(normal, sight)),
+                v = glm::cross(normal, u);
+    const double radius = 8 * pixel_m;
+    b.add(Disc{centre, normal, radius}, glowing(dvec3(1)));
+    const CameraModel camera(b.scene.cameras[0], b.scene.time_s);
+    double area = 0;
+    constexpr int corners = 1000;
+    const auto corner = [&](int i) {
+        const double angle = 2 * std::numbers::pi * i / corners;
+        return camera.place(centre + radius * (std::cos(angle) * u + std::sin(angle) * v)).value();
+    };
+    for (int i = 0; i < corners; ++i) {
+        const auto p = corner(i), q = corner(i + 1);
+        area += (p.x * q.y - p.y * q.x) / 2;
+    }
+    area = std::abs(area);
+    EXPECT_NEAR(area, std::numbers::pi * 8 * 0.08, 0.3);
+    const Sampled s = sample(b.scene, things_of(b.scene));
+    EXPECT_NEAR(sum(s.light) / area, 1, 0.03);
+}
+
+TEST(SmallThings, AConeIsFoundToItsTip) {
+    SceneBuilder b;
+    const dvec2 base(-4, 41.2), apex(60.2, 7.7);
+    b.add(Cone{point_at(base), point_at(apex), 0.7 * pixel_m, 0}, glowing(dvec3(1)));
+    const Sampled s = sample(b.scene, things_of(b.scene));
+    const dvec2 along = apex - base;
+    // Sums the last 16 columns before the tip.
+    double light = 0;
+    for (std::size_t x = 44; x < 60; ++x) {
+        double column = 0;
+        for (std::size_t y = 0; y < height; ++y) column += s.light[y * width + x];
+        light += column;
+        const double wide =
+            1.4 * (apex.x - (static_cast<double>(x) + 0.5)) / along.x * glm::length(along) / along.x;
+        EXPECT_GT(column, wide / 2) << x;
+    }
+    const auto of_triangle = [&](double length) {
+        return 0.7 * length * length / along.x * glm::length(along) / along.x;
+    };
+    EXPECT_NEAR(light / (of_triangle(apex.x - 44) - of_triangle(apex.x - 60)), 1, 0.05);
+}
+
+TEST(SmallThings, WhatStandsBehindAWallCostsNothing) {
+    SceneBuilder b;
+    b.add(square(point_at({32, 24}) + dvec3(0, 0, 2), {0, 0, 1}, 100), matte(dvec3(0.5)));
+    const std::uint64_t bare = sample(b.scene, {}).counts.eye;
+    for (int i = 0; i < 20; ++i)
+        b.add(Sphere{point_at({3.0 * i + 2.2, 20.3}), 0.3 * pixel_m}, glowing(dvec3(20)));
+    const SmallThings things = things_of(b.scene);
+    EXPECT_FALSE(things.empty());
+    EXPECT_EQ(sample(b.scene, things).counts.eye, bare);
+}
+
+TEST(SmallThings, OfTooManyTheBrightAndTheWiderComeFirst) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> x(0, width), y(0, height), wide(0.05, 0.2);
+    SceneBuilder b;
+    for (int i = 0; i < 3000; ++i)
+        b.add(Sphere{point_at({x(random), y(random)}), wide(random) * pixel_m}, matte(dvec3(0.5)));
+    b.add(Sphere{point_at({20.3, 20.6}), 0.05 * pixel_m}, glowing(dvec3(50)));
+    const SmallThings things = things_of(b.scene);
+    EXPECT_GT(things.lost(), 1000U);
+    const Sampled s = sample(b.scene, things);
+    EXPECT_TRUE(s.hits.contains(3001));
+    // A split needs at most five corners, and there are 4/3 splits per smallest divided cell.
+    EXPECT_LT(static_cast<double>(s.counts.eye),
+              (1 + 5 * 4.0 / 3 * SmallThings::most_cells_per_pixel) * (width + 1) * (height + 1));
+}
+
+TEST(SmallThings, BoxesDiscsAndMeshesAreFoundToo) {
+    SceneBuilder b;
+    const dvec3 half(0.12 * pixel_m, 0.12 * pixel_m, 0.12 * pixel_m);
+    b.add(Box{point_at({10.4, 10.4}) - half, point_at({10.4, 10.4}) + half}, glowing(dvec3(1)));
+    b.add(Disc{point_at({20.4, 10.4}), {0, 0, 1}, 0.15 * pixel_m}, glowing(dvec3(1)));
+    b.add(square(point_at({30.4, 10.4}), {0, 0, 1}, 0.3 * pixel_m), glowing(dvec3(1)));
+    b.add(sphere_mesh(8, 8, false), glowing(dvec3(1)),
+          glm::translate(glm::dmat4(1), point_at({40.4, 10.4})) *
+              glm::scale(glm::dmat4(1), dvec3(0.15 * pixel_m)));
+    const Sampled s = sample(b.scene, things_of(b.scene));
+    for (const std::uint32_t id : {1U, 2U, 3U, 4U}) EXPECT_TRUE(s.hits.contains(id)) << id;
+    EXPECT_EQ(sample(b.scene, {}).hits.size(), 1U);  // none of them is hit by chance
+}
+
+TEST(SmallThings, WideAndInfiniteThingsAskForNothing) {
+    SceneBuilder b;
+    b.add(Sphere{point_at({20, 20}), 3 * pixel_m}, glowing(dvec3(20)));
+    b.add(Plane{{0, -1, 0}, {0, 1, 0}}, matte(dvec3(0.5)));
+    b.add(Sphere{{0, 0, 5}, 1e-3}, glowing(dvec3(20)));  // behind the camera
+    b.add(Sphere{point_at({-300, 20}), 0.2 * pixel_m}, glowing(dvec3(20)));
+    const SmallThings things = things_of(b.scene);
+    EXPECT_TRUE(things.empty());
+    EXPECT_EQ(things.levels(), 0);
+    EXPECT_EQ(things.lost(), 0U);
+}
+
+TEST(SmallThings, AreSoughtWhereTheyAreAtEachInstantOfAFile) {
+    SceneBuilder b;
+    Object& lamp = b.add(Sphere{{0, 0, 0}, 0.15 * pixel_m}, glowing(dvec3(20)));
+    lamp.motion_base = glm::dmat4(1);
+    lamp.keys = {{.time_s = 0, .translation = point_at({10.4, 20.4})},
+                 {.time_s = 1, .translation = point_at({50.4, 20.4})}};
+    lamp.world_from_object = transform_at(lamp.keys, 0);
+    const TemporaryFolder folder;
+    TraceSettings settings;
+    settings.for_shutter = TimeSpan{0, 1};
+    settings.keys = 3;
+    settings.hidden_layers = 0;
+    const TraceResult r = trace_to_file(b.scene, settings, folder.path() / "lamp.exr");
+    EXPECT_EQ(r.too_narrow_objects, 0U);
+    const SampleFileReader file(folder.path() / "lamp.exr");
+    EXPECT_EQ(file.header().subdivide_levels, 6);
+    RecordBand band;
+    for (std::size_t k = 0; k < file.instants(); ++k) {
+        int hits = 0;
+        double place = 0;
+        for (int y = file.y_begin(); y < file.y_end(); ++y) {
+            file.read(y, y + 1, band, k);
+            for (const Record& record : band.records) {
+                hits += record.id == 1 ? 1 : 0;
+                place += record.id == 1 ? static_cast<double>(record.x) : 0;
+            }
+        }
+        ASSERT_GT(hits, 20) << k;
+        EXPECT_NEAR(place / hits, 10.4 + 40 * file.instant_s(k), 0.15) << k;
+    }
+}
+
+TEST(SmallThings, OnlyTheyAreDividedFiner) {
+    // The contrast of stripes needs all levels of colours. A light far from them needs more levels, which
+    // must not apply to the stripes.
+    SceneBuilder b;
+    for (int i = 0; i < 8; ++i) {
+        b.add(square(point_at({8 + 2.3 * i, 10}), {0, 0, 1}, 1.9 * pixel_m),
+              glowing(dvec3(i % 2 == 0 ? 0.9 : 0.1)));
+        b.scene.objects.back().id = 1;
+    }
+    const auto hits_of_stripes = [&](const fs::path& path) {
+        TraceSettings settings;
+        settings.subdivision.levels = 1;
+        (void)trace_to_file(b.scene, settings, path);
+        const SampleFileReader file(path);
+        RecordBand band;
+        file.read(file.y_begin(), file.y_end(), band);
+        return std::count_if(band.records.begin(), band.records.end(),
+                             [](const Record& r) { return r.id == 1; });
+    };
+    const TemporaryFolder folder;
+    const auto alone = hits_of_stripes(folder.path() / "stripes.exr");
+    b.add(Sphere{point_at({50.4, 40.4}), 0.1 * pixel_m}, glowing(dvec3(20)));
+    EXPECT_EQ(hits_of_stripes(folder.path() / "lamp.exr"), alone);
+}
+
+TEST(SmallThings, AFileWithoutSubdivisionStaysWithoutIt) {
+    SceneBuilder b;
+    b.add(Sphere{point_at({20.4, 20.4}), 0.15 * pixel_m}, glowing(dvec3(20)));
+    const TemporaryFolder folder;
+    TraceSettings settings;
+    settings.subdivision.levels = 0;
+    const TraceResult r = trace_to_file(b.scene, settings, folder.path() / "bare.exr");
+    EXPECT_EQ(r.rays.eye, (width + 1U) * (height + 1U));
+    EXPECT_EQ(r.too_narrow_objects, 1U);  // reported by the command
+}
+
+}  // namespace
+}  // namespace postlens::test

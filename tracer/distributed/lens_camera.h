@@ -1,0 +1,111 @@
+// The camera with a lens and a shutter. Maps sample values in [0, 1) to eye rays, each with its own lens
+// point and its own instant [cook1984].
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "lens/aperture.h"
+#include "lens/focus_geometry.h"
+#include "lens/shutter_curve.h"
+#include "lens/traced/lens_view.h"
+#include "records/motion/motion_path.h"
+#include "tracer/camera_model.h"
+#include "tracer/intersection/ray_scene.h"
+
+namespace postlens {
+
+/// Sixteen samples: raster positions, px, and sample values of lens and time in [0, 1).
+struct LensSamples {
+    alignas(64) std::array<float, 16> x, y, lens_u, lens_v, time;
+};
+
+class LensCamera {
+  public:
+    struct Settings {
+        FocusGeometry lens;  ///< aperture radius 0: a pinhole; `gain_px` sets the field of view
+        TimeSpan span;
+        ShutterCurve curve = ShutterCurve::box();
+        std::shared_ptr<const Aperture> aperture = nullptr;  ///< null: a disc
+        std::shared_ptr<const LensView> view = nullptr;      ///< a real lens with the geometry `lens`
+    };
+    /// `model` gives raster, projection and the pose at rest; `camera` gives the motion. An orthographic
+    /// camera requires a pinhole.
+    LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
+
+    /// Sixteen samples with given lens points, in lens radii along the raster's axes. Not for a real lens.
+    struct PointSamples {
+        alignas(64) std::array<float, 16> x, y;
+        std::array<glm::dvec2, 16> lens;
+        alignas(64) std::array<float, 16> time;
+    };
+    /// Adds rays through given lens points. They equal the rays of the other add_rays except for rounding.
+    void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
+
+    /// Adds one group of 16 rays to the batch, with unit directions, and with times if the batch has times.
+    /// If `loses_rays()`, appends the lens's transmittance for each ray to `weights`. Rays of transmittance 0
+    /// hit nothing.
+    void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
+    /// Whether the transmittance of some rays through the lens may be below 1. If not, `weights` stays empty.
+    [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
+
+    /// One ray, computed in double, as a simple reference for tests. `Ray::time`: fraction of the time span.
+    struct Ray {
+        glm::dvec3 origin{0}, direction{0, 0, -1};
+        double time = 0;
+        double weight = 1;
+    };
+    [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
+
+    /// The raster position, px, at which the pinhole sees a point of a ray. The ray goes through the lens
+    /// point `unit` (lens radii) to the position in the plane in focus that the pinhole sees at (x, y). The
+    /// point is at distance `t` m from the lens. Not for a real lens.
+    [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
+
+    /// Scale of the image at a world point, px per metre across the view; 0 behind the camera.
+    [[nodiscard]] double px_per_m(const glm::dvec3& world, double time_s) const;
+    [[nodiscard]] bool moves() const { return moves_; }
+    [[nodiscard]] int width() const { return width_; }
+    [[nodiscard]] int height() const { return height_; }
+
+  private:
+    // Sixteen rays in the camera's frame: lens points, m, and tangents of directions, along the raster's
+    // axes.
+    struct Local {
+        alignas(64) std::array<float, 16> qx, qy, tx, ty;
+    };
+    struct Frame {
+        glm::dvec3 position{0}, right{1, 0, 0}, down{0, -1, 0}, forward{0, 0, -1};
+    };
+    struct Optics {
+        float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
+    };
+    static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
+    /// Computes the ray from lens point `unit` towards the point of the plane in focus that the pinhole sees
+    /// at (x, y). Returns whether the aperture transmits it.
+    bool local_ray(double x, double y, const glm::dvec2& unit, std::size_t lane, Local& out) const;
+    /// Adds rays that are given in the camera's frame.
+    void add_local(const Local& local, std::array<float, 16> time, const std::array<float, 16>& weight,
+                   RayBatch& batch, std::vector<float>& weights) const;
+    void local_rays_of_view(const LensSamples& samples, Local& out, std::array<float, 16>& weight) const;
+    void local_rays_of_aperture(const LensSamples& samples, Local& out, std::array<float, 16>& weight) const;
+    [[nodiscard]] glm::dvec2 field_of(const glm::dvec2& tangent) const;
+    static void world_rays(const Local& local, const Frame& frame, bool parallel, float* const to[6]);
+    [[nodiscard]] Frame frame_at(double time_s) const;
+
+    int width_, height_;
+    bool orthographic_, moves_ = false;
+    FocusGeometry lens_;
+    std::shared_ptr<const Aperture> aperture_;  ///< null: a disc
+    std::shared_ptr<const LensView> view_;      ///< null: a thin lens
+    Optics optics_{};
+    TimeSpan span_;
+    ShutterCurve curve_;
+    bool even_time_;
+    Frame rest_, still_;  // without the camera's motion; at the opening of the shutter
+    MotionPath path_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,78 @@
+#include "tracer/distributed/scene_rays.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace postlens {
+namespace {
+
+constexpr std::size_t lanes = 16;
+
+}  // namespace
+
+SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
+                     std::uint64_t seed)
+    : setup_(setup), sampler_(SamplerKind::sobol, lines, seed), tracer_(setup.rays(), sampler_, settings) {
+    const Scene& scene = setup.rays().scene();
+    const bool sampled =
+        std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
+    for (const Object& o : scene.objects) {
+        const Material& m = scene.materials[o.material];
+        // A ray samples one direction of a lobe, while a record holds the mean over the lobe.
+        if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
+        if (m.has_lobe()) steady_mirrors_ = false;
+    }
+}
+
+bool SceneRays::steady(NodePath path, std::uint32_t id) const {
+    return (path.bits() == 0 || steady_mirrors_) && !unsteady_.contains(id);
+}
+
+void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& less,
+                      std::span<std::array<float, 3>> radiance) const {
+    thread_local EyeRays eye;
+    eye.rays.clear(false, tracer_.needs_times());
+    eye.pixel.clear();
+    eye.index.clear();
+    eye.weight.clear();
+    eye.less = less.of ? &less : nullptr;
+    eye.recorded_at = [&](std::size_t ray, double t) {
+        const SightLine& line = lines[ray];
+        return setup_.camera().pinhole_px(line.x + line.place.x, line.y + line.place.y, line.lens, t);
+    };
+    LensCamera::PointSamples samples;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled lane by lane
+    const int width = setup_.width();
+    const auto pixels = static_cast<std::uint32_t>(width) * static_cast<std::uint32_t>(setup_.height());
+    for (std::size_t first = 0; first < lines.size(); first += lanes) {
+        const std::size_t count = std::min(lanes, lines.size() - first);
+        for (std::size_t i = 0; i < lanes; ++i) {
+            // The last group of 16 rays is filled up with copies of its last line, whose rays are dropped.
+            const SightLine& line = lines[first + std::min(i, count - 1)];
+            samples.x[i] = static_cast<float>(line.x + line.place.x);
+            samples.y[i] = static_cast<float>(line.y + line.place.y);
+            samples.lens[i] = line.lens;
+            samples.time[i] = static_cast<float>(line.light_before);
+            if (i >= count) continue;
+            eye.pixel.push_back(static_cast<std::uint32_t>(line.y * width + line.x) + line.set * pixels);
+            eye.index.push_back(static_cast<int>(line.view));
+        }
+        setup_.camera().add_rays(samples, eye.rays, eye.weight);
+        eye.rays.count -= static_cast<int>(lanes - count);
+    }
+    RayCounts counts;
+    tracer_.trace(eye, counts);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        const double weight = eye.weight.empty() ? 1.0 : static_cast<double>(eye.weight[i]);
+        for (int c = 0; c < 3; ++c)
+            radiance[i][static_cast<std::size_t>(c)] = static_cast<float>(weight * eye.radiance[i][c]);
+    }
+    const std::lock_guard lock(mutex_);
+    counts_ += counts;
+}
+
+RayCounts SceneRays::counts() const {
+    const std::lock_guard lock(mutex_);
+    return counts_;
+}
+
+}  // namespace postlens

@@ -1,0 +1,36 @@
+// Traces rays through given lens points into a scene, with the shading of `render`.
+#pragma once
+
+#include <mutex>
+#include <unordered_set>
+
+#include "reproject/sight_rays.h"
+#include "tracer/distributed/render_setup.h"
+#include "tracer/shading_trees/distributed_tracer.h"
+
+namespace postlens {
+
+class SceneRays : public SightRays {
+  public:
+    /// `lines`: greatest number of lines per pixel; SightLine::view must be below it. Keeps a reference to
+    /// `setup`, which must not have a real lens.
+    SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
+              std::uint64_t seed = 1);
+    void trace(std::span<const SightLine> lines, const LightElsewhere& less,
+               std::span<std::array<float, 3>> radiance) const override;
+    [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
+    /// Number of rays traced so far.
+    [[nodiscard]] RayCounts counts() const;
+
+  private:
+    const RenderSetup& setup_;
+    Sampler sampler_;
+    DistributedTracer tracer_;
+    bool steady_mirrors_ = true;  ///< no material reflects or transmits into a lobe
+    std::unordered_set<std::uint32_t>
+        unsteady_;  ///< ids of objects whose radiance depends on sampled lights or lobes
+    mutable std::mutex mutex_;
+    mutable RayCounts counts_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,64 @@
+// Shapes with an analytic formula. Each shape is defined in its own canonical frame, and an affine map places
+// it in object space.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+
+#include "scene/scene.h"
+
+namespace postlens {
+
+/// Shape in its canonical ("local") frame:
+/// sphere: unit sphere. box: [0, 1]^3. disc: unit disc in z = 0 without the disc of radius `inner`.
+/// rectangle: [0, 1]^2 in z = 0. plane: z = 0. cone: axis z from 0 to `height`, radius from `radius0` to
+/// `radius1`.
+struct AnalyticShape {
+    enum class Kind { sphere, box, disc, rectangle, plane, cone };
+    Kind kind = Kind::sphere;
+    double inner = 0;
+    double height = 1, radius0 = 1, radius1 = 1;
+    bool capped = false;
+    /// True if the shape lies in the plane z = 0.
+    [[nodiscard]] bool flat() const {
+        return kind == Kind::disc || kind == Kind::rectangle || kind == Kind::plane;
+    }
+};
+
+/// A shape in its canonical frame and the affine map from there to object space. `place_shape` returns
+/// nothing for a mesh.
+struct PlacedShape {
+    AnalyticShape shape;
+    glm::dmat4 object_from_local{1};
+};
+[[nodiscard]] std::optional<PlacedShape> place_shape(const Shape& shape);
+
+/// All values of t at which a line o + t d crosses the shape, unsorted. `part` says which face or cap is
+/// crossed.
+template <typename T>
+struct Crossings {
+    int count = 0;
+    T t[6] = {};
+    int part[6] = {};
+    void add(T at, int on) {
+        t[count] = at;
+        part[count++] = on;
+    }
+};
+/// Parts of a cone. A box has parts 0 to 5: 2 * axis + (1 for the upper face, else 0).
+inline constexpr int part_lateral = 0, part_base = 1, part_apex = 2;
+
+template <typename T>
+[[nodiscard]] Crossings<T> crossings(const AnalyticShape& shape, const glm::vec<3, T>& o,
+                                     const glm::vec<3, T>& d);
+
+/// Differential geometry at a point of the shape, in the local frame.
+struct LocalGeometry {
+    glm::dvec3 normal{0, 0, 1};    ///< unit, outward
+    glm::dmat3 shape_operator{0};  ///< dN = shape_operator * dP for dP within the surface, 1/length
+};
+[[nodiscard]] LocalGeometry local_geometry(const AnalyticShape& shape, int part, const glm::dvec3& p);
+/// Surface coordinates (u, v) of a point of the shape, in the local frame.
+[[nodiscard]] glm::dvec2 local_uv(const AnalyticShape& shape, int part, const glm::dvec3& p);
+
+}  // namespace postlens

@@ -1,0 +1,21 @@
+// Intersects eight or sixteen rays with one shape at a time.
+#pragma once
+
+#include "tracer/intersection/packet_views.h"
+
+namespace postlens {
+
+/// Crossings of each ray with a shape, sorted by distance; infinity if there is none. They are computed as by
+/// the scalar code, with the operations in the same order.
+struct Pairs {
+    alignas(64) float near[16], far[16];
+};
+
+/// Computes the crossings of n = 8 or 16 rays with `item`. The crossing at which a ray starts is left out;
+/// `geometry` and `primitive` identify the item for that. Returns false for other n, and for shapes without a
+/// packet version.
+[[nodiscard]] bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n,
+                                const RayContext& context, unsigned geometry, unsigned primitive,
+                                const int* valid, Pairs& out);
+
+}  // namespace postlens

@@ -1,0 +1,52 @@
+// Access to Embree's ray packets for the callbacks of user geometry. Only *_packets.cpp and packet_pairs
+// include this.
+#pragma once
+
+#include <limits>
+
+#include "tracer/intersection/ray_scene_geometry.h"
+
+namespace postlens {
+
+inline const RayContext& context_of(const RTCIntersectContext* context) {
+    return *reinterpret_cast<const RayContext*>(context);
+}
+
+// Access to the fields of Embree's ray and hit packets. Fields are in the order of RTCRay and RTCHit, N
+// values each.
+struct Rays {
+    float *ox, *oy, *oz, *tnear, *dx, *dy, *dz, *time, *tfar;
+    unsigned* id;
+    Rays(RTCRayN* rays, unsigned n) {
+        auto* f = reinterpret_cast<float*>(rays);
+        ox = f, oy = f + n, oz = f + 2 * n, tnear = f + 3 * n;
+        dx = f + 4 * n, dy = f + 5 * n, dz = f + 6 * n, time = f + 7 * n, tfar = f + 8 * n;
+        id = reinterpret_cast<unsigned*>(f + 10 * n);
+    }
+};
+struct Hits {
+    unsigned *primitive, *geometry, *instance;
+    Hits(RTCRayHitN* rayhit, unsigned n) {
+        auto* u = reinterpret_cast<unsigned*>(RTCRayHitN_HitN(rayhit, n));
+        primitive = u + 5 * n, geometry = u + 6 * n, instance = u + 7 * n;
+    }
+};
+
+/// Whether a new hit replaces an old one at the same distance. Embree finds the two in an order that depends
+/// on the processor, but the result must not depend on it.
+inline bool precedes(unsigned instance, unsigned geometry, unsigned primitive, unsigned old_instance,
+                     unsigned old_geometry, unsigned old_primitive) {
+    const bool in_geometry =
+        (geometry < old_geometry) | ((geometry == old_geometry) & (primitive < old_primitive));
+    return (old_geometry != RTC_INVALID_GEOMETRY_ID) &
+           ((instance < old_instance) | ((instance == old_instance) & in_geometry));
+}
+
+/// Whether the ray starts on this primitive.
+inline bool leaves(const RayContext& context, unsigned ray_id, unsigned geometry, unsigned primitive) {
+    if (context.sources == nullptr) return false;
+    const HitKey& from = context.sources[ray_id];
+    return from.geometry == geometry && from.primitive == primitive;
+}
+
+}  // namespace postlens

@@ -1,0 +1,22 @@
+// Predicts the size of a sample file from a preview pass over a few rows.
+#pragma once
+
+#include <cstdint>
+
+#include "records/sample_file.h"
+#include "tracer/recording/corner_sampler.h"
+
+namespace postlens {
+
+/// Number of rows that the preview pass traces in a window of `rows` rows: 2 of every 96, at least 8 and at
+/// most 64, but not more than `rows`.
+[[nodiscard]] int looked_at_rows(int rows);
+
+/// Predicted size of a sample file, bytes, without its header. Pairs of rows, evenly spaced in the window,
+/// are traced and packed as those of the file. The result is scaled to all rows and to `instants` instants.
+[[nodiscard]] std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWindow& window,
+                                                const SubdivisionSettings& subdivision,
+                                                const SmallThings& things, const SampleHeader& header,
+                                                RecordCompression compression, std::size_t instants);
+
+}  // namespace postlens

@@ -1,0 +1,127 @@
+#include "tracer/recording/key_instants.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/threads.h"
+#include "records/motion/motion_path.h"
+#include "records/sample_header.h"
+#include "scene/shape_bounds.h"
+#include "tracer/shading_trees/film_motion.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec3;
+
+// Spacing of the keys, the instants at which a moving scene is recorded, as the angle by which the view of an
+// object turns between two keys. Halfway between two keys a ball has turned by 7.5 degrees since the nearer
+// key. Neither key shows a part of its silhouette of 1 - cos 7.5 degrees, 0.9 %, of its radius.
+constexpr double degrees_per_key = 15;
+
+// Number of steps into which the shutter interval is divided, in addition to the keys of the motion.
+// Directions are assumed to turn by less than 180 degrees between two steps.
+constexpr int steps = 512;
+
+double angle(const dvec3& a, const dvec3& b) {
+    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+// Position and direction of the camera at an instant.
+struct View {
+    double time_s = 0;
+    dvec3 position{0}, backwards{0, 0, 1};
+    View(const Camera& camera, double at_s) : time_s(at_s) {
+        const CameraModel model(camera, at_s);
+        position = model.position;
+        backwards = -model.forward;
+    }
+};
+
+// The camera poses `views`, and the poses at those keys of the camera's motion that lie between the first and
+// the last of them.
+std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
+                            const std::vector<TransformKey>& keys) {
+    std::vector<View> out = views;
+    for (const TransformKey& k : keys) {
+        if (k.time_s > views.front().time_s && k.time_s < views.back().time_s)
+            out.emplace_back(camera, k.time_s);
+    }
+    std::sort(out.begin(), out.end(), [](const View& a, const View& b) { return a.time_s < b.time_s; });
+    return out;
+}
+
+bool inside(const Bounds& box, const dvec3& p) {
+    return glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max));
+}
+
+double sweep(const Object& object, const std::vector<View>& views, bool orthographic) {
+    const bool moves = !object.keys.empty();
+    const Bounds box = shape_bounds(object.shape, moves ? object.motion_base : object.world_from_object);
+    const dvec3 size = box.max - box.min;
+    if (box.empty() || !(std::isfinite(size.x) && std::isfinite(size.y) && std::isfinite(size.z))) return 0;
+    const dvec3 centre = 0.5 * (box.min + box.max);
+    const MotionPath path(object.keys);
+    double sum = 0;
+    bool before = false;
+    dvec3 last(0);
+    for (const View& v : views) {
+        const MotionPath::Pose pose = path.at(v.time_s);
+        const dvec3 seen_from = pose.unmoved_point(v.position);
+        const dvec3 d = orthographic ? pose.unmoved_direction(v.backwards) : seen_from - centre;
+        const bool counts = orthographic || !inside(box, seen_from);
+        if (counts && before) sum += angle(last, d);
+        before = counts;
+        last = d;
+    }
+    return sum * 180 / std::numbers::pi;
+}
+
+}  // namespace
+
+double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter) {
+    if (!(shutter.close_s > shutter.open_s)) return 0;
+    std::vector<View> views;
+    for (int i = 0; i <= steps; ++i) {
+        views.emplace_back(camera, even_instant(shutter.open_s, shutter.close_s, i, steps + 1));
+    }
+    views = with_keys(views, camera, camera.keys);
+    const bool camera_moves = std::any_of(views.begin(), views.end(), [&](const View& v) {
+        return v.position != views.front().position || v.backwards != views.front().backwards;
+    });
+    const bool orthographic = camera.projection == Camera::Projection::orthographic;
+    std::vector<double> sweeps(scene.objects.size(), 0);
+    parallel_for(sweeps.size(), [&](std::size_t i) {
+        const Object& o = scene.objects[i];
+        if (!o.keys.empty()) {
+            sweeps[i] = sweep(o, with_keys(views, camera, o.keys), orthographic);
+        } else if (camera_moves) {
+            sweeps[i] = sweep(o, views, orthographic);
+        }
+    });
+    return sweeps.empty() ? 0 : *std::max_element(sweeps.begin(), sweeps.end());
+}
+
+int keys_for_sweep(double sweep_degrees) {
+    // Tolerance for rounding in the sum over the steps, so that a sweep of 60 degrees needs no extra key.
+    constexpr double rounding = 1e-6;
+    if (sweep_degrees <= degrees_per_key * (1 + rounding)) return 1;
+    const double keys = 1 + std::ceil(sweep_degrees / degrees_per_key - rounding);
+    return static_cast<int>(std::min(keys, static_cast<double>(SampleHeader::most_keys)));
+}
+
+std::vector<double> key_instants(int count, const TimeSpan& shutter, double frame_s) {
+    std::vector<double> out;
+    if (count < 2) return out;
+    for (int i = 0; i < count; ++i) {
+        const double t = even_instant(shutter.open_s, shutter.close_s, i, count);
+        const double least =
+            1e-9 * std::max({std::abs(t), std::abs(frame_s), shutter.close_s - shutter.open_s});
+        const bool again = !out.empty() && !(t > out.back());
+        if (!again && std::abs(t - frame_s) > least) out.push_back(t);
+    }
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,322 @@
+#include "tracer/recording/small_things.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "scene/shape_bounds.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr int tile_px = 16;
+// Long objects are divided into this many pieces along their axis, each treated as having one width and
+// depth.
+constexpr int pieces = 16;
+// Objects narrower than the smallest cells can only be hit by chance.
+constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
+
+// The ellipsoid that approximates an object in the world: its centre and three half axes.
+struct Axes {
+    dvec3 centre{0};
+    std::array<dvec3, 3> half{};
+    // Width at both ends of the first axis, relative to half[1] and half[2].
+    dvec2 ends{1};
+};
+
+struct AxesOf {
+    const glm::dmat4& m;
+
+    [[nodiscard]] dvec3 point(const dvec3& p) const { return dvec3(m * glm::dvec4(p, 1)); }
+    [[nodiscard]] dvec3 vector(const dvec3& v) const { return dvec3(m * glm::dvec4(v, 0)); }
+    [[nodiscard]] Axes box(const dvec3& low, const dvec3& high) const {
+        const dvec3 h = (high - low) / 2.0;
+        return {point((low + high) / 2.0), {vector({h.x, 0, 0}), vector({0, h.y, 0}), vector({0, 0, h.z})}};
+    }
+    /// Two unit vectors that are perpendicular to `axis` and to each other.
+    [[nodiscard]] static std::array<dvec3, 2> across(const dvec3& axis) {
+        const dvec3 other = std::abs(axis.x) < 0.9 * glm::length(axis) ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
+        const dvec3 u = glm::normalize(glm::cross(axis, other));
+        return {u, glm::normalize(glm::cross(axis, u))};
+    }
+
+    std::optional<Axes> operator()(const Sphere& s) const {
+        return box(s.centre - dvec3(s.radius), s.centre + dvec3(s.radius));
+    }
+    std::optional<Axes> operator()(const Box& b) const { return box(b.min, b.max); }
+    std::optional<Axes> operator()(const Disc& d) const {
+        const auto [u, v] = across(d.normal);
+        return Axes{point(d.centre), {vector(u * d.radius), vector(v * d.radius), dvec3(0)}};
+    }
+    std::optional<Axes> operator()(const Rectangle& r) const {
+        return Axes{point(r.corner + (r.edge_u + r.edge_v) / 2.0),
+                    {vector(r.edge_u / 2.0), vector(r.edge_v / 2.0), dvec3(0)}};
+    }
+    std::optional<Axes> operator()(const Plane&) const { return std::nullopt; }
+    std::optional<Axes> operator()(const Cone& c) const {
+        const auto [u, v] = across(c.apex - c.base);
+        const double radius = std::max(std::abs(c.base_radius), std::abs(c.apex_radius));
+        return Axes{point((c.base + c.apex) / 2.0),
+                    {vector((c.apex - c.base) / 2.0), vector(u * radius), vector(v * radius)},
+                    radius > 0 ? dvec2(std::abs(c.base_radius), std::abs(c.apex_radius)) / radius : dvec2(1)};
+    }
+    std::optional<Axes> operator()(const std::shared_ptr<const Mesh>& mesh) const {
+        const Bounds b = shape_bounds(mesh, glm::dmat4(1));
+        if (b.empty()) return std::nullopt;
+        return box(b.min, b.max);
+    }
+};
+
+double cross(const dvec2& a, const dvec2& b) {
+    return a.x * b.y - a.y * b.x;
+}
+
+// Linear approximation of the camera's projection near a point, for small objects.
+struct Sight {
+    Sight(const CameraModel& of, const dvec3& point)
+        : camera(of), perspective(of.projection == Camera::Projection::perspective) {
+        const dvec3 there = point - of.position;
+        depth_m = glm::dot(there, of.forward);
+        px_per_m = perspective ? 1 / (depth_m * of.tangent_per_px) : 1e3 / of.pixel_pitch_mm;
+        if (perspective) slope = dvec2(glm::dot(there, of.right), glm::dot(there, of.down)) / depth_m;
+    }
+    [[nodiscard]] dvec2 px_of(const dvec3& v) const {
+        return (dvec2(glm::dot(v, camera.right), glm::dot(v, camera.down)) -
+                glm::dot(v, camera.forward) * slope) *
+               px_per_m;
+    }
+    const CameraModel& camera;
+    bool perspective;
+    double depth_m = 0, px_per_m = 0;
+    dvec2 slope{0};
+};
+
+// Replaces the half axes of an ellipsoid by conjugate ones. The image of the first is the longest, that of
+// the second is perpendicular to it, that of the third is a point. Returns the ratio of the lengths of the
+// first two images, or 0 if the ellipsoid is not visible.
+double turn_to_sight(const CameraModel& camera, Axes& axes) {
+    const Sight sight(camera, axes.centre);
+    std::array<dvec2, 3> seen{};
+    double xx = 0, xy = 0, yy = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        seen[k] = sight.px_of(axes.half[k]);
+        xx += seen[k].x * seen[k].x;
+        xy += seen[k].x * seen[k].y;
+        yy += seen[k].y * seen[k].y;
+    }
+    const double middle = (xx + yy) / 2, apart = std::hypot((xx - yy) / 2, xy), longest = middle + apart;
+    if (!(sight.depth_m > 0 && longest > 0)) return 0;
+    const double angle = std::atan2(2 * xy, xx - yy) / 2;
+    const dvec2 along(std::cos(angle), std::sin(angle)), across(-along.y, along.x);
+    // Computes unit vectors in the space in which the half axes are the coordinate axes.
+    const auto weights = [&](const dvec2& direction) {
+        return dvec3(glm::dot(seen[0], direction), glm::dot(seen[1], direction),
+                     glm::dot(seen[2], direction));
+    };
+    const dvec3 first = glm::normalize(weights(along));
+    dvec3 second = weights(across);
+    const double narrow = glm::length(second);
+    if (narrow > 1e-9 * std::sqrt(longest))
+        second /= narrow;
+    else
+        second = AxesOf::across(first)[0];
+    const dvec3 third = glm::cross(first, second);
+    const auto turned = [half = axes.half](const dvec3& w) {
+        return w.x * half[0] + w.y * half[1] + w.z * half[2];
+    };
+    axes.half = {turned(first), turned(second), turned(third)};
+    return std::sqrt(longest) / std::max(narrow, 1e-9 * std::sqrt(longest));
+}
+
+double distance_to_segment(const dvec2& p, const dvec2& a, const dvec2& b) {
+    const dvec2 ab = b - a;
+    const double squared = glm::dot(ab, ab);
+    const double t = squared > 0 ? std::clamp(glm::dot(p - a, ab) / squared, 0.0, 1.0) : 0;
+    return glm::length(p - (a + t * ab));
+}
+
+}  // namespace
+
+SmallThings::SmallThings(const Scene& scene, const CameraModel& camera, double time_s, double x_begin,
+                         double x_end, double y_begin, double y_end)
+    : x_begin_(x_begin), x_end_(x_end), y_begin_(y_begin), y_end_(y_end) {
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+        const Object& o = scene.objects[i];
+        const dvec3& emission = scene.materials[o.material].emission;
+        add(o, i, std::max({emission.x, emission.y, emission.z}), camera, time_s);
+    }
+    keep_affordable();
+    for (const Piece& r : pieces_) {
+        const double finest = std::min(r.find_px, r.outline_px);
+        levels_ = std::max(levels_, static_cast<int>(std::ceil(-std::log2(finest) - 1e-9)));
+    }
+    levels_ = std::clamp(levels_, 0, most_levels);
+    index_tiles();
+}
+
+void SmallThings::add(const Object& object, std::uint32_t index, double brightness, const CameraModel& camera,
+                      double time_s) {
+    const glm::dmat4 world = object.keys.empty() ? object.world_from_object
+                                                 : transform_at(object.keys, time_s) * object.motion_base;
+    std::optional<Axes> axes = std::visit(AxesOf{world}, object.shape);
+    if (!axes) return;
+    const bool tapers = axes->ends.x != axes->ends.y;
+    if (!tapers) {
+        std::sort(axes->half.begin(), axes->half.end(),
+                  [](const dvec3& a, const dvec3& b) { return glm::dot(a, a) > glm::dot(b, b); });
+    }
+    if (!tapers && glm::length(axes->half[0]) <= 4 * glm::length(axes->half[1])) {
+        const double narrower = turn_to_sight(camera, *axes);
+        // An object whose image is at most four times as long as wide is treated as one piece without an
+        // axis.
+        if (!(narrower > 4)) {
+            add_piece(axes->centre, axes->centre, axes->half, brightness, index, camera);
+            return;
+        }
+    }
+    const dvec3& axis = axes->half[0];
+    for (int i = 0; i < pieces; ++i) {
+        const double width = glm::mix(axes->ends.x, axes->ends.y, (i + 0.5) / pieces);
+        add_piece(axes->centre + axis * (2.0 * i / pieces - 1),
+                  axes->centre + axis * (2.0 * (i + 1) / pieces - 1),
+                  {axis, width * axes->half[1], width * axes->half[2]}, brightness, index, camera);
+    }
+}
+
+void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array<dvec3, 3>& half,
+                            double brightness, std::uint32_t object, const CameraModel& camera) {
+    const auto a = camera.place(from), b = camera.place(to);
+    if (!a || !b) return;
+    const Sight sight(camera, (from + to) / 2.0);
+    std::array<dvec2, 3> seen{};
+    double half_depth_m = std::abs(glm::dot(to - from, camera.forward)) / 2;
+    for (std::size_t k = 0; k < 3; ++k) {
+        seen[k] = sight.px_of(half[k]);
+        if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
+    }
+    // The width is exact for the ellipsoid of these half axes, and less than that of the box.
+    const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
+        return glm::length(p) < glm::length(q);
+    });
+    if (!(glm::length(longest) > 0)) return;
+    double across = 0;
+    for (const dvec2& h : seen) across = std::hypot(across, cross(longest, h) / glm::length(longest));
+    Piece r;
+    r.from = *a;
+    r.to = *b;
+    r.width = 2 * across;
+    r.reach = from == to ? std::hypot(glm::length(seen[0]), glm::length(seen[1]), glm::length(seen[2]))
+                         : std::hypot(glm::length(seen[1]), glm::length(seen[2]));
+    if (std::max(a->x, b->x) < x_begin_ - r.reach || std::min(a->x, b->x) > x_end_ + r.reach ||
+        std::max(a->y, b->y) < y_begin_ - r.reach || std::min(a->y, b->y) > y_end_ + r.reach ||
+        r.width > widest_px)
+        return;
+    r.object = object;
+    if (r.width < narrowest_px) {
+        lost_.insert(object);
+        return;
+    }
+    r.nearest_m = sight.perspective ? sight.depth_m - half_depth_m : -std::numeric_limits<double>::infinity();
+    r.brightness = brightness;
+    constexpr double finest = 1.0 / (1 << most_levels);
+    r.find_px = std::max(r.width * find_share, finest);
+    // Only compact bright objects need small cells at their outline. Along an elongated object the errors of
+    // neighbouring cells cancel.
+    r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
+    pieces_.push_back(r);
+}
+
+double SmallThings::Piece::cells() const {
+    // Cells cover a strip along the axis, as wide as the object plus one cell on either side, and the
+    // outline.
+    const double length = glm::length(to - from) + 2 * reach;
+    return length * 2 * (reach + find_px) / (find_px * find_px) +
+           (outline_px < find_px ? 4 * length / outline_px : 0);
+}
+
+double SmallThings::cells() const {
+    double out = 0;
+    for (const Piece& p : pieces_) out += p.cells();
+    return out;
+}
+
+std::uint64_t SmallThings::objects() const {
+    std::set<std::uint32_t> out;
+    for (const Piece& p : pieces_) out.insert(p.object);
+    return out.size();
+}
+
+void SmallThings::keep_affordable() {
+    const double raster = std::max(0.0, x_end_ - x_begin_) * std::max(0.0, y_end_ - y_begin_);
+    double left = most_cells_per_pixel * raster;
+    if (cells() <= left) return;
+    std::stable_sort(pieces_.begin(), pieces_.end(), [](const Piece& a, const Piece& b) {
+        const bool a_bright = a.brightness > 1, b_bright = b.brightness > 1;
+        return a_bright != b_bright ? a_bright : a.width > b.width;
+    });
+    std::size_t kept = 0;
+    while (kept < pieces_.size() && pieces_[kept].cells() <= left) left -= pieces_[kept++].cells();
+    for (std::size_t i = kept; i < pieces_.size(); ++i) lost_.insert(pieces_[i].object);
+    pieces_.resize(kept);
+}
+
+void SmallThings::index_tiles() {
+    if (pieces_.empty()) return;
+    columns_ = static_cast<int>(std::ceil((x_end_ - x_begin_) / tile_px)) + 1;
+    rows_ = static_cast<int>(std::ceil((y_end_ - y_begin_) / tile_px)) + 1;
+    const auto visit = [&](const auto& take) {
+        for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
+            const Piece& r = pieces_[i];
+            const double reach = r.reach + 1;
+            const auto tile = [](double value, double begin, int count) {
+                return static_cast<int>(std::clamp(std::floor((value - begin) / tile_px), 0.0, count - 1.0));
+            };
+            const int left = tile(std::min(r.from.x, r.to.x) - reach, x_begin_, columns_),
+                      right = tile(std::max(r.from.x, r.to.x) + reach, x_begin_, columns_),
+                      top = tile(std::min(r.from.y, r.to.y) - reach, y_begin_, rows_),
+                      bottom = tile(std::max(r.from.y, r.to.y) + reach, y_begin_, rows_);
+            for (int y = top; y <= bottom; ++y) {
+                for (int x = left; x <= right; ++x) {
+                    const dvec2 centre(x_begin_ + (x + 0.5) * tile_px, y_begin_ + (y + 0.5) * tile_px);
+                    if (distance_to_segment(centre, r.from, r.to) <= reach + tile_px)
+                        take(static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+                                 static_cast<std::size_t>(x),
+                             i);
+                }
+            }
+        }
+    };
+    tile_offsets_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
+    visit([&](std::size_t tile, std::uint32_t) { ++tile_offsets_[tile + 1]; });
+    for (std::size_t i = 1; i < tile_offsets_.size(); ++i) tile_offsets_[i] += tile_offsets_[i - 1];
+    tile_pieces_.resize(tile_offsets_.back());
+    std::vector<std::uint32_t> next(tile_offsets_.begin(), tile_offsets_.end() - 1);
+    visit([&](std::size_t tile, std::uint32_t i) { tile_pieces_[next[tile]++] = i; });
+}
+
+SmallThings::Wanted SmallThings::wanted(double x, double y, double size, double farthest_m) const {
+    Wanted out{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    if (pieces_.empty()) return out;
+    const dvec2 centre(x + size / 2, y + size / 2);
+    const int column = static_cast<int>(std::floor((centre.x - x_begin_) / tile_px)),
+              row = static_cast<int>(std::floor((centre.y - y_begin_) / tile_px));
+    if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return out;
+    const std::size_t tile =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+    for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
+        const Piece& r = pieces_[tile_pieces_[i]];
+        if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
+        // 0.7072 of the size is half of the cell's diagonal, so no cell that the object touches is missed.
+        if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
+        out.find_px = std::min(out.find_px, r.find_px);
+        out.outline_px = std::min(out.outline_px, r.outline_px);
+    }
+    return out;
+}
+
+}  // namespace postlens

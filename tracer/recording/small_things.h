@@ -1,0 +1,89 @@
+// Objects so narrow on the film that all corners of pixels may miss them, such as hairs, wires and distant
+// light sources. Their positions are known from the scene, so cells there are subdivided until a corner must
+// hit them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <set>
+#include <vector>
+
+#include "scene/scene.h"
+#include "tracer/camera_model.h"
+
+namespace postlens {
+
+/// Narrow objects that are seen directly, not in reflections or refractions. Planes, and meshes with a wide
+/// part, are not included.
+class SmallThings {
+  public:
+    /// Width in px above which an object is not narrow, because corners of undivided pixels hit it.
+    static constexpr double widest_px = 1.5;
+    /// Largest size of a quadtree cell near a narrow object, relative to the object's width. Such a cell is
+    /// so small that one of its corners hits the object at any position.
+    static constexpr double find_share = 0.5;
+    /// Largest size of a quadtree cell along the outline of a compact object brighter than white, relative to
+    /// the object's width. The area of a disc then has an error of 1.2 % (Kendall 1948), and so has the
+    /// brightness of its circle of confusion.
+    static constexpr double bright_share = 0.0625;
+    /// Greatest depth of the subdivision.
+    static constexpr int most_levels = 7;
+    /// Limit of the number of cells, per pixel of the raster. If it is exceeded, bright objects are kept
+    /// first, then wide ones.
+    static constexpr double most_cells_per_pixel = 4;
+
+    /// No narrow objects, for sampling without a scene.
+    SmallThings() = default;
+    /// The narrow objects of the scene at an instant near raster positions [x_begin, x_end] x
+    /// [y_begin, y_end], px.
+    SmallThings(const Scene& scene, const CameraModel& camera, double time_s, double x_begin, double x_end,
+                double y_begin, double y_end);
+
+    [[nodiscard]] bool empty() const { return pieces_.empty(); }
+    /// Levels of subdivision needed, at most `most_levels`; 0 without narrow objects.
+    [[nodiscard]] int levels() const { return levels_; }
+    /// Approximate number of cells needed.
+    [[nodiscard]] double cells() const;
+    /// Number of narrow objects.
+    [[nodiscard]] std::uint64_t objects() const;
+    /// Number of narrow objects left out because they are too narrow or too many.
+    [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
+
+    /// Largest size of a cell, px.
+    struct Wanted {
+        double find_px;     ///< for every cell near a narrow object
+        double outline_px;  ///< for cells whose corners have different ids
+    };
+    /// Limits for the square of `size` px with its upper left corner at (x, y) that shows nothing farther
+    /// away than `farthest_m`.
+    [[nodiscard]] Wanted wanted(double x, double y, double size, double farthest_m) const;
+
+  private:
+    /// A straight piece of a narrow object, projected to the film.
+    struct Piece {
+        glm::dvec2 from{0}, to{0};  ///< its axis, px
+        double width = 0;           ///< perpendicular to its longest direction, px
+        double reach = 0;           ///< greatest distance of its points from the axis, px
+        double nearest_m = 0;       ///< least z' of its points, m
+        double find_px = 1, outline_px = 1;
+        double brightness = 0;
+        std::uint32_t object = 0;
+        /// Approximate number of cells needed for it.
+        [[nodiscard]] double cells() const;
+    };
+    void add(const Object& object, std::uint32_t index, double brightness, const CameraModel& camera,
+             double time_s);
+    void add_piece(const glm::dvec3& from, const glm::dvec3& to, const std::array<glm::dvec3, 3>& half,
+                   double brightness, std::uint32_t object, const CameraModel& camera);
+    void keep_affordable();
+    void index_tiles();
+
+    double x_begin_ = 0, x_end_ = 0, y_begin_ = 0, y_end_ = 0;
+    int columns_ = 0, rows_ = 0, levels_ = 0;
+    std::vector<Piece> pieces_;
+    std::set<std::uint32_t> lost_;
+    std::vector<std::uint32_t> tile_offsets_, tile_pieces_;
+};
+
+}  // namespace postlens

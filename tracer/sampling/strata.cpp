@@ -1,0 +1,130 @@
+#include "tracer/sampling/strata.h"
+
+#include <cassert>
+#include <cmath>
+
+#include "core/multiversion.h"
+#include "tracer/sampling/permutation.h"
+
+namespace postlens {
+namespace {
+
+struct StrataTask {
+    SetKey key;
+    CellPoint where;
+    bool permuted;
+    std::uint32_t n, rows, first;
+};
+
+/// A divisor up to 2^20 with its reciprocal, for exact quotients of integers, rounded down or up. Adding half
+/// a unit to the dividend keeps the quotient at least 2^-21 away from an integer. Quotients are at most 2^24,
+/// so their rounding error is below 2^-27.
+struct Divisor {
+    explicit Divisor(double d) : value(d), inverse(1 / d) {}
+    double value, inverse;
+    [[nodiscard, gnu::always_inline]] std::int32_t rounded_down(double a) const {
+        return static_cast<std::int32_t>((a + 0.5) * inverse);
+    }
+    /// Edge `cell` of `value` equal intervals of [0, 1), rounded up to 24 bits.
+    [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
+        return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
+    }
+};
+
+/// A multiple of 2^-24 in [begin, end), as 24 bits.
+[[gnu::always_inline]] inline std::int32_t between(std::int32_t begin, std::int32_t end, double share) {
+    return begin + static_cast<std::int32_t>(share * (end - begin));
+}
+
+template <int lanes>
+[[gnu::always_inline]] inline void cells(const StrataTask& t, std::uint32_t* cell) {
+    for (int i = 0; i < lanes; ++i) {
+        const std::uint32_t index = t.first + static_cast<std::uint32_t>(i);
+        cell[i] = index < t.n ? index : t.n - 1;
+    }
+    if (t.permuted) Permutation(t.n, t.key.stream(0)).permute<lanes>(cell);
+}
+
+/// Positions of points in their cells, in [0, 1), with 24 bits.
+template <int lanes>
+[[gnu::always_inline]] inline void shares(const StrataTask& t, std::uint32_t purpose, double* share) {
+    const std::uint64_t key = t.key.stream(purpose);
+    for (int i = 0; i < lanes; ++i) {
+        const std::uint32_t bits = random_word(key, t.first + static_cast<std::uint32_t>(i)) >> 8;
+        share[i] = t.where == CellPoint::centre ? 0.5 : static_cast<std::int32_t>(bits) * 0x1p-24;
+    }
+}
+
+template <int lanes>
+[[gnu::always_inline]] inline void points_2d(const StrataTask& t, float* u, float* v) {
+    alignas(64) std::uint32_t cell[lanes];
+    alignas(64) double share_u[lanes], share_v[lanes];
+    cells<lanes>(t, cell);
+    shares<lanes>(t, 1, share_u);
+    shares<lanes>(t, 2, share_v);
+    const Divisor n(t.n), rows(t.rows);
+    const std::uint32_t few = t.n / t.rows;  // a row has this number of cells, or one more
+    const Divisor few_cells(few), more_cells(few + 1);
+    for (int i = 0; i < lanes; ++i) {
+        const double c = static_cast<std::int32_t>(cell[i]);
+        // The last row that begins at or before cell c: floor(row * n / rows) <= c means row * n < (c + 1) *
+        // rows.
+        const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
+        const std::int32_t begin = rows.rounded_down(row * n.value),
+                           end = rows.rounded_down((row + 1) * n.value);
+        const bool is_few = end - begin == static_cast<std::int32_t>(few);
+        const double column = c - begin;
+        Divisor cells_of_row = more_cells;
+        cells_of_row.value = is_few ? few_cells.value : more_cells.value;
+        cells_of_row.inverse = is_few ? few_cells.inverse : more_cells.inverse;
+        u[i] = unit_float_24(between(cells_of_row.edge(column), cells_of_row.edge(column + 1), share_u[i]));
+        // The height of a row is proportional to its number of cells.
+        v[i] = unit_float_24(between(n.edge(begin), n.edge(end), share_v[i]));
+    }
+}
+
+template <int lanes>
+[[gnu::always_inline]] inline void points_1d(const StrataTask& t, float* u) {
+    alignas(64) std::uint32_t cell[lanes];
+    alignas(64) double share[lanes];
+    cells<lanes>(t, cell);
+    shares<lanes>(t, 1, share);
+    const Divisor n(t.n);
+    for (int i = 0; i < lanes; ++i) {
+        const double c = static_cast<std::int32_t>(cell[i]);
+        u[i] = unit_float_24(between(n.edge(c), n.edge(c + 1), share[i]));
+    }
+}
+
+POSTLENS_MULTIVERSION void strata_2d_16(const StrataTask& t, float* u, float* v) {
+    points_2d<sample_lanes>(t, u, v);
+}
+POSTLENS_MULTIVERSION void strata_1d_16(const StrataTask& t, float* u) {
+    points_1d<sample_lanes>(t, u);
+}
+
+}  // namespace
+
+Strata::Strata(std::uint32_t n)
+    : n_(n), rows_(static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(n))))) {
+    assert(n >= 1 && n <= 1U << 20);
+}
+
+void Strata::fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u,
+                     float* v) const {
+    const StrataTask task{key, where, permuted, n_, rows_, static_cast<std::uint32_t>(first)};
+    if (lanes == 1)
+        points_2d<1>(task, u, v);
+    else
+        strata_2d_16(task, u, v);
+}
+
+void Strata::fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const {
+    const StrataTask task{key, where, permuted, n_, rows_, static_cast<std::uint32_t>(first)};
+    if (lanes == 1)
+        points_1d<1>(task, u);
+    else
+        strata_1d_16(task, u);
+}
+
+}  // namespace postlens

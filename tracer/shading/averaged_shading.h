@@ -1,0 +1,20 @@
+// Counts the materials and lights of a scene whose radiance varies over directions. A trace records the mean
+// of that radiance.
+#pragma once
+
+#include <cstdint>
+
+#include "scene/scene.h"
+
+namespace postlens {
+
+struct AveragedShading {
+    std::uint64_t materials =
+        0;  ///< materials that reflect or refract into a lobe (tracer/shading_trees/lobe_means.h)
+    std::uint64_t lights = 0;  ///< lights with an extent (light_means.h)
+    [[nodiscard]] bool any() const { return materials > 0 || lights > 0; }
+};
+
+[[nodiscard]] AveragedShading averaged_shading(const Scene& scene);
+
+}  // namespace postlens

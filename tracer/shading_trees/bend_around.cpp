@@ -1,0 +1,68 @@
+#include "tracer/shading_trees/bend_around.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace postlens {
+namespace {
+
+/// The node of `layer` at `path`, or else the node of layer 0 at `path`: a hidden layer that begins after a
+/// bounce has no nodes before that bounce. Null if neither layer has a node there.
+const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
+    const Record* visible = nullptr;
+    for (const Record& r : records) {
+        if (r.path != path) continue;
+        if (r.layer == layer) return &r;
+        if (r.layer == 0) visible = &r;
+    }
+    return visible;
+}
+
+bool seen_in_the_same(std::span<const Record> records, const Record& r, const ChainNode& node) {
+    NodePath path = r.path;
+    for (std::size_t bounce = node.ids.size(); bounce-- > 0;) {
+        path = path.parent();
+        const Record* in = find_node(records, r.layer, path);
+        if (in == nullptr || in->id != node.ids[bounce]) return false;
+    }
+    return true;
+}
+
+/// The nodes of one sample that are seen by the same path through the same objects as a given node.
+struct Seen {
+    float greatest = 0;  ///< greatest nonlinear W of these nodes, 1/m^2
+    bool any = false;    ///< there is such a node
+    bool same = false;   ///< one of these nodes lies on the same object as the given node
+};
+
+Seen seen_by(std::span<const Record> records, const ChainNode& node) {
+    Seen out;
+    for (const Record& r : records) {
+        if (r.path != node.path || (r.layer != 0) != node.hidden || !seen_in_the_same(records, r, node))
+            continue;
+        out.any = true;
+        out.same = out.same || r.id == node.id;
+        out.greatest = std::max(out.greatest, r.w_bend);
+    }
+    return out;
+}
+
+}  // namespace
+
+std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node, float little) {
+    constexpr float smooth = 2;
+    float greatest = 0, least = std::numeric_limits<float>::infinity();
+    bool one_same = false, all_same = true;
+    for (const std::span<const Record> records : around) {
+        const Seen seen = seen_by(records, node);
+        if (!seen.any) return std::nullopt;
+        one_same = one_same || seen.same;
+        all_same = all_same && seen.same;
+        greatest = std::max(greatest, seen.greatest);
+        least = std::min(least, seen.greatest);
+        if (!(greatest <= little) && !(all_same && greatest <= smooth * least)) return std::nullopt;
+    }
+    return one_same ? std::optional(greatest) : std::nullopt;
+}
+
+}  // namespace postlens

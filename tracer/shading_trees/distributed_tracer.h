@@ -1,0 +1,93 @@
+// Distributed ray tracing [cook1984]. Every eye ray has its own lens point and its own instant. Shadow rays
+// sample the extent of lights; reflected and refracted rays sample the lobes of rough surfaces.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "records/record.h"
+#include "reproject/sight_rays.h"
+#include "tracer/intersection/ray_scene.h"
+#include "tracer/sampling/sampler.h"
+#include "tracer/shading/shading.h"
+#include "tracer/shading_trees/whitted.h"
+
+namespace postlens {
+
+struct DistributedSettings {
+    int max_depth = 5;               ///< nodes along a path, as in WhittedSettings
+    double min_contribution = 1e-3;  ///< radiance, as in WhittedSettings
+    /// Russian roulette: a reflected or refracted ray is traced with a probability equal to its greatest
+    /// coefficient, by which its weight is divided. The expected radiance is the same, with fewer rays and
+    /// more noise.
+    bool roulette = false;
+};
+
+/// Eye rays, the samples that they are made from, and their radiance.
+struct EyeRays {
+    RayBatch rays;
+    std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
+    std::vector<int> index;            ///< the sampler's index
+    std::vector<float> weight;         ///< transmittance of the lens for each ray; empty: 1
+    /// Weight of each ray in the result, by which `min_contribution` is judged; empty: 1.
+    std::vector<double> importance;
+    const LightElsewhere* less = nullptr;  ///< radiance that rays must not count; null: all counts
+    /// Only with `less`: raster position, px, at which the pinhole sees the point at distance t on a ray.
+    std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
+    std::vector<glm::dvec3> radiance;  ///< the result
+};
+
+class DistributedTracer {
+  public:
+    /// Keeps references to scene and sampler.
+    DistributedTracer(const RayScene& scene, const Sampler& sampler, const DistributedSettings& settings);
+
+    /// Traces the shading trees of all rays and sets `eye.radiance`. Thread-safe. Calls with the same rays in
+    /// the same order give the same bits.
+    void trace(EyeRays& eye, RayCounts& counts) const;
+
+    /// Whether eye rays are passed to Embree with its coherent flag. The flag doubles the speed with a
+    /// pinhole, changes nothing with a lens, and nearly halves the speed of moving geometry
+    /// (docs/performance.md).
+    [[nodiscard]] bool coherent() const { return !scene_.moves(); }
+    /// Whether rays need their times: true if objects or lights move.
+    [[nodiscard]] bool needs_times() const { return scene_.moves() || moving_lights_; }
+
+  private:
+    struct PathRay;
+    struct Workspace;
+    // How a hit on an object is shaded, from the cheapest to the most expensive.
+    enum class Answer : std::uint8_t {
+        constant,  // the radiance is constant
+        texture,   // the radiance depends only on the texture
+        full,      // the object is lit, reflects or transmits
+    };
+    void shade(const PathRay& ray, const SurfacePoint& s, const HitKey& key, EyeRays& eye, Workspace& w,
+               RayCounts& counts) const;
+    void light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
+               const Material& m, const glm::dvec3& colour, std::uint32_t limited, EyeRays& eye, Workspace& w,
+               RayCounts& counts) const;
+    void spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
+               const Material& m, const EyeRays& eye, Workspace& w, RayCounts& counts) const;
+    void resolve_shadows(EyeRays& eye, Workspace& w) const;
+    /// Whether a node's radiance is clamped.
+    [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
+
+    const RayScene& scene_;
+    const Sampler& sampler_;
+    DistributedSettings settings_;
+    std::vector<double> bound_;
+    std::vector<Answer> answers_;          // per object
+    std::vector<glm::dvec3> constant_;     // per object
+    std::vector<PlacedLight> lights_;      // at the shutter's opening
+    std::vector<MotionPath> light_paths_;  // per light
+    std::vector<bool> light_moves_;
+    bool moving_lights_ = false;
+};
+
+/// Samples a direction from the lobe cos^exponent about `axis` [phong1975]; (u, v) in [0, 1)^2. For an
+/// infinite exponent it is the axis itself.
+[[nodiscard]] glm::dvec3 spread_direction(const glm::dvec3& axis, double exponent, const glm::dvec2& uv);
+
+}  // namespace postlens

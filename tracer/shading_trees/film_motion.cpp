@@ -1,0 +1,91 @@
+#include "tracer/shading_trees/film_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "records/motion/motion_path.h"
+
+namespace postlens {
+
+using glm::dmat4;
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+// Limit of the number of bounding balls that a ray is tested against. More tests would cost more than the ray
+// that they may save.
+constexpr std::size_t most_balls = 64;
+
+// Translation of the pinhole that counts as rounding error, in m per m of the camera's distance from the
+// origin. Below it, the keys of the motion are taken to rotate the camera only.
+constexpr double still = 1e-9;
+
+}  // namespace
+
+FilmMotion::FilmMotion(const SceneMotion& motion, const Camera& camera, const CameraOverrides& overrides,
+                       double from_s, std::span<const double> instants_s) {
+    const CameraModel from(camera, from_s, overrides);
+    for (const double t : instants_s) {
+        const CameraModel& then = cameras_.emplace_back(camera, t, overrides);
+        const bool orthographic = then.projection == Camera::Projection::orthographic;
+        const bool turned = then.forward != from.forward || then.right != from.right;
+        const double moved = glm::length(then.position - from.position);
+        camera_moves_ = camera_moves_ || turned || moved > 0;
+        parallax_ = parallax_ || (orthographic ? turned : moved > still * (1 + glm::length(from.position)));
+    }
+    for (const auto& [id, object] : motion.objects) {
+        const MotionPath path(object.keys);
+        const MotionPath::Pose pose = path.at(from_s);
+        const dmat4 rest_from_here = glm::inverse(pose.matrix());
+        std::vector<dmat4> moved;
+        bool moves = false;
+        for (const double t : instants_s) {
+            const dmat4 there = path.at(t).matrix();
+            moves = moves || there != pose.matrix();
+            moved.push_back(there * rest_from_here);
+        }
+        if (!moves) continue;
+        moving_.emplace(id, std::move(moved));
+        const dvec3 scale = glm::abs(pose.scale);
+        balls_.push_back({pose.point(object.centre_m),
+                          object.radius_m * std::max({scale.x, scale.y, scale.z}) * (1 + still)});
+    }
+}
+
+std::optional<dvec2> FilmMotion::place(std::uint32_t id, const dvec3& point, std::size_t i) const {
+    const auto found = moving_.find(id);
+    if (found == moving_.end()) return cameras_[i].place(point);
+    return cameras_[i].place(dvec3(found->second[i] * glm::dvec4(point, 1)));
+}
+
+std::optional<dvec2> FilmMotion::place_of_nothing(const dvec3& direction, const dvec2& at,
+                                                  std::size_t i) const {
+    const CameraModel& camera = cameras_[i];
+    if (camera.projection == Camera::Projection::orthographic) return at;
+    return camera.place_at_infinity(direction);
+}
+
+bool FilmMotion::may_meet_moving(const dvec3& origin, const dvec3& direction, double t) const {
+    if (balls_.size() > most_balls) return true;
+    return std::any_of(balls_.begin(), balls_.end(), [&](const Ball& b) {
+        const double along = glm::dot(b.centre - origin, direction);
+        const dvec3 aside = origin + along * direction - b.centre;
+        return along + b.radius >= t && glm::dot(aside, aside) <= b.radius * b.radius;
+    });
+}
+
+double even_instant(double open_s, double close_s, int i, int count) {
+    return i == count - 1 ? close_s : open_s + (close_s - open_s) * (static_cast<double>(i) / (count - 1));
+}
+
+std::vector<double> looked_at_instants(double open_s, double close_s, std::span<const double> recorded_s) {
+    constexpr int even = 9;
+    std::vector<double> out(recorded_s.begin(), recorded_s.end());
+    for (int i = 0; i < even; ++i) out.push_back(even_instant(open_s, close_s, i, even));
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,243 @@
+#include "tracer/shading_trees/hidden_surfaces.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "tracer/shading/shading.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+using Places = std::vector<std::optional<dvec2>>;
+
+// Smallest displacement on the film that reveals a surface, px. A pixel is the mean of at least four corners,
+// in which a smaller displacement is not visible.
+constexpr double same_place_px = 0.25;
+
+// Largest number of surfaces that one ray enters or leaves. The limit bounds the cost of rays through
+// foliage.
+constexpr int most_crossings = 256;
+
+bool is_flat(const Shape& shape) {
+    return std::holds_alternative<Rectangle>(shape) || std::holds_alternative<Disc>(shape) ||
+           std::holds_alternative<Plane>(shape);
+}
+
+// The state of one ray that is continued through the surfaces that it hits.
+struct Chain {
+    std::uint32_t ray = 0;
+    HitKey key;           // last hit
+    double t = 0;         // distance of the last hit, m
+    double here_t = 0;    // distance of the first of the hits that coincide with the last one, m
+    bool beyond = false;  // the ray continues from behind t, not from just before t
+    int crossings = 0;
+    int layers = 0;                      // number of surfaces hit so far
+    int kept = 0;                        // number of hidden surfaces returned so far
+    bool still = false;                  // one of the surfaces so far does not move
+    std::vector<std::uint32_t> entered;  // objects that the ray is inside of
+    struct Met {
+        std::uint32_t object;
+        bool leaving;
+    };
+    std::vector<Met> here;       // coincident hits at here_t
+    std::vector<Places> places;  // per surface so far, its raster positions at all instants
+    LensReach::Covers covers;    // inverse depths of the surfaces so far
+};
+
+class Follower {
+  public:
+    Follower(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
+             std::vector<HiddenHit>& out)
+        : scene_(scene), wanted_(wanted), eye_(eye), out_(out) {}
+
+    void begin(std::uint32_t ray, std::vector<Chain>& chains) {
+        const FirstHit& e = eye_[ray];
+        if (!e.key.valid()) return;
+        Chain c;
+        c.ray = ray;
+        c.covers = {e.at, e.path, e.parent, 0, 0, e.inverse_depth_limit()};
+        meet(c, e.key, e.surface);
+        if (goes_on(c)) chains.push_back(std::move(c));
+    }
+
+    // Distance along the ray, m, from which the ray continues. It is just before the last hit, so that
+    // coincident surfaces (a box on a floor) are found. The key of the last hit excludes the primitive that
+    // was hit.
+    [[nodiscard]] double start(const Chain& c) const {
+        const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
+        return c.beyond ? c.t + step : c.t - step;
+    }
+
+    // Adds the next hit of the ray to its chain of surfaces. Returns false if the chain has ended.
+    bool advance(Chain& c, const HitKey& key, double t) {
+        if (++c.crossings == most_crossings) return false;
+        const FirstHit& e = eye_[c.ray];
+        if (!key.valid()) {
+            take(c, key, {});
+            return false;
+        }
+        meet(c, key, scene_.surface(key, e.origin, e.direction, t));
+        return goes_on(c);
+    }
+
+  private:
+    // Adds a hit, which may be a new surface, the exit from an object, or a repetition of a coincident hit.
+    void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
+        const FirstHit& e = eye_[c.ray];
+        const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
+        const bool coincides = !c.here.empty() && s.t <= c.here_t + 4 * RayScene::offset(s.position);
+        if (!coincides) {
+            c.here.clear();
+            c.here_t = s.t;
+        }
+        c.key = key;
+        c.t = coincides ? std::max(c.t, s.t) : s.t;
+        const bool again = std::any_of(c.here.begin(), c.here.end(), [&](const Chain::Met& m) {
+            return m.object == s.object && m.leaving == leaving;
+        });
+        c.beyond = again;
+        if (again) return;
+        c.here.push_back({s.object, leaving});
+        const auto inside = std::find(c.entered.begin(), c.entered.end(), s.object);
+        if (leaving && inside != c.entered.end()) {
+            c.entered.erase(inside);
+            return;
+        }
+        const Object& object = scene_.scene().objects[s.object];
+        if (!leaving && inside == c.entered.end() && !is_flat(object.shape)) c.entered.push_back(s.object);
+        if (wanted_.motion != nullptr && !wanted_.motion->moves(object.id)) c.still = true;
+        take(c, key, s);
+    }
+
+    // Adds the next layer to the chain. The layer is a surface or the background, and is returned to the
+    // caller if the caller wants it.
+    void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
+        const int layer = c.layers++;
+        const bool visible = layer == 0;
+        const bool seen_past = wanted_.lens != nullptr && lens_sees(c, key, s);
+        if (visible && !goes_on(c)) return;  // ends most rays of a scene in which little moves
+        const bool uncovered = by_motion(c) && comes_to_light(c, key, s);
+        if (visible || !(wanted_.all() || seen_past || uncovered)) return;
+        ++c.kept;
+        out_.push_back({c.ray, static_cast<std::uint32_t>(layer), key, s});
+    }
+
+    [[nodiscard]] bool goes_on(const Chain& c) const {
+        if (c.layers > wanted_.count) return false;
+        if (wanted_.all()) return true;
+        if (c.kept >= (by_motion(c) ? HiddenLayers::most_uncovered : HiddenLayers::most_seen_past))
+            return false;
+        return may_come_to_light(c) || (wanted_.lens != nullptr && wanted_.lens->may_see_past(c.covers));
+    }
+
+    [[nodiscard]] bool by_motion(const Chain& c) const {
+        return wanted_.motion != nullptr && c.covers.path.bits() == 0;
+    }
+
+    [[nodiscard]] bool may_come_to_light(const Chain& c) const {
+        if (!by_motion(c)) return false;
+        // Without parallax, motion never reveals a still surface behind a still surface.
+        if (!c.still || wanted_.motion->parallax()) return true;
+        const FirstHit& e = eye_[c.ray];
+        return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
+    }
+
+    // Whether some lens point sees surface `s` behind all surfaces of the chain. Adds the inverse depth of
+    // `s` to the chain.
+    [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
+        const FirstHit& e = eye_[c.ray];
+        double inverse_depth = 0;
+        if (e.path.bits() != 0) {
+            RayDifferentials d = e.differentials;
+            if (key.valid()) transfer(d, e.direction, s.t, s.geometric_normal);
+            inverse_depth = key.valid() ? LensReach::inverse_depth(refocus_matrix(d)) : c.covers.limit;
+        } else if (key.valid()) {
+            inverse_depth = 1 / (s.t * e.cos_axis);
+        }
+        const bool first = c.layers == 1;
+        // An object that is seen in a mirror or glass appears at another depth than the surface of the
+        // mirror, most often a greater one. So it is visible farther behind an edge.
+        const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
+                                     (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
+        if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
+        c.covers.nearest = std::max(c.covers.nearest, inverse_depth);
+        c.covers.farthest = std::min(c.covers.farthest, inverse_depth);
+        return seen;
+    }
+
+    [[nodiscard]] bool shows_more(const SurfacePoint& s) const {
+        const Material& m = scene_.scene().materials[scene_.scene().objects[s.object].material];
+        const double radius = wanted_.lens->aperture_radius_m();
+        return (m.reflects() && !lobe_is_wide(m.reflection_exponent, radius, s.t)) ||
+               (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
+    }
+
+    // Whether, at some instant, every surface of the chain has moved away from surface `s` on the film. Adds
+    // the raster positions of `s` to the chain.
+    [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
+        const FirstHit& e = eye_[c.ray];
+        Places mine(wanted_.motion->instants());
+        for (std::size_t i = 0; i < mine.size(); ++i) {
+            mine[i] = key.valid() ? wanted_.motion->place(scene_.scene().objects[s.object].id, s.position, i)
+                                  : wanted_.motion->place_of_nothing(e.direction, e.at, i);
+        }
+        const auto part = [&](const Places& other) {
+            for (std::size_t i = 0; i < mine.size(); ++i) {
+                if (mine[i].has_value() != other[i].has_value()) return true;
+                if (mine[i] && glm::length(*mine[i] - *other[i]) > same_place_px) return true;
+            }
+            return false;
+        };
+        const bool wanted = std::all_of(c.places.begin(), c.places.end(), part);
+        c.places.push_back(std::move(mine));
+        return wanted;
+    }
+
+    const RayScene& scene_;
+    const HiddenLayers& wanted_;
+    std::span<const FirstHit> eye_;
+    std::vector<HiddenHit>& out_;
+};
+
+}  // namespace
+
+double FirstHit::inverse_depth_limit() const {
+    return path.bits() == 0 ? 0 : LensReach::inverse_depth(refocus_matrix_at_infinity(differentials));
+}
+
+void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
+                          std::vector<HiddenHit>& out, std::uint64_t& rays_spent) {
+    out.clear();
+    thread_local std::vector<Chain> chains;
+    thread_local RayBatch batch;
+    chains.clear();
+    Follower follower(scene, wanted, eye, out);
+    for (std::uint32_t i = 0; i < eye.size(); ++i) follower.begin(i, chains);
+    while (!chains.empty()) {
+        batch.clear(true);
+        for (const Chain& c : chains) {
+            const FirstHit& e = eye[c.ray];
+            batch.add(e.origin + follower.start(c) * e.direction, e.direction,
+                      std::numeric_limits<float>::infinity(), c.key);
+        }
+        scene.intersect(batch, false);
+        rays_spent += chains.size();
+        std::size_t left = 0;
+        for (std::size_t i = 0; i < chains.size(); ++i) {
+            Chain& c = chains[i];
+            const double t = follower.start(c) + static_cast<double>(batch.t[i]);
+            if (!follower.advance(c, batch.hit(i), t)) continue;
+            if (left != i) chains[left] = std::move(c);
+            ++left;
+        }
+        chains.resize(left);
+    }
+    std::sort(out.begin(), out.end(), [](const HiddenHit& a, const HiddenHit& b) {
+        return a.ray != b.ray ? a.ray < b.ray : a.layer < b.layer;
+    });
+}
+
+}  // namespace postlens

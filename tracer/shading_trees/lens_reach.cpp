@@ -1,0 +1,132 @@
+#include "tracer/shading_trees/lens_reach.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <limits>
+
+#include "core/threads.h"
+#include "tracer/shading_trees/whitted.h"
+
+namespace postlens {
+namespace {
+
+constexpr int tile = 16;
+
+/// Position at which this thread's last search ended, probably in the same pyramid. Samples are sorted by
+/// position, so the next search often succeeds at that position.
+MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid) {
+    thread_local std::array<MinMaxPyramid::Hint, 64> hints;
+    return hints[std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) % hints.size()];
+}
+
+WhittedSettings settings_for(int max_depth, double aperture_radius_m) {
+    return {.max_depth = std::min(max_depth, LensReach::most_bounces + 1),
+            .min_contribution = 0,
+            .lens_radius_m = aperture_radius_m,
+            .lit = false};
+}
+
+}  // namespace
+
+LensReach::LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m,
+                     int max_depth, int x_begin, int x_end, int y_begin, int y_end)
+    : aperture_radius_m_(aperture_radius_m), px_per_inverse_m_(aperture_radius_m / camera.tangent_per_px) {
+    const WhittedTracer tracer(scene, camera, settings_for(max_depth, aperture_radius_m));
+    const int width = x_end - x_begin, height = y_end - y_begin;
+    const int tiles_across = (width + tile - 1) / tile, tiles_down = (height + tile - 1) / tile;
+    std::vector<float> visible(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    std::vector<std::vector<Seen>> chains(static_cast<std::size_t>(tiles_across * tiles_down));
+    parallel_for(chains.size(), [&](std::size_t i) {
+        const int left = x_begin + static_cast<int>(i) % tiles_across * tile,
+                  top = y_begin + static_cast<int>(i) / tiles_across * tile;
+        thread_local std::vector<glm::dvec2> positions;
+        thread_local TracedSamples traced;
+        positions.clear();
+        // A packet of 16 rays is a block of 4 x 4 pixels.
+        for (int block = 0; block < tile * tile / 16; ++block) {
+            for (int k = 0; k < 16; ++k) {
+                const int x = left + block % 4 * 4 + k % 4, y = top + block / 4 * 4 + k / 4;
+                if (x < x_end && y < y_end) positions.emplace_back(x, y);
+            }
+        }
+        RayCounts counts;
+        tracer.trace(positions, traced, counts);
+        for (std::size_t k = 0; k < positions.size(); ++k) {
+            const auto records = std::span(traced.records)
+                                     .subspan(traced.offsets[k], traced.offsets[k + 1] - traced.offsets[k]);
+            const int x = static_cast<int>(positions[k].x), y = static_cast<int>(positions[k].y);
+            visible[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +
+                    static_cast<std::size_t>(x - x_begin)] = 1 / records.front().z;
+            add_chains(records, x, y, chains[i]);
+        }
+    });
+    views_.emplace(View{0, 0}, MinMaxPyramid(x_begin, y_begin, width, height, visible));
+    std::vector<Seen> all;
+    for (std::vector<Seen>& of : chains) all.insert(all.end(), of.begin(), of.end());
+    std::stable_sort(all.begin(), all.end(), [](const Seen& a, const Seen& b) { return a.view < b.view; });
+    for (auto first = all.begin(); first != all.end();) {
+        const auto last =
+            std::find_if(first, all.end(), [&](const Seen& s) { return s.view != first->view; });
+        add_view(first->view, {first, last});
+        first = last;
+    }
+}
+
+void LensReach::add_chains(std::span<const Record> records, int x, int y, std::vector<Seen>& out) {
+    for (const Record& r : records.subspan(1)) {
+        const auto parent = std::find_if(records.begin(), records.end(),
+                                         [&](const Record& p) { return p.path == r.path.parent(); });
+        out.push_back({{r.path.bits(), parent->id}, x, y, static_cast<float>(inverse_depth(r.w))});
+    }
+}
+
+void LensReach::add_view(const View& view, std::span<const Seen> seen) {
+    int x_begin = seen.front().x, x_end = x_begin + 1, y_begin = seen.front().y, y_end = y_begin + 1;
+    for (const Seen& s : seen) {
+        x_begin = std::min(x_begin, s.x);
+        x_end = std::max(x_end, s.x + 1);
+        y_begin = std::min(y_begin, s.y);
+        y_end = std::max(y_end, s.y + 1);
+    }
+    const auto width = static_cast<std::size_t>(x_end - x_begin);
+    std::vector<float> values(width * static_cast<std::size_t>(y_end - y_begin),
+                              std::numeric_limits<float>::quiet_NaN());
+    for (const Seen& s : seen) {
+        values[static_cast<std::size_t>(s.y - y_begin) * width + static_cast<std::size_t>(s.x - x_begin)] =
+            s.inverse_depth;
+    }
+    views_.emplace(view, MinMaxPyramid(x_begin, y_begin, x_end - x_begin, y_end - y_begin, values));
+}
+
+bool LensReach::may_see(const Covers& covers, double behind) const {
+    return looks_behind(covers, behind, &MinMaxPyramid::any_in);
+}
+
+bool LensReach::may_see_past(const Covers& covers) const {
+    return looks_behind(covers, covers.limit, &MinMaxPyramid::maybe_any_in);
+}
+
+bool LensReach::looks_behind(const Covers& covers, double behind, Search search) const {
+    const auto view = views_.find({covers.path.bits(), covers.parent});
+    if (view == views_.end()) return false;
+    const MinMaxPyramid& seen = view->second;
+    const double k = px_per_inverse_m_, least = same_place_px / k;
+    if (covers.farthest - std::max(behind, seen.least()) < least) return false;  // the usual case
+    const auto edge_for = [&](double nearest) {
+        const double radius = k * (nearest - behind) + margin_px;
+        return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
+    };
+    // The covers are the surfaces in front of the hidden one. Next to an edge of the covers the inverse depth
+    // is lower, and the lens sees past the edge if it lies within the displacement of the covers at the
+    // lens's rim. If a surface nearer than the covers hides the edge, the larger displacement of that surface
+    // applies. The first test uses an upper bound of all displacements and rejects most cases.
+    const double radius = k * (covers.nearest - behind) + margin_px;
+    if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
+    if (edge_for(covers.nearest)) return true;
+    const double nearer = seen.greatest(covers.at, radius, covers.nearest);
+    return nearer > covers.nearest && edge_for(nearer);
+}
+
+}  // namespace postlens

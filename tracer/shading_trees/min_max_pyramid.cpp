@@ -1,0 +1,213 @@
+#include "tracer/shading_trees/min_max_pyramid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace postlens {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+/// Squared distance from (x, y) to the nearest integer position in a square.
+double distance2_of(double x, double y, int square_x, int square_y, double size) {
+    const double left = square_x * size, top = square_y * size;
+    const double dx = std::max(std::max(left - x, x - (left + size - 1)), 0.0),
+                 dy = std::max(std::max(top - y, y - (top + size - 1)), 0.0);
+    return dx * dx + dy * dy;
+}
+
+}  // namespace
+
+MinMaxPyramid::MinMaxPyramid(int x_begin, int y_begin, int width, int height,
+                             const std::vector<float>& values)
+    : x_begin_(x_begin), y_begin_(y_begin) {
+    Level first{width, height, {}};
+    first.ranges.reserve(values.size());
+    for (const float v : values) {
+        first.ranges.push_back(std::isnan(v) ? Range{infinity, -infinity} : Range{v, v});
+    }
+    levels_.push_back(std::move(first));
+    while (levels_.back().width > 1 || levels_.back().height > 1) {
+        const Level& below = levels_.back();
+        Level above{(below.width + 1) / 2, (below.height + 1) / 2, {}};
+        above.ranges.assign(static_cast<std::size_t>(above.width) * static_cast<std::size_t>(above.height),
+                            {infinity, -infinity});
+        for (int y = 0; y < below.height; ++y) {
+            for (int x = 0; x < below.width; ++x) {
+                const Range& from =
+                    below.ranges[static_cast<std::size_t>(y) * static_cast<std::size_t>(below.width) +
+                                 static_cast<std::size_t>(x)];
+                Range& to =
+                    above.ranges[static_cast<std::size_t>(y / 2) * static_cast<std::size_t>(above.width) +
+                                 static_cast<std::size_t>(x / 2)];
+                to.low = std::min(to.low, from.low);
+                to.high = std::max(to.high, from.high);
+            }
+        }
+        levels_.push_back(std::move(above));
+    }
+}
+
+// The highest level whose squares have a diagonal of at most an eighth of the radius.
+int MinMaxPyramid::coarse_level(double radius) const {
+    const int highest = static_cast<int>(levels_.size()) - 1;
+    int level = 0;
+    while (level < highest && std::sqrt(2.0) * (2 << level) <= radius / 8) ++level;
+    return level;
+}
+
+int MinMaxPyramid::level_of_width(double px) const {
+    const int highest = static_cast<int>(levels_.size()) - 1;
+    int level = 0;
+    while (level < highest && (1 << level) < px) ++level;
+    return level;
+}
+
+MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, double radius, int level) const {
+    const Level& of = levels_[static_cast<std::size_t>(level)];
+    const double x = at.x - x_begin_, y = at.y - y_begin_, size = 1 << level;
+    const auto square_of = [size](double place, int squares) {
+        return static_cast<int>(std::clamp(std::floor(place / size), 0.0, squares - 1.0));
+    };
+    return {square_of(x - radius, of.width), square_of(x + radius, of.width),
+            square_of(y - radius, of.height), square_of(y + radius, of.height)};
+}
+
+// Depth-first search within `radius` of `at`. `visit(range, square, distance2)` decides whether to descend
+// into a square, skip it or end the search; single values are squares of level 0. `distance2()` is the
+// squared distance from `at` to the nearest integer position in the square. Among siblings, the square with
+// the greatest `promise(range)` comes first. A square is skipped if `keeps(promise)` is false when its turn
+// comes.
+template <typename Visit, typename Promise, typename Keeps>
+void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
+                            const Keeps& keeps) const {
+    struct Square {
+        int level, x, y;
+        float promise;
+    };
+    if (!(radius >= 0)) return;  // not a number
+    // At most three siblings of a square wait on each of at most 31 levels, so 128 entries suffice.
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
+    std::array<Square, 128> open;
+    std::size_t count = 0;
+    const double x = at.x - x_begin_, y = at.y - y_begin_;
+    // Visits squares of one level. Returns false if the search ends.
+    const auto meet = [&](int at_level, int x_first, int x_last, int y_first, int y_last) {
+        const Level& level = levels_[static_cast<std::size_t>(at_level)];
+        const auto size = static_cast<double>(1 << at_level);
+        const std::size_t begin = count;
+        for (int sy = y_first; sy <= y_last; ++sy) {
+            for (int sx = x_first; sx <= x_last; ++sx) {
+                const Range& range =
+                    level.ranges[static_cast<std::size_t>(sy) * static_cast<std::size_t>(level.width) +
+                                 static_cast<std::size_t>(sx)];
+                const auto distance2 = [&] { return distance2_of(x, y, sx, sy, size); };
+                const Next next = visit(range, Hint{at_level, sx, sy}, distance2);
+                if (next == Next::end) return false;
+                if (next == Next::into && at_level > 0) open[count++] = {at_level, sx, sy, promise(range)};
+            }
+        }
+        for (std::size_t i = begin; i + 1 < count; ++i)
+            if (open[i].promise > open[count - 1].promise) std::swap(open[i], open[count - 1]);
+        return true;
+    };
+    // Starts at the level whose squares are as wide as the circle, which then overlaps at most 2 x 2 squares.
+    // Most circles are small, and a descent from the top would mostly serve to locate them.
+    const int top = level_of_width(2 * radius + 1);
+    const Squares around = squares_around(at, radius, top);
+    bool going = meet(top, around.x_first, around.x_last, around.y_first, around.y_last);
+    while (going && count > 0) {
+        const Square s = open[--count];
+        if (!keeps(s.promise)) continue;
+        const Level& below = levels_[static_cast<std::size_t>(s.level - 1)];
+        going = meet(s.level - 1, 2 * s.x, std::min(2 * s.x + 1, below.width - 1), 2 * s.y,
+                     std::min(2 * s.y + 1, below.height - 1));
+    }
+}
+
+bool MinMaxPyramid::any_in(const Cone& cone, int level, Hint& hint) const {
+    const double radius2 = cone.radius * cone.radius, slope2 = cone.slope * cone.slope;
+    const auto has = [&](const Range& range, const auto& distance2) {
+        const double under = cone.top - static_cast<double>(range.low);
+        if (!(under >= cone.least)) return false;
+        const double d2 = distance2();
+        return d2 <= radius2 && under * under >= slope2 * d2;
+    };
+    if (hint.level <= level && cone.radius >= 0) {
+        const Level& of = levels_[static_cast<std::size_t>(hint.level)];
+        if (hint.x < of.width && hint.y < of.height &&
+            has(of.ranges[static_cast<std::size_t>(hint.y) * static_cast<std::size_t>(of.width) +
+                          static_cast<std::size_t>(hint.x)],
+                [&] {
+                    return distance2_of(cone.at.x - x_begin_, cone.at.y - y_begin_, hint.x, hint.y,
+                                        1 << hint.level);
+                }))
+            return true;
+    }
+    bool found = false;
+    descend(
+        cone.at, cone.radius,
+        [&](const Range& range, const Hint& square, const auto& distance2) {
+            if (!has(range, distance2)) return Next::past;
+            found = square.level <= level;
+            if (found) hint = square;
+            return found ? Next::end : Next::into;
+        },
+        [](const Range& range) { return -range.low; }, [](float) { return true; });
+    return found;
+}
+
+bool MinMaxPyramid::any_in(const Cone& cone, Hint& hint) const {
+    return any_in(cone, 0, hint);
+}
+
+bool MinMaxPyramid::any_in(const Cone& cone) const {
+    Hint none;
+    return any_in(cone, none);
+}
+
+bool MinMaxPyramid::maybe_any_in(const Cone& cone, Hint& hint) const {
+    return any_in(cone, coarse_level(cone.radius), hint);
+}
+
+bool MinMaxPyramid::maybe_any_in(const Cone& cone) const {
+    Hint none;
+    return maybe_any_in(cone, none);
+}
+
+double MinMaxPyramid::greatest(const glm::dvec2& at, double radius, double floor) const {
+    const int level = coarse_level(radius);
+    double best = floor;
+    descend(
+        at, radius,
+        [&](const Range& range, const Hint& square, const auto& distance2) {
+            const auto high = static_cast<double>(range.high);
+            if (!(high > best) || distance2() > radius * radius) return Next::past;
+            if (square.level <= level) best = high;
+            return square.level > level ? Next::into : Next::past;
+        },
+        [](const Range& range) { return range.high; },
+        [&](float high) { return static_cast<double>(high) > best; });
+    return best;
+}
+
+double MinMaxPyramid::at_most(const glm::dvec2& at, double radius, double floor) const {
+    if (!(radius >= 0)) return floor;  // not a number
+    const int number = level_of_width(radius);
+    const Level& level = levels_[static_cast<std::size_t>(number)];
+    const Squares around = squares_around(at, radius, number);
+    double most = floor;
+    for (int y = around.y_first; y <= around.y_last; ++y) {
+        for (int x = around.x_first; x <= around.x_last; ++x) {
+            const Range& range =
+                level.ranges[static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) +
+                             static_cast<std::size_t>(x)];
+            most = std::max(most, static_cast<double>(range.high));
+        }
+    }
+    return most;
+}
+
+}  // namespace postlens

@@ -1,0 +1,280 @@
+#include "tracer/shading_trees/refocus_bend.h"
+
+#include <Imath/half.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tracer/shading/shading.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Largest number of Newton steps by which the ray from a lens point to a node is found. The derivatives stay
+// those of the pinhole, so each step gains about one digit; near caustics the steps oscillate. If a ray has
+// not converged after the last step, its estimated residual is added to its error. If the steps grow, the
+// error is infinite.
+constexpr int most_steps = 5;
+// A ray has converged ("is settled") if its estimated residual is at most 5 % of its departure from the
+// prediction by W, or if its last step is at most 0.1 px.
+constexpr double settled_share = 0.05, settled_px = 0.1;
+// Assumed residual after the first Newton step, relative to that step. Later residuals are estimated from the
+// ratio of the last two steps.
+constexpr double first_step_leaves = 0.25;
+// Fraction of settled_px. If the departures of the rays on one side of the lens are smaller than this, the
+// rays of the other side are skipped.
+constexpr double straight_share = 0.5;
+
+// Largest number of surfaces that a ray may pass through and that are not part of the node's path.
+constexpr int most_passed = 16;
+
+// A ray from a lens point that is adjusted until it reaches a node.
+struct Probe {
+    std::uint32_t node = 0;
+    dvec2 q{0}, predicted{0}, tangent{0};
+    double last_step = infinity;
+    double departure = 0, unsettled = 0;  // distance of `tangent` from `predicted`; estimated residual
+    bool converges = false;
+    // The current part of the ray.
+    dvec3 origin{0}, direction{0}, off{0};
+    double start = 0;  // distance from the origin at which the ray starts, behind passed surfaces
+    HitKey from;
+    int bounces = 0, passed = 0;
+    // The ray ended before its last bounce: another object blocks it, or it cannot follow the path.
+    bool hidden = false, lost = false;
+    [[nodiscard]] bool ended() const { return hidden || lost; }
+};
+
+class Prober {
+  public:
+    Prober(const RayScene& scene, const CameraModel& camera, std::span<const BentNode> nodes)
+        : scene_(scene), camera_(camera), nodes_(nodes) {}
+
+    void begin(Probe& p) const {
+        p.origin = camera_.position + p.q.x * camera_.right + p.q.y * camera_.down;
+        p.direction =
+            glm::normalize(camera_.forward + p.tangent.x * camera_.right + p.tangent.y * camera_.down);
+        p.off = dvec3(0);
+        p.start = 0;
+        p.from = {};
+        p.bounces = p.passed = 0;
+    }
+    [[nodiscard]] bool on_its_way(const Probe& p) const {
+        return !p.ended() && p.bounces < nodes_[p.node].path.depth();
+    }
+    // Processes a hit of the current ray: reflects or refracts the ray if the node's path does so there.
+    void meet(Probe& p, const HitKey& key, double t) const {
+        const BentNode& n = nodes_[p.node];
+        p.hidden = true;
+        if (!key.valid()) return;
+        const SurfacePoint s = scene_.surface(key, p.origin, p.direction, t);
+        if (s.object != n.bounces.object[static_cast<std::size_t>(p.bounces)]) {
+            p.hidden = p.bounces != n.hidden_bounce || ++p.passed > most_passed;
+            p.start = s.t + RayScene::offset(s.position);
+            p.from = key;
+            return;
+        }
+        p.hidden = false;
+        p.lost = true;
+        const Facing f = face(s, p.direction);
+        const Continuation c =
+            continuation(scene_.scene().materials[scene_.scene().objects[s.object].material], f, p.direction);
+        double side = 1;
+        if (n.path.bounce(p.bounces) == NodePath::Bounce::reflected) {
+            bool inwards = false;
+            p.direction = mirrored_direction(c, f, p.direction, inwards);
+        } else {
+            if (!c.refracts) return;
+            p.direction = refracted_direction(c, f, p.direction);
+            side = -1;
+        }
+        p.origin = s.position;
+        p.off = side * RayScene::offset(s.position) * f.geometric_normal;
+        p.start = 0;
+        p.from = key;
+        ++p.bounces;
+        p.lost = false;
+    }
+    // The change of the tangent by which the ray reaches the target, computed with the derivatives at the
+    // pinhole.
+    [[nodiscard]] dvec2 correction(const Probe& p) const {
+        const BentNode& n = nodes_[p.node];
+        const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
+        // Only the component of the distance from the target that is perpendicular to the ray counts.
+        const auto across = [](const dvec3& v, const dvec3& d) { return v - d * glm::dot(v, d); };
+        const dvec3 r = across(miss, p.direction);
+        const dvec3 a = across(n.by_tangent[0], n.direction), b = across(n.by_tangent[1], n.direction);
+        const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b);
+        const double ar = glm::dot(a, r), br = glm::dot(b, r), det = aa * bb - ab * ab;
+        return dvec2(bb * ar - ab * br, aa * br - ab * ar) / -det;
+    }
+
+  private:
+    const RayScene& scene_;
+    const CameraModel& camera_;
+    std::span<const BentNode> nodes_;
+};
+
+// Traces all probes (rays from lens points) whose search has not ended, up to their last bounce.
+void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& probes,
+            const std::vector<std::uint32_t>& open, std::uint64_t& rays_spent) {
+    thread_local RayBatch batch;
+    thread_local std::vector<std::uint32_t> going;
+    for (const std::uint32_t i : open) prober.begin(probes[i]);
+    for (;;) {
+        going.clear();
+        batch.clear(true);
+        for (const std::uint32_t i : open) {
+            const Probe& p = probes[i];
+            if (!prober.on_its_way(p)) continue;
+            going.push_back(i);
+            batch.add(p.origin + p.off + p.start * p.direction, p.direction,
+                      std::numeric_limits<float>::infinity(), p.from);
+        }
+        if (going.empty()) return;
+        rays_spent += going.size();
+        scene.intersect(batch, false);
+        for (std::size_t k = 0; k < going.size(); ++k) {
+            Probe& p = probes[going[k]];
+            prober.meet(p, batch.hit(k), p.start + static_cast<double>(batch.t[k]));
+        }
+    }
+}
+
+}  // namespace
+
+namespace {
+
+/// Greatest tangent of a ray from a lens point. A larger tangent means that the node lies at a fold of the
+/// image, where W is unbounded, or that the Newton steps diverge.
+constexpr double widest_tangent = 1e3;
+
+bool runs_away(const dvec2& tangent) {
+    return !(glm::length(tangent) < widest_tangent);
+}
+
+/// Finds the rays from lens points that reach given nodes, and the distances of their tangents from the
+/// tangents that W predicts.
+struct Search {
+    std::vector<Probe> probes;
+    std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
+    // Per node:
+    std::vector<bool> ended;       ///< one of its rays is lost
+    std::vector<double> greatest;  ///< greatest departure of its rays that have converged
+    std::vector<double> at_least;  ///< lower bound of the greatest departure of all its rays
+
+    void begin(std::span<const BentNode> nodes) {
+        probes.clear();
+        ended.assign(nodes.size(), false);
+        greatest.assign(nodes.size(), 0);
+        at_least.assign(nodes.size(), 0);
+    }
+    void add(const BentNode& n, std::uint32_t node, const dvec2& q) {
+        Probe p;
+        p.node = node;
+        p.q = q;
+        p.predicted =
+            n.tangent - dvec2(static_cast<double>(n.w.xx) * q.x + static_cast<double>(n.w.xy) * q.y,
+                              static_cast<double>(n.w.yx) * q.x + static_cast<double>(n.w.yy) * q.y);
+        p.tangent = p.predicted;
+        open.push_back(static_cast<std::uint32_t>(probes.size()));
+        probes.push_back(p);
+    }
+    void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
+                std::uint64_t& rays_spent);
+    /// Distance, on the plane of tangents, between the ray that a probe has found through its lens point and
+    /// the ray that the linear W predicts there. Infinite if the search found none. Not for rays to hidden
+    /// surfaces.
+    [[nodiscard]] static double departure(const Probe& p) {
+        return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
+    }
+
+  private:
+    void correct(const Prober& prober, bool first_step);
+};
+
+void Search::correct(const Prober& prober, bool first_step) {
+    for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
+    for (const std::uint32_t i : open) {
+        Probe& p = probes[i];
+        // A node whose ray cannot be found has an infinite error, so its further rays need no search.
+        if (p.lost) ended[p.node] = true;
+        if (p.ended()) continue;
+        const dvec2 change = prober.correction(p);
+        const double length = glm::length(change);
+        const double leaves = first_step ? first_step_leaves : length / p.last_step;
+        p.tangent += change;
+        p.last_step = length;
+        p.departure = glm::length(p.tangent - p.predicted);
+        p.converges = leaves < 1;
+        p.unsettled = p.converges ? leaves * length : length;
+        at_least[p.node] = std::max(at_least[p.node], p.departure - p.unsettled);
+    }
+}
+
+void Search::settle(const RayScene& scene, const Prober& prober, double settled_tangent,
+                    std::uint64_t& rays_spent) {
+    for (int step = 0; step < most_steps && !open.empty(); ++step) {
+        for (const std::uint32_t i : open) probes[i].lost = runs_away(probes[i].tangent);
+        follow(scene, prober, probes, open, rays_spent);
+        correct(prober, step == 0);
+        std::erase_if(open, [&](std::uint32_t i) {
+            Probe& p = probes[i];
+            if (ended[p.node] || p.hidden) return true;
+            // A ray whose departure cannot be the greatest of its node is dropped.
+            const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
+            const bool settled = p.last_step <= settled_tangent ||
+                                 (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
+            if (!smaller && !settled) return false;
+            p.unsettled = 0;
+            p.converges = true;
+            greatest[p.node] = std::max(greatest[p.node], p.departure);
+            return true;
+        });
+    }
+    open.clear();
+}
+
+}  // namespace
+
+void measure_bends(const RayScene& scene, const CameraModel& camera, double radius_m,
+                   std::span<const BentNode> nodes, std::vector<float>& out, std::uint64_t& rays_spent) {
+    thread_local Search search;
+    search.begin(nodes);
+    const Prober prober(scene, camera, nodes);
+    const double settled_tangent = settled_px * camera.tangent_per_px;
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+        for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
+    }
+    search.settle(scene, prober, settled_tangent, rays_spent);
+    // The departures of rays from the prediction by W are of second order, so they are equal on both sides of
+    // the lens up to third order. If two rays at right angles have small departures, the two rays on the
+    // opposite sides have small departures too. This holds for most nodes.
+    std::vector<bool> straight(nodes.size(), true);
+    for (const Probe& p : search.probes) {
+        if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
+    }
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+        if (straight[i] || search.ended[i]) continue;
+        for (const dvec2 q : {dvec2(-1, 0), dvec2(0, -1)}) search.add(nodes[i], i, radius_m * q);
+    }
+    search.settle(scene, prober, settled_tangent, rays_spent);
+    out.assign(nodes.size(), -1);
+    for (const Probe& p : search.probes) {
+        if (p.hidden) continue;
+        // The conversion from float rounds values that are too large for a half to infinity.
+        const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
+        out[p.node] = std::max(out[p.node], rounded);
+    }
+    // A node whose rays are all hidden has an infinite error.
+    for (float& bend : out) {
+        if (bend < 0) bend = std::numeric_limits<float>::infinity();
+    }
+}
+
+}  // namespace postlens

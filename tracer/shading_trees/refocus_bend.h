@@ -1,0 +1,54 @@
+// Measures the error of the matrix W. The image of a node behind mirrors and glass moves by -W q for a lens
+// point q only to first order. The second-order error is measured with exact rays from the rim of a lens.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "records/record.h"
+#include "tracer/camera_model.h"
+#include "tracer/intersection/ray_scene.h"
+#include "tracer/shading_trees/ray_differentials.h"
+
+namespace postlens {
+
+/// The objects at which a path has bounced so far.
+struct Bounces {
+    std::array<std::uint32_t, NodePath::max_bounces> object{};  ///< index into Scene::objects, per bounce
+    bool flat = true;  ///< all bounces are reflections at flat surfaces, so W is exact
+};
+
+/// A node after at least one bounce, and the target that a ray from another lens point must reach.
+struct BentNode {
+    std::uint32_t node = 0;  ///< index for the caller's use
+    NodePath path;
+    Bounces bounces;
+    int hidden_bounce = -1;    ///< the bounce that may lie behind other surfaces; -1: none
+    bool at_infinity = false;  ///< `target` is a direction, not a point
+    glm::dvec3 target{0};      ///< end of the path, world
+    glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
+    glm::dvec2 tangent{0};     ///< of the eye ray, along the raster's axes
+    /// Derivative of the target by the tangent of the eye ray, world.
+    std::array<glm::dvec3, 2> by_tangent{};
+    Mat2 w;
+};
+
+/// Nonlinear W (`w_bend`) of each node, 1/m^2. For a lens point q, let e be the difference between the
+/// tangent of the ray that reaches the target and its first-order prediction p - W q; the result is the
+/// largest |e| / |q|^2.
+///
+/// Lens points: four at `radius_m` on the raster axes; only two at right angles if both have an error below
+/// 0.05 px. The ray from a lens point is found by Newton's method, with the derivatives at the pinhole, along
+/// the same sequence of objects up to the last bounce; the residual after five steps is added to the error.
+/// Infinity if this does not converge or ends in total internal reflection. A lens point whose ray is
+/// blocked, or passes the outline of an object, is skipped; if all four are, the result is infinity.
+/// Occlusion between the last bounce and the target is ignored.
+///
+/// Rounded to half precision. Adds the number of rays traced to `rays_spent`. Thread-safe and deterministic.
+void measure_bends(const RayScene& scene, const CameraModel& camera, double radius_m,
+                   std::span<const BentNode> nodes, std::vector<float>& out, std::uint64_t& rays_spent);
+
+}  // namespace postlens
